@@ -1,0 +1,84 @@
+//! Conformance: do gradient and Hessian of an [`Energy`] belong to its value?
+
+use crate::Energy;
+
+/// How far an energy's derivatives are from central differences of its lower derivatives, relative
+/// to the largest entry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conformance {
+    /// Gradient against differences of the value.
+    pub gradient: f64,
+    /// Hessian against differences of the gradient.
+    pub hessian: f64,
+    /// Positions of the full Hessian that the pattern leaves out, largest difference there.
+    pub outside_pattern: f64,
+}
+
+/// Compares at `u` (n) with central differences of step `h` (UL) in every unknown: 4 n evaluations.
+///
+/// # Panics
+/// If `u` is not as long as the energy has unknowns.
+pub fn energy(energy: &dyn Energy, u: &[f64], h: f64) -> Conformance {
+    let n = energy.dofs();
+    assert_eq!(u.len(), n, "check::energy: u has one entry per unknown");
+    let mut gradient = vec![0.0; n];
+    energy.gradient(u, &mut gradient);
+    let (difference, columns) = central_differences(energy, u, h);
+
+    let pattern = energy.hessian_pattern();
+    let mut values = vec![0.0; pattern.len()];
+    energy.hessian(u, &mut values);
+    let mut hessian = vec![vec![0.0; n]; n];
+    let mut inside = vec![vec![false; n]; n];
+    for ((&r, &c), v) in pattern.rows().iter().zip(pattern.cols()).zip(values) {
+        hessian[c][r] = v;
+        hessian[r][c] = v;
+        inside[r][c] = true;
+        inside[c][r] = true;
+    }
+    let size = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
+    let whole = columns.iter().map(|c| size(c)).fold(0.0, f64::max);
+    let mut result = Conformance {
+        gradient: distance(&gradient, &difference) / size(&difference),
+        hessian: 0.0,
+        outside_pattern: 0.0,
+    };
+    for (j, column) in columns.iter().enumerate() {
+        for i in 0..n {
+            let error = (hessian[j][i] - column[i]).abs() / whole;
+            let worst = match inside[j][i] {
+                true => &mut result.hessian,
+                false => &mut result.outside_pattern,
+            };
+            *worst = worst.max(error);
+        }
+    }
+    result
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
+}
+
+/// ∇E from differences of E, and the columns of ∇²E from differences of ∇E.
+fn central_differences(energy: &dyn Energy, u: &[f64], h: f64) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let n = u.len();
+    let mut x = u.to_vec();
+    let (mut up, mut down) = (vec![0.0; n], vec![0.0; n]);
+    let mut gradient = Vec::with_capacity(n);
+    let mut columns = Vec::with_capacity(n);
+    for j in 0..n {
+        x[j] = u[j] + h;
+        let above = energy.value(&x);
+        energy.gradient(&x, &mut up);
+        x[j] = u[j] - h;
+        let below = energy.value(&x);
+        energy.gradient(&x, &mut down);
+        x[j] = u[j];
+        gradient.push((above - below) / (2.0 * h));
+        columns.push(up.iter().zip(&down).map(|(a, b)| (a - b) / (2.0 * h)).collect());
+    }
+    (gradient, columns)
+}

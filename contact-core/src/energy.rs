@@ -1,0 +1,153 @@
+//! The potential energy E(u) and the direct sum over bodies.
+
+use crate::nlp::Pattern;
+
+/// E : ℝⁿ → ℝ ∪ {+∞} over the FREE unknowns (equation (2) of the paper).
+///
+/// `gradient` is ∇E (n, UF) and `hessian` fills the lower triangle of ∇²E (UF/UL) at the positions
+/// of `hessian_pattern`, which stays the same for the life of the energy.
+/// [`check::energy`](crate::check::energy) compares all three with central differences.
+pub trait Energy {
+    /// n, the number of free unknowns.
+    fn dofs(&self) -> usize;
+    /// E(u), `+∞` where u is inadmissible.
+    fn value(&self, u: &[f64]) -> f64;
+    /// ∇E(u) into `g` (n); overwritten.
+    fn gradient(&self, u: &[f64], g: &mut [f64]);
+    /// Positions of the Hessian's lower triangle.
+    fn hessian_pattern(&self) -> &Pattern;
+    /// ∇²E(u) into `values` (one per position); overwritten.
+    fn hessian(&self, u: &[f64], values: &mut [f64]);
+    /// Whether E is quadratic, so that its Hessian need be evaluated only once.
+    fn is_quadratic(&self) -> bool {
+        false
+    }
+    /// How many functions d_k describe the domain { u : d_k(u) > 0 } on which E is finite.
+    fn domain_len(&self) -> usize {
+        0
+    }
+    /// The domain functions at u into `d`: in elasticity the volume ratios J.
+    ///
+    /// A step that takes some d_k below a tenth of its last accepted value is refused by the
+    /// interior point method: elements that collapse within one line search never recover.
+    fn domain(&self, _u: &[f64], _d: &mut [f64]) {}
+}
+
+/// E(u) = Σ_b E_b(u_b): bodies side by side, each with its own contiguous range of unknowns.
+pub struct DirectSum<E> {
+    parts: Vec<E>,
+    /// Where each part's unknowns, Hessian entries and domain functions start; one past the end last.
+    dofs: Vec<usize>,
+    entries: Vec<usize>,
+    domains: Vec<usize>,
+    pattern: Pattern,
+}
+
+impl<E: Energy> DirectSum<E> {
+    /// Stacks the parts in the order given.
+    pub fn new(parts: Vec<E>) -> Self {
+        let (mut dofs, mut entries, mut domains) = (vec![0], vec![0], vec![0]);
+        let mut pattern = Pattern::empty();
+        for part in &parts {
+            let offset = dofs[dofs.len() - 1];
+            for (row, col) in part.hessian_pattern().iter() {
+                pattern.push(offset + row, offset + col);
+            }
+            dofs.push(offset + part.dofs());
+            entries.push(pattern.len());
+            domains.push(domains[domains.len() - 1] + part.domain_len());
+        }
+        DirectSum {
+            parts,
+            dofs,
+            entries,
+            domains,
+            pattern,
+        }
+    }
+
+    /// The parts.
+    pub fn parts(&self) -> &[E] {
+        &self.parts
+    }
+
+    /// The parts, to change their loads; their number of unknowns and patterns must stay.
+    pub fn parts_mut(&mut self) -> &mut [E] {
+        &mut self.parts
+    }
+
+    /// The range of unknowns of part `b`.
+    pub fn range(&self, b: usize) -> std::ops::Range<usize> {
+        self.dofs[b]..self.dofs[b + 1]
+    }
+}
+
+impl<E: Energy> Energy for DirectSum<E> {
+    fn dofs(&self) -> usize {
+        self.dofs[self.parts.len()]
+    }
+
+    fn value(&self, u: &[f64]) -> f64 {
+        let values = self.parts.iter().enumerate();
+        values.map(|(b, part)| part.value(&u[self.range(b)])).sum()
+    }
+
+    fn gradient(&self, u: &[f64], g: &mut [f64]) {
+        for (b, part) in self.parts.iter().enumerate() {
+            part.gradient(&u[self.range(b)], &mut g[self.range(b)]);
+        }
+    }
+
+    fn hessian_pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    fn hessian(&self, u: &[f64], values: &mut [f64]) {
+        for (b, part) in self.parts.iter().enumerate() {
+            let entries = self.entries[b]..self.entries[b + 1];
+            part.hessian(&u[self.range(b)], &mut values[entries]);
+        }
+    }
+
+    fn is_quadratic(&self) -> bool {
+        self.parts.iter().all(Energy::is_quadratic)
+    }
+
+    fn domain_len(&self) -> usize {
+        self.domains[self.parts.len()]
+    }
+
+    fn domain(&self, u: &[f64], d: &mut [f64]) {
+        for (b, part) in self.parts.iter().enumerate() {
+            let domain = self.domains[b]..self.domains[b + 1];
+            part.domain(&u[self.range(b)], &mut d[domain]);
+        }
+    }
+}
+
+impl<E: Energy + ?Sized> Energy for Box<E> {
+    fn dofs(&self) -> usize {
+        (**self).dofs()
+    }
+    fn value(&self, u: &[f64]) -> f64 {
+        (**self).value(u)
+    }
+    fn gradient(&self, u: &[f64], g: &mut [f64]) {
+        (**self).gradient(u, g)
+    }
+    fn hessian_pattern(&self) -> &Pattern {
+        (**self).hessian_pattern()
+    }
+    fn hessian(&self, u: &[f64], values: &mut [f64]) {
+        (**self).hessian(u, values)
+    }
+    fn is_quadratic(&self) -> bool {
+        (**self).is_quadratic()
+    }
+    fn domain_len(&self) -> usize {
+        (**self).domain_len()
+    }
+    fn domain(&self, u: &[f64], d: &mut [f64]) {
+        (**self).domain(u, d)
+    }
+}

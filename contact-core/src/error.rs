@@ -1,0 +1,78 @@
+//! What can go wrong before or around a solve. An iteration limit is not an error: it is a status
+//! with its history, see [`fixed_point::Outcome`](crate::fixed_point::Outcome).
+
+/// Errors of the optimisation layer. Each names the offending thing, its value and the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A slice has the wrong length.
+    #[error("{what} has length {found}, expected {expected}: pass one entry per unknown")]
+    Length {
+        /// Which argument.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length needed.
+        expected: usize,
+    },
+    /// A number is NaN or infinite where a finite one is needed.
+    #[error("{what}[{index}] = {value} is not finite: check the input that it was made from")]
+    NotFinite {
+        /// Which argument.
+        what: &'static str,
+        /// Where in it.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// A setting is outside its range.
+    #[error("setting `{name}` = {value} is out of range: {remedy}")]
+    Setting {
+        /// The field's name.
+        name: &'static str,
+        /// The value found.
+        value: String,
+        /// What would be accepted.
+        remedy: &'static str,
+    },
+    /// Bounds or patterns that cannot be.
+    #[error(transparent)]
+    Nlp(#[from] crate::nlp::NlpError),
+    /// The Ipopt driver refused the problem or an option.
+    #[cfg(feature = "ipopt")]
+    #[error(transparent)]
+    Ipopt(#[from] crate::ipopt::Error),
+    /// The contact problem itself reported an error.
+    #[error(transparent)]
+    Problem(Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl Error {
+    /// Wraps an error of a [`ContactProblem`](crate::ContactProblem)'s own.
+    pub fn problem(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Error::Problem(Box::new(error))
+    }
+
+    /// Checks that `slice` has `expected` finite entries.
+    pub(crate) fn check_vector(
+        what: &'static str,
+        slice: &[f64],
+        expected: usize,
+    ) -> Result<(), Self> {
+        if slice.len() != expected {
+            return Err(Error::Length {
+                what,
+                found: slice.len(),
+                expected,
+            });
+        }
+        match slice.iter().position(|v| !v.is_finite()) {
+            Some(index) => Err(Error::NotFinite {
+                what,
+                index,
+                value: slice[index],
+            }),
+            None => Ok(()),
+        }
+    }
+}

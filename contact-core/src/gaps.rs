@@ -1,0 +1,143 @@
+//! The linearised weak non-penetration constraints c(u) = C u + c₀ ≥ 0.
+
+/// Which constraint a row is: the same key names the same contact node in the same role in every
+/// fixed-point iteration and load step, so that multipliers can be carried along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct RowKey {
+    /// The pass: one per ordered pair (slave surface, master surface).
+    pub pass: u32,
+    /// The slave node.
+    pub node: u32,
+}
+
+/// One sparse row under construction or in transit: entries `(dof, coefficient)` over the FREE
+/// and over the PRESCRIBED unknowns, and the constant.
+#[derive(Clone, Debug, Default)]
+pub struct Row {
+    /// Coefficients of free unknowns, at most one entry per unknown.
+    pub free: Vec<(usize, f64)>,
+    /// Coefficients of prescribed unknowns; their contribution is already part of `constant`.
+    pub prescribed: Vec<(usize, f64)>,
+    /// c₀ of this row (UL).
+    pub constant: f64,
+}
+
+/// Rows of a sparse matrix, compressed.
+#[derive(Clone, Debug)]
+struct Rows {
+    starts: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Rows {
+    fn new() -> Self {
+        Rows {
+            starts: vec![0],
+            columns: Vec::new(),
+            values: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, entries: &[(usize, f64)]) {
+        self.columns.extend(entries.iter().map(|e| e.0));
+        self.values.extend(entries.iter().map(|e| e.1));
+        self.starts.push(self.columns.len());
+    }
+
+    fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = self.starts[i]..self.starts[i + 1];
+        let values = self.values[range.clone()].iter().copied();
+        self.columns[range].iter().copied().zip(values)
+    }
+
+    /// Adds Aᵀλ to `out`.
+    fn add_transpose(&self, lambda: &[f64], out: &mut [f64]) {
+        for (i, &l) in lambda.iter().enumerate() {
+            for (j, a) in self.row(i) {
+                out[j] += a * l;
+            }
+        }
+    }
+}
+
+/// c(u) = C u + c₀ ≥ 0, one row per contact node with support in reach (method (7) of the paper).
+///
+/// Each row is divided by its a_i, so c is a length (UL) and its multiplier a force (UF).
+#[derive(Clone, Debug)]
+pub struct LinearGaps {
+    keys: Vec<RowKey>,
+    free: Rows,
+    prescribed: Rows,
+    constant: Vec<f64>,
+    exact: bool,
+}
+
+impl LinearGaps {
+    /// No rows yet. `exact` says that the constraints are linear by nature (small strain), so that
+    /// one solve suffices.
+    pub fn new(exact: bool) -> Self {
+        LinearGaps {
+            keys: Vec::new(),
+            free: Rows::new(),
+            prescribed: Rows::new(),
+            constant: Vec::new(),
+            exact,
+        }
+    }
+
+    /// Appends a row. Keys must be unique; they need not be sorted.
+    pub fn push(&mut self, key: RowKey, row: &Row) {
+        self.keys.push(key);
+        self.free.push(&row.free);
+        self.prescribed.push(&row.prescribed);
+        self.constant.push(row.constant);
+    }
+
+    /// m, the number of rows.
+    pub fn len(&self) -> usize {
+        self.keys.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.keys.is_empty()
+    }
+
+    /// Whether the rows hold for every u and not just near the point they were linearised at.
+    pub fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    /// The rows' names.
+    pub fn keys(&self) -> &[RowKey] {
+        &self.keys
+    }
+
+    /// c₀ (m, UL).
+    pub fn constant(&self) -> &[f64] {
+        &self.constant
+    }
+
+    /// The nonzeros of C, row by row, as `(row, free unknown, coefficient)`.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        (0..self.len()).flat_map(|i| self.free.row(i).map(move |(j, a)| (i, j, a)))
+    }
+
+    /// c(u) = C u + c₀ into `c` (m, UL).
+    pub fn value(&self, u: &[f64], c: &mut [f64]) {
+        for (i, c) in c.iter_mut().enumerate() {
+            *c = self.constant[i] + self.free.row(i).map(|(j, a)| a * u[j]).sum::<f64>();
+        }
+    }
+
+    /// Adds the contact forces Cᵀλ on the free unknowns to `forces` (n, UF).
+    pub fn add_forces(&self, lambda: &[f64], forces: &mut [f64]) {
+        self.free.add_transpose(lambda, forces);
+    }
+
+    /// Adds the contact forces on the prescribed unknowns to `forces` (UF).
+    pub fn add_prescribed_forces(&self, lambda: &[f64], forces: &mut [f64]) {
+        self.prescribed.add_transpose(lambda, forces);
+    }
+}

@@ -1,0 +1,337 @@
+//! From Ipopt's callbacks to an [`Nlp`]: finite values only, and no panic across.
+
+use std::{
+    any::Any,
+    ffi::{c_char, c_int, c_void},
+    ops::ControlFlow,
+    panic::{AssertUnwindSafe, catch_unwind},
+    slice,
+    time::Instant,
+};
+
+use ipopt_sys as sys;
+
+use super::statistics::{CallbackStatistics, Statistics};
+use crate::nlp::{Iterate, IterateSource, IterationRecord, Multipliers, Nlp, Phase, Structure};
+
+/// What the callbacks of one solve share.
+pub(super) struct Context<'a> {
+    nlp: &'a mut dyn Nlp,
+    structure: &'a Structure,
+    shim: *const sys::ipopt_shim,
+    /// The first panic; once there is one, every callback fails.
+    pub(super) panic: Option<Box<dyn Any + Send>>,
+    pub(super) history: Vec<IterationRecord>,
+    /// Calls and times; the rest comes from Ipopt.
+    pub(super) statistics: Statistics,
+    /// The line of the log that has begun.
+    line: Vec<u8>,
+}
+
+impl<'a> Context<'a> {
+    pub(super) fn new(
+        nlp: &'a mut dyn Nlp,
+        structure: &'a Structure,
+        shim: *const sys::ipopt_shim,
+    ) -> Self {
+        let (panic, history, statistics, line) = Default::default();
+        Self {
+            nlp,
+            structure,
+            shim,
+            panic,
+            history,
+            statistics,
+            line,
+        }
+    }
+
+    /// The table for the shim; valid as long as `self` stays where it is.
+    pub(super) fn table(&mut self) -> sys::ipopt_shim_callbacks {
+        let log: unsafe extern "C" fn(*mut c_void, *const c_char, usize) = log;
+        sys::ipopt_shim_callbacks {
+            user: std::ptr::from_mut(self).cast(),
+            objective: Some(objective),
+            gradient: Some(gradient),
+            constraints: Some(constraints),
+            jacobian: Some(jacobian),
+            hessian: Some(hessian),
+            intermediate: Some(intermediate),
+            log: log::log_enabled!(target: "ipopt", log::Level::Debug).then_some(log),
+        }
+    }
+
+    /// Runs `body` unless a callback panicked before; false if it did, or does.
+    fn guarded(&mut self, body: impl FnOnce(&mut Self) -> bool) -> c_int {
+        if self.panic.is_some() {
+            return 0;
+        }
+        match catch_unwind(AssertUnwindSafe(|| body(self))) {
+            Ok(success) => c_int::from(success),
+            Err(payload) => {
+                self.panic = Some(payload);
+                0
+            }
+        }
+    }
+
+    fn emit(line: &[u8]) {
+        log::debug!(target: "ipopt", "{}", String::from_utf8_lossy(line).trim_end());
+    }
+
+    /// Logs what is left of a line.
+    pub(super) fn flush(&mut self) {
+        if !self.line.is_empty() {
+            self.guarded(|context| {
+                Self::emit(&std::mem::take(&mut context.line));
+                true
+            });
+        }
+    }
+}
+
+/// No early exit, so that it vectorises.
+fn all_finite(values: &[f64]) -> bool {
+    values
+        .iter()
+        .fold(true, |all, value| all & value.is_finite())
+}
+
+fn timed<T>(statistics: &mut CallbackStatistics, body: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    statistics.calls += 1;
+    let value = body();
+    statistics.time += start.elapsed();
+    value
+}
+
+/// # Safety
+/// `user` must come from [`Context::table`].
+unsafe fn context<'a>(user: *mut c_void) -> &'a mut Context<'a> {
+    // SAFETY: the solver keeps the context in place during the solve and touches it through the shim only.
+    unsafe { &mut *user.cast::<Context<'a>>() }
+}
+
+/// # Safety
+/// `data` must be valid for `len` values; it may be anything if there are none.
+unsafe fn input<'a>(data: *const f64, len: usize) -> &'a [f64] {
+    match len {
+        0 => &[],
+        // SAFETY: the caller's promise.
+        _ => unsafe { slice::from_raw_parts(data, len) },
+    }
+}
+
+/// # Safety
+/// As [`input`], for writing.
+unsafe fn output<'a>(data: *mut f64, len: usize) -> &'a mut [f64] {
+    match len {
+        0 => &mut [],
+        // SAFETY: the caller's promise.
+        _ => unsafe { slice::from_raw_parts_mut(data, len) },
+    }
+}
+
+unsafe extern "C" fn objective(
+    user: *mut c_void,
+    x: *const f64,
+    new_x: c_int,
+    value: *mut f64,
+) -> c_int {
+    // SAFETY: the shim hands on `user` and arrays of the problem's sizes, here and in the functions below.
+    unsafe { context(user) }.guarded(|this| {
+        // SAFETY: as above.
+        let x = unsafe { input(x, this.structure.variables()) };
+        let f = timed(&mut this.statistics.objective, || {
+            this.nlp.objective(x, new_x != 0)
+        });
+        // SAFETY: as above.
+        unsafe { value.write(f) };
+        f.is_finite()
+    })
+}
+
+unsafe extern "C" fn gradient(
+    user: *mut c_void,
+    x: *const f64,
+    new_x: c_int,
+    gradient: *mut f64,
+) -> c_int {
+    // SAFETY: see `objective`.
+    unsafe { context(user) }.guarded(|this| {
+        let n = this.structure.variables();
+        // SAFETY: see `objective`.
+        let (x, gradient) = unsafe { (input(x, n), output(gradient, n)) };
+        gradient.fill(0.0);
+        timed(&mut this.statistics.gradient, || {
+            this.nlp.gradient(x, new_x != 0, gradient)
+        });
+        all_finite(gradient)
+    })
+}
+
+unsafe extern "C" fn constraints(
+    user: *mut c_void,
+    x: *const f64,
+    new_x: c_int,
+    g: *mut f64,
+) -> c_int {
+    // SAFETY: see `objective`.
+    unsafe { context(user) }.guarded(|this| {
+        // SAFETY: see `objective`.
+        let (x, g) = unsafe {
+            (
+                input(x, this.structure.variables()),
+                output(g, this.structure.constraints()),
+            )
+        };
+        g.fill(0.0);
+        timed(&mut this.statistics.constraints, || {
+            this.nlp.constraints(x, new_x != 0, g)
+        });
+        all_finite(g)
+    })
+}
+
+unsafe extern "C" fn jacobian(
+    user: *mut c_void,
+    x: *const f64,
+    new_x: c_int,
+    values: *mut f64,
+) -> c_int {
+    // SAFETY: see `objective`.
+    unsafe { context(user) }.guarded(|this| {
+        // SAFETY: see `objective`.
+        let (x, values) = unsafe {
+            (
+                input(x, this.structure.variables()),
+                output(values, this.structure.jacobian().len()),
+            )
+        };
+        values.fill(0.0);
+        timed(&mut this.statistics.jacobian, || {
+            this.nlp.jacobian(x, new_x != 0, values)
+        });
+        all_finite(values)
+    })
+}
+
+unsafe extern "C" fn hessian(
+    user: *mut c_void,
+    x: *const f64,
+    new_x: c_int,
+    objective_factor: f64,
+    lambda: *const f64,
+    _new_lambda: c_int,
+    values: *mut f64,
+) -> c_int {
+    // SAFETY: see `objective`.
+    unsafe { context(user) }.guarded(|this| {
+        let (n, m) = (this.structure.variables(), this.structure.constraints());
+        let entries = this.structure.hessian().map_or(0, |pattern| pattern.len());
+        // SAFETY: see `objective`.
+        let (x, lambda, values) =
+            unsafe { (input(x, n), input(lambda, m), output(values, entries)) };
+        values.fill(0.0);
+        timed(&mut this.statistics.hessian, || {
+            this.nlp
+                .hessian(x, new_x != 0, objective_factor, lambda, values)
+        });
+        all_finite(values)
+    })
+}
+
+unsafe extern "C" fn intermediate(
+    user: *mut c_void,
+    raw: *const sys::ipopt_shim_iteration,
+) -> c_int {
+    // SAFETY: see `objective`; `raw` is valid during the call.
+    let (this, raw) = unsafe { (context(user), &*raw) };
+    this.guarded(|this| {
+        let record = record(raw);
+        this.history.push(record);
+        let source = Source {
+            shim: this.shim,
+            structure: this.structure,
+        };
+        this.nlp.iterate(&Iterate::new(record, &source)) == ControlFlow::Continue(())
+    })
+}
+
+unsafe extern "C" fn log(user: *mut c_void, text: *const c_char, length: usize) {
+    // SAFETY: see `objective`; `text` has `length` bytes.
+    let (this, text) = unsafe {
+        (
+            context(user),
+            slice::from_raw_parts(text.cast::<u8>(), length),
+        )
+    };
+    this.guarded(|this| {
+        for piece in text.split_inclusive(|&byte| byte == b'\n') {
+            this.line.extend_from_slice(piece);
+            if piece.ends_with(b"\n") {
+                Context::emit(&std::mem::take(&mut this.line));
+            }
+        }
+        true
+    });
+}
+
+fn record(raw: &sys::ipopt_shim_iteration) -> IterationRecord {
+    IterationRecord {
+        iteration: usize::try_from(raw.iteration).unwrap_or(0),
+        phase: if raw.restoration != 0 {
+            Phase::Restoration
+        } else {
+            Phase::Regular
+        },
+        objective: raw.objective,
+        primal_infeasibility: raw.primal_infeasibility,
+        dual_infeasibility: raw.dual_infeasibility,
+        mu: raw.mu,
+        step_norm: raw.step_norm,
+        regularization: raw.regularization,
+        alpha_dual: raw.alpha_dual,
+        alpha_primal: raw.alpha_primal,
+        line_search_trials: usize::try_from(raw.line_search_trials).unwrap_or(0),
+    }
+}
+
+/// The iterate of the solve under way; lives inside `intermediate` only.
+struct Source<'a> {
+    shim: *const sys::ipopt_shim,
+    structure: &'a Structure,
+}
+
+impl IterateSource for Source<'_> {
+    fn x(&self) -> Option<Vec<f64>> {
+        let mut x = vec![0.0; self.structure.variables()];
+        // SAFETY: the shim is in its intermediate callback, and `x` has n values.
+        (unsafe { sys::ipopt_shim_current_x(self.shim, x.as_mut_ptr()) } != 0).then_some(x)
+    }
+
+    fn constraints(&self) -> Option<Vec<f64>> {
+        let mut g = vec![0.0; self.structure.constraints()];
+        // SAFETY: as above, m values.
+        (unsafe { sys::ipopt_shim_current_g(self.shim, g.as_mut_ptr()) } != 0).then_some(g)
+    }
+
+    fn multipliers(&self) -> Option<Multipliers> {
+        let n = self.structure.variables();
+        let mut multipliers = Multipliers {
+            constraints: vec![0.0; self.structure.constraints()],
+            lower: vec![0.0; n],
+            upper: vec![0.0; n],
+        };
+        // SAFETY: as above, n, n and m values.
+        let available = unsafe {
+            sys::ipopt_shim_current_multipliers(
+                self.shim,
+                multipliers.lower.as_mut_ptr(),
+                multipliers.upper.as_mut_ptr(),
+                multipliers.constraints.as_mut_ptr(),
+            )
+        };
+        (available != 0).then_some(multipliers)
+    }
+}

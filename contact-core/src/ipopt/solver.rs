@@ -1,0 +1,367 @@
+//! The driver.
+
+use std::{fmt, panic::resume_unwind, ptr::NonNull, time::Instant};
+
+use ipopt_sys as sys;
+
+use super::{
+    Error, OptionValue, Options, Statistics, Status, callbacks::Context, lock::Exclusive, options,
+};
+use crate::nlp::{Bounds, IterationRecord, Multipliers, Nlp, NlpError, Pattern, Phase, Structure};
+
+/// Where a solve starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start<'a> {
+    /// x, n finite values. Ipopt moves them inside their bounds.
+    pub x: &'a [f64],
+    /// With multipliers the solve is a warm start; see [`Options::warm_start`] for what else that needs.
+    pub multipliers: Option<&'a Multipliers>,
+}
+
+impl<'a> Start<'a> {
+    /// A cold start.
+    pub fn at(x: &'a [f64]) -> Self {
+        Self {
+            x,
+            multipliers: None,
+        }
+    }
+}
+
+/// Factors Ipopt applies with the option `nlp_scaling_method` at "user-scaling", and only then.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scaling {
+    /// Of f.
+    pub objective: f64,
+    /// Of x; `None` for 1.
+    pub variables: Option<Vec<f64>>,
+    /// Of g; `None` for 1.
+    pub constraints: Option<Vec<f64>>,
+}
+
+/// How a solve ended, and where.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Solution {
+    /// How it ended. Look at it first.
+    pub status: Status,
+    /// x; the start if Ipopt ended without a final point.
+    pub x: Vec<f64>,
+    /// f(x), unscaled; NaN if Ipopt ended without a final point.
+    pub objective: f64,
+    /// g(x); NaN if Ipopt ended without a final point.
+    pub g: Vec<f64>,
+    /// The multipliers at x, `None` where Ipopt has none worth the name: after an invalid number, a time limit, in
+    /// the restoration phase, or with nothing to iterate because all variables are fixed.
+    pub multipliers: Option<Multipliers>,
+    /// What it cost.
+    pub statistics: Statistics,
+    /// Every iteration, the starting point first.
+    pub history: Vec<IterationRecord>,
+}
+
+/// Ipopt for one [`Structure`], for as many solves as wanted.
+///
+/// It may move between threads; solves of the whole process run one after the other. Between solves it holds the
+/// pattern and the options, not the memory of the linear solver.
+pub struct Solver {
+    shim: NonNull<sys::ipopt_shim>,
+    structure: Structure,
+    /// What the caller set for `warm_start_init_point`, if anything.
+    warm_start: Option<OptionValue>,
+}
+
+// SAFETY: the shim has no ties to a thread, and every use of it is under the process-wide lock.
+unsafe impl Send for Solver {}
+
+impl Solver {
+    /// A solver for problems of this structure.
+    ///
+    /// # Errors
+    /// [`Error::Option`] names the option Ipopt refuses.
+    pub fn new(structure: Structure, options: &Options) -> Result<Self, Error> {
+        let (rows, cols) = indices(structure.jacobian());
+        let (h_rows, h_cols) = structure.hessian().map(indices).unwrap_or_default();
+        let shim = {
+            let _exclusive = Exclusive::wait();
+            // SAFETY: the structure is valid: indices in range, counts within 32 bits.
+            unsafe {
+                sys::ipopt_shim_create(
+                    count(structure.variables()),
+                    count(structure.constraints()),
+                    count(rows.len()),
+                    rows.as_ptr(),
+                    cols.as_ptr(),
+                    count(h_rows.len()),
+                    h_rows.as_ptr(),
+                    h_cols.as_ptr(),
+                )
+            }
+        };
+        let shim = NonNull::new(shim).ok_or(Error::OutOfMemory)?;
+        let mut solver = Self {
+            shim,
+            structure,
+            warm_start: None,
+        };
+        solver.copy_bounds();
+        solver.set_options(options)?;
+        Ok(solver)
+    }
+
+    /// What is solved.
+    pub fn structure(&self) -> &Structure {
+        &self.structure
+    }
+
+    /// Replaces all options.
+    ///
+    /// # Errors
+    /// [`Error::Option`] names the option Ipopt refuses; the ones before it are set then.
+    pub fn set_options(&mut self, options: &Options) -> Result<(), Error> {
+        self.warm_start = options.get("warm_start_init_point").cloned();
+        let _exclusive = Exclusive::wait();
+        // SAFETY: the shim is valid, and Ipopt locked.
+        unsafe { options::apply(self.shim.as_ptr(), &self.structure, options) }?;
+        Ok(())
+    }
+
+    /// Replaces the bounds.
+    ///
+    /// # Errors
+    /// As [`Structure::new`]; the bounds then stay as they were.
+    pub fn set_bounds(&mut self, variables: Bounds, constraints: Bounds) -> Result<(), Error> {
+        self.structure.set_bounds(variables, constraints)?;
+        self.copy_bounds();
+        Ok(())
+    }
+
+    /// Replaces the factors for `nlp_scaling_method=user-scaling`.
+    ///
+    /// # Errors
+    /// [`NlpError`] unless each factor is finite and not 0 (that of f may be negative, to maximise), and as many as
+    /// variables or constraints.
+    pub fn set_scaling(&mut self, scaling: &Scaling) -> Result<(), Error> {
+        let (n, m) = (self.structure.variables(), self.structure.constraints());
+        let (x, g) = (scaling.variables.as_deref(), scaling.constraints.as_deref());
+        check_scaling(
+            "the scaling of f",
+            &[scaling.objective],
+            1,
+            f64::NEG_INFINITY,
+        )?;
+        check_scaling("the scaling of x", x.unwrap_or(&vec![1.0; n]), n, 0.0)?;
+        check_scaling("the scaling of g", g.unwrap_or(&vec![1.0; m]), m, 0.0)?;
+        let pointer = |values: Option<&[f64]>| values.map_or(std::ptr::null(), <[f64]>::as_ptr);
+        // SAFETY: the shim is valid, and the arrays have n and m values.
+        match unsafe {
+            sys::ipopt_shim_set_scaling(
+                self.shim.as_ptr(),
+                scaling.objective,
+                pointer(x),
+                pointer(g),
+            )
+        } {
+            0 => Err(Error::OutOfMemory),
+            _ => Ok(()),
+        }
+    }
+
+    /// Solves `nlp` from `start`.
+    ///
+    /// # Errors
+    /// Only for misuse: a start of the wrong size or with values that are not finite, a warm start without
+    /// multipliers, or a solve inside a callback. How the solve went is [`Solution::status`].
+    ///
+    /// # Panics
+    /// Resumes a panic of a callback, after Ipopt has come to an end.
+    pub fn solve(&mut self, nlp: &mut dyn Nlp, start: &Start<'_>) -> Result<Solution, Error> {
+        let mut point = Point::new(&self.structure, start)?;
+        let exclusive = Exclusive::unless_held().ok_or(Error::Reentrant)?;
+        self.prepare_warm_start(start)?;
+
+        let shim = self.shim.as_ptr();
+        let mut context = Context::new(nlp, &self.structure, shim);
+        let mut raw_point = point.raw(start.multipliers.is_some());
+        let mut raw_statistics = sys::ipopt_shim_statistics::default();
+        let clock = Instant::now();
+        let table = context.table();
+        // SAFETY: the shim is valid and Ipopt locked; table, point and statistics outlive the call; the callbacks
+        // reach nothing but the context, and that is not touched meanwhile.
+        let code =
+            unsafe { sys::ipopt_shim_solve(shim, &table, &mut raw_point, &mut raw_statistics) };
+        let wall = clock.elapsed();
+        context.flush();
+        let Context {
+            panic,
+            history,
+            mut statistics,
+            ..
+        } = context;
+        drop(exclusive);
+        if let Some(payload) = panic {
+            resume_unwind(payload);
+        }
+
+        statistics.read(
+            &raw_statistics,
+            history.last().map_or(0, |last| last.iteration),
+            wall,
+        );
+        let (finalized, objective) = (raw_point.finalized != 0, raw_point.objective);
+        let status = Status::from_code(code);
+        let regular = history
+            .last()
+            .is_some_and(|last| last.phase == Phase::Regular);
+        Ok(Solution {
+            status,
+            x: point.x,
+            objective: if finalized { objective } else { f64::NAN },
+            g: point.g,
+            multipliers: (finalized && regular && status.keeps_multipliers())
+                .then_some(point.multipliers),
+            statistics,
+            history,
+        })
+    }
+
+    fn prepare_warm_start(&mut self, start: &Start<'_>) -> Result<(), Error> {
+        let warm = match &self.warm_start {
+            Some(OptionValue::Text(text)) if text == "yes" && start.multipliers.is_none() => {
+                return Err(Error::MissingMultipliers);
+            }
+            Some(value) => value.clone(),
+            None => start.multipliers.is_some().into(),
+        };
+        // SAFETY: the shim is valid, and the caller has locked Ipopt.
+        unsafe { options::apply_one(self.shim.as_ptr(), "warm_start_init_point", &warm) }?;
+        Ok(())
+    }
+
+    fn copy_bounds(&mut self) {
+        let (x, g) = (
+            self.structure.variable_bounds(),
+            self.structure.constraint_bounds(),
+        );
+        // SAFETY: the shim is valid, and the bounds have n and m values.
+        unsafe {
+            sys::ipopt_shim_set_bounds(
+                self.shim.as_ptr(),
+                x.lower.as_ptr(),
+                x.upper.as_ptr(),
+                g.lower.as_ptr(),
+                g.upper.as_ptr(),
+            );
+        }
+    }
+}
+
+impl Drop for Solver {
+    fn drop(&mut self) {
+        let _exclusive = Exclusive::wait();
+        // SAFETY: the shim is valid, and nobody uses it after this.
+        unsafe { sys::ipopt_shim_free(self.shim.as_ptr()) };
+    }
+}
+
+impl fmt::Debug for Solver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Solver")
+            .field("structure", &self.structure)
+            .finish_non_exhaustive()
+    }
+}
+
+/// The arrays Ipopt starts from and ends in.
+struct Point {
+    x: Vec<f64>,
+    g: Vec<f64>,
+    multipliers: Multipliers,
+}
+
+impl Point {
+    fn new(structure: &Structure, start: &Start<'_>) -> Result<Self, NlpError> {
+        let (n, m) = (structure.variables(), structure.constraints());
+        check_finite("the starting x", start.x, n)?;
+        if let Some(multipliers) = start.multipliers {
+            check_finite("the starting λ", &multipliers.constraints, m)?;
+            check_finite("the starting z_L", &multipliers.lower, n)?;
+            check_finite("the starting z_U", &multipliers.upper, n)?;
+        }
+        let multipliers = start.multipliers.cloned().unwrap_or_else(|| Multipliers {
+            constraints: vec![0.0; m],
+            lower: vec![0.0; n],
+            upper: vec![0.0; n],
+        });
+        Ok(Self {
+            x: start.x.to_vec(),
+            g: vec![f64::NAN; m],
+            multipliers,
+        })
+    }
+
+    fn raw(&mut self, have_multipliers: bool) -> sys::ipopt_shim_point {
+        sys::ipopt_shim_point {
+            x: self.x.as_mut_ptr(),
+            z_lower: self.multipliers.lower.as_mut_ptr(),
+            z_upper: self.multipliers.upper.as_mut_ptr(),
+            lambda: self.multipliers.constraints.as_mut_ptr(),
+            g: self.g.as_mut_ptr(),
+            objective: f64::NAN,
+            have_multipliers: have_multipliers.into(),
+            finalized: 0,
+        }
+    }
+}
+
+fn check_finite(what: &'static str, values: &[f64], expected: usize) -> Result<(), NlpError> {
+    if values.len() != expected {
+        return Err(NlpError::Length {
+            what,
+            found: values.len(),
+            expected,
+        });
+    }
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(NlpError::Value {
+            what,
+            index,
+            value: values[index],
+            needed: "finite",
+        }),
+        None => Ok(()),
+    }
+}
+
+fn check_scaling(
+    what: &'static str,
+    values: &[f64],
+    expected: usize,
+    above: f64,
+) -> Result<(), NlpError> {
+    check_finite(what, values, expected)?;
+    match values
+        .iter()
+        .position(|&value| value == 0.0 || value <= above)
+    {
+        Some(index) => Err(NlpError::Value {
+            what,
+            index,
+            value: values[index],
+            needed: "positive (f: not 0)",
+        }),
+        None => Ok(()),
+    }
+}
+
+/// A validated count: [`Structure::new`] lets none pass that does not fit.
+fn count(value: usize) -> i32 {
+    i32::try_from(value).unwrap_or(i32::MAX)
+}
+
+fn indices(pattern: &Pattern) -> (Vec<i32>, Vec<i32>) {
+    pattern
+        .iter()
+        .map(|(row, col)| (count(row), count(col)))
+        .unzip()
+}

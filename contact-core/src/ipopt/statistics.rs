@@ -1,0 +1,114 @@
+//! What a solve cost.
+
+use std::time::Duration;
+
+use ipopt_sys as sys;
+
+/// Seconds of processor and of wall clock.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Time {
+    /// Processor time in seconds.
+    pub cpu: f64,
+    /// Wall-clock time in seconds.
+    pub wall: f64,
+}
+
+/// Calls of one function of an [`Nlp`](crate::nlp::Nlp).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CallbackStatistics {
+    /// How often it was called.
+    pub calls: usize,
+    /// How long that took.
+    pub time: Duration,
+}
+
+/// What a solve cost and how accurate it became.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
+pub struct Statistics {
+    /// Iterations, those of the restoration phase included.
+    pub iterations: usize,
+    /// Calls of `objective`.
+    pub objective: CallbackStatistics,
+    /// Calls of `gradient`.
+    pub gradient: CallbackStatistics,
+    /// Calls of `constraints`.
+    pub constraints: CallbackStatistics,
+    /// Calls of `jacobian`.
+    pub jacobian: CallbackStatistics,
+    /// Calls of `hessian`.
+    pub hessian: CallbackStatistics,
+    /// Of the whole solve, callbacks included.
+    pub total: Time,
+    /// Choosing pivots, once a solve. `None` if Ipopt did not get that far.
+    pub symbolic_factorization: Option<Time>,
+    /// Numerical factorisations.
+    pub factorization: Option<Time>,
+    /// Back solves.
+    pub back_solve: Option<Time>,
+    /// Numerical factorisations; more than iterations where the Hessian had to be regularised or MUMPS wanted more
+    /// memory. `None` with another linear solver than MUMPS, whose messages are what is counted.
+    pub factorizations: Option<usize>,
+    /// Right-hand sides solved for, iterative refinement included; `None` as above.
+    pub back_solves: Option<usize>,
+    /// Numbers stored in the last factor; `None` as above.
+    pub factor_entries: Option<u64>,
+    /// ∇L, max-norm, unscaled. NaN here and below if Ipopt ended without a final point.
+    pub dual_infeasibility: f64,
+    /// Violation of the constraints, max-norm, unscaled.
+    pub constraint_violation: f64,
+    /// Complementarity, max-norm, unscaled.
+    pub complementarity: f64,
+    /// Ipopt's error of the scaled problem, the number `tol` bounds.
+    pub scaled_error: f64,
+}
+
+impl Statistics {
+    /// Time in the functions of the problem.
+    pub fn evaluation_time(&self) -> Duration {
+        [
+            self.objective,
+            self.gradient,
+            self.constraints,
+            self.jacobian,
+            self.hessian,
+        ]
+        .iter()
+        .map(|f| f.time)
+        .sum()
+    }
+
+    pub(super) fn read(
+        &mut self,
+        raw: &sys::ipopt_shim_statistics,
+        iterations: usize,
+        wall: Duration,
+    ) {
+        let time = |time: sys::ipopt_shim_time| {
+            (raw.timing_available != 0).then_some(Time {
+                cpu: time.cpu,
+                wall: time.wall,
+            })
+        };
+        self.symbolic_factorization = time(raw.symbolic_factorization);
+        self.factorization = time(raw.factorization);
+        self.back_solve = time(raw.back_solve);
+        self.factorizations = usize::try_from(raw.factorizations).ok();
+        self.back_solves = usize::try_from(raw.back_solves).ok();
+        self.factor_entries = u64::try_from(raw.factor_reals).ok();
+        let available = raw.available != 0;
+        let or_nan = |value: f64| if available { value } else { f64::NAN };
+        self.iterations = usize::try_from(raw.iterations)
+            .ok()
+            .filter(|_| available)
+            .unwrap_or(iterations);
+        self.total = Time {
+            cpu: or_nan(raw.cpu_time),
+            wall: wall.as_secs_f64(),
+        };
+        self.dual_infeasibility = or_nan(raw.dual_infeasibility);
+        self.constraint_violation = or_nan(raw.constraint_violation);
+        self.complementarity = or_nan(raw.complementarity);
+        self.scaled_error = or_nan(raw.scaled_kkt_error);
+    }
+}

@@ -1,0 +1,158 @@
+//! How a solve ended.
+
+use std::fmt;
+
+/// How a solve ended: Ipopt's `ApplicationReturnStatus`. [`Display`](fmt::Display) says what it means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Status {
+    /// Optimal to the tolerance.
+    Solved,
+    /// Optimal to the acceptable tolerance.
+    SolvedToAcceptableLevel,
+    /// A local minimum of the infeasibility.
+    Infeasible,
+    /// Steps have become too small to change x.
+    SearchDirectionTooSmall,
+    /// x grows beyond all bounds.
+    Diverging,
+    /// [`Nlp::iterate`](crate::nlp::Nlp::iterate) asked for it.
+    StoppedByUser,
+    /// A solution of a square system.
+    FeasiblePointFound,
+    /// `max_iter`.
+    IterationLimit,
+    /// The restoration phase failed.
+    RestorationFailed,
+    /// The linear systems could not be solved.
+    StepComputationFailed,
+    /// `max_cpu_time`.
+    CpuTimeLimit,
+    /// `max_wall_time`.
+    WallTimeLimit,
+    /// More equalities than free variables.
+    TooFewDegreesOfFreedom,
+    /// Ipopt refuses the problem.
+    InvalidProblem,
+    /// Ipopt refuses an option, or lacks the linear solver.
+    InvalidOption,
+    /// NaN or ∞ where there is no way back.
+    InvalidNumber,
+    /// An exception of Ipopt's.
+    UnrecoverableException,
+    /// Another C++ exception.
+    ForeignException,
+    /// Out of memory.
+    InsufficientMemory,
+    /// A bug in Ipopt.
+    InternalError,
+    /// A code this crate does not know.
+    Other(i32),
+}
+
+impl Status {
+    /// From Ipopt's number.
+    pub fn from_code(code: i32) -> Self {
+        match code {
+            0 => Self::Solved,
+            1 => Self::SolvedToAcceptableLevel,
+            2 => Self::Infeasible,
+            3 => Self::SearchDirectionTooSmall,
+            4 => Self::Diverging,
+            5 => Self::StoppedByUser,
+            6 => Self::FeasiblePointFound,
+            -1 => Self::IterationLimit,
+            -2 => Self::RestorationFailed,
+            -3 => Self::StepComputationFailed,
+            -4 => Self::CpuTimeLimit,
+            -5 => Self::WallTimeLimit,
+            -10 => Self::TooFewDegreesOfFreedom,
+            -11 => Self::InvalidProblem,
+            -12 => Self::InvalidOption,
+            -13 => Self::InvalidNumber,
+            -100 => Self::UnrecoverableException,
+            -101 => Self::ForeignException,
+            -102 => Self::InsufficientMemory,
+            -199 => Self::InternalError,
+            other => Self::Other(other),
+        }
+    }
+
+    /// Ipopt's number.
+    pub fn code(self) -> i32 {
+        match self {
+            Self::Solved => 0,
+            Self::SolvedToAcceptableLevel => 1,
+            Self::Infeasible => 2,
+            Self::SearchDirectionTooSmall => 3,
+            Self::Diverging => 4,
+            Self::StoppedByUser => 5,
+            Self::FeasiblePointFound => 6,
+            Self::IterationLimit => -1,
+            Self::RestorationFailed => -2,
+            Self::StepComputationFailed => -3,
+            Self::CpuTimeLimit => -4,
+            Self::WallTimeLimit => -5,
+            Self::TooFewDegreesOfFreedom => -10,
+            Self::InvalidProblem => -11,
+            Self::InvalidOption => -12,
+            Self::InvalidNumber => -13,
+            Self::UnrecoverableException => -100,
+            Self::ForeignException => -101,
+            Self::InsufficientMemory => -102,
+            Self::InternalError => -199,
+            Self::Other(code) => code,
+        }
+    }
+
+    /// Optimal to the tolerance that was asked for.
+    pub fn is_solved(self) -> bool {
+        self == Self::Solved
+    }
+
+    /// Optimal to that tolerance or to Ipopt's acceptable one.
+    pub fn is_acceptable(self) -> bool {
+        matches!(self, Self::Solved | Self::SolvedToAcceptableLevel)
+    }
+
+    /// Whether Ipopt ends with the multipliers of its last iterate. After the others they are zero, those of another
+    /// problem, or missing.
+    pub(super) fn keeps_multipliers(self) -> bool {
+        matches!(
+            self,
+            Self::Solved
+                | Self::SolvedToAcceptableLevel
+                | Self::SearchDirectionTooSmall
+                | Self::StoppedByUser
+                | Self::IterationLimit
+        )
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Solved => "solved to the tolerance",
+            Self::SolvedToAcceptableLevel => "solved to the acceptable tolerance only",
+            Self::Infeasible => "locally infeasible: a point of least constraint violation was found, but not of none",
+            Self::SearchDirectionTooSmall => "the steps became too small to go on, close to the accuracy attainable",
+            Self::Diverging => "the iterates diverge: the objective may be unbounded below",
+            Self::StoppedByUser => "stopped by the caller",
+            Self::FeasiblePointFound => "a feasible point of a square system was found",
+            Self::IterationLimit => "the iteration limit (max_iter) was reached",
+            Self::RestorationFailed => "the restoration phase found no acceptable point",
+            Self::StepComputationFailed => "no step could be computed: the linear systems resist regularisation",
+            Self::CpuTimeLimit => "the limit of processor time (max_cpu_time) was reached",
+            Self::WallTimeLimit => "the limit of time (max_wall_time) was reached",
+            Self::TooFewDegreesOfFreedom => "more equality constraints than free variables",
+            Self::InvalidProblem => "Ipopt refuses the problem as ill-defined",
+            Self::InvalidOption => "Ipopt refuses an option, or was built without the linear solver asked for",
+            Self::InvalidNumber => "a derivative, or a function at the starting point, is not finite",
+            Self::UnrecoverableException => "Ipopt gave up with an exception",
+            Self::ForeignException => "an exception that is not Ipopt's ended the solve",
+            Self::InsufficientMemory => "out of memory",
+            Self::InternalError => "internal error of Ipopt",
+            Self::Other(code) => return write!(f, "Ipopt status {code}, unknown to this version of the driver"),
+        })
+    }
+}

@@ -1,0 +1,323 @@
+//! Load stepping: increments, predictor, cut-back.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use crate::fixed_point::{FixedPoint, Iteration, Outcome, Solution};
+use crate::method::{Effort, Method};
+use crate::{ContactProblem, Energy, Error, State};
+
+/// A contact problem whose loads and prescribed displacements scale with one factor.
+pub trait LoadStepped: ContactProblem {
+    /// Sets loads and prescribed displacements to `factor` times their full value.
+    fn set_load(&mut self, factor: f64) -> Result<(), Error>;
+
+    /// A start for the increment that begins at `u`, for problems that know better than to leave
+    /// the free unknowns where they were while the prescribed ones move.
+    fn lift(&self, u: &[f64]) -> Vec<f64> {
+        u.to_vec()
+    }
+}
+
+/// Settings of the load stepping.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadSteps {
+    /// Equal increments from no load to full load.
+    pub increments: usize,
+    /// How often an increment may be halved before the run gives up.
+    pub max_halvings: usize,
+    /// Start each increment from the line through the last two converged states, where that is
+    /// admissible.
+    pub predictor: bool,
+    /// Algorithm 2 within each increment.
+    pub fixed_point: FixedPoint,
+}
+
+impl Default for LoadSteps {
+    fn default() -> Self {
+        LoadSteps {
+            increments: 1,
+            max_halvings: 6,
+            predictor: true,
+            fixed_point: FixedPoint::default(),
+        }
+    }
+}
+
+/// One attempt at a load step, converged or not.
+#[derive(Clone, Debug)]
+pub struct Attempt {
+    /// Load factor it started from.
+    pub from: f64,
+    /// Load factor it aimed at.
+    pub to: f64,
+    /// How the fixed point ended.
+    pub outcome: Outcome,
+    /// Whether the start was extrapolated.
+    pub predicted: bool,
+    /// Energy at its end (UF·UL).
+    pub energy: f64,
+    /// The smallest domain function (volume ratio J) at its end; `+∞` where there is none.
+    pub min_domain: f64,
+    /// The fixed point's iterations.
+    pub iterations: Vec<Iteration>,
+    /// Seconds of wall time, all in.
+    pub seconds: f64,
+}
+
+impl Attempt {
+    /// The optimiser's effort over all iterations.
+    pub fn effort(&self) -> Effort {
+        let mut total = Effort::default();
+        for iteration in &self.iterations {
+            total += iteration.effort;
+        }
+        total
+    }
+
+    /// Seconds spent on projections, normals and rows.
+    pub fn projection(&self) -> f64 {
+        self.iterations.iter().map(|i| i.projection).sum()
+    }
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum RunOutcome {
+    /// Full load, every increment converged.
+    Complete,
+    /// Stopped at this load factor because even the smallest cut did not converge.
+    NotConverged {
+        /// The last converged load factor.
+        at: f64,
+        /// Why the last attempt failed.
+        why: Outcome,
+    },
+    /// Stopped on request at this load factor.
+    Interrupted {
+        /// The last converged load factor.
+        at: f64,
+    },
+}
+
+/// A run's end and history.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// How it ended.
+    pub outcome: RunOutcome,
+    /// The last converged load factor.
+    pub factor: f64,
+    /// The last converged state.
+    pub state: State,
+    /// Every attempt in order; those that did not converge are followed by smaller ones.
+    pub attempts: Vec<Attempt>,
+}
+
+impl Run {
+    /// Attempts that did not converge and were cut.
+    pub fn cuts(&self) -> usize {
+        let failed = |attempt: &&Attempt| attempt.outcome != Outcome::Converged;
+        self.attempts.iter().filter(failed).count()
+    }
+}
+
+/// What the observer of a run sees after every converged step.
+pub struct Step<'a, P: ?Sized> {
+    /// The problem at this load.
+    pub problem: &'a P,
+    /// The load factor.
+    pub factor: f64,
+    /// Which increment this step completes, or `None` within one that was cut.
+    pub increment: Option<usize>,
+    /// The converged solution.
+    pub solution: &'a Solution,
+    /// Its record.
+    pub attempt: &'a Attempt,
+}
+
+/// A converged state and its load factor.
+#[derive(Clone)]
+struct Milestone {
+    factor: f64,
+    state: State,
+}
+
+impl LoadSteps {
+    /// Domain functions may shrink to this share of their value in one predictor step.
+    const GUARD: f64 = 0.1;
+    /// Load factors closer than this are the same.
+    const CLOSE: f64 = 1e-12;
+
+    /// Checks the settings.
+    pub fn validate(&self) -> Result<(), Error> {
+        if self.increments == 0 {
+            return Err(Error::Setting {
+                name: "increments",
+                value: "0".into(),
+                remedy: "a run needs at least one increment",
+            });
+        }
+        self.fixed_point.validate()
+    }
+
+    /// Walks from `start`, converged at no load, to full load; `observe` sees every converged step
+    /// and may stop the run.
+    ///
+    /// # Errors
+    /// Settings out of range and what problem or method report. A run that does not converge is
+    /// told by [`Run::outcome`].
+    pub fn run<P: LoadStepped>(
+        &self,
+        problem: &mut P,
+        method: &mut dyn Method,
+        start: State,
+        mut observe: impl FnMut(&Step<'_, P>) -> ControlFlow<()>,
+    ) -> Result<Run, Error> {
+        self.validate()?;
+        Error::check_vector("start.u", &start.u, problem.energy().dofs())?;
+        let mut walk = Walk {
+            settings: self,
+            last: Milestone {
+                factor: 0.0,
+                state: start,
+            },
+            before: None,
+            attempts: Vec::new(),
+        };
+        let outcome = walk.to_full_load(problem, method, &mut observe)?;
+        problem.set_load(walk.last.factor)?;
+        Ok(Run {
+            outcome,
+            factor: walk.last.factor,
+            state: walk.last.state,
+            attempts: walk.attempts,
+        })
+    }
+}
+
+/// The state of a walk along the load.
+struct Walk<'a> {
+    settings: &'a LoadSteps,
+    last: Milestone,
+    before: Option<Milestone>,
+    attempts: Vec<Attempt>,
+}
+
+impl Walk<'_> {
+    fn to_full_load<P: LoadStepped>(
+        &mut self,
+        problem: &mut P,
+        method: &mut dyn Method,
+        observe: &mut impl FnMut(&Step<'_, P>) -> ControlFlow<()>,
+    ) -> Result<RunOutcome, Error> {
+        let whole = 1.0 / self.settings.increments as f64;
+        let mut halvings = 0_usize;
+        for increment in 1..=self.settings.increments {
+            let goal = increment as f64 * whole;
+            while self.last.factor < goal - LoadSteps::CLOSE {
+                let cut = self.last.factor + whole * 0.5f64.powi(halvings as i32);
+                let arrives = cut > goal - LoadSteps::CLOSE;
+                let target = if arrives { goal } else { cut };
+                let solution = self.attempt(problem, method, target)?;
+                match solution.outcome {
+                    Outcome::Converged => {
+                        halvings = halvings.saturating_sub(1); // success grows back
+                    }
+                    Outcome::Interrupted => {
+                        return Ok(RunOutcome::Interrupted {
+                            at: self.last.factor,
+                        });
+                    }
+                    _ if halvings < self.settings.max_halvings => {
+                        halvings += 1;
+                        continue;
+                    }
+                    why => {
+                        return Ok(RunOutcome::NotConverged {
+                            at: self.last.factor,
+                            why,
+                        });
+                    }
+                }
+                let step = Step {
+                    problem: &*problem,
+                    factor: target,
+                    increment: arrives.then_some(increment),
+                    solution: &solution,
+                    attempt: &self.attempts[self.attempts.len() - 1],
+                };
+                let flow = observe(&step);
+                self.advance(target, solution.state);
+                if flow.is_break() && self.last.factor < 1.0 - LoadSteps::CLOSE {
+                    return Ok(RunOutcome::Interrupted { at: target });
+                }
+            }
+        }
+        Ok(RunOutcome::Complete)
+    }
+
+    /// Tries to converge at load factor `target` and records how it went.
+    fn attempt<P: LoadStepped>(
+        &mut self,
+        problem: &mut P,
+        method: &mut dyn Method,
+        target: f64,
+    ) -> Result<Solution, Error> {
+        let clock = Instant::now();
+        problem.set_load(target)?;
+        let prediction = self.prediction(problem.energy(), target);
+        let predicted = prediction.is_some();
+        let start = prediction.unwrap_or_else(|| State {
+            u: problem.lift(&self.last.state.u),
+            multipliers: self.last.state.multipliers.clone(),
+        });
+        let solution = self.settings.fixed_point.solve(&*problem, method, start)?;
+        self.attempts.push(Attempt {
+            from: self.last.factor,
+            to: target,
+            outcome: solution.outcome.clone(),
+            predicted,
+            energy: solution.energy,
+            min_domain: domain(problem.energy(), &solution.state.u)
+                .into_iter()
+                .fold(f64::INFINITY, f64::min),
+            iterations: solution.history.clone(),
+            seconds: clock.elapsed().as_secs_f64(),
+        });
+        Ok(solution)
+    }
+
+    /// The line through the last two converged states, if it keeps every domain function well
+    /// above zero.
+    fn prediction(&self, energy: &dyn Energy, target: f64) -> Option<State> {
+        let before = self.before.as_ref().filter(|_| self.settings.predictor)?;
+        let last = &self.last;
+        let s = (target - last.factor) / (last.factor - before.factor);
+        let line = last.state.u.iter().zip(&before.state.u);
+        let u: Vec<f64> = line.map(|(a, b)| a + s * (a - b)).collect();
+        let admissible = domain(energy, &u)
+            .iter()
+            .zip(domain(energy, &last.state.u))
+            .all(|(&d, now)| d > LoadSteps::GUARD * now.max(0.0));
+        (admissible && energy.value(&u).is_finite()).then(|| State {
+            u,
+            multipliers: last
+                .state
+                .multipliers
+                .extrapolated(&before.state.multipliers, s),
+        })
+    }
+
+    fn advance(&mut self, factor: f64, state: State) {
+        let reached = Milestone { factor, state };
+        self.before = Some(std::mem::replace(&mut self.last, reached));
+    }
+}
+
+/// The energy's domain functions at u.
+fn domain(energy: &dyn Energy, u: &[f64]) -> Vec<f64> {
+    let mut d = vec![0.0; energy.domain_len()];
+    energy.domain(u, &mut d);
+    d
+}

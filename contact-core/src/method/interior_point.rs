@@ -1,0 +1,299 @@
+//! Method (7): the interior point method, Ipopt on min E(u) subject to C u + c₀ ≥ 0.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use super::{Effort, Method, Minimum, Solved, Subproblem};
+use crate::ipopt::{Options, Solution, Solver, Start, Status};
+use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
+use crate::{Error, State};
+
+/// The interior point method (7), the reference method.
+///
+/// Everything is scaled before Ipopt sees it: lengths by [`Scale::length`](crate::Scale), energies
+/// by [`Scale::energy`](crate::Scale), so that its tolerances are dimensionless and results do not
+/// depend on units. A solve with multipliers starts warm and is repeated cold if that fails.
+#[derive(Clone, Debug)]
+pub struct InteriorPoint {
+    /// Ipopt's `tol`, relative to the scales.
+    pub tolerance: f64,
+    /// Final value of the barrier parameter μ over the scale of energy: the gap times the contact
+    /// force that is left at an active row.
+    pub complementarity: f64,
+    /// Iterations before a warm solve is given up and repeated cold.
+    pub max_warm_iterations: usize,
+    /// Iterations before a cold solve is given up.
+    pub max_iterations: usize,
+    /// More options for Ipopt by name; they override everything set here.
+    pub options: Options,
+    /// Raising this flag stops a running solve at its next iteration.
+    pub stop: Option<Arc<AtomicBool>>,
+}
+
+impl Default for InteriorPoint {
+    fn default() -> Self {
+        InteriorPoint {
+            tolerance: 1e-10,
+            complementarity: 1e-13,
+            max_warm_iterations: 40,
+            max_iterations: 300,
+            options: Options::new(),
+            stop: None,
+        }
+    }
+}
+
+impl InteriorPoint {
+    /// Where a warm solve starts its barrier parameter: about where the last one ended.
+    const WARM_MU: f64 = 1e-9;
+
+    fn options(&self, warm: bool) -> Options {
+        let mut options = Options::new()
+            .with("tol", self.tolerance)
+            .with("compl_inf_tol", 10.0 * self.complementarity)
+            .with("mu_target", self.complementarity)
+            .with("nlp_scaling_method", "none");
+        if warm {
+            options.set("mu_init", Self::WARM_MU);
+            options.set("max_iter", self.max_warm_iterations);
+            for push in [
+                "warm_start_bound_push",
+                "warm_start_bound_frac",
+                "warm_start_slack_bound_push",
+                "warm_start_slack_bound_frac",
+                "warm_start_mult_bound_push",
+            ] {
+                options.set(push, 1e-9);
+            }
+        } else {
+            options.set("mu_init", 1e-2);
+            options.set("max_iter", self.max_iterations);
+        }
+        for (name, value) in self.options.iter() {
+            options.set(name, value.clone());
+        }
+        options
+    }
+
+    fn solve(
+        &self,
+        structure: &Structure,
+        scaled: &mut Scaled<'_>,
+        start: &State,
+        warm: bool,
+    ) -> Result<Solution, Error> {
+        let mut solver = Solver::new(structure.clone(), &self.options(warm))?;
+        let x: Vec<f64> = start.u.iter().map(|u| u / scaled.length).collect();
+        let multipliers = warm.then(|| scaled.multipliers(start));
+        scaled.restart(&start.u);
+        let start = Start {
+            x: &x,
+            multipliers: multipliers.as_ref(),
+        };
+        Ok(solver.solve(scaled, &start)?)
+    }
+}
+
+impl Method for InteriorPoint {
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        let structure = structure(subproblem)?;
+        let mut scaled = Scaled::new(subproblem, self.stop.as_deref());
+        let mut effort = Effort::default();
+        let warm = !start.multipliers.is_empty();
+        let clock = Instant::now();
+        let mut solution = self.solve(&structure, &mut scaled, start, warm)?;
+        effort.count(&solution);
+        if warm && !is_solved(&solution) && !scaled.is_stopped() {
+            effort.cold_retries += 1;
+            solution = self.solve(&structure, &mut scaled, start, false)?;
+            effort.count(&solution);
+        }
+        effort.callbacks = scaled.seconds;
+        effort.optimizer = clock.elapsed().as_secs_f64() - scaled.seconds;
+        Ok(scaled.minimum(solution, effort))
+    }
+}
+
+impl Effort {
+    fn count(&mut self, solution: &Solution) {
+        let statistics = &solution.statistics;
+        self.solves += 1;
+        self.iterations += statistics.iterations;
+        self.factorizations += statistics.factorizations.unwrap_or(0);
+        self.values += statistics.objective.calls;
+        self.gradients += statistics.gradient.calls;
+        self.hessians += statistics.hessian.calls;
+    }
+}
+
+fn is_solved(solution: &Solution) -> bool {
+    matches!(solution.status, Status::Solved)
+}
+
+fn structure(subproblem: &Subproblem<'_>) -> Result<Structure, Error> {
+    let Subproblem {
+        energy,
+        bounds,
+        gaps,
+        scale,
+    } = *subproblem;
+    let variables = match bounds.is_empty() {
+        true => Bounds::free(energy.dofs()),
+        false => Bounds {
+            lower: bounds.lower.iter().map(|b| b / scale.length).collect(),
+            upper: bounds.upper.iter().map(|b| b / scale.length).collect(),
+        },
+    };
+    let jacobian: Pattern = gaps.entries().map(|(i, j, _)| (i, j)).collect();
+    let hessian = energy.hessian_pattern().clone();
+    let constraints = Bounds::nonnegative(gaps.len());
+    Ok(Structure::new(variables, constraints, jacobian, Some(hessian))?
+        .with_constant_hessian(energy.is_quadratic())
+        .with_constant_jacobian(true))
+}
+
+/// The subproblem in Ipopt's numbers: x = u/L, f = E/E₀, g = c/L, and its multipliers −λ L/E₀.
+struct Scaled<'a> {
+    subproblem: Subproblem<'a>,
+    length: f64,
+    energy: f64,
+    u: Vec<f64>,
+    /// The domain functions at the last accepted point and at the trial point.
+    accepted: Vec<f64>,
+    trial: Vec<f64>,
+    stop: Option<&'a AtomicBool>,
+    /// Seconds spent in here.
+    seconds: f64,
+}
+
+impl<'a> Scaled<'a> {
+    /// The J guard: a trial with a domain function below this share of its last accepted value is
+    /// inadmissible.
+    const GUARD: f64 = 0.1;
+
+    fn new(subproblem: &Subproblem<'a>, stop: Option<&'a AtomicBool>) -> Self {
+        let energy = subproblem.energy;
+        Scaled {
+            subproblem: *subproblem,
+            length: subproblem.scale.length,
+            energy: subproblem.scale.energy,
+            u: vec![0.0; energy.dofs()],
+            accepted: vec![0.0; energy.domain_len()],
+            trial: vec![0.0; energy.domain_len()],
+            stop,
+            seconds: 0.0,
+        }
+    }
+
+    fn restart(&mut self, u: &[f64]) {
+        self.subproblem.energy.domain(u, &mut self.accepted);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    /// The multipliers of a state as Ipopt wants them.
+    fn multipliers(&self, state: &State) -> Multipliers {
+        let n = self.u.len();
+        let scaled = |key| -state.multipliers.of(key) * self.length / self.energy;
+        Multipliers {
+            constraints: self.subproblem.gaps.keys().iter().map(|&k| scaled(k)).collect(),
+            lower: vec![0.0; n],
+            upper: vec![0.0; n],
+        }
+    }
+
+    /// Back in the user's units.
+    fn minimum(&self, solution: Solution, effort: Effort) -> Minimum {
+        let rows = self.subproblem.gaps.len();
+        let force = |l: f64| (-l * self.energy / self.length).max(0.0);
+        Minimum {
+            solved: match solution.status {
+                Status::Solved => Solved::Optimal,
+                _ if self.is_stopped() => Solved::Interrupted,
+                status => Solved::Failed(status.to_string()),
+            },
+            u: solution.x.iter().map(|x| x * self.length).collect(),
+            lambda: solution.multipliers.map_or_else(
+                || vec![0.0; rows],
+                |m| m.constraints.into_iter().map(force).collect(),
+            ),
+            energy: solution.objective * self.energy,
+            effort,
+        }
+    }
+
+    /// Runs `f` on the subproblem and u = L x, and counts the time.
+    fn timed<T>(&mut self, x: &[f64], f: impl FnOnce(&mut Self) -> T) -> T {
+        let clock = Instant::now();
+        for (u, x) in self.u.iter_mut().zip(x) {
+            *u = x * self.length;
+        }
+        let result = f(self);
+        self.seconds += clock.elapsed().as_secs_f64();
+        result
+    }
+}
+
+impl Nlp for Scaled<'_> {
+    fn objective(&mut self, x: &[f64], _new_x: bool) -> f64 {
+        self.timed(x, |this| {
+            let energy = this.subproblem.energy;
+            energy.domain(&this.u, &mut this.trial);
+            let mut domain = this.trial.iter().zip(&this.accepted);
+            if domain.any(|(d, accepted)| *d < Self::GUARD * accepted) {
+                return f64::INFINITY;
+            }
+            energy.value(&this.u) / this.energy
+        })
+    }
+
+    fn gradient(&mut self, x: &[f64], _new_x: bool, gradient: &mut [f64]) {
+        self.timed(x, |this| {
+            // Ipopt asks for gradients at accepted points only
+            this.subproblem.energy.domain(&this.u, &mut this.accepted);
+            this.subproblem.energy.gradient(&this.u, gradient);
+            let scale = this.length / this.energy;
+            gradient.iter_mut().for_each(|g| *g *= scale);
+        });
+    }
+
+    fn constraints(&mut self, x: &[f64], _new_x: bool, g: &mut [f64]) {
+        self.timed(x, |this| {
+            this.subproblem.gaps.value(&this.u, g);
+            g.iter_mut().for_each(|g| *g /= this.length);
+        });
+    }
+
+    fn jacobian(&mut self, x: &[f64], _new_x: bool, values: &mut [f64]) {
+        self.timed(x, |this| {
+            let entries = this.subproblem.gaps.entries();
+            values.iter_mut().zip(entries).for_each(|(v, e)| *v = e.2);
+        });
+    }
+
+    fn hessian(
+        &mut self,
+        x: &[f64],
+        _new_x: bool,
+        objective_factor: f64,
+        _multipliers: &[f64],
+        values: &mut [f64],
+    ) {
+        self.timed(x, |this| {
+            this.subproblem.energy.hessian(&this.u, values);
+            let scale = objective_factor * this.length * this.length / this.energy;
+            values.iter_mut().for_each(|v| *v *= scale);
+        });
+    }
+
+    fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {
+        match self.is_stopped() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Step 5 of Algorithm 2: ways to minimise E(u) subject to C u + c₀ ≥ 0, one file a method.
+
+#[cfg(feature = "ipopt")]
+mod interior_point;
+
+#[cfg(feature = "ipopt")]
+pub use interior_point::InteriorPoint;
+
+use crate::nlp::Bounds;
+use crate::{Energy, Error, LinearGaps, Scale, State};
+
+/// What a method is to minimise: E(u) over `bounds` and `gaps`, all frozen.
+#[derive(Clone, Copy)]
+pub struct Subproblem<'a> {
+    /// E.
+    pub energy: &'a dyn Energy,
+    /// Bounds on u.
+    pub bounds: &'a Bounds,
+    /// C u + c₀ ≥ 0.
+    pub gaps: &'a LinearGaps,
+    /// Units in which numbers are O(1).
+    pub scale: Scale,
+}
+
+/// Step 5: any way to minimise E(u) subject to C u + c₀ ≥ 0.
+pub trait Method {
+    /// Solves from `start`; a failure to converge is told by [`Minimum::solved`], not by `Err`.
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error>;
+}
+
+/// Whether a method did what it was asked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Solved {
+    /// To the tolerance asked.
+    Optimal,
+    /// Someone pulled the brake; the result is not a minimum.
+    Interrupted,
+    /// Not solved, with the solver's own word for why; the result is not a minimum.
+    Failed(String),
+}
+
+/// What a method found.
+#[derive(Clone, Debug)]
+pub struct Minimum {
+    /// The free unknowns (n, UL).
+    pub u: Vec<f64>,
+    /// λ ≥ 0, one a row of the gaps (m, UF).
+    pub lambda: Vec<f64>,
+    /// E(u) (UF·UL).
+    pub energy: f64,
+    /// Whether u is a minimum at all.
+    pub solved: Solved,
+    /// What it took.
+    pub effort: Effort,
+}
+
+/// What solves cost: counts, and seconds of wall time by phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effort {
+    /// Solves, cold retries included.
+    pub solves: usize,
+    /// Solves that were repeated cold because the warm start led nowhere.
+    pub cold_retries: usize,
+    /// Iterations of the optimiser.
+    pub iterations: usize,
+    /// Numerical factorisations of its linear system.
+    pub factorizations: usize,
+    /// Evaluations of the energy's value.
+    pub values: usize,
+    /// Evaluations of its gradient.
+    pub gradients: usize,
+    /// Evaluations of its Hessian.
+    pub hessians: usize,
+    /// Seconds inside the energy and the gaps.
+    pub callbacks: f64,
+    /// Seconds inside the optimiser, callbacks excluded.
+    pub optimizer: f64,
+}
+
+impl std::ops::AddAssign for Effort {
+    fn add_assign(&mut self, other: Self) {
+        self.solves += other.solves;
+        self.cold_retries += other.cold_retries;
+        self.iterations += other.iterations;
+        self.factorizations += other.factorizations;
+        self.values += other.values;
+        self.gradients += other.gradients;
+        self.hessians += other.hessians;
+        self.callbacks += other.callbacks;
+        self.optimizer += other.optimizer;
+    }
+}

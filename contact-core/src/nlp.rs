@@ -1,0 +1,630 @@
+//! An optimisation problem in slices: min f(x) subject to x_L ≤ x ≤ x_U and g_L ≤ g(x) ≤ g_U.
+//!
+//! [`Structure`] holds what never changes during a solve — sizes, bounds, sparsity — and has been validated, so that
+//! no index of it can reach a solver out of range. [`Nlp`] holds the functions. The Lagrangian is
+//! L = σ f + λᵀ g − z_Lᵀ (x − x_L) + z_Uᵀ (x − x_U), hence z_L, z_U ≥ 0, while λᵢ ≤ 0 where gᵢ is at its **lower** bound
+//! and λᵢ ≥ 0 at its upper: a gap constraint g ≥ 0 has the contact pressure −λ.
+
+use std::{cell::OnceCell, fmt, ops::ControlFlow};
+
+use thiserror::Error;
+
+/// Why a [`Structure`] was refused. Each names the culprit and the way out.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum NlpError {
+    /// There is nothing to optimise.
+    #[error(
+        "the problem has no variables: a solver needs at least one; leave out a solve with nothing free"
+    )]
+    NoVariables,
+    /// An array does not fit the others.
+    #[error("{what} has {found} entries and needs {expected}")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it needs.
+        expected: usize,
+    },
+    /// A value is not a number, or infinite where it must be finite.
+    #[error("{what}[{index}] = {value}: it must be {needed}")]
+    Value {
+        /// Which array.
+        what: &'static str,
+        /// Where in it.
+        index: usize,
+        /// What was found there.
+        value: f64,
+        /// What may be there.
+        needed: &'static str,
+    },
+    /// No value satisfies both bounds.
+    #[error(
+        "{what} {index} has the lower bound {lower} above its upper bound {upper}: swap them, \
+         or widen bounds that round-off has crossed"
+    )]
+    CrossedBounds {
+        /// "variable" or "constraint".
+        what: &'static str,
+        /// Which one.
+        index: usize,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
+    /// An index of a pattern is too large.
+    #[error(
+        "entry {entry} of the {pattern} is ({row}, {col}), outside its {rows} × {cols}; indices count from 0"
+    )]
+    OutOfRange {
+        /// "Jacobian" or "Hessian".
+        pattern: &'static str,
+        /// Which entry.
+        entry: usize,
+        /// Its row.
+        row: usize,
+        /// Its column.
+        col: usize,
+        /// Rows of the matrix.
+        rows: usize,
+        /// Columns of the matrix.
+        cols: usize,
+    },
+    /// The Hessian is given by its lower triangle only.
+    #[error(
+        "entry {entry} of the Hessian is ({row}, {col}), above the diagonal: give the lower triangle only, \
+         that is ({col}, {row}), once"
+    )]
+    UpperTriangle {
+        /// Which entry.
+        entry: usize,
+        /// Its row.
+        row: usize,
+        /// Its column.
+        col: usize,
+    },
+    /// The Hessian names a place twice.
+    #[error("entry {entry} of the Hessian repeats ({row}, {col}): add the values up in one entry")]
+    Duplicate {
+        /// The second entry.
+        entry: usize,
+        /// Its row.
+        row: usize,
+        /// Its column.
+        col: usize,
+    },
+    /// More than solvers with 32-bit indices can count.
+    #[error("{what}: {count} exceeds the 2³¹ − 1 a solver with 32-bit indices can address")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many.
+        count: usize,
+    },
+}
+
+/// Lower and upper bounds, ±∞ where there is none. Equal bounds fix a variable, or make an equality.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Bounds {
+    /// Lower bounds, −∞ for none.
+    pub lower: Vec<f64>,
+    /// Upper bounds, +∞ for none.
+    pub upper: Vec<f64>,
+}
+
+impl Bounds {
+    /// `n` times −∞ ≤ · ≤ ∞.
+    pub fn free(n: usize) -> Self {
+        Self::uniform(n, f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    /// `n` times 0 ≤ · ≤ ∞.
+    pub fn nonnegative(n: usize) -> Self {
+        Self::uniform(n, 0.0, f64::INFINITY)
+    }
+
+    /// `n` times · = 0.
+    pub fn zero(n: usize) -> Self {
+        Self::uniform(n, 0.0, 0.0)
+    }
+
+    /// `n` times `lower` ≤ · ≤ `upper`.
+    pub fn uniform(n: usize, lower: f64, upper: f64) -> Self {
+        Self {
+            lower: vec![lower; n],
+            upper: vec![upper; n],
+        }
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.lower.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.lower.is_empty()
+    }
+
+    fn validate(
+        &self,
+        what: &'static str,
+        lower: &'static str,
+        upper: &'static str,
+    ) -> Result<(), NlpError> {
+        if self.upper.len() != self.lower.len() {
+            return Err(NlpError::Length {
+                what: upper,
+                found: self.upper.len(),
+                expected: self.lower.len(),
+            });
+        }
+        for (index, (&l, &u)) in self.lower.iter().zip(&self.upper).enumerate() {
+            if l.is_nan() || l == f64::INFINITY {
+                return Err(NlpError::Value {
+                    what: lower,
+                    index,
+                    value: l,
+                    needed: "a number, or −∞ for no bound",
+                });
+            }
+            if u.is_nan() || u == f64::NEG_INFINITY {
+                return Err(NlpError::Value {
+                    what: upper,
+                    index,
+                    value: u,
+                    needed: "a number, or +∞ for no bound",
+                });
+            }
+            if l > u {
+                return Err(NlpError::CrossedBounds {
+                    what,
+                    index,
+                    lower: l,
+                    upper: u,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where a sparse matrix has entries: one row and one column each, counted from 0, in the order of the values.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Pattern {
+    rows: Vec<usize>,
+    cols: Vec<usize>,
+}
+
+impl Pattern {
+    /// The entries (`rows[k]`, `cols[k]`). That there are as many rows as columns is for [`Structure::new`] to check.
+    pub fn new(rows: Vec<usize>, cols: Vec<usize>) -> Self {
+        Self { rows, cols }
+    }
+
+    /// No entries.
+    pub fn empty() -> Self {
+        Self::default()
+    }
+
+    /// Every entry of a matrix, row by row.
+    pub fn dense(rows: usize, cols: usize) -> Self {
+        (0..rows)
+            .flat_map(|i| (0..cols).map(move |j| (i, j)))
+            .collect()
+    }
+
+    /// Every entry of the lower triangle, row by row.
+    pub fn dense_lower(n: usize) -> Self {
+        (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect()
+    }
+
+    /// The diagonal.
+    pub fn diagonal(n: usize) -> Self {
+        (0..n).map(|i| (i, i)).collect()
+    }
+
+    /// Number of entries.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether it has no entries.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// The row of each entry.
+    pub fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
+    /// The column of each entry.
+    pub fn cols(&self) -> &[usize] {
+        &self.cols
+    }
+
+    /// The entries in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
+        self.rows.iter().copied().zip(self.cols.iter().copied())
+    }
+
+    /// Adds one entry.
+    pub fn push(&mut self, row: usize, col: usize) {
+        self.rows.push(row);
+        self.cols.push(col);
+    }
+
+    fn validate(&self, pattern: &'static str, rows: usize, cols: usize) -> Result<(), NlpError> {
+        if self.cols.len() != self.rows.len() {
+            return Err(NlpError::Length {
+                what: "the columns of a pattern",
+                found: self.cols.len(),
+                expected: self.rows.len(),
+            });
+        }
+        match self
+            .iter()
+            .position(|(row, col)| row >= rows || col >= cols)
+        {
+            Some(entry) => {
+                let (row, col) = (self.rows[entry], self.cols[entry]);
+                Err(NlpError::OutOfRange {
+                    pattern,
+                    entry,
+                    row,
+                    col,
+                    rows,
+                    cols,
+                })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Lower triangle, each place once; every index has been checked.
+    fn validate_lower_once(&self, n: usize) -> Result<(), NlpError> {
+        if let Some((entry, (row, col))) = self.iter().enumerate().find(|(_, (row, col))| col > row)
+        {
+            return Err(NlpError::UpperTriangle { entry, row, col });
+        }
+        // Entries sorted by row (counting), then one mark per column.
+        let mut start = vec![0; n + 1];
+        for &row in &self.rows {
+            start[row + 1] += 1;
+        }
+        for row in 0..n {
+            start[row + 1] += start[row];
+        }
+        let mut order = vec![0; self.len()];
+        let mut next = start.clone();
+        for (entry, &row) in self.rows.iter().enumerate() {
+            order[next[row]] = entry;
+            next[row] += 1;
+        }
+        let mut seen_in_row = vec![usize::MAX; n];
+        for row in 0..n {
+            for &entry in &order[start[row]..start[row + 1]] {
+                let col = self.cols[entry];
+                if seen_in_row[col] == row {
+                    return Err(NlpError::Duplicate { entry, row, col });
+                }
+                seen_in_row[col] = row;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FromIterator<(usize, usize)> for Pattern {
+    fn from_iter<I: IntoIterator<Item = (usize, usize)>>(entries: I) -> Self {
+        let (rows, cols) = entries.into_iter().unzip();
+        Self { rows, cols }
+    }
+}
+
+/// Sizes, bounds and sparsity of a problem, owned and validated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Structure {
+    variables: Bounds,
+    constraints: Bounds,
+    jacobian: Pattern,
+    hessian: Option<Pattern>,
+    jacobian_constant: bool,
+    hessian_constant: bool,
+}
+
+impl Structure {
+    /// A problem with the bounds x_L, x_U of its n `variables` and g_L, g_U of its m `constraints` (m = 0 is fine).
+    ///
+    /// `jacobian` is the pattern of ∂g/∂x, m × n; entries at one place add up. `hessian` is the pattern of the lower
+    /// triangle of ∂²L/∂x², n × n, each place once; `None` leaves it to a limited-memory approximation.
+    ///
+    /// # Errors
+    /// [`NlpError`], with index, value and remedy, for sizes that do not fit, bounds that are NaN, crossed or infinite
+    /// to the wrong side, indices out of range, and Hessian entries that repeat or stand above the diagonal.
+    pub fn new(
+        variables: Bounds,
+        constraints: Bounds,
+        jacobian: Pattern,
+        hessian: Option<Pattern>,
+    ) -> Result<Self, NlpError> {
+        let (n, m) = (variables.len(), constraints.len());
+        if n == 0 {
+            return Err(NlpError::NoVariables);
+        }
+        let counts = [
+            ("variables", n),
+            ("constraints", m),
+            ("entries of the Jacobian", jacobian.len()),
+            (
+                "entries of the Hessian",
+                hessian.as_ref().map_or(0, Pattern::len),
+            ),
+        ];
+        if let Some(&(what, count)) = counts
+            .iter()
+            .find(|(_, count)| i32::try_from(*count).is_err())
+        {
+            return Err(NlpError::TooLarge { what, count });
+        }
+        validate_bounds(&variables, &constraints)?;
+        jacobian.validate("Jacobian", m, n)?;
+        if let Some(hessian) = &hessian {
+            hessian.validate("Hessian", n, n)?;
+            hessian.validate_lower_once(n)?;
+        }
+        Ok(Self {
+            variables,
+            constraints,
+            jacobian,
+            hessian,
+            jacobian_constant: false,
+            hessian_constant: false,
+        })
+    }
+
+    /// Promises that ∂²L/∂x² depends neither on x nor on λ: a solver then asks for it once.
+    #[must_use]
+    pub fn with_constant_hessian(mut self, constant: bool) -> Self {
+        self.hessian_constant = constant;
+        self
+    }
+
+    /// Promises that ∂g/∂x does not depend on x: a solver then asks for it once.
+    #[must_use]
+    pub fn with_constant_jacobian(mut self, constant: bool) -> Self {
+        self.jacobian_constant = constant;
+        self
+    }
+
+    /// Other bounds for the same problem.
+    ///
+    /// # Errors
+    /// As [`Structure::new`]; the bounds then stay as they were.
+    pub fn set_bounds(&mut self, variables: Bounds, constraints: Bounds) -> Result<(), NlpError> {
+        let expect = |what, found: usize, expected: usize| {
+            if found == expected {
+                Ok(())
+            } else {
+                Err(NlpError::Length {
+                    what,
+                    found,
+                    expected,
+                })
+            }
+        };
+        expect("x_L", variables.len(), self.variables())?;
+        expect("g_L", constraints.len(), self.constraints())?;
+        validate_bounds(&variables, &constraints)?;
+        self.variables = variables;
+        self.constraints = constraints;
+        Ok(())
+    }
+
+    /// n, the number of variables.
+    pub fn variables(&self) -> usize {
+        self.variables.len()
+    }
+
+    /// m, the number of constraints.
+    pub fn constraints(&self) -> usize {
+        self.constraints.len()
+    }
+
+    /// x_L and x_U.
+    pub fn variable_bounds(&self) -> &Bounds {
+        &self.variables
+    }
+
+    /// g_L and g_U.
+    pub fn constraint_bounds(&self) -> &Bounds {
+        &self.constraints
+    }
+
+    /// Pattern of ∂g/∂x, m × n.
+    pub fn jacobian(&self) -> &Pattern {
+        &self.jacobian
+    }
+
+    /// Pattern of the lower triangle of ∂²L/∂x², n × n; `None` if it is to be approximated.
+    pub fn hessian(&self) -> Option<&Pattern> {
+        self.hessian.as_ref()
+    }
+
+    /// Whether ∂g/∂x is promised constant.
+    pub fn jacobian_constant(&self) -> bool {
+        self.jacobian_constant
+    }
+
+    /// Whether ∂²L/∂x² is promised constant.
+    pub fn hessian_constant(&self) -> bool {
+        self.hessian_constant
+    }
+}
+
+fn validate_bounds(variables: &Bounds, constraints: &Bounds) -> Result<(), NlpError> {
+    variables.validate("variable", "x_L", "x_U")?;
+    constraints.validate("constraint", "g_L", "g_U")
+}
+
+/// The functions of a problem; slices have the lengths its [`Structure`] says.
+///
+/// A **non-finite** objective or constraint means that this trial point is inadmissible: the line search shortens its
+/// step. There is no such way back from a non-finite derivative, which is asked for at accepted points only: the solve
+/// ends with an invalid number. `new_x` is false where `x` is the one of the call before, whichever function that was.
+pub trait Nlp {
+    /// f(x).
+    fn objective(&mut self, x: &[f64], new_x: bool) -> f64;
+
+    /// ∇f(x), n values.
+    fn gradient(&mut self, x: &[f64], new_x: bool, gradient: &mut [f64]);
+
+    /// g(x), m values; not called if m = 0.
+    fn constraints(&mut self, x: &[f64], new_x: bool, g: &mut [f64]);
+
+    /// ∂g/∂x, one value for each entry of the pattern; not called if it has none.
+    fn jacobian(&mut self, x: &[f64], new_x: bool, values: &mut [f64]);
+
+    /// σ ∇²f(x) + Σ λᵢ ∇²gᵢ(x) with σ = `objective_factor` and λ = `multipliers`: one value for each entry of the
+    /// pattern; not called if it has none or is left to approximation. σ may be 0.
+    fn hessian(
+        &mut self,
+        x: &[f64],
+        new_x: bool,
+        objective_factor: f64,
+        multipliers: &[f64],
+        values: &mut [f64],
+    );
+
+    /// Called once an iteration, the starting point (iteration 0) included. [`ControlFlow::Break`] ends the solve.
+    fn iterate(&mut self, iterate: &Iterate<'_>) -> ControlFlow<()> {
+        let _ = iterate;
+        ControlFlow::Continue(())
+    }
+}
+
+/// Lagrange multipliers in the signs of the [module](self).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Multipliers {
+    /// λ, m of them: ≤ 0 where a constraint is at its lower bound, ≥ 0 at its upper.
+    pub constraints: Vec<f64>,
+    /// z_L ≥ 0, n of them.
+    pub lower: Vec<f64>,
+    /// z_U ≥ 0, n of them.
+    pub upper: Vec<f64>,
+}
+
+/// What a solver is doing in an iteration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// Minimising f.
+    Regular,
+    /// Looking for a less infeasible point, because the line search found no acceptable step.
+    Restoration,
+}
+
+impl fmt::Display for Phase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Regular => "regular",
+            Self::Restoration => "restoration",
+        })
+    }
+}
+
+/// One line of a solver's history.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IterationRecord {
+    /// Counted from 0, the starting point.
+    pub iteration: usize,
+    /// In the restoration phase, some of the values below are those of its own problem.
+    pub phase: Phase,
+    /// f, unscaled.
+    pub objective: f64,
+    /// Constraint violation, max-norm.
+    pub primal_infeasibility: f64,
+    /// ∇L, max-norm, of the scaled problem.
+    pub dual_infeasibility: f64,
+    /// Barrier parameter μ.
+    pub mu: f64,
+    /// Max-norm of the step that led here (0 at the start).
+    pub step_norm: f64,
+    /// Multiple of the identity added to the Hessian for a descent direction; 0 for none.
+    pub regularization: f64,
+    /// Step length in the dual variables.
+    pub alpha_dual: f64,
+    /// Step length in the primal variables.
+    pub alpha_primal: f64,
+    /// Trial points of the line search; 0 at the start.
+    pub line_search_trials: usize,
+}
+
+/// Where an [`Iterate`] gets its vectors from, when it is asked. `None` where the solver has none.
+pub trait IterateSource {
+    /// x.
+    fn x(&self) -> Option<Vec<f64>>;
+    /// g(x).
+    fn constraints(&self) -> Option<Vec<f64>>;
+    /// λ, z_L, z_U.
+    fn multipliers(&self) -> Option<Multipliers>;
+}
+
+/// The iterate of a solve under way: its [`IterationRecord`], and its vectors for whoever asks.
+///
+/// Nothing is copied before it is asked for, and then once.
+pub struct Iterate<'a> {
+    record: IterationRecord,
+    source: &'a dyn IterateSource,
+    x: OnceCell<Option<Vec<f64>>>,
+    constraints: OnceCell<Option<Vec<f64>>>,
+    multipliers: OnceCell<Option<Multipliers>>,
+}
+
+impl<'a> Iterate<'a> {
+    /// For solvers, and for tests of an [`Nlp`].
+    pub fn new(record: IterationRecord, source: &'a dyn IterateSource) -> Self {
+        Self {
+            record,
+            source,
+            x: OnceCell::new(),
+            constraints: OnceCell::new(),
+            multipliers: OnceCell::new(),
+        }
+    }
+
+    /// What the solver says of it.
+    pub fn record(&self) -> &IterationRecord {
+        &self.record
+    }
+
+    /// x, fixed variables included; in the restoration phase, its present trial for x.
+    pub fn x(&self) -> Option<&[f64]> {
+        self.x.get_or_init(|| self.source.x()).as_deref()
+    }
+
+    /// g(x); `None` in the restoration phase.
+    pub fn constraints(&self) -> Option<&[f64]> {
+        self.constraints
+            .get_or_init(|| self.source.constraints())
+            .as_deref()
+    }
+
+    /// The multipliers; `None` in the restoration phase, whose problem has others.
+    pub fn multipliers(&self) -> Option<&Multipliers> {
+        self.multipliers
+            .get_or_init(|| self.source.multipliers())
+            .as_ref()
+    }
+}
+
+impl fmt::Debug for Iterate<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Iterate")
+            .field("record", &self.record)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,55 @@
+//! From cells to the energy of a body: E, ∇E, ∇²E over its free unknowns.
+
+mod dofs;
+mod loads;
+mod scatter;
+mod strain_energy;
+
+pub use dofs::{Dof, DofMap};
+pub use loads::{add_body_force, add_traction};
+pub use strain_energy::StrainEnergy;
+
+use contact_core::Energy;
+
+use crate::mesh::Mesh;
+use crate::tensor::{Matrix, Vector};
+
+/// The energy of one body under loads that scale with one factor.
+pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
+    /// Sets dead loads and prescribed displacements to `factor` times their full value.
+    fn set_load(&mut self, factor: f64);
+    /// The prescribed unknowns at the present load (UL), in the order of [`DofMap`].
+    fn prescribed(&self) -> &[f64];
+    /// Adds ∂E/∂U, internal minus external forces, at ALL dofs to `forces` (full, UF).
+    fn add_residual(&self, u: &[f64], forces: &mut [f64]);
+    /// Stress and volume ratio in the middle of every cell, those that were not assembled included;
+    /// `U` is the displacement of every node.
+    fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>>;
+    /// How many cells take part in the assembly; those with all dofs prescribed do not.
+    fn assembled_cells(&self) -> usize;
+    /// The median of the Hessian's diagonal (UF/UL) at no displacement.
+    fn typical_stiffness(&self) -> f64;
+    /// Whether the law is meant for small strains with geometry frozen at X.
+    fn is_small_strain(&self) -> bool;
+}
+
+/// Stress and volume change in one cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellState<const D: usize> {
+    /// J = det F.
+    pub J: f64,
+    /// Cauchy stress σ (UF/UL²).
+    pub sigma: Matrix<D>,
+    /// σ_zz in plane strain (UF/UL²); zero in space.
+    pub sigma_zz: f64,
+}
+
+impl<const D: usize> CellState<D> {
+    /// The von Mises stress √(3/2 s:s), out-of-plane stress included (UF/UL²).
+    pub fn von_mises(&self) -> f64 {
+        let mean = (self.sigma.trace() + self.sigma_zz) / 3.0;
+        let deviator = self.sigma - Matrix::identity() * mean;
+        let out_of_plane = if D == 2 { self.sigma_zz - mean } else { 0.0 };
+        (1.5 * (deviator.norm_squared() + out_of_plane * out_of_plane)).sqrt()
+    }
+}

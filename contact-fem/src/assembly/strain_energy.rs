@@ -1,0 +1,306 @@
+//! E(u) = ∫_Ω ψ(I + ∇u) dX − f(u) for any element and law.
+
+use contact_core::Energy;
+use contact_core::nlp::Pattern;
+
+use super::dofs::{Dof, DofMap};
+use super::scatter::{NOWHERE, SlotMap, pattern_and_slots};
+use super::{BodyEnergy, CellState};
+use crate::element::Element;
+use crate::material::Material;
+use crate::mesh::Mesh;
+use crate::tensor::{Matrix, Vector, inverse_transpose};
+
+/// One quadrature point: weight times reference volume, and ∂N_a/∂X.
+#[derive(Clone, Copy)]
+struct Point<const D: usize, E: Element<D>> {
+    weight: f64,
+    gradients: E::PerNode<Vector<D>>,
+}
+
+/// The total potential energy of one body (equation (2) of the paper).
+pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
+    material: M,
+    dofs: DofMap,
+    /// Nodes of the assembled cells, and their quadrature points cell by cell.
+    cells: Vec<E::PerNode<usize>>,
+    points: Vec<Point<D, E>>,
+    /// External forces on all dofs and prescribed displacements, at full load.
+    full_forces: Vec<f64>,
+    full_prescribed: Vec<f64>,
+    factor: f64,
+    prescribed: Vec<f64>,
+    pattern: Pattern,
+    slots: SlotMap,
+    typical_stiffness: f64,
+}
+
+impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
+    /// The energy of `mesh` under nodal `forces` (all dofs, UF) and `prescribed` displacements
+    /// (one a prescribed dof, UL), both at full load; it starts at no load.
+    pub fn new(
+        mesh: &Mesh<D>,
+        material: M,
+        dofs: DofMap,
+        prescribed: Vec<f64>,
+        forces: Vec<f64>,
+    ) -> Self {
+        let is_free = |&node: &usize| {
+            (0..D).any(|i| matches!(dofs.get(D * node + i), Dof::Free(_)))
+        };
+        let assembled = mesh.cells().filter(|cell| cell.iter().any(is_free));
+        let cells: Vec<E::PerNode<usize>> = assembled.map(nodes_of::<D, E>).collect();
+        let points = cells.iter().flat_map(|cell| points_of::<D, E>(mesh, cell));
+        let points = points.collect();
+        let cell_dofs = |cell: &E::PerNode<usize>| -> Vec<usize> {
+            let nodes = cell.as_ref().iter();
+            nodes.flat_map(|&a| (0..D).map(move |i| D * a + i)).collect()
+        };
+        let (pattern, slots) = pattern_and_slots(&dofs, cells.iter().map(cell_dofs));
+        let mut energy = StrainEnergy {
+            material,
+            cells,
+            points,
+            full_forces: forces,
+            prescribed: vec![0.0; prescribed.len()],
+            full_prescribed: prescribed,
+            factor: 0.0,
+            pattern,
+            slots,
+            dofs,
+            typical_stiffness: 0.0,
+        };
+        energy.typical_stiffness = energy.median_diagonal();
+        energy
+    }
+
+    /// The median of the Hessian's diagonal at u = 0 and the present load; 0 without free dofs.
+    fn median_diagonal(&self) -> f64 {
+        let mut values = vec![0.0; self.pattern.len()];
+        self.hessian(&vec![0.0; self.dofs.free()], &mut values);
+        let entries = self.pattern.rows().iter().zip(self.pattern.cols()).zip(values);
+        let mut diagonal: Vec<f64> = entries
+            .filter_map(|((r, c), v)| (r == c).then_some(v))
+            .collect();
+        let middle = diagonal.len() / 2;
+        if diagonal.is_empty() {
+            return 0.0;
+        }
+        *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// The assembled cells with their points.
+    fn assembled(&self) -> impl Iterator<Item = (&E::PerNode<usize>, &[Point<D, E>])> {
+        self.cells
+            .iter()
+            .zip(self.points.chunks_exact(E::QUADRATURE.len()))
+    }
+
+    /// The displacements of a cell's nodes.
+    fn gather(&self, cell: &E::PerNode<usize>, u: &[f64]) -> E::PerNode<Vector<D>> {
+        let mut local = E::per_node(Vector::zeros());
+        for (v, &a) in local.as_mut().iter_mut().zip(cell.as_ref()) {
+            for i in 0..D {
+                v[i] = self.dofs.value(D * a + i, u, &self.prescribed);
+            }
+        }
+        local
+    }
+
+    /// Calls `add(dof, force)` with the internal forces ∫ P ∇N_a dX, cell by cell.
+    fn internal_forces(&self, u: &[f64], mut add: impl FnMut(usize, f64)) {
+        for (cell, points) in self.assembled() {
+            let local = self.gather(cell, u);
+            for point in points {
+                let P = self.material.stress(&point.deformation(&local)) * point.weight;
+                for (&a, dN) in cell.as_ref().iter().zip(point.gradients.as_ref()) {
+                    let force = P * dN;
+                    (0..D).for_each(|i| add(D * a + i, force[i]));
+                }
+            }
+        }
+    }
+}
+
+impl<const D: usize, E: Element<D>> Point<D, E> {
+    /// F = I + Σ_a u_a ⊗ ∇N_a.
+    fn deformation(&self, local: &E::PerNode<Vector<D>>) -> Matrix<D> {
+        let mut F = Matrix::<D>::identity();
+        for (v, dN) in local.as_ref().iter().zip(self.gradients.as_ref()) {
+            F.ger(1.0, v, dN, 1.0);
+        }
+        F
+    }
+}
+
+fn nodes_of<const D: usize, E: Element<D>>(cell: &[usize]) -> E::PerNode<usize> {
+    let mut nodes = E::per_node(0);
+    nodes.as_mut().copy_from_slice(cell);
+    nodes
+}
+
+/// The quadrature points of one cell: ∂N/∂X = (∂X/∂ξ)⁻ᵀ ∂N/∂ξ.
+fn points_of<const D: usize, E: Element<D>>(
+    mesh: &Mesh<D>,
+    cell: &E::PerNode<usize>,
+) -> impl Iterator<Item = Point<D, E>> {
+    E::QUADRATURE.iter().map(move |&(weight, xi)| {
+        let mut gradients = E::shape_gradients(&Vector::from(xi));
+        let mut dX = Matrix::<D>::zeros();
+        for (&a, dN) in cell.as_ref().iter().zip(gradients.as_ref()) {
+            dX.ger(1.0, &mesh.nodes()[a], dN, 1.0);
+        }
+        let inverse = inverse_transpose(&dX);
+        gradients.as_mut().iter_mut().for_each(|dN| *dN = inverse * *dN);
+        Point {
+            weight: weight * crate::tensor::determinant(&dX),
+            gradients,
+        }
+    })
+}
+
+impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E, M> {
+    fn dofs(&self) -> usize {
+        self.dofs.free()
+    }
+
+    // E = Σ_cells Σ_q w_q ψ(F_q) − f·U
+    fn value(&self, u: &[f64]) -> f64 {
+        let mut energy = 0.0;
+        for (cell, points) in self.assembled() {
+            let local = self.gather(cell, u);
+            for point in points {
+                let psi = self.material.energy_density(&point.deformation(&local));
+                if !psi.is_finite() {
+                    return f64::INFINITY;
+                }
+                energy += point.weight * psi;
+            }
+        }
+        let forces = self.full_forces.iter().enumerate().filter(|(_, f)| **f != 0.0);
+        let work = forces.map(|(d, f)| f * self.dofs.value(d, u, &self.prescribed));
+        energy - self.factor * work.sum::<f64>()
+    }
+
+    // ∂E/∂u_a = Σ_q w_q P ∇N_a − f_a
+    fn gradient(&self, u: &[f64], g: &mut [f64]) {
+        for (dof, f) in self.full_forces.iter().enumerate() {
+            if let Dof::Free(i) = self.dofs.get(dof) {
+                g[i] = -self.factor * f;
+            }
+        }
+        self.internal_forces(u, |dof, force| {
+            if let Dof::Free(i) = self.dofs.get(dof) {
+                g[i] += force;
+            }
+        });
+    }
+
+    fn hessian_pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    // K_ab = Σ_q w_q A : (∇N_a ⊗ ∇N_b), lower triangle
+    fn hessian(&self, u: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        for (k, (cell, points)) in self.assembled().enumerate() {
+            let local = self.gather(cell, u);
+            let slots = self.slots.cell(k);
+            for point in points {
+                let F = point.deformation(&local);
+                let A = self.material.contraction(&F);
+                let dN = point.gradients.as_ref();
+                for a in 0..dN.len() {
+                    for b in 0..=a {
+                        let block = A(&dN[a], &dN[b]) * point.weight;
+                        for i in 0..D {
+                            let r = D * a + i;
+                            let columns = if a == b { i + 1 } else { D };
+                            for j in 0..columns {
+                                let slot = slots[r * (r + 1) / 2 + D * b + j];
+                                if slot != NOWHERE {
+                                    values[slot as usize] += block[(i, j)];
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn is_quadratic(&self) -> bool {
+        M::QUADRATIC
+    }
+
+    fn domain_len(&self) -> usize {
+        if M::NEEDS_POSITIVE_J { self.points.len() } else { 0 }
+    }
+
+    fn domain(&self, u: &[f64], d: &mut [f64]) {
+        if !M::NEEDS_POSITIVE_J {
+            return;
+        }
+        let values = self.assembled().flat_map(|(cell, points)| {
+            let local = self.gather(cell, u);
+            let J = move |p: &Point<D, E>| crate::tensor::determinant(&p.deformation(&local));
+            points.iter().map(J)
+        });
+        d.iter_mut().zip(values).for_each(|(d, J)| *d = J);
+    }
+}
+
+impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEnergy<D, E, M> {
+    fn set_load(&mut self, factor: f64) {
+        self.factor = factor;
+        for (now, full) in self.prescribed.iter_mut().zip(&self.full_prescribed) {
+            *now = factor * full;
+        }
+    }
+
+    fn prescribed(&self) -> &[f64] {
+        &self.prescribed
+    }
+
+    fn add_residual(&self, u: &[f64], forces: &mut [f64]) {
+        for (r, f) in forces.iter_mut().zip(&self.full_forces) {
+            *r -= self.factor * f;
+        }
+        self.internal_forces(u, |dof, force| forces[dof] += force);
+    }
+
+    fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
+        let state = |cell: &[usize]| {
+            let nodes = nodes_of::<D, E>(cell);
+            let mut local = E::per_node(Vector::zeros());
+            let displacements = local.as_mut().iter_mut().zip(cell);
+            displacements.for_each(|(v, &a)| *v = U[a]);
+            let mut mean = Matrix::zeros();
+            let mut volume = 0.0;
+            for point in points_of::<D, E>(mesh, &nodes) {
+                mean += point.deformation(&local) * point.weight;
+                volume += point.weight;
+            }
+            let F = mean / volume;
+            let (sigma, sigma_zz) = self.material.cauchy_stress(&F);
+            CellState {
+                J: crate::tensor::determinant(&F),
+                sigma,
+                sigma_zz,
+            }
+        };
+        mesh.cells().map(state).collect()
+    }
+
+    fn assembled_cells(&self) -> usize {
+        self.cells.len()
+    }
+
+    fn typical_stiffness(&self) -> f64 {
+        self.typical_stiffness
+    }
+
+    fn is_small_strain(&self) -> bool {
+        M::QUADRATIC
+    }
+}

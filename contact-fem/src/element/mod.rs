@@ -1,0 +1,25 @@
+//! Reference elements on simplices: shape functions, their gradients, quadrature, facets.
+
+mod p1;
+
+pub use p1::P1;
+
+use crate::tensor::Vector;
+
+/// A Lagrange element on the unit simplex of ℝᴰ.
+///
+/// `PerNode<T>` is the array type with one `T` a node, so that a cell's data live on the stack.
+pub trait Element<const D: usize>: Send + Sync + 'static {
+    /// One `T` for each node of a cell.
+    type PerNode<T: Copy + Send + Sync>: AsRef<[T]> + AsMut<[T]> + Copy + Send + Sync;
+    /// Quadrature points for the strain energy as (weight, ξ); the weights sum to the simplex's
+    /// volume 1/D!.
+    const QUADRATURE: &'static [(f64, [f64; D])];
+
+    /// `value` for every node.
+    fn per_node<T: Copy + Send + Sync>(value: T) -> Self::PerNode<T>;
+    /// N_a(ξ).
+    fn shapes(xi: &Vector<D>) -> Self::PerNode<f64>;
+    /// ∂N_a/∂ξ at ξ.
+    fn shape_gradients(xi: &Vector<D>) -> Self::PerNode<Vector<D>>;
+}

@@ -1,0 +1,204 @@
+//! What is wrong with a scene, said before any solve.
+
+/// Errors of meshes, materials and scenes. Each names the thing, its value and the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A cell with negative volume.
+    #[error("cell {cell} is inverted (volume {volume:.3e}): reorder its nodes counter-clockwise")]
+    InvertedCell {
+        /// Which cell.
+        cell: usize,
+        /// Its signed area or volume (UL²/UL³).
+        volume: f64,
+    },
+    /// A cell without volume.
+    #[error("cell {cell} is degenerate (volume {volume:.3e} at size {size:.3e}): merge or move its nodes")]
+    DegenerateCell {
+        /// Which cell.
+        cell: usize,
+        /// Its signed area or volume (UL²/UL³).
+        volume: f64,
+        /// The length of its longest edge (UL).
+        size: f64,
+    },
+    /// A cell names a node that does not exist.
+    #[error("cell {cell} names node {node}, but the mesh has {nodes} nodes numbered from 0")]
+    NodeOutOfRange {
+        /// Which cell.
+        cell: usize,
+        /// The node it names.
+        node: usize,
+        /// How many there are.
+        nodes: usize,
+    },
+    /// A node that belongs to no cell.
+    #[error("node {node} belongs to no cell: remove it, or it would float freely")]
+    OrphanNode {
+        /// Which node.
+        node: usize,
+    },
+    /// A facet that more than two cells share.
+    #[error("the facet with nodes {nodes:?} belongs to {cells} cells: a body's mesh must be a manifold")]
+    NonManifoldFacet {
+        /// Its nodes.
+        nodes: Vec<usize>,
+        /// How many cells share it.
+        cells: usize,
+    },
+    /// A mesh without cells.
+    #[error("the mesh has no cells: a body needs at least one")]
+    EmptyMesh,
+    /// A boundary name that the mesh does not have.
+    #[error("no boundary is called `{name}`; this mesh has {known:?}")]
+    UnknownBoundary {
+        /// The name asked for.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// A body that the scene does not have.
+    #[error("body {body} does not exist: the scene has {bodies} bodies numbered from 0")]
+    UnknownBody {
+        /// The index asked for.
+        body: usize,
+        /// How many there are.
+        bodies: usize,
+    },
+    /// A NaN or an infinity in the input.
+    #[error("{what} [{index}] = {value} is not finite: check where it comes from")]
+    NotFinite {
+        /// Which input.
+        what: String,
+        /// Where in it.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// Young's modulus out of range.
+    #[error("Young's modulus E = {E} must be positive and finite")]
+    YoungsModulus {
+        /// The value.
+        E: f64,
+    },
+    /// Poisson's ratio out of range.
+    #[error("Poisson's ratio ν = {nu} must lie strictly between -1 and 0.5; for nearly incompressible bodies use 0.499")]
+    PoissonsRatio {
+        /// The value.
+        nu: f64,
+    },
+    /// A contact surface without facets.
+    #[error("contact surface `{boundary}` of body {body} has no facets: name a boundary that has some")]
+    EmptySurface {
+        /// Which body.
+        body: usize,
+        /// Its boundary.
+        boundary: String,
+    },
+    /// A body that nothing holds.
+    #[error(
+        "body {body} can move rigidly ({free} of {modes} rigid motions are free) and touches no \
+         other body: prescribe some of its displacements or declare a contact pair"
+    )]
+    Unsupported {
+        /// Which body.
+        body: usize,
+        /// How many rigid motions are left.
+        free: usize,
+        /// How many there are in this dimension.
+        modes: usize,
+    },
+    /// No body of the scene is held by anything.
+    #[error("no displacement is prescribed anywhere: the scene as a whole can drift; support a body")]
+    NoSupport,
+    /// Bodies that overlap before any load.
+    #[error(
+        "body {slave} starts inside body {master}: gap {gap:.3e} at node {node} ({x:?}) against a \
+         tolerance of {tolerance:.3e}; move the bodies apart or raise `Scene::overlap_tolerance`"
+    )]
+    Overlap {
+        /// The body whose node is inside.
+        slave: usize,
+        /// The body that it is inside of.
+        master: usize,
+        /// The node, numbered within its body.
+        node: usize,
+        /// Its position.
+        x: Vec<f64>,
+        /// The gap, negative (UL).
+        gap: f64,
+        /// How much would have been accepted (UL).
+        tolerance: f64,
+    },
+    /// One dof prescribed twice with different values.
+    #[error("component {component} of node {node} of body {body} is prescribed twice: {first} and {second}")]
+    Conflict {
+        /// Which body.
+        body: usize,
+        /// Which node.
+        node: usize,
+        /// Which component.
+        component: usize,
+        /// The first value (UL).
+        first: f64,
+        /// The second value (UL).
+        second: f64,
+    },
+    /// A setting outside its range.
+    #[error("`{name}` = {value} is out of range: {remedy}")]
+    Setting {
+        /// Which one.
+        name: &'static str,
+        /// The value found.
+        value: f64,
+        /// What would be accepted.
+        remedy: &'static str,
+    },
+    /// From the optimisation layer.
+    #[error(transparent)]
+    Core(contact_core::Error),
+    /// A file could not be written.
+    #[error("cannot write {path}: {source}")]
+    Write {
+        /// Which file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+}
+
+impl From<contact_core::Error> for Error {
+    fn from(error: contact_core::Error) -> Self {
+        match error {
+            contact_core::Error::Problem(inner) => match inner.downcast::<Error>() {
+                Ok(own) => *own,
+                Err(other) => Error::Core(contact_core::Error::Problem(other)),
+            },
+            other => Error::Core(other),
+        }
+    }
+}
+
+impl From<Error> for contact_core::Error {
+    fn from(error: Error) -> Self {
+        contact_core::Error::problem(error)
+    }
+}
+
+impl Error {
+    /// Checks that every number is finite.
+    pub(crate) fn check_finite<'a>(
+        what: &str,
+        values: impl IntoIterator<Item = &'a f64>,
+    ) -> Result<(), Error> {
+        let mut bad = values.into_iter().enumerate().filter(|(_, v)| !v.is_finite());
+        match bad.next() {
+            None => Ok(()),
+            Some((index, &value)) => Err(Error::NotFinite {
+                what: what.to_string(),
+                index,
+                value,
+            }),
+        }
+    }
+}

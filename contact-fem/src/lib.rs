@@ -1,0 +1,28 @@
+//! Finite elements for frictionless contact: meshes, materials, assembly, the weak
+//! non-penetration constraints, and scenes that put them together.
+//!
+//! The space dimension `D` (2: plane strain, 3) is a const generic throughout; a scene in the
+//! plane instantiates no code for space. Any consistent units work: UF for force, UL for length;
+//! plane energies and forces are per unit thickness.
+//!
+//! The names follow the paper: `X` reference and `x = X + u` current position, `F = I + ∇u`,
+//! `J = det F`, `P = ∂ψ/∂F`, and a *slave* and a *master* only within one pass, since every pair
+//! is passed in both roles.
+#![allow(non_snake_case)]
+
+pub mod assembly;
+pub mod contact;
+pub mod element;
+pub mod error;
+pub mod material;
+pub mod mesh;
+pub mod output;
+pub mod scene;
+pub mod simulation;
+pub mod tensor;
+
+pub use error::Error;
+pub use material::{LinearElastic, Material, NeoHookean};
+pub use mesh::Mesh;
+pub use scene::{Body, Scene};
+pub use simulation::{Simulation, StepRecord};

@@ -1,0 +1,58 @@
+//! Hooke's law for small strains.
+
+use super::{Lame, Material};
+use crate::error::Error;
+use crate::tensor::{Matrix, Vector};
+
+/// ψ = μ ε:ε + λ/2 (tr ε)², ε = sym(F − I): linear elasticity, plane strain in 2D.
+///
+/// Not objective: meant for small rotations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearElastic {
+    lame: Lame,
+}
+
+impl LinearElastic {
+    /// From Young's modulus `E` (UF/UL²) and Poisson's ratio `nu`.
+    ///
+    /// # Errors
+    /// See [`Lame::new`].
+    pub fn new(E: f64, nu: f64) -> Result<Self, Error> {
+        Ok(LinearElastic {
+            lame: Lame::new(E, nu)?,
+        })
+    }
+}
+
+fn strain<const D: usize>(F: &Matrix<D>) -> Matrix<D> {
+    0.5 * (F + F.transpose()) - Matrix::identity()
+}
+
+impl<const D: usize> Material<D> for LinearElastic {
+    const QUADRATIC: bool = true;
+    const NEEDS_POSITIVE_J: bool = false;
+
+    fn energy_density(&self, F: &Matrix<D>) -> f64 {
+        let epsilon = strain(F);
+        self.lame.mu * epsilon.norm_squared() + 0.5 * self.lame.lambda * epsilon.trace().powi(2)
+    }
+
+    fn stress(&self, F: &Matrix<D>) -> Matrix<D> {
+        let epsilon = strain(F);
+        2.0 * self.lame.mu * epsilon + Matrix::identity() * (self.lame.lambda * epsilon.trace())
+    }
+
+    fn contraction(&self, _F: &Matrix<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D> {
+        let Lame { lambda, mu } = self.lame;
+        move |a, b| {
+            Matrix::identity() * (mu * a.dot(b))
+                + mu * b * a.transpose()
+                + lambda * a * b.transpose()
+        }
+    }
+
+    fn cauchy_stress(&self, F: &Matrix<D>) -> (Matrix<D>, f64) {
+        let out_of_plane = self.lame.lambda * strain(F).trace();
+        (self.stress(F), if D == 2 { out_of_plane } else { 0.0 })
+    }
+}

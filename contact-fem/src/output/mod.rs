@@ -1,0 +1,1 @@
+//! Files for people and programs, each format behind a cargo feature.

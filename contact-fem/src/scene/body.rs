@@ -1,0 +1,168 @@
+//! One body: mesh, law, supports, loads.
+
+use crate::assembly::{BodyEnergy, DofMap, StrainEnergy, add_body_force, add_traction};
+use crate::element::{Element, P1};
+use crate::error::Error;
+use crate::material::Material;
+use crate::mesh::Mesh;
+use crate::tensor::Vector;
+
+/// An elastic body.
+pub struct Body<const D: usize> {
+    mesh: Mesh<D>,
+    law: Box<dyn Law<D>>,
+    /// The displacement prescribed for each dof at full load (UL), if any.
+    prescribed: Vec<Option<f64>>,
+    /// Nodal forces at full load (UF).
+    forces: Vec<f64>,
+}
+
+impl<const D: usize> Body<D> {
+    /// A body with nothing prescribed and no loads.
+    pub fn new(mesh: Mesh<D>, material: impl Material<D>) -> Self
+    where
+        P1: Element<D>,
+    {
+        let dofs = D * mesh.nodes().len();
+        Body {
+            mesh,
+            law: Box::new(P1Law(material)),
+            prescribed: vec![None; dofs],
+            forces: vec![0.0; dofs],
+        }
+    }
+
+    /// Its mesh.
+    pub fn mesh(&self) -> &Mesh<D> {
+        &self.mesh
+    }
+
+    /// Prescribes displacement components (UL, at full load) on a boundary; `None` leaves one free.
+    ///
+    /// # Errors
+    /// An unknown boundary, a value that is not finite, a dof prescribed twice to different values.
+    pub fn prescribe(
+        &mut self,
+        boundary: &str,
+        components: [Option<f64>; D],
+    ) -> Result<&mut Self, Error> {
+        let nodes = self.mesh.boundary_nodes(boundary)?;
+        self.prescribe_nodes(&nodes, components)
+    }
+
+    /// As [`Body::prescribe`] for every node of the body: it moves rigidly, and none of its cells
+    /// is assembled.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe`].
+    pub fn prescribe_all(&mut self, components: [Option<f64>; D]) -> Result<&mut Self, Error> {
+        let nodes: Vec<usize> = (0..self.mesh.nodes().len()).collect();
+        self.prescribe_nodes(&nodes, components)
+    }
+
+    /// As [`Body::prescribe`] for the nodes given.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe`], and a node that does not exist.
+    pub fn prescribe_nodes(
+        &mut self,
+        nodes: &[usize],
+        components: [Option<f64>; D],
+    ) -> Result<&mut Self, Error> {
+        let given = components.iter().flatten();
+        Error::check_finite("prescribed displacement", given)?;
+        let count = self.mesh.nodes().len();
+        for &node in nodes {
+            if node >= count {
+                return Err(Error::Setting {
+                    name: "node",
+                    value: node as f64,
+                    remedy: "name a node of this body's mesh",
+                });
+            }
+            for (component, value) in components.iter().enumerate() {
+                let Some(second) = *value else { continue };
+                let slot = &mut self.prescribed[D * node + component];
+                match *slot {
+                    Some(first) if first != second => {
+                        return Err(Error::Conflict {
+                            body: 0,
+                            node,
+                            component,
+                            first,
+                            second,
+                        });
+                    }
+                    _ => *slot = Some(second),
+                }
+            }
+        }
+        Ok(self)
+    }
+
+    /// Adds a dead traction (force per reference area, UF/UL in the plane, UF/UL² in space) on a
+    /// boundary.
+    ///
+    /// # Errors
+    /// An unknown boundary, a value that is not finite.
+    pub fn traction(&mut self, boundary: &str, traction: [f64; D]) -> Result<&mut Self, Error> {
+        Error::check_finite("traction", &traction)?;
+        let facets = self.mesh.boundary(boundary)?;
+        add_traction(&self.mesh, &facets, &Vector::from(traction), &mut self.forces);
+        Ok(self)
+    }
+
+    /// Adds a dead body force (force per reference volume, UF/UL² in the plane, UF/UL³ in space).
+    ///
+    /// # Errors
+    /// A value that is not finite.
+    pub fn body_force(&mut self, force: [f64; D]) -> Result<&mut Self, Error> {
+        Error::check_finite("body force", &force)?;
+        add_body_force(&self.mesh, &Vector::from(force), &mut self.forces);
+        Ok(self)
+    }
+
+    /// The displacement prescribed for each dof at full load (UL), if any.
+    pub fn prescribed(&self) -> &[Option<f64>] {
+        &self.prescribed
+    }
+
+    /// The nodal forces at full load (all dofs, UF).
+    pub fn forces(&self) -> &[f64] {
+        &self.forces
+    }
+
+    /// For each dof, whether it is prescribed.
+    pub(super) fn is_prescribed(&self) -> Vec<bool> {
+        self.prescribed.iter().map(Option::is_some).collect()
+    }
+
+    /// Its energy over its free dofs, at no load.
+    pub(super) fn energy(&self) -> Box<dyn BodyEnergy<D>> {
+        self.law.energy(self)
+    }
+}
+
+/// Hides the type of the material behind the body.
+trait Law<const D: usize>: Send + Sync {
+    fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>>;
+}
+
+struct P1Law<M>(M);
+
+impl<const D: usize, M: Material<D>> Law<D> for P1Law<M>
+where
+    P1: Element<D>,
+{
+    fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
+        let dofs = DofMap::new(&body.is_prescribed());
+        let prescribed = body.prescribed.iter().flatten().copied().collect();
+        Box::new(StrainEnergy::<D, P1, M>::new(
+            &body.mesh,
+            self.0.clone(),
+            dofs,
+            prescribed,
+            body.forces.clone(),
+        ))
+    }
+}

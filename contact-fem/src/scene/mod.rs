@@ -1,0 +1,137 @@
+//! Scenes: bodies, their supports and loads, and which surfaces may touch.
+
+mod body;
+mod check;
+mod problem;
+
+pub use body::Body;
+pub use problem::Problem;
+
+use crate::error::Error;
+
+/// A contact surface as a user names it: body and boundary.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct SurfaceName {
+    /// The body's index in the scene.
+    pub body: usize,
+    /// The name of a boundary of its mesh.
+    pub boundary: String,
+}
+
+/// Which roles a pair of surfaces plays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Passes {
+    /// Each surface once slave and once master: the symmetric form (5).
+    #[default]
+    Both,
+    /// Only the first surface is slave, form (4); kept to show the difference.
+    FirstIsSlave,
+    /// Only the second surface is slave.
+    SecondIsSlave,
+}
+
+/// Two surfaces that may touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// One surface.
+    pub first: SurfaceName,
+    /// The other one.
+    pub second: SurfaceName,
+    /// In which roles.
+    pub passes: Passes,
+}
+
+/// Bodies and contact pairs; [`Scene::problem`] checks it and makes it solvable.
+pub struct Scene<const D: usize> {
+    bodies: Vec<Body<D>>,
+    pairs: Vec<Pair>,
+    /// Gauss points per facet and direction, 4 by default.
+    pub gauss_points: usize,
+    /// How far an integration point looks for the other surface (UL). By default a tenth of the
+    /// scene's diagonal. Points out of reach do not count; nor do rows none of whose points does.
+    pub reach: Option<f64>,
+    /// How deep bodies may overlap before any load, as a share of the facet size; polygons of
+    /// touching curves overlap by a little. 0.05 by default.
+    pub overlap_tolerance: f64,
+}
+
+impl<const D: usize> Scene<D> {
+    /// A scene of these bodies, without contact so far.
+    pub fn new(bodies: Vec<Body<D>>) -> Self {
+        Scene {
+            bodies,
+            pairs: Vec::new(),
+            gauss_points: 4,
+            reach: None,
+            overlap_tolerance: 0.05,
+        }
+    }
+
+    /// The bodies.
+    pub fn bodies(&self) -> &[Body<D>] {
+        &self.bodies
+    }
+
+    /// The pairs declared so far.
+    pub fn pairs(&self) -> &[Pair] {
+        &self.pairs
+    }
+
+    /// Declares that two boundaries, each given as (body, boundary name), may touch. Neither is
+    /// slave or master: swapping them changes nothing.
+    ///
+    /// # Errors
+    /// A body or boundary that does not exist, or a boundary without facets.
+    pub fn contact(&mut self, first: (usize, &str), second: (usize, &str)) -> Result<(), Error> {
+        self.contact_in_passes(first, second, Passes::Both)
+    }
+
+    /// As [`Scene::contact`], in the roles given.
+    ///
+    /// # Errors
+    /// As [`Scene::contact`].
+    pub fn contact_in_passes(
+        &mut self,
+        first: (usize, &str),
+        second: (usize, &str),
+        passes: Passes,
+    ) -> Result<(), Error> {
+        let pair = Pair {
+            first: self.surface_name(first)?,
+            second: self.surface_name(second)?,
+            passes,
+        };
+        self.pairs.push(pair);
+        Ok(())
+    }
+
+    fn surface_name(&self, (body, boundary): (usize, &str)) -> Result<SurfaceName, Error> {
+        let owner = self.bodies.get(body).ok_or(Error::UnknownBody {
+            body,
+            bodies: self.bodies.len(),
+        })?;
+        if owner.mesh().boundary(boundary)?.is_empty() {
+            return Err(Error::EmptySurface {
+                body,
+                boundary: boundary.to_string(),
+            });
+        }
+        Ok(SurfaceName {
+            body,
+            boundary: boundary.to_string(),
+        })
+    }
+
+    /// Checks the scene and makes the contact problem of it, at no load.
+    ///
+    /// # Errors
+    /// Everything that can be known to be wrong before a solve: bodies that nothing holds, bodies
+    /// that overlap, settings out of range.
+    pub fn problem(self) -> Result<Problem<D>, Error> {
+        check::settings(&self)?;
+        check::supports(&self)?;
+        let problem = Problem::new(self);
+        check::overlap(&problem)?;
+        Ok(problem)
+    }
+}

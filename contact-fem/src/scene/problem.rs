@@ -1,0 +1,285 @@
+//! A checked scene as the optimiser sees it.
+
+use contact_core::gaps::LinearGaps;
+use contact_core::nlp::Bounds;
+use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale};
+
+use super::{Passes, Scene, SurfaceName};
+use crate::assembly::{BodyEnergy, DofMap};
+use crate::contact::gaps::{PassRows, deepest_node};
+use crate::contact::{FacetRule, Master, Pass, Surface, pressure};
+use crate::tensor::Vector;
+
+/// The contact problem of a scene at one load: energy over the free dofs of all bodies, and the
+/// weak non-penetration constraints of all passes.
+///
+/// Nodes and dofs of the bodies follow each other in the order of the bodies.
+pub struct Problem<const D: usize> {
+    scene: Scene<D>,
+    energy: DirectSum<Box<dyn BodyEnergy<D>>>,
+    dofs: DofMap,
+    prescribed: Vec<f64>,
+    /// X of all nodes, and where each body's nodes start.
+    X: Vec<Vector<D>>,
+    first_node: Vec<usize>,
+    surfaces: Vec<Surface<D>>,
+    passes: Vec<Pass>,
+    rule: FacetRule<D>,
+    bounds: Bounds,
+    reach: f64,
+    scale: Scale,
+    small_strain: bool,
+}
+
+impl<const D: usize> Problem<D> {
+    /// Default reach as a share of the scene's diagonal.
+    const REACH: f64 = 0.1;
+
+    pub(super) fn new(scene: Scene<D>) -> Self {
+        let energies: Vec<_> = scene.bodies.iter().map(|body| body.energy()).collect();
+        let mut dofs = DofMap::default();
+        let (mut X, mut first_node) = (Vec::new(), vec![0]);
+        for body in &scene.bodies {
+            dofs.extend(&body.is_prescribed());
+            X.extend_from_slice(body.mesh().nodes());
+            first_node.push(X.len());
+        }
+        let (surfaces, passes) = surfaces_and_passes(&scene, &X, &first_node);
+        let low = X.iter().fold(X[0], |m, x| m.inf(x));
+        let high = X.iter().fold(X[0], |m, x| m.sup(x));
+        let length = (high - low).norm();
+        let stiffest = energies.iter().map(|e| e.typical_stiffness()).fold(0.0, f64::max);
+        let stiffness = if stiffest > 0.0 { stiffest } else { 1.0 };
+        Problem {
+            small_strain: energies.iter().all(|e| e.is_small_strain()),
+            prescribed: vec![0.0; dofs.prescribed()],
+            energy: DirectSum::new(energies),
+            rule: FacetRule::gauss(scene.gauss_points),
+            bounds: Bounds::default(),
+            reach: scene.reach.unwrap_or(Self::REACH * length),
+            scale: Scale {
+                length,
+                energy: stiffness * length * length,
+            },
+            scene,
+            dofs,
+            X,
+            first_node,
+            surfaces,
+            passes,
+        }
+    }
+
+    /// The scene it was made from.
+    pub fn scene(&self) -> &Scene<D> {
+        &self.scene
+    }
+
+    /// Reference positions X of all nodes (UL).
+    pub fn reference(&self) -> &[Vector<D>] {
+        &self.X
+    }
+
+    /// The number of the first node of a body.
+    pub fn first_node(&self, body: usize) -> usize {
+        self.first_node[body]
+    }
+
+    /// The nodes of a body.
+    pub fn nodes(&self, body: usize) -> std::ops::Range<usize> {
+        self.first_node[body]..self.first_node[body + 1]
+    }
+
+    /// The contact surfaces.
+    pub fn surfaces(&self) -> &[Surface<D>] {
+        &self.surfaces
+    }
+
+    /// The passes: every pair once or in both roles.
+    pub fn passes(&self) -> &[Pass] {
+        &self.passes
+    }
+
+    /// Free and prescribed dofs of all bodies.
+    pub fn dofs(&self) -> &DofMap {
+        &self.dofs
+    }
+
+    /// The energies of the bodies.
+    pub fn body_energies(&self) -> &[Box<dyn BodyEnergy<D>>] {
+        self.energy.parts()
+    }
+
+    /// The displacements of all nodes (UL) from the free unknowns, at the present load.
+    pub fn displacements(&self, u: &[f64]) -> Vec<Vector<D>> {
+        let all = self.dofs.expand(u, &self.prescribed);
+        all.chunks_exact(D).map(Vector::from_column_slice).collect()
+    }
+
+    /// The positions x = X + u of all nodes (UL).
+    pub fn positions(&self, u: &[f64]) -> Vec<Vector<D>> {
+        let U = self.displacements(u);
+        self.X.iter().zip(U).map(|(X, u)| X + u).collect()
+    }
+
+    /// Every surface ready to be projected on, at positions `x`.
+    pub fn masters(&self, x: &[Vector<D>]) -> Vec<Master<'_, D>> {
+        self.surfaces.iter().map(|s| Master::new(s, x)).collect()
+    }
+
+    /// The contact forces Cᵀλ on all nodes (UF).
+    pub fn contact_forces(&self, gaps: &LinearGaps, lambda: &[f64]) -> Vec<Vector<D>> {
+        let mut free = vec![0.0; self.dofs.free()];
+        let mut prescribed = vec![0.0; self.dofs.prescribed()];
+        gaps.add_forces(lambda, &mut free);
+        gaps.add_prescribed_forces(lambda, &mut prescribed);
+        let all = self.dofs.expand(&free, &prescribed);
+        all.chunks_exact(D).map(Vector::from_column_slice).collect()
+    }
+
+    /// The forces (UF) that the supports exert on each body: ∂E/∂U − Cᵀλ summed over its prescribed
+    /// dofs.
+    pub fn reactions(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<Vector<D>> {
+        let mut reactions = Vec::new();
+        for (body, energy) in self.energy.parts().iter().enumerate() {
+            let nodes = self.nodes(body);
+            let mut residual = vec![0.0; D * nodes.len()];
+            energy.add_residual(&u[self.energy.range(body)], &mut residual);
+            let mut sum = Vector::zeros();
+            for (k, node) in nodes.enumerate() {
+                for i in 0..D {
+                    if self.scene.bodies[body].prescribed()[D * k + i].is_some() {
+                        sum[i] += residual[D * k + i] - contact_forces[node][i];
+                    }
+                }
+            }
+            reactions.push(sum);
+        }
+        reactions
+    }
+
+    /// The contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area,
+    /// compression positive), recovered from the nodal contact forces on that surface.
+    ///
+    /// A node that belongs to several surfaces of one body has the force of all of them.
+    ///
+    /// # Errors
+    /// See [`pressure::tractions`].
+    pub fn pressures(
+        &self,
+        u: &[f64],
+        contact_forces: &[Vector<D>],
+    ) -> Result<Vec<Vec<f64>>, crate::Error> {
+        let x = self.positions(u);
+        let of_surface = |surface: &Surface<D>| {
+            let forces: Vec<_> = surface.nodes().iter().map(|&a| contact_forces[a]).collect();
+            let tractions = pressure::tractions(surface, &forces)?;
+            let normals = crate::contact::normals::averaged(surface, &x);
+            let pairs = tractions.iter().zip(&normals);
+            Ok(pairs.map(|(t, n)| -t.dot(n)).collect())
+        };
+        self.surfaces.iter().map(of_surface).collect()
+    }
+
+    /// The deepest that any contact node is inside another surface (UL, ≥ 0), over all passes.
+    pub fn penetration(&self, u: &[f64]) -> f64 {
+        let x = self.positions(u);
+        let masters = self.masters(&x);
+        let depth = |pass: &Pass| {
+            let normals = masters[pass.slave].normals();
+            let slave = &self.surfaces[pass.slave];
+            deepest_node(slave, normals, &masters[pass.master], &x).map_or(0.0, |(_, gap)| -gap)
+        };
+        self.passes.iter().map(depth).fold(0.0, f64::max)
+    }
+}
+
+/// Each surface once, however many pairs name it; and the passes over them.
+fn surfaces_and_passes<const D: usize>(
+    scene: &Scene<D>,
+    X: &[Vector<D>],
+    first_node: &[usize],
+) -> (Vec<Surface<D>>, Vec<Pass>) {
+    let mut names: Vec<&SurfaceName> = Vec::new();
+    let mut passes = Vec::new();
+    for pair in &scene.pairs {
+        let [a, b] = [&pair.first, &pair.second].map(|name| {
+            names.iter().position(|n| *n == name).unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            })
+        });
+        let (forth, back) = (
+            Pass {
+                slave: a,
+                master: b,
+            },
+            Pass {
+                slave: b,
+                master: a,
+            },
+        );
+        match pair.passes {
+            Passes::Both => passes.extend([forth, back]),
+            Passes::FirstIsSlave => passes.push(forth),
+            Passes::SecondIsSlave => passes.push(back),
+        }
+    }
+    let surface = |name: &&SurfaceName| {
+        let mesh = scene.bodies[name.body].mesh();
+        // the name was checked when the pair was declared
+        let facets = mesh.boundary(&name.boundary).unwrap_or_default();
+        let offset = first_node[name.body];
+        let facets = facets.into_iter().map(|f| f.map(|a| a + offset)).collect();
+        Surface::new(name.body, facets, X)
+    };
+    (names.iter().map(surface).collect(), passes)
+}
+
+impl<const D: usize> ContactProblem for Problem<D> {
+    fn energy(&self) -> &dyn Energy {
+        &self.energy
+    }
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    fn scale(&self) -> Scale {
+        self.scale
+    }
+
+    fn prescribed_magnitude(&self) -> f64 {
+        self.prescribed.iter().fold(0.0, |m, v| m.max(v.abs()))
+    }
+
+    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+        let exact = self.small_strain || self.passes.is_empty();
+        let mut gaps = LinearGaps::new(exact);
+        if self.passes.is_empty() {
+            return Ok(gaps);
+        }
+        let x = match self.small_strain {
+            true => self.X.clone(),
+            false => self.positions(u),
+        };
+        let masters = self.masters(&x);
+        for (k, pass) in self.passes.iter().enumerate() {
+            let slave = &self.surfaces[pass.slave];
+            let rows = PassRows::new(slave, &masters[pass.master], &x, &self.rule, self.reach);
+            rows.append(k as u32, slave, &self.X, &self.dofs, &self.prescribed, &mut gaps);
+        }
+        Ok(gaps)
+    }
+}
+
+impl<const D: usize> LoadStepped for Problem<D> {
+    fn set_load(&mut self, factor: f64) -> Result<(), Error> {
+        self.prescribed.clear();
+        for energy in self.energy.parts_mut() {
+            energy.set_load(factor);
+            self.prescribed.extend_from_slice(energy.prescribed());
+        }
+        Ok(())
+    }
+}

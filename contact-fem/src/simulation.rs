@@ -1,0 +1,126 @@
+//! A scene walked to full load, with a record of every step.
+
+use std::ops::ControlFlow;
+
+use contact_core::fixed_point::Solution;
+use contact_core::load_steps::{Attempt, LoadSteps, Run, Step};
+use contact_core::{ContactProblem, Method, State};
+
+use crate::error::Error;
+use crate::scene::Problem;
+use crate::tensor::Vector;
+
+/// What is known of one converged load step.
+#[derive(Clone, Debug)]
+pub struct StepRecord<const D: usize> {
+    /// Load factor.
+    pub factor: f64,
+    /// Which increment it completes, or `None` within one that was cut.
+    pub increment: Option<usize>,
+    /// E(u) (UF·UL).
+    pub energy: f64,
+    /// The force that the supports exert on each body (UF).
+    pub reactions: Vec<Vector<D>>,
+    /// The contact force on each body (UF).
+    pub contact_forces: Vec<Vector<D>>,
+    /// The smallest volume ratio of all assembled cells; `+∞` for small-strain laws.
+    pub min_j: f64,
+    /// The deepest contact node inside another surface (UL).
+    pub penetration: f64,
+    /// The most negative weak gap c_i, as a depth (UL).
+    pub weak_penetration: f64,
+    /// The fixed point and its effort.
+    pub attempt: Attempt,
+}
+
+/// A run and its records.
+#[derive(Debug)]
+pub struct History<const D: usize> {
+    /// How it ended, its last state, and every attempt.
+    pub run: Run,
+    /// One record a converged step.
+    pub steps: Vec<StepRecord<D>>,
+}
+
+/// A converged step while the run goes on.
+pub struct StepView<'a, const D: usize> {
+    /// The problem at this load.
+    pub problem: &'a Problem<D>,
+    /// The solution: state, rows, multipliers.
+    pub solution: &'a Solution,
+    /// Its record.
+    pub record: &'a StepRecord<D>,
+}
+
+/// Load steps of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Simulation {
+    /// Increments, predictor, cut-back, and the fixed point within.
+    pub load_steps: LoadSteps,
+}
+
+impl Simulation {
+    /// `increments` equal increments, all else by default.
+    pub fn with_increments(increments: usize) -> Self {
+        Simulation {
+            load_steps: LoadSteps {
+                increments,
+                ..LoadSteps::default()
+            },
+        }
+    }
+
+    /// Walks `problem` from rest to full load. `observe` sees every converged step as it comes and
+    /// may stop the run.
+    ///
+    /// # Errors
+    /// Settings out of range and what the method reports. A run that does not converge says so in
+    /// [`Run::outcome`]; its converged steps are all there.
+    pub fn run<const D: usize>(
+        &self,
+        problem: &mut Problem<D>,
+        method: &mut dyn Method,
+        mut observe: impl FnMut(&StepView<'_, D>) -> ControlFlow<()>,
+    ) -> Result<History<D>, Error> {
+        let start = State {
+            u: vec![0.0; problem.energy().dofs()],
+            ..State::default()
+        };
+        let mut steps = Vec::new();
+        let run = self.load_steps.run(problem, method, start, |step| {
+            let record = StepRecord::new(step);
+            let flow = observe(&StepView {
+                problem: step.problem,
+                solution: step.solution,
+                record: &record,
+            });
+            steps.push(record);
+            flow
+        })?;
+        Ok(History { run, steps })
+    }
+}
+
+impl<const D: usize> StepRecord<D> {
+    fn new(step: &Step<'_, Problem<D>>) -> Self {
+        let (problem, solution) = (step.problem, step.solution);
+        let u = &solution.state.u;
+        let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
+        let mut c = vec![0.0; solution.gaps.len()];
+        solution.gaps.value(u, &mut c);
+        let bodies = 0..problem.scene().bodies().len();
+        StepRecord {
+            factor: step.factor,
+            increment: step.increment,
+            energy: solution.energy,
+            reactions: problem.reactions(u, &forces),
+            contact_forces: bodies
+                .map(|body| problem.nodes(body).map(|a| forces[a]).sum())
+                .collect(),
+            min_j: step.attempt.min_domain,
+            penetration: problem.penetration(u),
+            weak_penetration: c.iter().fold(0.0, |depth: f64, c| depth.max(-c)),
+            attempt: step.attempt.clone(),
+        }
+    }
+}

@@ -1,0 +1,575 @@
+#include "shim.h"
+
+#include "IpoptConfig.h"
+
+#include "IpCompoundVector.hpp"
+#include "IpIpoptApplication.hpp"
+#include "IpIpoptCalculatedQuantities.hpp"
+#include "IpIpoptData.hpp"
+#include "IpJournalist.hpp"
+#include "IpOptionsList.hpp"
+#include "IpOrigIpoptNLP.hpp"
+#include "IpRegOptions.hpp"
+#include "IpSolveStatistics.hpp"
+#include "IpTNLP.hpp"
+#include "IpTNLPAdapter.hpp"
+#include "IpTimingStatistics.hpp"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <sstream>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+using namespace Ipopt;
+
+static_assert(sizeof(Index) == 4, "ipopt-sys supports Ipopt with 32-bit indices only");
+static_assert(std::is_same<Number, double>::value, "ipopt-sys supports Ipopt in double precision only");
+
+#if IPOPT_VERSION_MAJOR > 3 || (IPOPT_VERSION_MAJOR == 3 && IPOPT_VERSION_MINOR >= 14)
+#define SHIM_IPOPT_3_14 1
+#else
+#define SHIM_IPOPT_3_14 0
+#endif
+
+namespace {
+
+class Problem;
+
+/** Where an iterate is read from; valid while Ipopt is in the intermediate callback. */
+struct Current {
+    bool restoration = false;
+    const IpoptData *data = nullptr;
+    IpoptCalculatedQuantities *cq = nullptr;
+};
+
+} // namespace
+
+struct ipopt_shim {
+    SmartPtr<IpoptApplication> options;  // owns the registered options and their values
+    SmartPtr<IpoptApplication> running;  // the application of the solve under way
+    Current current;
+
+    int n = 0, m = 0;
+    std::vector<int> jacobian_rows, jacobian_cols, hessian_rows, hessian_cols;
+    std::vector<double> x_lower, x_upper, g_lower, g_upper;
+    double objective_scaling = 1.0;
+    std::vector<double> x_scaling, g_scaling;
+};
+
+namespace {
+
+/** Ipopt's log, as text, to a callback. */
+class LogJournal : public Journal {
+public:
+    LogJournal(EJournalLevel level, const ipopt_shim_callbacks &callbacks)
+        : Journal("ipopt_shim_log", level), callbacks_(callbacks) {}
+
+protected:
+    void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override {
+        callbacks_.log(callbacks_.user, text, std::strlen(text));
+    }
+    void PrintfImpl(EJournalCategory, EJournalLevel, const char *format, va_list arguments) override {
+        char text[1024];
+        va_list again;
+        va_copy(again, arguments);
+        const int length = std::vsnprintf(text, sizeof text, format, arguments);
+        if (length >= static_cast<int>(sizeof text)) {
+            std::vector<char> longer(static_cast<size_t>(length) + 1);
+            std::vsnprintf(longer.data(), longer.size(), format, again);
+            callbacks_.log(callbacks_.user, longer.data(), static_cast<size_t>(length));
+        } else if (length > 0) {
+            callbacks_.log(callbacks_.user, text, static_cast<size_t>(length));
+        }
+        va_end(again);
+    }
+    void FlushBufferImpl() override {}
+
+private:
+    const ipopt_shim_callbacks &callbacks_;
+};
+
+/** Counts factorisations: Ipopt keeps no such number, but announces each call of MUMPS.
+ *  Compares the format with known ones and formats nothing, so that it costs nanoseconds a message. */
+class CountingJournal : public Journal {
+public:
+    CountingJournal() : Journal("ipopt_shim_count", J_NONE) { SetPrintLevel(J_LINEAR_ALGEBRA, J_MOREDETAILED); }
+
+    long long factorizations = 0;
+    long long back_solves = 0;
+    long long factor_reals = -1;
+
+protected:
+    void PrintImpl(EJournalCategory category, EJournalLevel, const char *text) override {
+        if (category == J_LINEAR_ALGEBRA) {
+            count(text);
+        }
+    }
+    void PrintfImpl(EJournalCategory category, EJournalLevel, const char *format, va_list arguments) override {
+        if (category != J_LINEAR_ALGEBRA) {
+            return;
+        }
+        static const char doubles[] = "Number of doubles for MUMPS to hold factorization";
+        if (std::strncmp(format, doubles, sizeof doubles - 1) == 0) {
+            va_list again;
+            va_copy(again, arguments);
+            const int reals = va_arg(again, int);
+            va_end(again);
+            factor_reals = reals >= 0 ? reals : -1000000LL * reals;  // MUMPS counts large ones in millions
+        } else {
+            count(format);
+        }
+    }
+    void FlushBufferImpl() override {}
+
+private:
+    void count(const char *text) {
+        static const char prefix[] = "Calling MUMPS-";
+        if (std::strncmp(text, prefix, sizeof prefix - 1) == 0) {
+            factorizations += text[sizeof prefix - 1] == '2';
+            back_solves += text[sizeof prefix - 1] == '3';
+        }
+    }
+};
+
+class Problem : public TNLP {
+public:
+    Problem(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point)
+        : shim_(shim), callbacks_(callbacks), point_(point) {}
+
+    bool get_nlp_info(Index &n, Index &m, Index &jacobian, Index &hessian, IndexStyleEnum &style) override {
+        n = shim_.n;
+        m = shim_.m;
+        jacobian = static_cast<Index>(shim_.jacobian_rows.size());
+        hessian = static_cast<Index>(shim_.hessian_rows.size());
+        style = C_STYLE;
+        return true;
+    }
+
+    bool get_bounds_info(Index, Number *x_l, Number *x_u, Index, Number *g_l, Number *g_u) override {
+        std::copy(shim_.x_lower.begin(), shim_.x_lower.end(), x_l);
+        std::copy(shim_.x_upper.begin(), shim_.x_upper.end(), x_u);
+        std::copy(shim_.g_lower.begin(), shim_.g_lower.end(), g_l);
+        std::copy(shim_.g_upper.begin(), shim_.g_upper.end(), g_u);
+        return true;
+    }
+
+    bool get_scaling_parameters(Number &objective, bool &use_x, Index, Number *x, bool &use_g, Index,
+                                Number *g) override {
+        objective = shim_.objective_scaling;
+        use_x = !shim_.x_scaling.empty();
+        use_g = !shim_.g_scaling.empty();
+        std::copy(shim_.x_scaling.begin(), shim_.x_scaling.end(), x);
+        std::copy(shim_.g_scaling.begin(), shim_.g_scaling.end(), g);
+        return true;
+    }
+
+    bool get_starting_point(Index n, bool init_x, Number *x, bool init_z, Number *z_L, Number *z_U, Index m,
+                            bool init_lambda, Number *lambda) override {
+        if ((init_z || init_lambda) && !point_.have_multipliers) {
+            return false;
+        }
+        if (init_x) {
+            std::copy(point_.x, point_.x + n, x);
+        }
+        if (init_z) {
+            std::copy(point_.z_lower, point_.z_lower + n, z_L);
+            std::copy(point_.z_upper, point_.z_upper + n, z_U);
+        }
+        if (init_lambda) {
+            std::copy(point_.lambda, point_.lambda + m, lambda);
+        }
+        return true;
+    }
+
+    bool eval_f(Index, const Number *x, bool new_x, Number &value) override {
+        return callbacks_.objective(callbacks_.user, x, new_x, &value) != 0;
+    }
+
+    bool eval_grad_f(Index, const Number *x, bool new_x, Number *gradient) override {
+        return callbacks_.gradient(callbacks_.user, x, new_x, gradient) != 0;
+    }
+
+    bool eval_g(Index, const Number *x, bool new_x, Index m, Number *g) override {
+        return m == 0 || callbacks_.constraints(callbacks_.user, x, new_x, g) != 0;
+    }
+
+    bool eval_jac_g(Index, const Number *x, bool new_x, Index, Index entries, Index *rows, Index *cols,
+                    Number *values) override {
+        if (values == nullptr) {
+            std::copy(shim_.jacobian_rows.begin(), shim_.jacobian_rows.end(), rows);
+            std::copy(shim_.jacobian_cols.begin(), shim_.jacobian_cols.end(), cols);
+            return true;
+        }
+        return entries == 0 || callbacks_.jacobian(callbacks_.user, x, new_x, values) != 0;
+    }
+
+    bool eval_h(Index, const Number *x, bool new_x, Number objective_factor, Index, const Number *lambda,
+                bool new_lambda, Index entries, Index *rows, Index *cols, Number *values) override {
+        if (values == nullptr) {
+            std::copy(shim_.hessian_rows.begin(), shim_.hessian_rows.end(), rows);
+            std::copy(shim_.hessian_cols.begin(), shim_.hessian_cols.end(), cols);
+            return true;
+        }
+        return entries == 0 ||
+               callbacks_.hessian(callbacks_.user, x, new_x, objective_factor, lambda, new_lambda, values) != 0;
+    }
+
+    void finalize_solution(SolverReturn, Index n, const Number *x, const Number *z_L, const Number *z_U, Index m,
+                           const Number *g, const Number *lambda, Number objective, const IpoptData *,
+                           IpoptCalculatedQuantities *) override {
+        std::copy(x, x + n, point_.x);
+        std::copy(z_L, z_L + n, point_.z_lower);
+        std::copy(z_U, z_U + n, point_.z_upper);
+        std::copy(g, g + m, point_.g);
+        std::copy(lambda, lambda + m, point_.lambda);
+        point_.objective = objective;
+        point_.finalized = 1;
+    }
+
+    bool intermediate_callback(AlgorithmMode mode, Index iteration, Number objective, Number inf_pr, Number inf_du,
+                               Number mu, Number d_norm, Number regularization, Number alpha_du, Number alpha_pr,
+                               Index trials, const IpoptData *data, IpoptCalculatedQuantities *cq) override {
+        const ipopt_shim_iteration record = {mode == RestorationPhaseMode, iteration, objective, inf_pr,
+                                             inf_du,   mu,       d_norm, regularization,
+                                             alpha_du, alpha_pr, trials};
+        shim_.current.restoration = mode == RestorationPhaseMode;
+        shim_.current.data = data;
+        shim_.current.cq = cq;
+        const bool go_on = callbacks_.intermediate(callbacks_.user, &record) != 0;
+        shim_.current = Current();
+        return go_on;
+    }
+
+private:
+    ipopt_shim &shim_;
+    const ipopt_shim_callbacks &callbacks_;
+    ipopt_shim_point &point_;
+};
+
+/** Ipopt's view of the problem under way: its scaling, and its map from and to the caller's numbering.
+ *  Both are null outside a solve and where Ipopt put another layer between. */
+struct View {
+    SmartPtr<OrigIpoptNLP> nlp;
+    SmartPtr<TNLPAdapter> adapter;
+
+    explicit View(const ipopt_shim &shim) {
+        if (IsValid(shim.running) && shim.current.data != nullptr) {
+            nlp = dynamic_cast<OrigIpoptNLP *>(GetRawPtr(shim.running->IpoptNLPObject()));
+            if (IsValid(nlp)) {
+                adapter = dynamic_cast<TNLPAdapter *>(GetRawPtr(nlp->nlp()));
+            }
+        }
+    }
+    bool valid() const { return IsValid(nlp) && IsValid(adapter); }
+};
+
+/** The same multipliers for the unscaled problem. */
+SmartPtr<const Vector> unscaled(const SmartPtr<Vector> &scaled, Number factor) {
+    if (factor != 1.0) {
+        scaled->Scal(factor);
+    }
+    return ConstPtr(scaled);
+}
+
+std::string range_of(const RegisteredOption &option) {
+    std::ostringstream text;
+    if (option.Type() == OT_String) {
+        text << "one of";
+        const auto settings = option.GetValidStrings();
+        for (const auto &setting : settings) {
+            if (setting.value_ == "*") {
+                return "any text";
+            }
+            text << " \"" << setting.value_ << '"';
+        }
+        return text.str();
+    }
+    const bool integer = option.Type() == OT_Integer;
+    text << (integer ? "an integer" : "a number");
+    if (option.HasLower()) {
+        text << (!integer && option.LowerStrict() ? " > " : " >= ");
+        integer ? text << option.LowerInteger() : text << option.LowerNumber();
+    }
+    if (option.HasUpper()) {
+        text << (option.HasLower() ? " and" : "") << (!integer && option.UpperStrict() ? " < " : " <= ");
+        integer ? text << option.UpperInteger() : text << option.UpperNumber();
+    }
+    return text.str();
+}
+
+SmartPtr<const RegisteredOption> registered(ipopt_shim &shim, const char *name) {
+    return shim.options->RegOptions()->GetOption(name);
+}
+
+ipopt_shim_time time_of(const TimedTask &task) { return {task.TotalCpuTime(), task.TotalWallclockTime()}; }
+
+void read_statistics(IpoptApplication &application, ipopt_shim_statistics &out) {
+    SmartPtr<SolveStatistics> statistics = application.Statistics();
+    if (IsValid(statistics)) {
+        out.available = 1;
+        out.iterations = statistics->IterationCount();
+        statistics->NumberOfEvaluations(out.objective_evaluations, out.constraint_evaluations,
+                                        out.gradient_evaluations, out.jacobian_evaluations, out.hessian_evaluations);
+        out.cpu_time = statistics->TotalCpuTime();
+        out.wall_time = statistics->TotalWallclockTime();
+        Number ignored[3];
+#if SHIM_IPOPT_3_14
+        Number bounds;
+        statistics->Infeasibilities(out.dual_infeasibility, out.constraint_violation, bounds, out.complementarity,
+                                    out.kkt_error);
+        statistics->ScaledInfeasibilities(ignored[0], ignored[1], bounds, ignored[2], out.scaled_kkt_error);
+#else
+        statistics->Infeasibilities(out.dual_infeasibility, out.constraint_violation, out.complementarity,
+                                    out.kkt_error);
+        statistics->ScaledInfeasibilities(ignored[0], ignored[1], ignored[2], out.scaled_kkt_error);
+#endif
+    }
+    SmartPtr<IpoptData> data = application.IpoptDataObject();
+    if (IsValid(data)) {
+        TimingStatistics &timing = data->TimingStats();
+        out.timing_available = 1;
+        out.symbolic_factorization = time_of(timing.LinearSystemSymbolicFactorization());
+        out.factorization = time_of(timing.LinearSystemFactorization());
+        out.back_solve = time_of(timing.LinearSystemBackSolve());
+    }
+}
+
+int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point,
+             ipopt_shim_statistics &statistics) {
+    SmartPtr<Journalist> journalist = shim.options->Jnlst();
+    journalist->DeleteAllJournals();
+    if (callbacks.log != nullptr) {
+        Index level = 0;
+        shim.options->Options()->GetIntegerValue("print_level", level, "");
+        journalist->AddJournal(new LogJournal(static_cast<EJournalLevel>(level), callbacks));
+    }
+    std::string linear_solver;
+    shim.options->Options()->GetStringValue("linear_solver", linear_solver, "");
+    SmartPtr<CountingJournal> counts;
+    if (linear_solver == "mumps") {
+        counts = new CountingJournal();
+        journalist->AddJournal(GetRawPtr(counts));
+    }
+
+    // A clone shares options and journals, and takes the linear solver's memory with it when it goes.
+    shim.running = shim.options->clone();
+    int status = shim.running->Initialize();
+    if (status == Solve_Succeeded) {
+        SmartPtr<TNLP> problem = new Problem(shim, callbacks, point);
+        status = shim.running->OptimizeTNLP(problem);
+        read_statistics(*shim.running, statistics);
+    }
+    if (IsValid(counts)) {
+        statistics.factorizations = counts->factorizations;
+        statistics.back_solves = counts->back_solves;
+        statistics.factor_reals = counts->factor_reals;
+    }
+    return status;
+}
+
+/** What a function returns when C++ threw. */
+template <typename Result, typename Body> Result guarded(Result otherwise, Body body) noexcept {
+    try {
+        return body();
+    } catch (...) {
+        return otherwise;
+    }
+}
+
+} // namespace
+
+extern "C" {
+
+ipopt_shim *ipopt_shim_create(int n, int m, int jacobian_entries, const int *jacobian_rows, const int *jacobian_cols,
+                              int hessian_entries, const int *hessian_rows, const int *hessian_cols) {
+    ipopt_shim *shim = nullptr;
+    try {
+        shim = new ipopt_shim();
+        shim->options = new IpoptApplication(false);
+        shim->n = n;
+        shim->m = m;
+        shim->jacobian_rows.assign(jacobian_rows, jacobian_rows + jacobian_entries);
+        shim->jacobian_cols.assign(jacobian_cols, jacobian_cols + jacobian_entries);
+        shim->hessian_rows.assign(hessian_rows, hessian_rows + hessian_entries);
+        shim->hessian_cols.assign(hessian_cols, hessian_cols + hessian_entries);
+        shim->x_lower.assign(static_cast<size_t>(n), -1e300);
+        shim->x_upper.assign(static_cast<size_t>(n), 1e300);
+        shim->g_lower.assign(static_cast<size_t>(m), -1e300);
+        shim->g_upper.assign(static_cast<size_t>(m), 1e300);
+        return shim;
+    } catch (...) {
+        delete shim;
+        return nullptr;
+    }
+}
+
+void ipopt_shim_free(ipopt_shim *shim) {
+    try {
+        delete shim;
+    } catch (...) {
+    }
+}
+
+void ipopt_shim_set_bounds(ipopt_shim *shim, const double *x_lower, const double *x_upper, const double *g_lower,
+                           const double *g_upper) {
+    std::copy(x_lower, x_lower + shim->n, shim->x_lower.begin());
+    std::copy(x_upper, x_upper + shim->n, shim->x_upper.begin());
+    std::copy(g_lower, g_lower + shim->m, shim->g_lower.begin());
+    std::copy(g_upper, g_upper + shim->m, shim->g_upper.begin());
+}
+
+int ipopt_shim_set_scaling(ipopt_shim *shim, double objective, const double *x, const double *g) {
+    return guarded(0, [&] {
+        shim->objective_scaling = objective;
+        shim->x_scaling.assign(x, x + (x != nullptr ? shim->n : 0));
+        shim->g_scaling.assign(g, g + (g != nullptr ? shim->m : 0));
+        return 1;
+    });
+}
+
+int ipopt_shim_option_type(ipopt_shim *shim, const char *name) {
+    return guarded(IPOPT_SHIM_OPTION_UNKNOWN, [&] {
+        const auto option = registered(*shim, name);
+        if (IsValid(option)) {
+            switch (option->Type()) {
+            case OT_Number:
+                return IPOPT_SHIM_OPTION_NUMBER;
+            case OT_Integer:
+                return IPOPT_SHIM_OPTION_INTEGER;
+            case OT_String:
+                return IPOPT_SHIM_OPTION_TEXT;
+            default:
+                break;
+            }
+        }
+        return IPOPT_SHIM_OPTION_UNKNOWN;
+    });
+}
+
+void ipopt_shim_option_range(ipopt_shim *shim, const char *name, char *text, size_t size) {
+    guarded(0, [&] {
+        const auto option = registered(*shim, name);
+        std::snprintf(text, size, "%s", IsValid(option) ? range_of(*option).c_str() : "");
+        return 1;
+    });
+}
+
+void ipopt_shim_clear_options(ipopt_shim *shim) {
+    guarded(0, [&] {
+        shim->options->Options()->clear();
+        return 1;
+    });
+}
+
+int ipopt_shim_set_text(ipopt_shim *shim, const char *name, const char *value) {
+    return guarded(0, [&]() -> int {
+        const auto option = registered(*shim, name);
+        return IsValid(option) && option->Type() == OT_String && option->IsValidStringSetting(value) &&
+               shim->options->Options()->SetStringValue(name, value);
+    });
+}
+
+int ipopt_shim_set_number(ipopt_shim *shim, const char *name, double value) {
+    return guarded(0, [&]() -> int {
+        const auto option = registered(*shim, name);
+        return IsValid(option) && option->Type() == OT_Number && option->IsValidNumberSetting(value) &&
+               shim->options->Options()->SetNumericValue(name, value);
+    });
+}
+
+int ipopt_shim_set_integer(ipopt_shim *shim, const char *name, int value) {
+    return guarded(0, [&]() -> int {
+        const auto option = registered(*shim, name);
+        return IsValid(option) && option->Type() == OT_Integer && option->IsValidIntegerSetting(value) &&
+               shim->options->Options()->SetIntegerValue(name, value);
+    });
+}
+
+int ipopt_shim_solve(ipopt_shim *shim, const ipopt_shim_callbacks *callbacks, ipopt_shim_point *point,
+                     ipopt_shim_statistics *statistics) {
+    *statistics = ipopt_shim_statistics();
+    statistics->factorizations = statistics->back_solves = statistics->factor_reals = -1;
+    point->finalized = 0;
+    int status = NonIpopt_Exception_Thrown;
+    try {
+        status = optimize(*shim, *callbacks, *point, *statistics);
+    } catch (const std::bad_alloc &) {
+        status = Insufficient_Memory;
+    } catch (...) {
+    }
+    // Neither may outlive the callbacks.
+    shim->current = Current();
+    try {
+        shim->running = nullptr;
+        shim->options->Jnlst()->DeleteAllJournals();
+    } catch (...) {
+    }
+    return status;
+}
+
+int ipopt_shim_current_x(const ipopt_shim *shim, double *x) {
+    return guarded(0, [&] {
+        const View view(*shim);
+        if (!view.valid()) {
+            return 0;
+        }
+        SmartPtr<const Vector> iterate = shim->current.data->curr()->x();
+        if (shim->current.restoration) {
+            // The restoration phase works on (x, n_c, p_c, n_d, p_d).
+            const CompoundVector *parts = dynamic_cast<const CompoundVector *>(GetRawPtr(iterate));
+            if (parts == nullptr) {
+                return 0;
+            }
+            iterate = parts->GetComp(0);
+        }
+        view.adapter->ResortX(*view.nlp->NLP_scaling()->unapply_vector_scaling_x(iterate), x);
+        return 1;
+    });
+}
+
+int ipopt_shim_current_g(const ipopt_shim *shim, double *g) {
+    return guarded(0, [&] {
+        const View view(*shim);
+        if (!view.valid() || shim->current.restoration) {
+            return 0;
+        }
+        view.adapter->ResortG(*shim->current.cq->unscaled_curr_c(), *shim->current.cq->unscaled_curr_d(), g);
+        for (size_t i = 0; i < shim->g_lower.size(); ++i) {
+            // Ipopt sees an equality as g - rhs = 0.
+            if (shim->g_lower[i] == shim->g_upper[i]) {
+                g[i] += shim->g_lower[i];
+            }
+        }
+        return 1;
+    });
+}
+
+int ipopt_shim_current_multipliers(const ipopt_shim *shim, double *z_lower, double *z_upper, double *lambda) {
+    return guarded(0, [&] {
+        const View view(*shim);
+        if (!view.valid() || shim->current.restoration) {
+            return 0;
+        }
+        const auto curr = shim->current.data->curr();
+        const auto scaling = view.nlp->NLP_scaling();
+        const Number factor = scaling->unapply_obj_scaling(1.0);
+        const SmartPtr<const VectorSpace> space = curr->x()->OwnerSpace();
+        view.adapter->ResortG(*unscaled(scaling->apply_vector_scaling_c_NonConst(curr->y_c()), factor),
+                              *unscaled(scaling->apply_vector_scaling_d_NonConst(curr->y_d()), factor), lambda);
+        std::fill(z_lower, z_lower + shim->n, 0.0);
+        std::fill(z_upper, z_upper + shim->n, 0.0);
+        view.adapter->ResortBnds(
+            *unscaled(scaling->apply_vector_scaling_x_LU_NonConst(*view.nlp->Px_L(), curr->z_L(), *space), factor),
+            z_lower,
+            *unscaled(scaling->apply_vector_scaling_x_LU_NonConst(*view.nlp->Px_U(), curr->z_U(), *space), factor),
+            z_upper);
+        return 1;
+    });
+}
+
+} // extern "C"

@@ -1,0 +1,3 @@
+//! Facade.
+pub use contact_core;
+pub use contact_fem;
