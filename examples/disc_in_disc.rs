@@ -8,10 +8,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let inc: usize = std::env::args().nth(2).map_or(100, |s| s.parse().unwrap());
     let n: usize = std::env::args().nth(3).map_or(64, |s| s.parse().unwrap());
     let layers = (12 * n) / 64;
-    let radii: Vec<f64> = (0..=layers).map(|k| 0.7 + 1.3 * (k as f64 / layers as f64).powf(1.3)).collect();
+    let radii: Vec<f64> = (0..=layers)
+        .map(|k| 0.7 + 1.3 * (k as f64 / layers as f64).powf(1.3))
+        .collect();
     let mut ring = Body::new(annulus(&radii, n)?, NeoHookean::new(1000.0, 0.0)?);
     ring.prescribe("outer", [Some(0.0), Some(0.0)])?;
-    let mut inner = Body::new(disc(0.6, 52 * n / 64, 1, 0.03)?, NeoHookean::new(2000.0, 0.3)?);
+    let mut inner = Body::new(
+        disc(0.6, 52 * n / 64, 1, 0.03)?,
+        NeoHookean::new(2000.0, 0.3)?,
+    );
     inner.prescribe_all([Some(0.0), Some(-1.125)])?;
     let mut scene = Scene::new(vec![ring, inner]);
     scene.contact((0, "inner"), (1, "boundary"))?;
@@ -24,10 +29,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         match k {
             "tol" => method.tolerance = v.parse()?,
             "compl" => method.complementarity = v.parse()?,
-            _ => match v.parse::<f64>() {
-                Ok(x) => { method.options.set(k, x); }
-                Err(_) => { method.options.set(k, v); }
-            },
+            _ => {
+                if let Ok(i) = v.parse::<i32>() {
+                    method.options.set(k, i);
+                } else {
+                    match v.parse::<f64>() {
+                        Ok(x) => {
+                            method.options.set(k, x);
+                        }
+                        Err(_) => {
+                            method.options.set(k, v);
+                        }
+                    }
+                }
+            }
         }
     }
     let t = std::time::Instant::now();
@@ -38,7 +53,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ControlFlow::Continue(())
     })?;
     let mut e = contact_core::method::Effort::default();
-    for a in &h.run.attempts { e += a.effort(); if a.outcome != contact_core::fixed_point::Outcome::Converged { println!("{} {} {}", a.from, a.to, a.outcome); } }
-    println!("{:?} cuts {} {:?} fp {} wall {:?}", h.run.outcome, h.run.cuts(), e, h.run.attempts.iter().map(|a| a.iterations.len()).sum::<usize>(), t.elapsed());
+    for a in &h.run.attempts {
+        e += a.effort();
+        if a.outcome != contact_core::fixed_point::Outcome::Converged {
+            println!("{} {} {}", a.from, a.to, a.outcome);
+        }
+    }
+    println!(
+        "{:?} cuts {} {:?} fp {} wall {:?}",
+        h.run.outcome,
+        h.run.cuts(),
+        e,
+        h.run
+            .attempts
+            .iter()
+            .map(|a| a.iterations.len())
+            .sum::<usize>(),
+        t.elapsed()
+    );
     Ok(())
 }

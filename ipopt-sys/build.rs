@@ -139,7 +139,7 @@ fn compile(ipopt: &Ipopt) -> Result<(), String> {
         .std("c++14")
         .file("src/shim.cpp")
         .include("src")
-        .flag_if_supported("-Wno-deprecated");
+        .flag_if_supported("-Wno-deprecated-declarations");
     for path in &ipopt.library.include_paths {
         // System headers, so that their warnings stay theirs.
         build.flag("-isystem").flag(path);

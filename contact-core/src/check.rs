@@ -78,7 +78,12 @@ fn central_differences(energy: &dyn Energy, u: &[f64], h: f64) -> (Vec<f64>, Vec
         energy.gradient(&x, &mut down);
         x[j] = u[j];
         gradient.push((above - below) / (2.0 * h));
-        columns.push(up.iter().zip(&down).map(|(a, b)| (a - b) / (2.0 * h)).collect());
+        columns.push(
+            up.iter()
+                .zip(&down)
+                .map(|(a, b)| (a - b) / (2.0 * h))
+                .collect(),
+        );
     }
     (gradient, columns)
 }

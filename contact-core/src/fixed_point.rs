@@ -66,7 +66,10 @@ impl std::fmt::Display for Outcome {
         match self {
             Outcome::Converged => write!(f, "converged"),
             Outcome::Cycle { period, amplitude } => {
-                write!(f, "cycles with period {period} at amplitude {amplitude:.2e}")
+                write!(
+                    f,
+                    "cycles with period {period} at amplitude {amplitude:.2e}"
+                )
             }
             Outcome::IterationLimit => write!(f, "iteration limit of the fixed point"),
             Outcome::SubproblemFailed(why) => write!(f, "subproblem not solved: {why}"),
@@ -172,6 +175,7 @@ impl FixedPoint {
                 bounds: problem.bounds(),
                 gaps: &run.gaps,
                 scale: problem.scale(),
+                first: run.history.is_empty(),
             };
             let minimum = method.minimize(&subproblem, &point)?; // steps 4–5
             let error = match minimum.solved {

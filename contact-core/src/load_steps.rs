@@ -176,7 +176,7 @@ impl LoadSteps {
     ) -> Result<Run, Error> {
         self.validate()?;
         Error::check_vector("start.u", &start.u, problem.energy().dofs())?;
-        let mut walk = Walk {
+        let mut path = Path {
             settings: self,
             last: Milestone {
                 factor: 0.0,
@@ -185,27 +185,27 @@ impl LoadSteps {
             before: None,
             attempts: Vec::new(),
         };
-        let outcome = walk.to_full_load(problem, method, &mut observe)?;
-        problem.set_load(walk.last.factor)?;
+        let outcome = path.walk(problem, method, &mut observe)?;
+        problem.set_load(path.last.factor)?;
         Ok(Run {
             outcome,
-            factor: walk.last.factor,
-            state: walk.last.state,
-            attempts: walk.attempts,
+            factor: path.last.factor,
+            state: path.last.state,
+            attempts: path.attempts,
         })
     }
 }
 
-/// The state of a walk along the load.
-struct Walk<'a> {
+/// How far along the load a run has come.
+struct Path<'a> {
     settings: &'a LoadSteps,
     last: Milestone,
     before: Option<Milestone>,
     attempts: Vec<Attempt>,
 }
 
-impl Walk<'_> {
-    fn to_full_load<P: LoadStepped>(
+impl Path<'_> {
+    fn walk<P: LoadStepped>(
         &mut self,
         problem: &mut P,
         method: &mut dyn Method,

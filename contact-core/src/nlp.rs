@@ -613,7 +613,7 @@ impl<'a> Iterate<'a> {
             .as_deref()
     }
 
-    /// The multipliers; `None` in the restoration phase, whose problem has others.
+    /// The multipliers, 0 for the bounds of fixed variables; `None` in the restoration phase, whose problem has others.
     pub fn multipliers(&self) -> Option<&Multipliers> {
         self.multipliers
             .get_or_init(|| self.source.multipliers())

@@ -13,7 +13,9 @@ pub enum Error {
         volume: f64,
     },
     /// A cell without volume.
-    #[error("cell {cell} is degenerate (volume {volume:.3e} at size {size:.3e}): merge or move its nodes")]
+    #[error(
+        "cell {cell} is degenerate (volume {volume:.3e} at size {size:.3e}): merge or move its nodes"
+    )]
     DegenerateCell {
         /// Which cell.
         cell: usize,
@@ -39,7 +41,9 @@ pub enum Error {
         node: usize,
     },
     /// A facet that more than two cells share.
-    #[error("the facet with nodes {nodes:?} belongs to {cells} cells: a body's mesh must be a manifold")]
+    #[error(
+        "the facet with nodes {nodes:?} belongs to {cells} cells: a body's mesh must be a manifold"
+    )]
     NonManifoldFacet {
         /// Its nodes.
         nodes: Vec<usize>,
@@ -82,13 +86,17 @@ pub enum Error {
         E: f64,
     },
     /// Poisson's ratio out of range.
-    #[error("Poisson's ratio ν = {nu} must lie strictly between -1 and 0.5; for nearly incompressible bodies use 0.499")]
+    #[error(
+        "Poisson's ratio ν = {nu} must lie strictly between -1 and 0.5; for nearly incompressible bodies use 0.499"
+    )]
     PoissonsRatio {
         /// The value.
         nu: f64,
     },
     /// A contact surface without facets.
-    #[error("contact surface `{boundary}` of body {body} has no facets: name a boundary that has some")]
+    #[error(
+        "contact surface `{boundary}` of body {body} has no facets: name a boundary that has some"
+    )]
     EmptySurface {
         /// Which body.
         body: usize,
@@ -109,7 +117,9 @@ pub enum Error {
         modes: usize,
     },
     /// No body of the scene is held by anything.
-    #[error("no displacement is prescribed anywhere: the scene as a whole can drift; support a body")]
+    #[error(
+        "no displacement is prescribed anywhere: the scene as a whole can drift; support a body"
+    )]
     NoSupport,
     /// Bodies that overlap before any load.
     #[error(
@@ -131,7 +141,9 @@ pub enum Error {
         tolerance: f64,
     },
     /// One dof prescribed twice with different values.
-    #[error("component {component} of node {node} of body {body} is prescribed twice: {first} and {second}")]
+    #[error(
+        "component {component} of node {node} of body {body} is prescribed twice: {first} and {second}"
+    )]
     Conflict {
         /// Which body.
         body: usize,
@@ -191,7 +203,10 @@ impl Error {
         what: &str,
         values: impl IntoIterator<Item = &'a f64>,
     ) -> Result<(), Error> {
-        let mut bad = values.into_iter().enumerate().filter(|(_, v)| !v.is_finite());
+        let mut bad = values
+            .into_iter()
+            .enumerate()
+            .filter(|(_, v)| !v.is_finite());
         match bad.next() {
             None => Ok(()),
             Some((index, &value)) => Err(Error::NotFinite {

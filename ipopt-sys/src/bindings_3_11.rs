@@ -178,7 +178,7 @@ const _: () = {
     ["Offset of field: ipopt_shim_iteration::line_search_trials"]
         [::std::mem::offset_of!(ipopt_shim_iteration, line_search_trials) - 72usize];
 };
-#[doc = " The problem's functions. Each returns 0 when it fails; `intermediate` returns 0 to stop.\n  None may unwind. `log` may be NULL: then no text is made at all."]
+#[doc = " The problem's functions. Each returns 0 when it fails; `intermediate` returns 0 to stop.\n  None may unwind, and none is called while another runs. `log` may be NULL: then no text is made at all."]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct ipopt_shim_callbacks {
@@ -345,7 +345,7 @@ pub struct ipopt_shim_statistics {
     pub complementarity: f64,
     pub kkt_error: f64,
     pub scaled_kkt_error: f64,
-    #[doc = " Where the linear solver's time went; zero without `timing_available`."]
+    #[doc = " Where the linear solver's time went: with MUMPS as timed around its calls, else as Ipopt says, which does not\n  time all phases of all solvers. Zero without `timing_available`."]
     pub timing_available: ::std::os::raw::c_int,
     pub symbolic_factorization: ipopt_shim_time,
     pub factorization: ipopt_shim_time,
@@ -539,7 +539,7 @@ unsafe extern "C" {
     pub fn ipopt_shim_current_x(shim: *const ipopt_shim, x: *mut f64) -> ::std::os::raw::c_int;
     #[doc = " g(x) at the iterate; 0 outside `intermediate` and in the restoration phase."]
     pub fn ipopt_shim_current_g(shim: *const ipopt_shim, g: *mut f64) -> ::std::os::raw::c_int;
-    #[doc = " The multipliers at the iterate; 0 outside `intermediate` and in the restoration phase, which has others."]
+    #[doc = " The multipliers at the iterate, 0 for fixed variables that are not variables to Ipopt.\n  Returns 0 outside `intermediate` and in the restoration phase, which has others."]
     pub fn ipopt_shim_current_multipliers(
         shim: *const ipopt_shim,
         z_lower: *mut f64,

@@ -16,9 +16,11 @@
 #include "IpTimingStatistics.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <new>
 #include <sstream>
 #include <string>
@@ -38,13 +40,14 @@ static_assert(std::is_same<Number, double>::value, "ipopt-sys supports Ipopt in 
 
 namespace {
 
-class Problem;
-
-/** Where an iterate is read from; valid while Ipopt is in the intermediate callback. */
+/** Where an iterate is read from; set while Ipopt is in the intermediate callback. No other callback is made
+ *  meanwhile, even if Ipopt should want a value again for an iterate: the caller is in the middle of one. */
 struct Current {
     bool restoration = false;
     const IpoptData *data = nullptr;
     IpoptCalculatedQuantities *cq = nullptr;
+
+    bool set() const { return data != nullptr; }
 };
 
 } // namespace
@@ -66,13 +69,11 @@ namespace {
 /** Ipopt's log, as text, to a callback. */
 class LogJournal : public Journal {
 public:
-    LogJournal(EJournalLevel level, const ipopt_shim_callbacks &callbacks)
-        : Journal("ipopt_shim_log", level), callbacks_(callbacks) {}
+    LogJournal(EJournalLevel level, const ipopt_shim_callbacks &callbacks, const Current &current)
+        : Journal("ipopt_shim_log", level), callbacks_(callbacks), current_(current) {}
 
 protected:
-    void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override {
-        callbacks_.log(callbacks_.user, text, std::strlen(text));
-    }
+    void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override { send(text, std::strlen(text)); }
     void PrintfImpl(EJournalCategory, EJournalLevel, const char *format, va_list arguments) override {
         char text[1024];
         va_list again;
@@ -81,32 +82,45 @@ protected:
         if (length >= static_cast<int>(sizeof text)) {
             std::vector<char> longer(static_cast<size_t>(length) + 1);
             std::vsnprintf(longer.data(), longer.size(), format, again);
-            callbacks_.log(callbacks_.user, longer.data(), static_cast<size_t>(length));
+            send(longer.data(), static_cast<size_t>(length));
         } else if (length > 0) {
-            callbacks_.log(callbacks_.user, text, static_cast<size_t>(length));
+            send(text, static_cast<size_t>(length));
         }
         va_end(again);
     }
     void FlushBufferImpl() override {}
 
 private:
+    void send(const char *text, size_t length) {
+        if (!current_.set()) {
+            callbacks_.log(callbacks_.user, text, length);
+        }
+    }
+
     const ipopt_shim_callbacks &callbacks_;
+    const Current &current_;
 };
 
-/** Counts factorisations: Ipopt keeps no such number, but announces each call of MUMPS.
- *  Compares the format with known ones and formats nothing, so that it costs nanoseconds a message. */
-class CountingJournal : public Journal {
+/** Counts and times the calls of MUMPS. Ipopt keeps no such count, and does not time MUMPS' factorisations, but it
+ *  announces each call and its end. Formats are compared with known ones and nothing is formatted, so that a message
+ *  costs less than a microsecond. */
+class MumpsJournal : public Journal {
 public:
-    CountingJournal() : Journal("ipopt_shim_count", J_NONE) { SetPrintLevel(J_LINEAR_ALGEBRA, J_MOREDETAILED); }
+    struct Job {
+        long long calls = 0;
+        ipopt_shim_time time = {0.0, 0.0};
+    };
 
-    long long factorizations = 0;
-    long long back_solves = 0;
-    long long factor_reals = -1;
+    MumpsJournal() : Journal("ipopt_shim_mumps", J_NONE) { SetPrintLevel(J_LINEAR_ALGEBRA, J_MOREDETAILED); }
+
+    /** 1 analyses, 2 factorises, 3 solves. */
+    const Job &job(int number) const { return jobs_[number - 1]; }
+    long long factor_reals() const { return factor_reals_; }
 
 protected:
     void PrintImpl(EJournalCategory category, EJournalLevel, const char *text) override {
         if (category == J_LINEAR_ALGEBRA) {
-            count(text);
+            announced(text);
         }
     }
     void PrintfImpl(EJournalCategory category, EJournalLevel, const char *format, va_list arguments) override {
@@ -114,26 +128,47 @@ protected:
             return;
         }
         static const char doubles[] = "Number of doubles for MUMPS to hold factorization";
-        if (std::strncmp(format, doubles, sizeof doubles - 1) == 0) {
+        if (starts_with(format, doubles, sizeof doubles - 1)) {
             va_list again;
             va_copy(again, arguments);
             const int reals = va_arg(again, int);
             va_end(again);
-            factor_reals = reals >= 0 ? reals : -1000000LL * reals;  // MUMPS counts large ones in millions
+            factor_reals_ = reals >= 0 ? reals : -1000000LL * reals;  // MUMPS counts large ones in millions
         } else {
-            count(format);
+            announced(format);
         }
     }
     void FlushBufferImpl() override {}
 
 private:
-    void count(const char *text) {
-        static const char prefix[] = "Calling MUMPS-";
-        if (std::strncmp(text, prefix, sizeof prefix - 1) == 0) {
-            factorizations += text[sizeof prefix - 1] == '2';
-            back_solves += text[sizeof prefix - 1] == '3';
+    typedef std::chrono::steady_clock Clock;
+
+    static bool starts_with(const char *text, const char *prefix, size_t length) {
+        return std::strncmp(text, prefix, length) == 0;
+    }
+
+    Job *job_named(char number) { return number >= '1' && number <= '3' ? &jobs_[number - '1'] : nullptr; }
+
+    void announced(const char *text) {
+        static const char calling[] = "Calling MUMPS-", done[] = "Done with MUMPS-";
+        if (starts_with(text, calling, sizeof calling - 1)) {
+            if (Job *job = job_named(text[sizeof calling - 1])) {
+                ++job->calls;
+                cpu_ = std::clock();
+                wall_ = Clock::now();
+            }
+        } else if (starts_with(text, done, sizeof done - 1)) {
+            if (Job *job = job_named(text[sizeof done - 1])) {
+                job->time.cpu += static_cast<double>(std::clock() - cpu_) / CLOCKS_PER_SEC;
+                job->time.wall += std::chrono::duration<double>(Clock::now() - wall_).count();
+            }
         }
     }
+
+    Job jobs_[3];
+    long long factor_reals_ = -1;
+    std::clock_t cpu_ = 0;
+    Clock::time_point wall_;
 };
 
 class Problem : public TNLP {
@@ -187,15 +222,15 @@ public:
     }
 
     bool eval_f(Index, const Number *x, bool new_x, Number &value) override {
-        return callbacks_.objective(callbacks_.user, x, new_x, &value) != 0;
+        return ready() && callbacks_.objective(callbacks_.user, x, new_x, &value) != 0;
     }
 
     bool eval_grad_f(Index, const Number *x, bool new_x, Number *gradient) override {
-        return callbacks_.gradient(callbacks_.user, x, new_x, gradient) != 0;
+        return ready() && callbacks_.gradient(callbacks_.user, x, new_x, gradient) != 0;
     }
 
     bool eval_g(Index, const Number *x, bool new_x, Index m, Number *g) override {
-        return m == 0 || callbacks_.constraints(callbacks_.user, x, new_x, g) != 0;
+        return m == 0 || (ready() && callbacks_.constraints(callbacks_.user, x, new_x, g) != 0);
     }
 
     bool eval_jac_g(Index, const Number *x, bool new_x, Index, Index entries, Index *rows, Index *cols,
@@ -205,7 +240,7 @@ public:
             std::copy(shim_.jacobian_cols.begin(), shim_.jacobian_cols.end(), cols);
             return true;
         }
-        return entries == 0 || callbacks_.jacobian(callbacks_.user, x, new_x, values) != 0;
+        return entries == 0 || (ready() && callbacks_.jacobian(callbacks_.user, x, new_x, values) != 0);
     }
 
     bool eval_h(Index, const Number *x, bool new_x, Number objective_factor, Index, const Number *lambda,
@@ -215,8 +250,8 @@ public:
             std::copy(shim_.hessian_cols.begin(), shim_.hessian_cols.end(), cols);
             return true;
         }
-        return entries == 0 ||
-               callbacks_.hessian(callbacks_.user, x, new_x, objective_factor, lambda, new_lambda, values) != 0;
+        return entries == 0 || (ready() && callbacks_.hessian(callbacks_.user, x, new_x, objective_factor, lambda,
+                                                              new_lambda, values) != 0);
     }
 
     void finalize_solution(SolverReturn, Index n, const Number *x, const Number *z_L, const Number *z_U, Index m,
@@ -246,6 +281,8 @@ public:
     }
 
 private:
+    bool ready() const { return !shim_.current.set(); }
+
     ipopt_shim &shim_;
     const ipopt_shim_callbacks &callbacks_;
     ipopt_shim_point &point_;
@@ -258,7 +295,7 @@ struct View {
     SmartPtr<TNLPAdapter> adapter;
 
     explicit View(const ipopt_shim &shim) {
-        if (IsValid(shim.running) && shim.current.data != nullptr) {
+        if (IsValid(shim.running) && shim.current.set()) {
             nlp = dynamic_cast<OrigIpoptNLP *>(GetRawPtr(shim.running->IpoptNLPObject()));
             if (IsValid(nlp)) {
                 adapter = dynamic_cast<TNLPAdapter *>(GetRawPtr(nlp->nlp()));
@@ -346,14 +383,14 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
     if (callbacks.log != nullptr) {
         Index level = 0;
         shim.options->Options()->GetIntegerValue("print_level", level, "");
-        journalist->AddJournal(new LogJournal(static_cast<EJournalLevel>(level), callbacks));
+        journalist->AddJournal(new LogJournal(static_cast<EJournalLevel>(level), callbacks, shim.current));
     }
     std::string linear_solver;
     shim.options->Options()->GetStringValue("linear_solver", linear_solver, "");
-    SmartPtr<CountingJournal> counts;
+    SmartPtr<MumpsJournal> mumps;
     if (linear_solver == "mumps") {
-        counts = new CountingJournal();
-        journalist->AddJournal(GetRawPtr(counts));
+        mumps = new MumpsJournal();
+        journalist->AddJournal(GetRawPtr(mumps));
     }
 
     // A clone shares options and journals, and takes the linear solver's memory with it when it goes.
@@ -364,10 +401,14 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
         status = shim.running->OptimizeTNLP(problem);
         read_statistics(*shim.running, statistics);
     }
-    if (IsValid(counts)) {
-        statistics.factorizations = counts->factorizations;
-        statistics.back_solves = counts->back_solves;
-        statistics.factor_reals = counts->factor_reals;
+    if (IsValid(mumps)) {
+        statistics.factorizations = mumps->job(2).calls;
+        statistics.back_solves = mumps->job(3).calls;
+        statistics.factor_reals = mumps->factor_reals();
+        statistics.symbolic_factorization = mumps->job(1).time;
+        statistics.factorization = mumps->job(2).time;
+        statistics.back_solve = mumps->job(3).time;
+        statistics.timing_available = 1;
     }
     return status;
 }

@@ -31,7 +31,7 @@ typedef struct ipopt_shim_iteration {
 } ipopt_shim_iteration;
 
 /** The problem's functions. Each returns 0 when it fails; `intermediate` returns 0 to stop.
- *  None may unwind. `log` may be NULL: then no text is made at all. */
+ *  None may unwind, and none is called while another runs. `log` may be NULL: then no text is made at all. */
 typedef struct ipopt_shim_callbacks {
     void *user;
     int (*objective)(void *user, const double *x, int new_x, double *value);
@@ -78,7 +78,8 @@ typedef struct ipopt_shim_statistics {
     double complementarity;
     double kkt_error;
     double scaled_kkt_error;
-    /** Where the linear solver's time went; zero without `timing_available`. */
+    /** Where the linear solver's time went: with MUMPS as timed around its calls, else as Ipopt says, which does not
+     *  time all phases of all solvers. Zero without `timing_available`. */
     int timing_available;
     ipopt_shim_time symbolic_factorization;
     ipopt_shim_time factorization;
@@ -127,7 +128,8 @@ int ipopt_shim_solve(ipopt_shim *shim, const ipopt_shim_callbacks *callbacks, ip
 int ipopt_shim_current_x(const ipopt_shim *shim, double *x);
 /** g(x) at the iterate; 0 outside `intermediate` and in the restoration phase. */
 int ipopt_shim_current_g(const ipopt_shim *shim, double *g);
-/** The multipliers at the iterate; 0 outside `intermediate` and in the restoration phase, which has others. */
+/** The multipliers at the iterate, 0 for fixed variables that are not variables to Ipopt.
+ *  Returns 0 outside `intermediate` and in the restoration phase, which has others. */
 int ipopt_shim_current_multipliers(const ipopt_shim *shim, double *z_lower, double *z_upper, double *lambda);
 
 #ifdef __cplusplus

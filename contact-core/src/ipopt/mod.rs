@@ -47,9 +47,11 @@
 //! - **Signs**: see [`nlp`](crate::nlp). Bounds are kept exactly (`bound_relax_factor` 0).
 
 mod callbacks;
+mod iterate;
 mod lock;
 mod options;
 mod solver;
+mod start;
 mod statistics;
 mod status;
 
@@ -57,7 +59,8 @@ use thiserror::Error;
 
 pub use self::{
     options::{OptionError, OptionValue, Options},
-    solver::{Scaling, Solution, Solver, Start},
+    solver::{Solution, Solver},
+    start::{Scaling, Start},
     statistics::{CallbackStatistics, Statistics, Time},
     status::Status,
 };

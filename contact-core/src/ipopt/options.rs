@@ -120,7 +120,7 @@ pub enum OptionError {
 /// | `option_file_name` | `""` | an `ipopt.opt` in the working directory is nobody's intention |
 /// | `print_level`, `sb` | 0, `yes` | the log is for those who ask |
 /// | `bound_relax_factor` | 0 | Ipopt's 1e-8 would be a real penetration |
-/// | `mumps_mem_percent` | 50 | 1000 estimates eleven times the workspace |
+/// | `mumps_mem_percent` | 200 | 1000 (Ipopt's) estimates eleven times the workspace, 50 too little: factorisations are repeated |
 /// | `mumps_pivot_order` | 5 above 10 000 variables | nested dissection: half the operations |
 /// | `hessian_approximation` | `limited-memory` without a Hessian | |
 /// | `hessian_constant`, `jac_c_constant`, `jac_d_constant` | as [`Structure`] promises | evaluated once |
@@ -209,7 +209,7 @@ fn defaults(structure: &Structure) -> Options {
         .with("print_level", 0)
         .with("sb", true)
         .with("bound_relax_factor", 0.0)
-        .with("mumps_mem_percent", 50)
+        .with("mumps_mem_percent", 200)
         .with("timing_statistics", true)
         .with("hessian_constant", structure.hessian_constant())
         .with("jac_c_constant", structure.jacobian_constant())
@@ -246,6 +246,17 @@ pub(super) unsafe fn apply(
     for (name, value) in options.iter() {
         // SAFETY: as above.
         unsafe { apply_one(shim, name, value) }?;
+        if name == "hessian_approximation"
+            && structure.hessian().is_none()
+            && *value != "limited-memory".into()
+        {
+            // Ipopt would take the Hessian for zero.
+            return Err(OptionError::Invalid {
+                name: name.to_owned(),
+                value: value.clone(),
+                expected: "\"limited-memory\", as the structure has no Hessian".to_owned(),
+            });
+        }
     }
     Ok(())
 }

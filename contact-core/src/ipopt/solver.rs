@@ -5,39 +5,10 @@ use std::{fmt, panic::resume_unwind, ptr::NonNull, time::Instant};
 use ipopt_sys as sys;
 
 use super::{
-    Error, OptionValue, Options, Statistics, Status, callbacks::Context, lock::Exclusive, options,
+    Error, OptionValue, Options, Scaling, Start, Statistics, Status, callbacks::Context,
+    lock::Exclusive, options, start::Point,
 };
-use crate::nlp::{Bounds, IterationRecord, Multipliers, Nlp, NlpError, Pattern, Phase, Structure};
-
-/// Where a solve starts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Start<'a> {
-    /// x, n finite values. Ipopt moves them inside their bounds.
-    pub x: &'a [f64],
-    /// With multipliers the solve is a warm start; see [`Options::warm_start`] for what else that needs.
-    pub multipliers: Option<&'a Multipliers>,
-}
-
-impl<'a> Start<'a> {
-    /// A cold start.
-    pub fn at(x: &'a [f64]) -> Self {
-        Self {
-            x,
-            multipliers: None,
-        }
-    }
-}
-
-/// Factors Ipopt applies with the option `nlp_scaling_method` at "user-scaling", and only then.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Scaling {
-    /// Of f.
-    pub objective: f64,
-    /// Of x; `None` for 1.
-    pub variables: Option<Vec<f64>>,
-    /// Of g; `None` for 1.
-    pub constraints: Option<Vec<f64>>,
-}
+use crate::nlp::{Bounds, IterationRecord, Multipliers, Nlp, Pattern, Phase, Structure};
 
 /// How a solve ended, and where.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +23,8 @@ pub struct Solution {
     /// g(x); NaN if Ipopt ended without a final point.
     pub g: Vec<f64>,
     /// The multipliers at x, `None` where Ipopt has none worth the name: after an invalid number, a time limit, in
-    /// the restoration phase, or with nothing to iterate because all variables are fixed.
+    /// the restoration phase, or with nothing to iterate because all variables are fixed. For fixed variables among
+    /// others Ipopt has them since 3.14, and zeros before.
     pub multipliers: Option<Multipliers>,
     /// What it cost.
     pub statistics: Statistics,
@@ -71,7 +43,8 @@ pub struct Solver {
     warm_start: Option<OptionValue>,
 }
 
-// SAFETY: the shim has no ties to a thread, and every use of it is under the process-wide lock.
+// SAFETY: the shim has no ties to a thread, and whatever it shares with others of its kind is used under the
+// process-wide lock only.
 unsafe impl Send for Solver {}
 
 impl Solver {
@@ -139,19 +112,11 @@ impl Solver {
     /// Replaces the factors for `nlp_scaling_method=user-scaling`.
     ///
     /// # Errors
-    /// [`NlpError`] unless each factor is finite and not 0 (that of f may be negative, to maximise), and as many as
+    /// [`NlpError`](crate::nlp::NlpError) unless each factor is finite and not 0 (that of f may be negative, to maximise), and as many as
     /// variables or constraints.
     pub fn set_scaling(&mut self, scaling: &Scaling) -> Result<(), Error> {
-        let (n, m) = (self.structure.variables(), self.structure.constraints());
+        scaling.validate(&self.structure)?;
         let (x, g) = (scaling.variables.as_deref(), scaling.constraints.as_deref());
-        check_scaling(
-            "the scaling of f",
-            &[scaling.objective],
-            1,
-            f64::NEG_INFINITY,
-        )?;
-        check_scaling("the scaling of x", x.unwrap_or(&vec![1.0; n]), n, 0.0)?;
-        check_scaling("the scaling of g", g.unwrap_or(&vec![1.0; m]), m, 0.0)?;
         let pointer = |values: Option<&[f64]>| values.map_or(std::ptr::null(), <[f64]>::as_ptr);
         // SAFETY: the shim is valid, and the arrays have n and m values.
         match unsafe {
@@ -269,88 +234,6 @@ impl fmt::Debug for Solver {
         f.debug_struct("Solver")
             .field("structure", &self.structure)
             .finish_non_exhaustive()
-    }
-}
-
-/// The arrays Ipopt starts from and ends in.
-struct Point {
-    x: Vec<f64>,
-    g: Vec<f64>,
-    multipliers: Multipliers,
-}
-
-impl Point {
-    fn new(structure: &Structure, start: &Start<'_>) -> Result<Self, NlpError> {
-        let (n, m) = (structure.variables(), structure.constraints());
-        check_finite("the starting x", start.x, n)?;
-        if let Some(multipliers) = start.multipliers {
-            check_finite("the starting λ", &multipliers.constraints, m)?;
-            check_finite("the starting z_L", &multipliers.lower, n)?;
-            check_finite("the starting z_U", &multipliers.upper, n)?;
-        }
-        let multipliers = start.multipliers.cloned().unwrap_or_else(|| Multipliers {
-            constraints: vec![0.0; m],
-            lower: vec![0.0; n],
-            upper: vec![0.0; n],
-        });
-        Ok(Self {
-            x: start.x.to_vec(),
-            g: vec![f64::NAN; m],
-            multipliers,
-        })
-    }
-
-    fn raw(&mut self, have_multipliers: bool) -> sys::ipopt_shim_point {
-        sys::ipopt_shim_point {
-            x: self.x.as_mut_ptr(),
-            z_lower: self.multipliers.lower.as_mut_ptr(),
-            z_upper: self.multipliers.upper.as_mut_ptr(),
-            lambda: self.multipliers.constraints.as_mut_ptr(),
-            g: self.g.as_mut_ptr(),
-            objective: f64::NAN,
-            have_multipliers: have_multipliers.into(),
-            finalized: 0,
-        }
-    }
-}
-
-fn check_finite(what: &'static str, values: &[f64], expected: usize) -> Result<(), NlpError> {
-    if values.len() != expected {
-        return Err(NlpError::Length {
-            what,
-            found: values.len(),
-            expected,
-        });
-    }
-    match values.iter().position(|value| !value.is_finite()) {
-        Some(index) => Err(NlpError::Value {
-            what,
-            index,
-            value: values[index],
-            needed: "finite",
-        }),
-        None => Ok(()),
-    }
-}
-
-fn check_scaling(
-    what: &'static str,
-    values: &[f64],
-    expected: usize,
-    above: f64,
-) -> Result<(), NlpError> {
-    check_finite(what, values, expected)?;
-    match values
-        .iter()
-        .position(|&value| value == 0.0 || value <= above)
-    {
-        Some(index) => Err(NlpError::Value {
-            what,
-            index,
-            value: values[index],
-            needed: "positive (f: not 0)",
-        }),
-        None => Ok(()),
     }
 }
 

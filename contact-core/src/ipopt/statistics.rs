@@ -40,7 +40,8 @@ pub struct Statistics {
     pub hessian: CallbackStatistics,
     /// Of the whole solve, callbacks included.
     pub total: Time,
-    /// Choosing pivots, once a solve. `None` if Ipopt did not get that far.
+    /// Choosing pivots, once a solve. Timed around the calls of MUMPS; with another linear solver, what Ipopt says.
+    /// `None` if Ipopt did not get that far.
     pub symbolic_factorization: Option<Time>,
     /// Numerical factorisations.
     pub factorization: Option<Time>,

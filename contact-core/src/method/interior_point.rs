@@ -35,8 +35,8 @@ pub struct InteriorPoint {
 impl Default for InteriorPoint {
     fn default() -> Self {
         InteriorPoint {
-            tolerance: 1e-10,
-            complementarity: 1e-13,
+            tolerance: 1e-12,
+            complementarity: 1e-14,
             max_warm_iterations: 40,
             max_iterations: 300,
             options: Options::new(),
@@ -46,18 +46,21 @@ impl Default for InteriorPoint {
 }
 
 impl InteriorPoint {
-    /// Where a warm solve starts its barrier parameter: about where the last one ended.
-    const WARM_MU: f64 = 1e-9;
+    /// How far a warm start is moved off its bounds, in the scaled slacks and multipliers: hardly,
+    /// but more when it is a guess from another load, whose active rows need not be the right ones.
+    const PUSH: f64 = 1e-9;
+    const FIRST_PUSH: f64 = 1e-4;
 
-    fn options(&self, warm: bool) -> Options {
+    fn options(&self, warm: bool, first: bool) -> Options {
         let mut options = Options::new()
             .with("tol", self.tolerance)
             .with("compl_inf_tol", 10.0 * self.complementarity)
             .with("mu_target", self.complementarity)
+            .with("mu_strategy", "adaptive")
             .with("nlp_scaling_method", "none");
         if warm {
-            options.set("mu_init", Self::WARM_MU);
             options.set("max_iter", self.max_warm_iterations);
+            let distance = if first { Self::FIRST_PUSH } else { Self::PUSH };
             for push in [
                 "warm_start_bound_push",
                 "warm_start_bound_frac",
@@ -65,10 +68,9 @@ impl InteriorPoint {
                 "warm_start_slack_bound_frac",
                 "warm_start_mult_bound_push",
             ] {
-                options.set(push, 1e-9);
+                options.set(push, distance);
             }
         } else {
-            options.set("mu_init", 1e-2);
             options.set("max_iter", self.max_iterations);
         }
         for (name, value) in self.options.iter() {
@@ -84,7 +86,10 @@ impl InteriorPoint {
         start: &State,
         warm: bool,
     ) -> Result<Solution, Error> {
-        let mut solver = Solver::new(structure.clone(), &self.options(warm))?;
+        let mut solver = Solver::new(
+            structure.clone(),
+            &self.options(warm, scaled.subproblem.first),
+        )?;
         let x: Vec<f64> = start.u.iter().map(|u| u / scaled.length).collect();
         let multipliers = warm.then(|| scaled.multipliers(start));
         scaled.restart(&start.u);
@@ -138,6 +143,7 @@ fn structure(subproblem: &Subproblem<'_>) -> Result<Structure, Error> {
         bounds,
         gaps,
         scale,
+        ..
     } = *subproblem;
     let variables = match bounds.is_empty() {
         true => Bounds::free(energy.dofs()),
@@ -149,9 +155,11 @@ fn structure(subproblem: &Subproblem<'_>) -> Result<Structure, Error> {
     let jacobian: Pattern = gaps.entries().map(|(i, j, _)| (i, j)).collect();
     let hessian = energy.hessian_pattern().clone();
     let constraints = Bounds::nonnegative(gaps.len());
-    Ok(Structure::new(variables, constraints, jacobian, Some(hessian))?
-        .with_constant_hessian(energy.is_quadratic())
-        .with_constant_jacobian(true))
+    Ok(
+        Structure::new(variables, constraints, jacobian, Some(hessian))?
+            .with_constant_hessian(energy.is_quadratic())
+            .with_constant_jacobian(true),
+    )
 }
 
 /// The subproblem in Ipopt's numbers: x = u/L, f = E/E₀, g = c/L, and its multipliers −λ L/E₀.
@@ -200,7 +208,13 @@ impl<'a> Scaled<'a> {
         let n = self.u.len();
         let scaled = |key| -state.multipliers.of(key) * self.length / self.energy;
         Multipliers {
-            constraints: self.subproblem.gaps.keys().iter().map(|&k| scaled(k)).collect(),
+            constraints: self
+                .subproblem
+                .gaps
+                .keys()
+                .iter()
+                .map(|&k| scaled(k))
+                .collect(),
             lower: vec![0.0; n],
             upper: vec![0.0; n],
         }

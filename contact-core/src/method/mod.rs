@@ -20,6 +20,8 @@ pub struct Subproblem<'a> {
     pub gaps: &'a LinearGaps,
     /// Units in which numbers are O(1).
     pub scale: Scale,
+    /// Whether the start is a guess from another load rather than the previous iterate.
+    pub first: bool,
 }
 
 /// Step 5: any way to minimise E(u) subject to C u + c₀ ≥ 0.

@@ -37,8 +37,7 @@ pub(super) fn pattern_and_slots(
         let lower = (0..cell.len()).flat_map(|r| (0..=r).map(move |c| (r, c)));
         lower.map(|(r, c)| position(cell[r], cell[c])).collect()
     };
-    let mut positions: Vec<(usize, usize)> =
-        cells.clone().flat_map(local).flatten().collect();
+    let mut positions: Vec<(usize, usize)> = cells.clone().flat_map(local).flatten().collect();
     positions.sort_unstable();
     positions.dedup();
 

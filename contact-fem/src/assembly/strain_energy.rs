@@ -45,16 +45,17 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         prescribed: Vec<f64>,
         forces: Vec<f64>,
     ) -> Self {
-        let is_free = |&node: &usize| {
-            (0..D).any(|i| matches!(dofs.get(D * node + i), Dof::Free(_)))
-        };
+        let is_free =
+            |&node: &usize| (0..D).any(|i| matches!(dofs.get(D * node + i), Dof::Free(_)));
         let assembled = mesh.cells().filter(|cell| cell.iter().any(is_free));
         let cells: Vec<E::PerNode<usize>> = assembled.map(nodes_of::<D, E>).collect();
         let points = cells.iter().flat_map(|cell| points_of::<D, E>(mesh, cell));
         let points = points.collect();
         let cell_dofs = |cell: &E::PerNode<usize>| -> Vec<usize> {
             let nodes = cell.as_ref().iter();
-            nodes.flat_map(|&a| (0..D).map(move |i| D * a + i)).collect()
+            nodes
+                .flat_map(|&a| (0..D).map(move |i| D * a + i))
+                .collect()
         };
         let (pattern, slots) = pattern_and_slots(&dofs, cells.iter().map(cell_dofs));
         let mut energy = StrainEnergy {
@@ -78,7 +79,12 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
     fn median_diagonal(&self) -> f64 {
         let mut values = vec![0.0; self.pattern.len()];
         self.hessian(&vec![0.0; self.dofs.free()], &mut values);
-        let entries = self.pattern.rows().iter().zip(self.pattern.cols()).zip(values);
+        let entries = self
+            .pattern
+            .rows()
+            .iter()
+            .zip(self.pattern.cols())
+            .zip(values);
         let mut diagonal: Vec<f64> = entries
             .filter_map(|((r, c), v)| (r == c).then_some(v))
             .collect();
@@ -151,7 +157,10 @@ fn points_of<const D: usize, E: Element<D>>(
             dX.ger(1.0, &mesh.nodes()[a], dN, 1.0);
         }
         let inverse = inverse_transpose(&dX);
-        gradients.as_mut().iter_mut().for_each(|dN| *dN = inverse * *dN);
+        gradients
+            .as_mut()
+            .iter_mut()
+            .for_each(|dN| *dN = inverse * *dN);
         Point {
             weight: weight * crate::tensor::determinant(&dX),
             gradients,
@@ -177,7 +186,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
                 energy += point.weight * psi;
             }
         }
-        let forces = self.full_forces.iter().enumerate().filter(|(_, f)| **f != 0.0);
+        let forces = self
+            .full_forces
+            .iter()
+            .enumerate()
+            .filter(|(_, f)| **f != 0.0);
         let work = forces.map(|(d, f)| f * self.dofs.value(d, u, &self.prescribed));
         energy - self.factor * work.sum::<f64>()
     }
@@ -234,7 +247,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     }
 
     fn domain_len(&self) -> usize {
-        if M::NEEDS_POSITIVE_J { self.points.len() } else { 0 }
+        if M::NEEDS_POSITIVE_J {
+            self.points.len()
+        } else {
+            0
+        }
     }
 
     fn domain(&self, u: &[f64], d: &mut [f64]) {

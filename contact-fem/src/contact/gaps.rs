@@ -71,9 +71,11 @@ impl<const D: usize> PassRows<D> {
                     let row = &mut rows[local[i]];
                     row.area += w;
                     let own = facet.iter().zip(N.iter());
-                    row.terms.extend(own.map(|(&a, N_a)| (a, p.normal * (w * N_a))));
+                    row.terms
+                        .extend(own.map(|(&a, N_a)| (a, p.normal * (w * N_a))));
                     let other = across.iter().zip(p.lambda.iter());
-                    row.terms.extend(other.map(|(&b, N_b)| (b, p.normal * (-w * N_b))));
+                    row.terms
+                        .extend(other.map(|(&b, N_b)| (b, p.normal * (-w * N_b))));
                 }
             }
         }

@@ -70,11 +70,17 @@ mod tests {
             let rule = FacetRule::<2>::gauss(n);
             for k in 0..2 * n as i32 {
                 let sum: f64 = rule.points().iter().map(|(w, l)| w * l[1].powi(k)).sum();
-                assert!((sum - 1.0 / f64::from(k + 1)).abs() < 1e-14, "n {n}, degree {k}");
+                assert!(
+                    (sum - 1.0 / f64::from(k + 1)).abs() < 1e-14,
+                    "n {n}, degree {k}"
+                );
             }
             let k = 2 * n as i32;
             let sum: f64 = rule.points().iter().map(|(w, l)| w * l[1].powi(k)).sum();
-            assert!((sum - 1.0 / f64::from(k + 1)).abs() > 1e-12, "not exact beyond");
+            assert!(
+                (sum - 1.0 / f64::from(k + 1)).abs() > 1e-12,
+                "not exact beyond"
+            );
         }
     }
 

@@ -44,7 +44,9 @@ pub fn tractions<const D: usize>(
     let factor = mass.sp_cholesky(Side::Lower).map_err(|_| singular(()))?;
     let rhs = Mat::from_fn(n, D, |a, i| forces[a][i]);
     let solution = factor.solve(&rhs);
-    Ok((0..n).map(|a| Vector::from_fn(|i, _| solution[(a, i)])).collect())
+    Ok((0..n)
+        .map(|a| Vector::from_fn(|i, _| solution[(a, i)]))
+        .collect())
 }
 
 #[cfg(test)]
@@ -65,7 +67,11 @@ mod tests {
             forces[k] += (2.0 * traction(a) + traction(b)) * ((b - a) / 6.0);
             forces[k + 1] += (traction(a) + 2.0 * traction(b)) * ((b - a) / 6.0);
         }
-        for (t, x) in tractions(&surface, &forces).expect("regular").iter().zip(&x) {
+        for (t, x) in tractions(&surface, &forces)
+            .expect("regular")
+            .iter()
+            .zip(&x)
+        {
             assert!((t - traction(x[0])).norm() < 1e-13);
         }
     }

@@ -72,7 +72,9 @@ mod tests {
             assert!(lambda.iter().all(|&l| l >= 0.0));
             assert!((lambda.sum() - 1.0).abs() < 1e-14);
             let distance = (x - interpolate(&lambda, &corners)).norm();
-            let brute = lattice.iter().map(|l| (x - interpolate(l, &corners)).norm());
+            let brute = lattice
+                .iter()
+                .map(|l| (x - interpolate(l, &corners)).norm());
             let brute = brute.fold(f64::INFINITY, f64::min);
             assert!(distance <= brute + 1e-12, "{distance} against {brute}");
             assert!(brute - distance < 2e-3);

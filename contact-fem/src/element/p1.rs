@@ -11,8 +11,7 @@ macro_rules! linear_simplex {
     ($D:literal, $nodes:literal, $volume:expr) => {
         impl Element<$D> for P1 {
             type PerNode<T: Copy + Send + Sync> = [T; $nodes];
-            const QUADRATURE: &'static [(f64, [f64; $D])] =
-                &[($volume, [1.0 / $nodes as f64; $D])];
+            const QUADRATURE: &'static [(f64, [f64; $D])] = &[($volume, [1.0 / $nodes as f64; $D])];
 
             fn per_node<T: Copy + Send + Sync>(value: T) -> [T; $nodes] {
                 [value; $nodes]
@@ -44,7 +43,10 @@ mod tests {
 
     fn battery<const D: usize, E: Element<D>>(corners: &[Vector<D>], volume: f64) {
         let weights: f64 = E::QUADRATURE.iter().map(|q| q.0).sum();
-        assert!((weights - volume).abs() < 1e-15, "weights sum to the volume");
+        assert!(
+            (weights - volume).abs() < 1e-15,
+            "weights sum to the volume"
+        );
         for (a, corner) in corners.iter().enumerate() {
             for (b, &N) in E::shapes(corner).as_ref().iter().enumerate() {
                 assert_eq!(N, f64::from(u8::from(a == b)), "nodal");
@@ -71,7 +73,12 @@ mod tests {
 
     #[test]
     fn tetrahedron() {
-        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ];
         battery::<3, P1>(&corners.map(Vector::<3>::from), 1.0 / 6.0);
     }
 }

@@ -33,14 +33,17 @@ fn derivatives<const D: usize>(law: &impl Material<D>, stiffness: f64) {
             for L in 0..D {
                 let mut step = Matrix::<D>::zeros();
                 step[(k, L)] = h;
-                let slope = (law.energy_density(&(F + step)) - law.energy_density(&(F - step)))
-                    / (2.0 * h);
+                let slope =
+                    (law.energy_density(&(F + step)) - law.energy_density(&(F - step))) / (2.0 * h);
                 assert!((P[(k, L)] - slope).abs() < 1e-7 * stiffness, "P_{k}{L}");
                 let dP = (law.stress(&(F + step)) - law.stress(&(F - step))) / (2.0 * h);
                 for J in 0..D {
                     let M = A(&unit_vector(J), &unit_vector(L));
                     for i in 0..D {
-                        assert!((M[(i, k)] - dP[(i, J)]).abs() < 1e-6 * stiffness, "A_{i}{J}{k}{L}");
+                        assert!(
+                            (M[(i, k)] - dP[(i, J)]).abs() < 1e-6 * stiffness,
+                            "A_{i}{J}{k}{L}"
+                        );
                     }
                 }
             }
@@ -60,10 +63,7 @@ fn symmetry<const D: usize>(law: &impl Material<D>, stiffness: f64) {
 
 /// A : (a ⊗ b) of Hooke's tensor, written down a second time from the isotropic formula.
 fn linearizes_to_hooke<const D: usize>(law: &impl Material<D>, E: f64, nu: f64) {
-    let (lambda, mu) = (
-        E * nu / (1.0 + nu) / (1.0 - 2.0 * nu),
-        0.5 * E / (1.0 + nu),
-    );
+    let (lambda, mu) = (E * nu / (1.0 + nu) / (1.0 - 2.0 * nu), 0.5 * E / (1.0 + nu));
     let rest = Matrix::identity();
     let A = law.contraction(&rest);
     for J in 0..D {
@@ -74,7 +74,10 @@ fn linearizes_to_hooke<const D: usize>(law: &impl Material<D>, E: f64, nu: f64) 
                     let delta = |p: usize, q: usize| f64::from(u8::from(p == q));
                     let hooke = lambda * delta(i, J) * delta(k, L)
                         + mu * (delta(i, k) * delta(J, L) + delta(i, L) * delta(J, k));
-                    assert!((M[(i, k)] - hooke).abs() < 1e-12 * (lambda + mu), "{i}{J}{k}{L}");
+                    assert!(
+                        (M[(i, k)] - hooke).abs() < 1e-12 * (lambda + mu),
+                        "{i}{J}{k}{L}"
+                    );
                 }
             }
         }
@@ -127,7 +130,10 @@ fn neo_hookean() {
         plane_strain(&law, stiffness);
         let flipped = Matrix::<2>::from_diagonal(&Vector::<2>::new(-1.0, 1.0));
         assert_eq!(law.energy_density(&flipped), f64::INFINITY);
-        assert_eq!(Material::<3>::energy_density(&law, &Matrix::zeros()), f64::INFINITY);
+        assert_eq!(
+            Material::<3>::energy_density(&law, &Matrix::zeros()),
+            f64::INFINITY
+        );
     }
 }
 
@@ -150,9 +156,15 @@ fn linear_elastic() {
 #[test]
 fn constants_out_of_range_are_named() {
     for E in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(NeoHookean::new(E, 0.3), Err(Error::YoungsModulus { .. })));
+        assert!(matches!(
+            NeoHookean::new(E, 0.3),
+            Err(Error::YoungsModulus { .. })
+        ));
     }
     for nu in [0.5, 0.7, -1.0, -2.0, f64::NAN] {
-        assert!(matches!(LinearElastic::new(1.0, nu), Err(Error::PoissonsRatio { .. })));
+        assert!(matches!(
+            LinearElastic::new(1.0, nu),
+            Err(Error::PoissonsRatio { .. })
+        ));
     }
 }

@@ -1,9 +1,9 @@
 //! Hyperelastic laws, one a file, all under one battery of tests.
 
-mod linear_elastic;
-mod neo_hookean;
 #[cfg(test)]
 mod battery;
+mod linear_elastic;
+mod neo_hookean;
 
 pub use linear_elastic::LinearElastic;
 pub use neo_hookean::NeoHookean;

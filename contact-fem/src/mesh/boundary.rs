@@ -62,7 +62,12 @@ mod tests {
     #[test]
     fn facets_of_one_cell_point_outward() {
         outward(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Vector::<2>::from));
-        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ];
         outward(&corners.map(Vector::<3>::from));
     }
 

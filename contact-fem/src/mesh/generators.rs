@@ -19,7 +19,11 @@ pub fn graded(from: f64, to: f64, first: f64, count: usize) -> Vec<f64> {
     let (mut low, mut high) = (1e-3, 1e3);
     for _ in 0..200 {
         let q = 0.5 * (low + high);
-        if length(q) < target { low = q } else { high = q }
+        if length(q) < target {
+            low = q
+        } else {
+            high = q
+        }
     }
     let (q, whole) = (low, length(low));
     let mut values: Vec<f64> = (0..=count)
@@ -142,7 +146,13 @@ fn polar(radii: &[f64], angles: &[f64], closed: bool) -> Result<Mesh<2>, Error> 
     let on_axes = |r: f64, angle: f64| {
         // nodes that should lie on an axis lie there exactly
         let (s, c) = angle.sin_cos();
-        [c, s].map(|v| if v.abs() < 1e-15 * angle.max(1.0) { 0.0 } else { r * v })
+        [c, s].map(|v| {
+            if v.abs() < 1e-15 * angle.max(1.0) {
+                0.0
+            } else {
+                r * v
+            }
+        })
     };
     for &r in rings {
         nodes.extend(angles.iter().map(|&angle| on_axes(r, angle)));
@@ -269,7 +279,10 @@ mod tests {
     fn unknown_names_list_the_known_ones() {
         let mesh = disc(1.0, 8, 1, 0.0).expect("mesh");
         let message = mesh.boundary("rim").expect_err("unknown").to_string();
-        assert!(message.contains("rim") && message.contains("boundary"), "{message}");
+        assert!(
+            message.contains("rim") && message.contains("boundary"),
+            "{message}"
+        );
     }
 
     #[test]
@@ -286,11 +299,21 @@ mod tests {
         ));
         assert!(matches!(
             error(vec![0, 1, 7]),
-            Error::NodeOutOfRange { cell: 0, node: 7, nodes: 4 }
+            Error::NodeOutOfRange {
+                cell: 0,
+                node: 7,
+                nodes: 4
+            }
         ));
-        assert!(matches!(error(vec![0, 1, 2]), Error::OrphanNode { node: 3 }));
+        assert!(matches!(
+            error(vec![0, 1, 2]),
+            Error::OrphanNode { node: 3 }
+        ));
         assert!(matches!(error(vec![]), Error::EmptyMesh));
         let nan = vec![[0.0, 0.0], [1.0, f64::NAN], [0.0, 1.0]];
-        assert!(matches!(Mesh::<2>::new(nan, vec![0, 1, 2]), Err(Error::NotFinite { .. })));
+        assert!(matches!(
+            Mesh::<2>::new(nan, vec![0, 1, 2]),
+            Err(Error::NotFinite { .. })
+        ));
     }
 }

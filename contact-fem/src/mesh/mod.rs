@@ -136,9 +136,8 @@ impl<const D: usize> Mesh<D> {
     /// Area or volume of a cell (UL²/UL³), positive.
     pub fn volume(&self, cell: usize) -> f64 {
         let corners = self.cell(cell);
-        let edges = Matrix::<D>::from_fn(|i, j| {
-            self.nodes[corners[j + 1]][i] - self.nodes[corners[0]][i]
-        });
+        let edges =
+            Matrix::<D>::from_fn(|i, j| self.nodes[corners[j + 1]][i] - self.nodes[corners[0]][i]);
         determinant(&edges) / (1..=D).product::<usize>() as f64
     }
 

@@ -108,7 +108,12 @@ impl<const D: usize> Body<D> {
     pub fn traction(&mut self, boundary: &str, traction: [f64; D]) -> Result<&mut Self, Error> {
         Error::check_finite("traction", &traction)?;
         let facets = self.mesh.boundary(boundary)?;
-        add_traction(&self.mesh, &facets, &Vector::from(traction), &mut self.forces);
+        add_traction(
+            &self.mesh,
+            &facets,
+            &Vector::from(traction),
+            &mut self.forces,
+        );
         Ok(self)
     }
 

@@ -19,7 +19,11 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
         return setting("bodies", 0.0, "a scene needs at least one body");
     }
     if scene.gauss_points == 0 || scene.gauss_points > 64 {
-        return setting("gauss_points", scene.gauss_points as f64, "choose 1 to 64, 4 by default");
+        return setting(
+            "gauss_points",
+            scene.gauss_points as f64,
+            "choose 1 to 64, 4 by default",
+        );
     }
     match scene.reach {
         Some(reach) if !(reach > 0.0) => {
@@ -84,7 +88,9 @@ fn held_rigid_modes<const D: usize>(body: &Body<D>) -> usize {
     let count = D + planes.len();
     // the Gram matrix is small whatever the number of dofs
     let gram = DMatrix::from_fn(count, count, |p, q| {
-        held.iter().map(|&dof| mode(dof, p) * mode(dof, q)).sum::<f64>()
+        held.iter()
+            .map(|&dof| mode(dof, p) * mode(dof, q))
+            .sum::<f64>()
     });
     let largest = gram.trace();
     let eigenvalues = gram.symmetric_eigenvalues();

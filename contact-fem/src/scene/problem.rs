@@ -48,7 +48,10 @@ impl<const D: usize> Problem<D> {
         let low = X.iter().fold(X[0], |m, x| m.inf(x));
         let high = X.iter().fold(X[0], |m, x| m.sup(x));
         let length = (high - low).norm();
-        let stiffest = energies.iter().map(|e| e.typical_stiffness()).fold(0.0, f64::max);
+        let stiffest = energies
+            .iter()
+            .map(|e| e.typical_stiffness())
+            .fold(0.0, f64::max);
         let stiffness = if stiffest > 0.0 { stiffest } else { 1.0 };
         Problem {
             small_strain: energies.iter().all(|e| e.is_small_strain()),
@@ -267,7 +270,14 @@ impl<const D: usize> ContactProblem for Problem<D> {
         for (k, pass) in self.passes.iter().enumerate() {
             let slave = &self.surfaces[pass.slave];
             let rows = PassRows::new(slave, &masters[pass.master], &x, &self.rule, self.reach);
-            rows.append(k as u32, slave, &self.X, &self.dofs, &self.prescribed, &mut gaps);
+            rows.append(
+                k as u32,
+                slave,
+                &self.X,
+                &self.dofs,
+                &self.prescribed,
+                &mut gaps,
+            );
         }
         Ok(gaps)
     }

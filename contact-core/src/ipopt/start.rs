@@ -1,0 +1,130 @@
+//! Where a solve starts, and the arrays it ends in.
+
+use ipopt_sys as sys;
+
+use crate::nlp::{Multipliers, NlpError, Structure};
+
+/// Where a solve starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start<'a> {
+    /// x, n finite values. Ipopt moves them inside their bounds.
+    pub x: &'a [f64],
+    /// With multipliers the solve is a warm start; see [`Options::warm_start`](super::Options::warm_start) for what else that needs.
+    pub multipliers: Option<&'a Multipliers>,
+}
+
+impl<'a> Start<'a> {
+    /// A cold start.
+    pub fn at(x: &'a [f64]) -> Self {
+        Self {
+            x,
+            multipliers: None,
+        }
+    }
+}
+
+/// Factors Ipopt applies with the option `nlp_scaling_method` at "user-scaling", and only then.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scaling {
+    /// Of f.
+    pub objective: f64,
+    /// Of x; `None` for 1.
+    pub variables: Option<Vec<f64>>,
+    /// Of g; `None` for 1.
+    pub constraints: Option<Vec<f64>>,
+}
+
+impl Scaling {
+    pub(super) fn validate(&self, structure: &Structure) -> Result<(), NlpError> {
+        check_scaling("the scaling of f", &[self.objective], 1, f64::NEG_INFINITY)?;
+        if let Some(x) = &self.variables {
+            check_scaling("the scaling of x", x, structure.variables(), 0.0)?;
+        }
+        if let Some(g) = &self.constraints {
+            check_scaling("the scaling of g", g, structure.constraints(), 0.0)?;
+        }
+        Ok(())
+    }
+}
+
+/// The arrays Ipopt starts from and ends in.
+pub(super) struct Point {
+    pub(super) x: Vec<f64>,
+    pub(super) g: Vec<f64>,
+    pub(super) multipliers: Multipliers,
+}
+
+impl Point {
+    pub(super) fn new(structure: &Structure, start: &Start<'_>) -> Result<Self, NlpError> {
+        let (n, m) = (structure.variables(), structure.constraints());
+        check_finite("the starting x", start.x, n)?;
+        if let Some(multipliers) = start.multipliers {
+            check_finite("the starting λ", &multipliers.constraints, m)?;
+            check_finite("the starting z_L", &multipliers.lower, n)?;
+            check_finite("the starting z_U", &multipliers.upper, n)?;
+        }
+        let multipliers = start.multipliers.cloned().unwrap_or_else(|| Multipliers {
+            constraints: vec![0.0; m],
+            lower: vec![0.0; n],
+            upper: vec![0.0; n],
+        });
+        Ok(Self {
+            x: start.x.to_vec(),
+            g: vec![f64::NAN; m],
+            multipliers,
+        })
+    }
+
+    pub(super) fn raw(&mut self, have_multipliers: bool) -> sys::ipopt_shim_point {
+        sys::ipopt_shim_point {
+            x: self.x.as_mut_ptr(),
+            z_lower: self.multipliers.lower.as_mut_ptr(),
+            z_upper: self.multipliers.upper.as_mut_ptr(),
+            lambda: self.multipliers.constraints.as_mut_ptr(),
+            g: self.g.as_mut_ptr(),
+            objective: f64::NAN,
+            have_multipliers: have_multipliers.into(),
+            finalized: 0,
+        }
+    }
+}
+
+fn check_finite(what: &'static str, values: &[f64], expected: usize) -> Result<(), NlpError> {
+    if values.len() != expected {
+        return Err(NlpError::Length {
+            what,
+            found: values.len(),
+            expected,
+        });
+    }
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(NlpError::Value {
+            what,
+            index,
+            value: values[index],
+            needed: "finite",
+        }),
+        None => Ok(()),
+    }
+}
+
+fn check_scaling(
+    what: &'static str,
+    values: &[f64],
+    expected: usize,
+    above: f64,
+) -> Result<(), NlpError> {
+    check_finite(what, values, expected)?;
+    match values
+        .iter()
+        .position(|&value| value == 0.0 || value <= above)
+    {
+        Some(index) => Err(NlpError::Value {
+            what,
+            index,
+            value: values[index],
+            needed: "positive (f: not 0)",
+        }),
+        None => Ok(()),
+    }
+}
