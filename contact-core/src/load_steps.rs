@@ -110,6 +110,8 @@ pub struct Run {
     pub factor: f64,
     /// The last converged state.
     pub state: State,
+    /// The last converged solution with its rows and multipliers; `None` if no step converged.
+    pub solution: Option<Solution>,
     /// Every attempt in order; those that did not converge are followed by smaller ones.
     pub attempts: Vec<Attempt>,
 }
@@ -183,6 +185,7 @@ impl LoadSteps {
                 state: start,
             },
             before: None,
+            solution: None,
             attempts: Vec::new(),
         };
         let outcome = path.walk(problem, method, &mut observe)?;
@@ -191,6 +194,7 @@ impl LoadSteps {
             outcome,
             factor: path.last.factor,
             state: path.last.state,
+            solution: path.solution,
             attempts: path.attempts,
         })
     }
@@ -201,6 +205,7 @@ struct Path<'a> {
     settings: &'a LoadSteps,
     last: Milestone,
     before: Option<Milestone>,
+    solution: Option<Solution>,
     attempts: Vec<Attempt>,
 }
 
@@ -248,7 +253,7 @@ impl Path<'_> {
                     attempt: &self.attempts[self.attempts.len() - 1],
                 };
                 let flow = observe(&step);
-                self.advance(target, solution.state);
+                self.advance(target, solution);
                 if flow.is_break() && self.last.factor < 1.0 - LoadSteps::CLOSE {
                     return Ok(RunOutcome::Interrupted { at: target });
                 }
@@ -309,9 +314,13 @@ impl Path<'_> {
         })
     }
 
-    fn advance(&mut self, factor: f64, state: State) {
-        let reached = Milestone { factor, state };
+    fn advance(&mut self, factor: f64, solution: Solution) {
+        let reached = Milestone {
+            factor,
+            state: solution.state.clone(),
+        };
         self.before = Some(std::mem::replace(&mut self.last, reached));
+        self.solution = Some(solution);
     }
 }
 

@@ -8,6 +8,10 @@ use crate::{Energy, Error, LinearGaps, RowKey};
 pub struct Scale {
     /// A length (UL) such that displacements over it are O(1) at most.
     pub length: f64,
+    /// The smallest displacement (UL) that matters at contact: what is left of gap times force at
+    /// an active row is measured against it. It must shrink with the mesh, or contact pressures
+    /// would lose accuracy with every refinement.
+    pub resolution: f64,
     /// An energy (UF·UL) such that `length²/energy` times the Hessian's diagonal is O(1).
     pub energy: f64,
 }
@@ -16,6 +20,7 @@ impl Default for Scale {
     fn default() -> Self {
         Scale {
             length: 1.0,
+            resolution: 1.0,
             energy: 1.0,
         }
     }

@@ -141,12 +141,8 @@ pub enum Error {
         tolerance: f64,
     },
     /// One dof prescribed twice with different values.
-    #[error(
-        "component {component} of node {node} of body {body} is prescribed twice: {first} and {second}"
-    )]
+    #[error("component {component} of node {node} is prescribed twice: {first} and {second}")]
     Conflict {
-        /// Which body.
-        body: usize,
         /// Which node.
         node: usize,
         /// Which component.

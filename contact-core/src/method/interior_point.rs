@@ -8,7 +8,7 @@ use std::time::Instant;
 use super::{Effort, Method, Minimum, Solved, Subproblem};
 use crate::ipopt::{Options, Solution, Solver, Start, Status};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
-use crate::{Error, State};
+use crate::{Error, Scale, State};
 
 /// The interior point method (7), the reference method.
 ///
@@ -19,8 +19,8 @@ use crate::{Error, State};
 pub struct InteriorPoint {
     /// Ipopt's `tol`, relative to the scales.
     pub tolerance: f64,
-    /// Final value of the barrier parameter μ over the scale of energy: the gap times the contact
-    /// force that is left at an active row.
+    /// Gap times contact force that may be left at an active row, relative to stiffness times
+    /// [`Scale::resolution`](crate::Scale)².
     pub complementarity: f64,
     /// Iterations before a warm solve is given up and repeated cold.
     pub max_warm_iterations: usize,
@@ -36,7 +36,7 @@ impl Default for InteriorPoint {
     fn default() -> Self {
         InteriorPoint {
             tolerance: 1e-12,
-            complementarity: 1e-14,
+            complementarity: 1e-10,
             max_warm_iterations: 40,
             max_iterations: 300,
             options: Options::new(),
@@ -51,16 +51,24 @@ impl InteriorPoint {
     const PUSH: f64 = 1e-9;
     const FIRST_PUSH: f64 = 1e-4;
 
-    fn options(&self, warm: bool, first: bool) -> Options {
+    fn options(&self, warm: bool, subproblem: &Subproblem<'_>) -> Options {
+        let Scale {
+            length, resolution, ..
+        } = subproblem.scale;
+        let mu = self.complementarity * (resolution / length).powi(2);
         let mut options = Options::new()
             .with("tol", self.tolerance)
-            .with("compl_inf_tol", 10.0 * self.complementarity)
-            .with("mu_target", self.complementarity)
+            .with("compl_inf_tol", 10.0 * mu)
+            .with("mu_target", mu)
             .with("mu_strategy", "adaptive")
             .with("nlp_scaling_method", "none");
         if warm {
             options.set("max_iter", self.max_warm_iterations);
-            let distance = if first { Self::FIRST_PUSH } else { Self::PUSH };
+            let distance = if subproblem.first {
+                Self::FIRST_PUSH
+            } else {
+                Self::PUSH
+            };
             for push in [
                 "warm_start_bound_push",
                 "warm_start_bound_frac",
@@ -86,10 +94,7 @@ impl InteriorPoint {
         start: &State,
         warm: bool,
     ) -> Result<Solution, Error> {
-        let mut solver = Solver::new(
-            structure.clone(),
-            &self.options(warm, scaled.subproblem.first),
-        )?;
+        let mut solver = Solver::new(structure.clone(), &self.options(warm, &scaled.subproblem))?;
         let x: Vec<f64> = start.u.iter().map(|u| u / scaled.length).collect();
         let multipliers = warm.then(|| scaled.multipliers(start));
         scaled.restart(&start.u);

@@ -86,4 +86,10 @@ impl<const D: usize> Surface<D> {
         let mean = self.measures.iter().sum::<f64>() / self.measures.len().max(1) as f64;
         mean.powf(1.0 / (D as f64 - 1.0))
     }
+
+    /// The length of the smallest facet (UL).
+    pub fn smallest_facet(&self) -> f64 {
+        let smallest = self.measures.iter().copied().fold(f64::INFINITY, f64::min);
+        smallest.powf(1.0 / (D as f64 - 1.0))
+    }
 }

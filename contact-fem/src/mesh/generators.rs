@@ -5,6 +5,22 @@ use std::f64::consts::{PI, TAU};
 use super::Mesh;
 use crate::error::Error;
 
+/// How the quadrilaterals of a grid are cut into triangles.
+///
+/// Along one diagonal every node has the same surroundings, which keeps contact pressures smooth;
+/// alternating diagonals make two kinds of nodes, and pressures of linear triangles alternate with
+/// them by a few percent. In polar grids the radius takes the place of x and the angle that of y.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Diagonals {
+    /// From the corner with the smallest x and y to the one with the largest.
+    #[default]
+    Rising,
+    /// Across that.
+    Falling,
+    /// Alternating like a chessboard.
+    Alternating,
+}
+
 /// `count + 1` equally spaced values from `from` to `to`.
 pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
     let at = |k: usize| from + (to - from) * k as f64 / count as f64;
@@ -33,12 +49,12 @@ pub fn graded(from: f64, to: f64, first: f64, count: usize) -> Vec<f64> {
     values
 }
 
-/// A rectangle on the grid `xs` × `ys` (both ascending, UL), each cell of the grid cut in two with
-/// alternating diagonals. Boundaries: `bottom`, `right`, `top`, `left`.
+/// A rectangle on the grid `xs` × `ys` (both ascending, UL), each cell of the grid cut in two.
+/// Boundaries: `bottom`, `right`, `top`, `left`.
 ///
 /// # Errors
 /// As [`Mesh::new`], for values that do not ascend or are fewer than two.
-pub fn rectangle(xs: &[f64], ys: &[f64]) -> Result<Mesh<2>, Error> {
+pub fn rectangle(xs: &[f64], ys: &[f64], diagonals: Diagonals) -> Result<Mesh<2>, Error> {
     ascending("xs", xs)?;
     ascending("ys", ys)?;
     let nodes = ys.iter().flat_map(|&y| xs.iter().map(move |&x| [x, y]));
@@ -48,7 +64,7 @@ pub fn rectangle(xs: &[f64], ys: &[f64]) -> Result<Mesh<2>, Error> {
         for i in 0..columns - 1 {
             let a = j * columns + i;
             let corners = [a, a + 1, a + columns + 1, a + columns];
-            split(&mut cells, corners, (i + j) % 2 == 0);
+            split(&mut cells, corners, diagonals.first(i + j));
         }
     }
     let mut mesh = Mesh::new(nodes.collect(), cells)?;
@@ -60,15 +76,15 @@ pub fn rectangle(xs: &[f64], ys: &[f64]) -> Result<Mesh<2>, Error> {
     Ok(mesh)
 }
 
-/// A ring with nodes at `radii` (ascending, UL) and angles 2πi/`segments`, cut with alternating
-/// diagonals. Boundaries: `inner`, `outer`.
+/// A ring with nodes at `radii` (ascending, UL) and angles 2πi/`segments`.
+/// Boundaries: `inner`, `outer`.
 ///
 /// # Errors
 /// As [`rectangle`]; `segments` < 3; an inner radius that is not positive.
-pub fn annulus(radii: &[f64], segments: usize) -> Result<Mesh<2>, Error> {
+pub fn annulus(radii: &[f64], segments: usize, diagonals: Diagonals) -> Result<Mesh<2>, Error> {
     let angles = full_circle(segments, 0.0)?;
     positive("radii[0]", radii.first().copied())?;
-    polar(radii, &angles, true)
+    polar(radii, &angles, true, diagonals)
 }
 
 /// A disc of the given radius (UL) around the origin: `rings` rings of `segments` nodes at angles
@@ -80,7 +96,12 @@ pub fn disc(radius: f64, segments: usize, rings: usize, phase: f64) -> Result<Me
     let angles = full_circle(segments, phase)?;
     positive("radius", Some(radius))?;
     positive("rings", Some(rings as f64))?;
-    let mut mesh = polar(&linspace(0.0, radius, rings), &angles, true)?;
+    let mut mesh = polar(
+        &linspace(0.0, radius, rings),
+        &angles,
+        true,
+        Diagonals::Rising,
+    )?;
     let outer = mesh.boundaries.remove("outer").unwrap_or_default();
     mesh.boundaries.insert("boundary".into(), outer);
     Ok(mesh)
@@ -91,8 +112,8 @@ pub fn disc(radius: f64, segments: usize, rings: usize, phase: f64) -> Result<Me
 ///
 /// # Errors
 /// As [`rectangle`]; angles that do not run from π to 2π.
-pub fn half_disc(radii: &[f64], angles: &[f64]) -> Result<Mesh<2>, Error> {
-    sector(radii, angles, PI)
+pub fn half_disc(radii: &[f64], angles: &[f64], diagonals: Diagonals) -> Result<Mesh<2>, Error> {
+    sector(radii, angles, PI, diagonals)
 }
 
 /// The quarter of a disc from straight below the origin to its right, for scenes symmetric about
@@ -100,14 +121,19 @@ pub fn half_disc(radii: &[f64], angles: &[f64]) -> Result<Mesh<2>, Error> {
 ///
 /// # Errors
 /// As [`half_disc`].
-pub fn quarter_disc(radii: &[f64], angles: &[f64]) -> Result<Mesh<2>, Error> {
-    let mut mesh = sector(radii, angles, 1.5 * PI)?;
+pub fn quarter_disc(radii: &[f64], angles: &[f64], diagonals: Diagonals) -> Result<Mesh<2>, Error> {
+    let mut mesh = sector(radii, angles, 1.5 * PI, diagonals)?;
     mesh.name_boundary("axis", |X| X[0] == 0.0);
     Ok(mesh)
 }
 
 /// A sector of a disc from `first` to 2π with its straight edge on y = 0 called `flat`.
-fn sector(radii: &[f64], angles: &[f64], first: f64) -> Result<Mesh<2>, Error> {
+fn sector(
+    radii: &[f64],
+    angles: &[f64],
+    first: f64,
+    diagonals: Diagonals,
+) -> Result<Mesh<2>, Error> {
     if radii.first() != Some(&0.0) {
         return Err(Error::Setting {
             name: "radii[0]",
@@ -124,7 +150,7 @@ fn sector(radii: &[f64], angles: &[f64], first: f64) -> Result<Mesh<2>, Error> {
             remedy: "ascend to 2π from π (half disc) or 3π/2 (quarter disc)",
         });
     }
-    let mut mesh = polar(radii, angles, false)?;
+    let mut mesh = polar(radii, angles, false, diagonals)?;
     let arc = mesh.boundaries.remove("outer").unwrap_or_default();
     mesh.boundaries.insert("arc".into(), arc);
     mesh.name_boundary("flat", |X| X[1] == 0.0);
@@ -133,7 +159,12 @@ fn sector(radii: &[f64], angles: &[f64], first: f64) -> Result<Mesh<2>, Error> {
 
 /// A grid in polar coordinates; a first radius of 0 collapses to one node with a fan around it.
 /// Boundaries: `outer`, and `inner` unless collapsed.
-fn polar(radii: &[f64], angles: &[f64], closed: bool) -> Result<Mesh<2>, Error> {
+fn polar(
+    radii: &[f64],
+    angles: &[f64],
+    closed: bool,
+    diagonals: Diagonals,
+) -> Result<Mesh<2>, Error> {
     ascending("radii", radii)?;
     ascending("angles", angles)?;
     let columns = angles.len();
@@ -171,7 +202,7 @@ fn polar(radii: &[f64], angles: &[f64], closed: bool) -> Result<Mesh<2>, Error> 
                 node(ring + 1, i + 1),
                 node(ring, i + 1),
             ];
-            split(&mut cells, corners, (ring + i) % 2 == 0);
+            split(&mut cells, corners, diagonals.first(ring + i));
         }
     }
     let mut mesh = Mesh::new(nodes, cells)?;
@@ -182,6 +213,17 @@ fn polar(radii: &[f64], angles: &[f64], closed: bool) -> Result<Mesh<2>, Error> 
         mesh.name_boundary("inner", |X| reach(X, radii[0]));
     }
     Ok(mesh)
+}
+
+impl Diagonals {
+    /// Whether the cell whose grid indices sum to `index` is cut along its first diagonal.
+    fn first(self, index: usize) -> bool {
+        match self {
+            Diagonals::Rising => true,
+            Diagonals::Falling => false,
+            Diagonals::Alternating => index % 2 == 0,
+        }
+    }
 }
 
 /// Cuts a counter-clockwise quadrilateral along its first or second diagonal.
@@ -250,12 +292,17 @@ mod tests {
 
     #[test]
     fn areas_and_boundaries() {
-        let mesh = rectangle(&linspace(0.0, 2.0, 4), &graded(-1.0, 0.5, 0.1, 5)).expect("mesh");
+        let mesh = rectangle(
+            &linspace(0.0, 2.0, 4),
+            &graded(-1.0, 0.5, 0.1, 5),
+            Diagonals::Rising,
+        )
+        .expect("mesh");
         assert!((area(&mesh) - 3.0).abs() < 1e-14);
         assert_eq!(mesh.boundary("top").expect("named").len(), 4);
         assert_eq!(mesh.boundary_nodes("left").expect("named").len(), 6);
 
-        let mesh = annulus(&[0.7, 1.0, 2.0], 64).expect("mesh");
+        let mesh = annulus(&[0.7, 1.0, 2.0], 64, Diagonals::Alternating).expect("mesh");
         assert!((area(&mesh) - polygon(64, 2.0) + polygon(64, 0.7)).abs() < 1e-12);
         assert_eq!(mesh.boundary("inner").expect("named").len(), 64);
         assert_eq!(mesh.exterior().len(), 128);
@@ -265,12 +312,22 @@ mod tests {
         assert_eq!(mesh.boundary("boundary").expect("named").len(), 52);
         assert_eq!(mesh.len(), 52 * 5);
 
-        let mesh = half_disc(&linspace(0.0, 1.0, 3), &linspace(PI, TAU, 16)).expect("mesh");
+        let mesh = half_disc(
+            &linspace(0.0, 1.0, 3),
+            &linspace(PI, TAU, 16),
+            Diagonals::Alternating,
+        )
+        .expect("mesh");
         assert!((area(&mesh) - 0.5 * polygon(32, 1.0)).abs() < 1e-12);
         assert_eq!(mesh.boundary("flat").expect("named").len(), 6);
         assert_eq!(mesh.boundary("arc").expect("named").len(), 16);
 
-        let mesh = quarter_disc(&linspace(0.0, 1.0, 3), &linspace(1.5 * PI, TAU, 8)).expect("mesh");
+        let mesh = quarter_disc(
+            &linspace(0.0, 1.0, 3),
+            &linspace(1.5 * PI, TAU, 8),
+            Diagonals::Rising,
+        )
+        .expect("mesh");
         assert_eq!(mesh.boundary("axis").expect("named").len(), 3);
         assert_eq!(mesh.boundary("flat").expect("named").len(), 3);
     }

@@ -86,7 +86,6 @@ impl<const D: usize> Body<D> {
                 match *slot {
                     Some(first) if first != second => {
                         return Err(Error::Conflict {
-                            body: 0,
                             node,
                             component,
                             first,

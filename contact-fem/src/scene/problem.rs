@@ -34,6 +34,8 @@ pub struct Problem<const D: usize> {
 impl<const D: usize> Problem<D> {
     /// Default reach as a share of the scene's diagonal.
     const REACH: f64 = 0.1;
+    /// Displacements of a small-strain scene are resolved to this share of a facet.
+    const SMALL_STRAIN: f64 = 0.1;
 
     pub(super) fn new(scene: Scene<D>) -> Self {
         let energies: Vec<_> = scene.bodies.iter().map(|body| body.energy()).collect();
@@ -52,9 +54,19 @@ impl<const D: usize> Problem<D> {
             .iter()
             .map(|e| e.typical_stiffness())
             .fold(0.0, f64::max);
+        let small_strain = energies.iter().all(|e| e.is_small_strain());
+        let facet = surfaces
+            .iter()
+            .map(Surface::smallest_facet)
+            .fold(length, f64::min);
+        let strain = if small_strain {
+            Self::SMALL_STRAIN
+        } else {
+            1.0
+        };
         let stiffness = if stiffest > 0.0 { stiffest } else { 1.0 };
         Problem {
-            small_strain: energies.iter().all(|e| e.is_small_strain()),
+            small_strain,
             prescribed: vec![0.0; dofs.prescribed()],
             energy: DirectSum::new(energies),
             rule: FacetRule::gauss(scene.gauss_points),
@@ -62,6 +74,7 @@ impl<const D: usize> Problem<D> {
             reach: scene.reach.unwrap_or(Self::REACH * length),
             scale: Scale {
                 length,
+                resolution: strain * facet,
                 energy: stiffness * length * length,
             },
             scene,

@@ -1,0 +1,261 @@
+//! Bad input is refused before any solve, by a typed error that names it.
+
+mod common;
+
+use std::ops::ControlFlow;
+
+use contact_core::InteriorPoint;
+use contact_fem::mesh::generators::{Diagonals, disc, linspace, rectangle};
+use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
+
+fn law() -> NeoHookean {
+    NeoHookean::new(1.0, 0.3).expect("law")
+}
+
+/// A unit square with its lower left corner at (0, y).
+fn square(y: f64) -> Body<2> {
+    let mesh = rectangle(
+        &linspace(0.0, 1.0, 2),
+        &linspace(y, y + 1.0, 2),
+        Diagonals::Rising,
+    );
+    Body::new(mesh.expect("mesh"), law())
+}
+
+fn held(y: f64) -> Body<2> {
+    let mut body = square(y);
+    body.prescribe("bottom", [Some(0.0); 2]).expect("support");
+    body
+}
+
+/// The error says what is wrong in words that contain all of these.
+fn assert_says(error: &Error, words: &[&str]) {
+    let message = error.to_string();
+    for word in words {
+        assert!(message.contains(word), "`{word}` in `{message}`");
+    }
+}
+
+#[test]
+fn meshes() {
+    let nodes = || vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let error = Mesh::<2>::new(nodes(), vec![0, 2, 1]).expect_err("inverted");
+    assert!(matches!(error, Error::InvertedCell { cell: 0, .. }));
+    assert_says(&error, &["cell 0", "counter-clockwise"]);
+    let flat = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 1e-17]];
+    let error = Mesh::<2>::new(flat, vec![0, 1, 2]).expect_err("degenerate");
+    assert!(matches!(error, Error::DegenerateCell { cell: 0, .. }));
+    let error = Mesh::<2>::new(nodes(), vec![0, 1, 3]).expect_err("out of range");
+    assert!(matches!(error, Error::NodeOutOfRange { node: 3, .. }));
+    assert_says(&error, &["node 3", "3 nodes"]);
+    let mut nan = nodes();
+    nan[2][1] = f64::NAN;
+    let error = Mesh::<2>::new(nan, vec![0, 1, 2]).expect_err("NaN");
+    assert!(matches!(error, Error::NotFinite { index: 5, .. }));
+}
+
+#[test]
+fn generators() {
+    let refused = [
+        rectangle(&[0.0, 1.0, 1.0], &[0.0, 1.0], Diagonals::Rising),
+        rectangle(&[0.0, f64::NAN], &[0.0, 1.0], Diagonals::Rising),
+        rectangle(&[0.0], &[0.0, 1.0], Diagonals::Rising),
+        disc(-1.0, 8, 1, 0.0),
+        disc(1.0, 2, 1, 0.0),
+        disc(1.0, 8, 0, 0.0),
+        disc(1.0, 8, 1, f64::INFINITY),
+    ];
+    for (k, mesh) in refused.into_iter().enumerate() {
+        assert!(mesh.is_err(), "case {k}");
+    }
+}
+
+#[test]
+fn boundary_names() {
+    let mut body = square(0.0);
+    let error = body
+        .prescribe("botom", [Some(0.0); 2])
+        .err()
+        .expect("unknown");
+    assert!(matches!(error, Error::UnknownBoundary { .. }));
+    assert_says(&error, &["botom", "bottom"]);
+    assert!(body.traction("side", [0.0; 2]).is_err());
+    let mut scene = Scene::new(vec![held(0.0), held(1.0)]);
+    let error = scene
+        .contact((0, "tip"), (1, "bottom"))
+        .expect_err("unknown");
+    assert!(matches!(error, Error::UnknownBoundary { .. }));
+    let error = scene
+        .contact((0, "top"), (2, "bottom"))
+        .expect_err("no body");
+    assert!(matches!(error, Error::UnknownBody { body: 2, bodies: 2 }));
+}
+
+#[test]
+fn numbers_that_are_none() {
+    let mut body = square(0.0);
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(matches!(
+            body.traction("top", [0.0, bad]),
+            Err(Error::NotFinite { .. })
+        ));
+        assert!(matches!(
+            body.body_force([bad, 0.0]),
+            Err(Error::NotFinite { .. })
+        ));
+        let prescribed = body.prescribe("top", [Some(bad), None]);
+        assert!(matches!(prescribed, Err(Error::NotFinite { .. })));
+    }
+    assert!(matches!(
+        LinearElastic::new(f64::NAN, 0.3),
+        Err(Error::YoungsModulus { .. })
+    ));
+}
+
+#[test]
+fn material_constants() {
+    for nu in [0.5, 0.6, -1.0, -1.5, f64::NAN] {
+        let error = NeoHookean::new(1.0, nu).expect_err("refused");
+        assert!(matches!(error, Error::PoissonsRatio { .. }));
+        assert_says(&error, &[&nu.to_string()]);
+    }
+    for modulus in [0.0, -5.0, f64::INFINITY] {
+        let error = NeoHookean::new(modulus, 0.3).expect_err("refused");
+        assert!(matches!(error, Error::YoungsModulus { .. }));
+    }
+}
+
+#[test]
+fn supports() {
+    let nothing_held = Scene::new(vec![square(0.0)])
+        .problem()
+        .err()
+        .expect("refused");
+    assert!(matches!(nothing_held, Error::NoSupport));
+    let floating = Scene::new(vec![held(0.0), square(2.0)])
+        .problem()
+        .err()
+        .expect("refused");
+    assert!(matches!(
+        floating,
+        Error::Unsupported {
+            body: 1,
+            free: 3,
+            modes: 3
+        }
+    ));
+    // rollers below leave the body free to slide
+    let mut sliding = square(0.0);
+    sliding
+        .prescribe("bottom", [None, Some(0.0)])
+        .expect("support");
+    let error = Scene::new(vec![sliding]).problem().err().expect("refused");
+    assert!(matches!(
+        error,
+        Error::Unsupported {
+            body: 0,
+            free: 1,
+            modes: 3
+        }
+    ));
+    // one pinned node leaves it free to rotate
+    let mut pinned = square(0.0);
+    pinned
+        .prescribe_nodes(&[0], [Some(0.0); 2])
+        .expect("support");
+    let error = Scene::new(vec![pinned]).problem().err().expect("refused");
+    assert!(matches!(
+        error,
+        Error::Unsupported {
+            body: 0,
+            free: 1,
+            modes: 3
+        }
+    ));
+    // with a contact pair, a body may float
+    let mut scene = Scene::new(vec![held(0.0), square(1.0)]);
+    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    assert!(scene.problem().is_ok());
+    assert!(Scene::<2>::new(vec![]).problem().is_err());
+}
+
+#[test]
+fn conflicting_supports() {
+    let mut body = held(0.0);
+    let error = body
+        .prescribe("left", [Some(0.1), None])
+        .err()
+        .expect("corner twice");
+    assert!(matches!(error, Error::Conflict { component: 0, .. }));
+    assert!(body.prescribe_nodes(&[99], [Some(0.0); 2]).is_err());
+}
+
+#[test]
+fn overlap_at_the_start() {
+    for depth in [0.1, 0.3] {
+        let mut scene = Scene::new(vec![held(0.0), square(1.0 - depth)]);
+        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+        let error = scene.problem().err().expect("overlap");
+        let Error::Overlap { gap, .. } = error else {
+            panic!("overlap, not {error}")
+        };
+        assert!((gap + depth).abs() < 1e-12, "gap {gap}");
+        assert_says(&error, &["body 0", "body 1", "overlap_tolerance"]);
+    }
+}
+
+#[test]
+fn empty_contact_surface() {
+    let nodes = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let mut mesh = Mesh::<2>::new(nodes, vec![0, 1, 2]).expect("mesh");
+    mesh.name_boundary("nowhere", |X| X[0] > 7.0);
+    let mut body = Body::new(mesh, law());
+    body.prescribe_all([Some(0.0); 2]).expect("support");
+    let mut scene = Scene::new(vec![body, held(3.0)]);
+    let error = scene
+        .contact((0, "nowhere"), (1, "bottom"))
+        .expect_err("empty");
+    assert!(matches!(error, Error::EmptySurface { body: 0, .. }));
+    assert_says(&error, &["nowhere"]);
+}
+
+#[test]
+fn settings() {
+    let run = |simulation: &Simulation| {
+        let mut problem = Scene::new(vec![held(0.0)]).problem().expect("valid");
+        let mut method = InteriorPoint::default();
+        simulation
+            .run(&mut problem, &mut method, |_| ControlFlow::Continue(()))
+            .err()
+    };
+    let error = run(&Simulation::with_increments(0)).expect("refused");
+    assert_says(&error, &["increments", "0"]);
+    for tolerance in [0.0, -1.0, f64::NAN, 2.0] {
+        let mut simulation = Simulation::default();
+        simulation.load_steps.fixed_point.tolerance = tolerance;
+        let error = run(&simulation).expect("refused");
+        assert_says(&error, &["tolerance", &tolerance.to_string()]);
+    }
+    let mut simulation = Simulation::default();
+    simulation.load_steps.fixed_point.max_iterations = 0;
+    assert!(run(&simulation).is_some());
+    for points in [0, 65] {
+        let mut scene = Scene::new(vec![held(0.0)]);
+        scene.gauss_points = points;
+        assert!(matches!(
+            scene.problem(),
+            Err(Error::Setting {
+                name: "gauss_points",
+                ..
+            })
+        ));
+    }
+    for reach in [0.0, -1.0, f64::NAN] {
+        let mut scene = Scene::new(vec![held(0.0)]);
+        scene.reach = Some(reach);
+        assert!(matches!(
+            scene.problem(),
+            Err(Error::Setting { name: "reach", .. })
+        ));
+    }
+}

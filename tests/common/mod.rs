@@ -1,0 +1,63 @@
+//! Scenes that several tests share.
+#![allow(dead_code)] // each test binary uses its own part
+
+use std::ops::ControlFlow;
+
+use contact_core::InteriorPoint;
+use contact_fem::mesh::generators::{Diagonals, annulus, disc};
+use contact_fem::scene::{Passes, Problem};
+use contact_fem::simulation::History;
+use contact_fem::{Body, NeoHookean, Scene, Simulation};
+
+/// Which of the two bodies comes first in the scene.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    RingFirst,
+    DiscFirst,
+}
+
+/// The paper's disc-in-disc (section 6.1) with `segments` around the hole; 64 is the mesh that the
+/// reference values belong to.
+pub fn disc_in_disc(segments: usize, passes: Passes, order: Order) -> Problem<2> {
+    let layers = 12 * segments / 64;
+    let radius = |k: usize| 0.7 + 1.3 * (k as f64 / layers as f64).powf(1.3);
+    let radii: Vec<f64> = (0..=layers).map(radius).collect();
+    let ring = annulus(&radii, segments, Diagonals::Alternating).expect("mesh");
+    let inner = disc(0.6, 52 * segments / 64, 1, 0.03).expect("mesh");
+    let mut ring = Body::new(ring, NeoHookean::new(1000.0, 0.0).expect("law"));
+    ring.prescribe("outer", [Some(0.0); 2]).expect("support");
+    let mut inner = Body::new(inner, NeoHookean::new(2000.0, 0.3).expect("law"));
+    let down = [Some(0.0), Some(-1.125)];
+    inner.prescribe_all(down).expect("support");
+    let (bodies, hole, disc) = match order {
+        Order::RingFirst => (vec![ring, inner], (0, "inner"), (1, "boundary")),
+        Order::DiscFirst => (vec![inner, ring], (1, "inner"), (0, "boundary")),
+    };
+    let mut scene = Scene::new(bodies);
+    match order {
+        Order::RingFirst => scene.contact_in_passes(hole, disc, passes),
+        Order::DiscFirst => scene.contact_in_passes(disc, hole, passes),
+    }
+    .expect("surfaces");
+    scene.problem().expect("valid scene")
+}
+
+/// Runs a scene to full load with default settings but for these.
+pub fn run<const D: usize>(
+    problem: &mut Problem<D>,
+    increments: usize,
+    tolerance: f64,
+) -> History<D> {
+    let mut simulation = Simulation::with_increments(increments);
+    simulation.load_steps.fixed_point.tolerance = tolerance;
+    simulation
+        .run(problem, &mut InteriorPoint::default(), |_| {
+            ControlFlow::Continue(())
+        })
+        .expect("no misuse")
+}
+
+/// |a − b| / |b|.
+pub fn relative(a: f64, b: f64) -> f64 {
+    (a - b).abs() / b.abs()
+}

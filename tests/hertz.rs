@@ -1,0 +1,90 @@
+//! Hertz's contact of a cylinder on a block in plane strain, against the analytic solution.
+
+#![allow(non_snake_case)] // the symbols of the field
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+
+use common::{relative, run};
+use contact_fem::mesh::generators::{Diagonals, graded, quarter_disc, rectangle};
+use contact_fem::{Body, LinearElastic, Scene};
+
+/// Half-cylinder of radius 50 on a block 100 high, by symmetry their right halves: p₀ = √(P E*/(πR)).
+#[test]
+fn peak_pressure_and_half_width() {
+    let (R, P, nu) = (50.0, 7.0, 0.3);
+    let (E_cylinder, E_block): (f64, f64) = (210.0, 70.0);
+    let E_star = 1.0 / ((1.0 - nu * nu) / E_cylinder + (1.0 - nu * nu) / E_block);
+    let p0 = (P * E_star / (PI * R)).sqrt();
+    let a = (4.0 * P * R / (PI * E_star)).sqrt();
+    assert!(
+        relative(p0, 1.6034) < 1e-4 && relative(a, 2.779) < 1e-3,
+        "the published values"
+    );
+
+    // facets of a/40 at the centre of contact, growing outwards
+    let h = a / 40.0;
+    let angles: Vec<f64> = graded(1.5 * PI, TAU, h / R, 90);
+    let depth = graded(0.0, R, h, 52);
+    let radii: Vec<f64> = depth.iter().rev().map(|d| R - d).collect();
+    let xs = graded(0.0, 100.0, 1.07 * h, 100);
+    let ys: Vec<f64> = graded(0.0, 100.0, h, 60).iter().rev().map(|d| -d).collect();
+
+    let cylinder = quarter_disc(&radii, &angles, Diagonals::Falling)
+        .expect("mesh")
+        .translated([0.0, R]);
+    let mut cylinder = Body::new(cylinder, LinearElastic::new(E_cylinder, nu).expect("law"));
+    cylinder
+        .prescribe("axis", [Some(0.0), None])
+        .expect("symmetry");
+    cylinder
+        .traction("flat", [0.0, -0.5 * P / R])
+        .expect("load");
+    let block = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
+    let mut block = Body::new(block, LinearElastic::new(E_block, nu).expect("law"));
+    block
+        .prescribe("left", [Some(0.0), None])
+        .expect("symmetry");
+    block
+        .prescribe("bottom", [Some(0.0), Some(0.0)])
+        .expect("support");
+
+    let mut scene = Scene::new(vec![cylinder, block]);
+    scene.contact((0, "arc"), (1, "top")).expect("surfaces");
+    let mut problem = scene.problem().expect("valid scene");
+    let history = run(&mut problem, 1, 1e-6);
+    let step = history.steps.last().expect("converged");
+    assert_eq!(
+        step.attempt.iterations.len(),
+        1,
+        "small strain needs one solve"
+    );
+
+    let solution = history.run.solution.as_ref().expect("converged");
+    let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
+    let pressures = problem
+        .pressures(&history.run.state.u, &forces)
+        .expect("pressures");
+    for (surface, pressure) in problem.surfaces().iter().zip(&pressures) {
+        let x = |k: usize| problem.reference()[surface.nodes()[k]][0];
+        let centre = (0..pressure.len())
+            .min_by(|&i, &j| x(i).abs().total_cmp(&x(j).abs()))
+            .expect("nodes");
+        assert!(
+            relative(pressure[centre], p0) < 0.02,
+            "p₀ {} on body {}",
+            pressure[centre],
+            surface.body()
+        );
+        // the pressure vanishes a facet or two beyond the contact, and its resultant is half of P
+        let outside = (0..pressure.len()).filter(|&k| x(k) > a + 3.0 * h);
+        assert!(outside.map(|k| pressure[k].abs()).fold(0.0, f64::max) < 0.02 * p0);
+        let force: f64 = surface
+            .nodes()
+            .iter()
+            .map(|&node| forces[node][1].abs())
+            .sum();
+        assert!(relative(force, 0.5 * P) < 1e-6, "resultant {force}");
+    }
+}

@@ -1,0 +1,238 @@
+//! The fixed point without any finite elements: whoever states a `ContactProblem` gets it.
+
+use std::cell::Cell;
+
+use contact_core::fixed_point::Outcome;
+use contact_core::gaps::{LinearGaps, Row, RowKey};
+use contact_core::method::{Method, Minimum, Solved, Subproblem};
+use contact_core::nlp::{Bounds, Pattern};
+use contact_core::{Acceleration, ContactProblem, Energy, Error, FixedPoint, InteriorPoint, State};
+
+/// E(u) = ½ k |u|² − f·u for one point in the plane, outside the unit disc around (0, −1).
+struct Point {
+    force: [f64; 2],
+    stiffness: f64,
+    pattern: Pattern,
+    bounds: Bounds,
+    linearizations: Cell<usize>,
+}
+
+impl Point {
+    fn pulled(force: [f64; 2]) -> Self {
+        Point {
+            force,
+            stiffness: 1.0,
+            pattern: Pattern::diagonal(2),
+            bounds: Bounds::free(2),
+            linearizations: Cell::new(0),
+        }
+    }
+}
+
+const CENTRE: [f64; 2] = [0.0, -1.5];
+
+impl Energy for Point {
+    fn dofs(&self) -> usize {
+        2
+    }
+    fn value(&self, u: &[f64]) -> f64 {
+        0.5 * self.stiffness * (u[0] * u[0] + u[1] * u[1])
+            - self.force[0] * u[0]
+            - self.force[1] * u[1]
+    }
+    fn gradient(&self, u: &[f64], g: &mut [f64]) {
+        for i in 0..2 {
+            g[i] = self.stiffness * u[i] - self.force[i];
+        }
+    }
+    fn hessian_pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+    fn hessian(&self, _: &[f64], values: &mut [f64]) {
+        values.fill(self.stiffness);
+    }
+    fn is_quadratic(&self) -> bool {
+        true
+    }
+}
+
+impl ContactProblem for Point {
+    fn energy(&self) -> &dyn Energy {
+        self
+    }
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+    /// g(u) = (u − x̄)·n with x̄ the closest point of the circle, frozen.
+    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+        self.linearizations.set(self.linearizations.get() + 1);
+        let d = [u[0] - CENTRE[0], u[1] - CENTRE[1]];
+        let r = d[0].hypot(d[1]);
+        let n = [d[0] / r, d[1] / r];
+        let mut gaps = LinearGaps::new(false);
+        gaps.push(
+            RowKey { pass: 0, node: 0 },
+            &Row {
+                free: vec![(0, n[0]), (1, n[1])],
+                prescribed: vec![],
+                constant: -(CENTRE[0] * n[0] + CENTRE[1] * n[1]) - 1.0,
+            },
+        );
+        Ok(gaps)
+    }
+}
+
+/// Pulled by f, the point ends where k u − f = λ n on the circle: on the ray from the centre
+/// through f/k, at distance 1.
+fn exact(force: [f64; 2]) -> ([f64; 2], f64) {
+    let d = [force[0] - CENTRE[0], force[1] - CENTRE[1]];
+    let r = d[0].hypot(d[1]);
+    let u = [CENTRE[0] + d[0] / r, CENTRE[1] + d[1] / r];
+    (u, 1.0 - r)
+}
+
+#[test]
+fn a_point_on_a_circle() {
+    let force = [0.6, -1.3];
+    for acceleration in [Acceleration::Plain, Acceleration::Anderson(3)] {
+        let problem = Point::pulled(force);
+        let settings = FixedPoint {
+            tolerance: 1e-9,
+            acceleration,
+            ..FixedPoint::default()
+        };
+        let start = State {
+            u: vec![0.0; 2],
+            ..State::default()
+        };
+        let mut method = InteriorPoint::default();
+        let solution = settings
+            .solve(&problem, &mut method, start)
+            .expect("no misuse");
+        assert_eq!(solution.outcome, Outcome::Converged, "{acceleration:?}");
+        let (u, lambda) = exact(force);
+        assert!(
+            (solution.state.u[0] - u[0]).abs() < 1e-8,
+            "{:?} {u:?}",
+            solution.state.u
+        );
+        assert!((solution.state.u[1] - u[1]).abs() < 1e-8);
+        assert!(
+            (solution.lambda[0] - lambda).abs() < 1e-7,
+            "λ {:?}",
+            solution.lambda
+        );
+        assert_eq!(problem.linearizations.get(), solution.history.len());
+    }
+}
+
+#[test]
+fn an_open_gap_costs_nothing() {
+    let problem = Point::pulled([0.1, 0.2]);
+    let start = State {
+        u: vec![0.0; 2],
+        ..State::default()
+    };
+    let mut method = InteriorPoint::default();
+    let solution = FixedPoint::default()
+        .solve(&problem, &mut method, start)
+        .expect("no misuse");
+    assert_eq!(solution.outcome, Outcome::Converged);
+    assert!((solution.state.u[0] - 0.1).abs() < 1e-8 && (solution.state.u[1] - 0.2).abs() < 1e-8);
+    assert!(solution.lambda[0].abs() < 1e-8);
+}
+
+/// A method that stands still and says that it failed: the error test alone would call it converged.
+struct Stuck(Solved);
+
+impl Method for Stuck {
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        Ok(Minimum {
+            u: start.u.clone(),
+            lambda: vec![0.0; subproblem.gaps.len()],
+            energy: subproblem.energy.value(&start.u),
+            solved: self.0.clone(),
+            effort: Default::default(),
+        })
+    }
+}
+
+#[test]
+fn a_subproblem_that_was_not_solved_never_counts_as_converged() {
+    let start = State {
+        u: vec![0.0; 2],
+        ..State::default()
+    };
+    let cases = [
+        (
+            Solved::Failed("restoration failed".into()),
+            "restoration failed",
+        ),
+        (Solved::Interrupted, "interrupted"),
+    ];
+    for (solved, word) in cases {
+        let problem = Point::pulled([0.6, -1.3]);
+        let mut method = Stuck(solved);
+        let settings = FixedPoint::default();
+        let solution = settings
+            .solve(&problem, &mut method, start.clone())
+            .expect("no misuse");
+        assert_ne!(solution.outcome, Outcome::Converged);
+        assert!(solution.outcome.to_string().contains(word));
+        assert_eq!(solution.history.len(), 1);
+        assert_eq!(solution.history[0].error, f64::INFINITY);
+    }
+}
+
+/// A method that jumps between two points.
+struct Flip(f64);
+
+impl Method for Flip {
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, _: &State) -> Result<Minimum, Error> {
+        self.0 = -self.0;
+        Ok(Minimum {
+            u: vec![1.0 + self.0, 0.0],
+            lambda: vec![0.0; subproblem.gaps.len()],
+            energy: 0.0,
+            solved: Solved::Optimal,
+            effort: Default::default(),
+        })
+    }
+}
+
+#[test]
+fn cycles_are_recognised() {
+    let settings = FixedPoint {
+        acceleration: Acceleration::Plain,
+        ..FixedPoint::default()
+    };
+    let start = State {
+        u: vec![0.0; 2],
+        ..State::default()
+    };
+    let problem = Point::pulled([0.6, -1.3]);
+    let solution = settings
+        .solve(&problem, &mut Flip(1e-3), start)
+        .expect("no misuse");
+    let Outcome::Cycle {
+        period: 2,
+        amplitude,
+    } = solution.outcome
+    else {
+        panic!("a 2-cycle, not {}", solution.outcome)
+    };
+    assert!((amplitude - 2e-3 / 1.001).abs() < 1e-12, "{amplitude}");
+}
+
+#[test]
+fn starts_are_checked() {
+    let problem = Point::pulled([0.6, -1.3]);
+    for u in [vec![0.0; 3], vec![0.0, f64::NAN]] {
+        let start = State {
+            u,
+            ..State::default()
+        };
+        let solution = FixedPoint::default().solve(&problem, &mut Stuck(Solved::Optimal), start);
+        assert!(solution.is_err());
+    }
+}
