@@ -204,3 +204,32 @@ fn pressure_driven_blocks() {
         }
     }
 }
+
+/// A fine neo-Hookean block pressed by half its height in one increment: the first row of cells
+/// alone would have to take it all. The result is the homogeneous compression in closed form.
+#[test]
+fn one_large_increment_starts_admissible() {
+    let mesh = rectangle(
+        &linspace(0.0, 1.0, 10),
+        &linspace(0.0, 1.0, 40),
+        Diagonals::Rising,
+    );
+    let mut block = Body::new(mesh.expect("mesh"), NeoHookean::new(2.0, 0.0).expect("law"));
+    block
+        .prescribe("bottom", [Some(0.0), Some(0.0)])
+        .expect("support");
+    block
+        .prescribe("top", [Some(0.0), Some(-0.5)])
+        .expect("support");
+    let mut problem = Scene::new(vec![block]).problem().expect("valid scene");
+    let history = run(&mut problem, 1, 1e-6);
+    assert_eq!(history.run.cuts(), 0);
+    // ψ = μ/2 (F² + 1 − 2 − 2 ln F) at F = 0.5, and P = μ (F − 1/F), with μ = 1
+    let step = history.steps.last().expect("converged");
+    assert!(relative(step.energy, 0.5 * (0.25 - 1.0) + 2f64.ln()) < 1e-9);
+    assert!(
+        relative(step.reactions[0][1].abs() + 1.0, 1.0) < 1e-6,
+        "supports cancel"
+    );
+    assert!(relative(step.min_j, 0.5) < 1e-8);
+}

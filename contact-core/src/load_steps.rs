@@ -12,9 +12,9 @@ pub trait LoadStepped: ContactProblem {
     /// Sets loads and prescribed displacements to `factor` times their full value.
     fn set_load(&mut self, factor: f64) -> Result<(), Error>;
 
-    /// A start for the increment that begins at `u`, for problems that know better than to leave
-    /// the free unknowns where they were while the prescribed ones move.
-    fn lift(&self, u: &[f64]) -> Vec<f64> {
+    /// Where to start towards the present load from `u`, converged at load factor `from`: the free
+    /// unknowns follow the prescribed ones. By default they stay behind.
+    fn lift(&self, u: &[f64], _from: f64) -> Vec<f64> {
         u.to_vec()
     }
 }
@@ -273,10 +273,7 @@ impl Path<'_> {
         problem.set_load(target)?;
         let prediction = self.prediction(problem.energy(), target);
         let predicted = prediction.is_some();
-        let start = prediction.unwrap_or_else(|| State {
-            u: problem.lift(&self.last.state.u),
-            multipliers: self.last.state.multipliers.clone(),
-        });
+        let start = prediction.unwrap_or_else(|| self.lifted(problem));
         let solution = self.settings.fixed_point.solve(&*problem, method, start)?;
         self.attempts.push(Attempt {
             from: self.last.factor,
@@ -312,6 +309,16 @@ impl Path<'_> {
                 .multipliers
                 .extrapolated(&before.state.multipliers, s),
         })
+    }
+
+    /// The last state with its free unknowns lifted after the prescribed ones, if that is admissible.
+    fn lifted<P: LoadStepped>(&self, problem: &P) -> State {
+        let mut state = self.last.state.clone();
+        let lifted = problem.lift(&state.u, self.last.factor);
+        if problem.energy().value(&lifted).is_finite() {
+            state.u = lifted;
+        }
+        state
     }
 
     fn advance(&mut self, factor: f64, solution: Solution) {

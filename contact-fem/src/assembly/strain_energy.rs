@@ -4,6 +4,7 @@ use contact_core::Energy;
 use contact_core::nlp::Pattern;
 
 use super::dofs::{Dof, DofMap};
+use super::extension::harmonic;
 use super::scatter::{NOWHERE, SlotMap, pattern_and_slots};
 use super::{BodyEnergy, CellState};
 use crate::element::Element;
@@ -270,13 +271,18 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
 impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEnergy<D, E, M> {
     fn set_load(&mut self, factor: f64) {
         self.factor = factor;
-        for (now, full) in self.prescribed.iter_mut().zip(&self.full_prescribed) {
-            *now = factor * full;
-        }
+        self.prescribed = self.prescribed_at(factor);
     }
 
     fn prescribed(&self) -> &[f64] {
         &self.prescribed
+    }
+
+    fn prescribed_at(&self, factor: f64) -> Vec<f64> {
+        self.full_prescribed
+            .iter()
+            .map(|full| factor * full)
+            .collect()
     }
 
     fn add_residual(&self, u: &[f64], forces: &mut [f64]) {
@@ -284,6 +290,28 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
             *r -= self.factor * f;
         }
         self.internal_forces(u, |dof, force| forces[dof] += force);
+    }
+
+    // K_ab = Σ_q w_q ∇N_a·∇N_b, the same for every component
+    fn extend(&self, increments: &[f64]) -> Vec<f64> {
+        let mut free = vec![0.0; self.dofs.free()];
+        if increments.iter().all(|d| *d == 0.0) {
+            return free;
+        }
+        let mut entries = Vec::new();
+        for (cell, points) in self.assembled() {
+            for point in points {
+                for (&a, dN_a) in cell.as_ref().iter().zip(point.gradients.as_ref()) {
+                    for (&b, dN_b) in cell.as_ref().iter().zip(point.gradients.as_ref()) {
+                        entries.push((a, b, point.weight * dN_a.dot(dN_b)));
+                    }
+                }
+            }
+        }
+        for i in 0..D {
+            harmonic(&entries, &self.dofs, (i, D), increments, &mut free);
+        }
+        free
     }
 
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {

@@ -305,4 +305,17 @@ impl<const D: usize> LoadStepped for Problem<D> {
         }
         Ok(())
     }
+    fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
+        let mut lifted = u.to_vec();
+        for (body, energy) in self.energy.parts().iter().enumerate() {
+            let now = energy.prescribed();
+            let before = energy.prescribed_at(from);
+            let increments: Vec<f64> = now.iter().zip(before).map(|(a, b)| a - b).collect();
+            let free = &mut lifted[self.energy.range(body)];
+            free.iter_mut()
+                .zip(energy.extend(&increments))
+                .for_each(|(u, d)| *u += d);
+        }
+        lifted
+    }
 }
