@@ -1,15 +1,21 @@
 //! The fixed point without any finite elements: whoever states a `ContactProblem` gets it.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::ops::ControlFlow;
 
 use contact_core::fixed_point::Outcome;
 use contact_core::gaps::{LinearGaps, Row, RowKey};
+use contact_core::load_steps::RunOutcome;
 use contact_core::method::{Method, Minimum, Solved, Subproblem};
 use contact_core::nlp::{Bounds, Pattern};
-use contact_core::{Acceleration, ContactProblem, Energy, Error, FixedPoint, InteriorPoint, State};
+use contact_core::{
+    Acceleration, ContactProblem, Energy, Error, FixedPoint, InteriorPoint, LoadStepped, LoadSteps,
+    State,
+};
 
-/// E(u) = ½ k |u|² − f·u for one point in the plane, outside the unit disc around (0, −1).
+/// E(u) = ½ k |u|² − t f·u with load factor t for one point in the plane, outside the unit disc around (0, −1).
 struct Point {
+    factor: f64,
     force: [f64; 2],
     stiffness: f64,
     pattern: Pattern,
@@ -20,6 +26,7 @@ struct Point {
 impl Point {
     fn pulled(force: [f64; 2]) -> Self {
         Point {
+            factor: 1.0,
             force,
             stiffness: 1.0,
             pattern: Pattern::diagonal(2),
@@ -37,12 +44,11 @@ impl Energy for Point {
     }
     fn value(&self, u: &[f64]) -> f64 {
         0.5 * self.stiffness * (u[0] * u[0] + u[1] * u[1])
-            - self.force[0] * u[0]
-            - self.force[1] * u[1]
+            - self.factor * (self.force[0] * u[0] + self.force[1] * u[1])
     }
     fn gradient(&self, u: &[f64], g: &mut [f64]) {
         for i in 0..2 {
-            g[i] = self.stiffness * u[i] - self.force[i];
+            g[i] = self.stiffness * u[i] - self.factor * self.force[i];
         }
     }
     fn hessian_pattern(&self) -> &Pattern {
@@ -79,6 +85,13 @@ impl ContactProblem for Point {
             },
         );
         Ok(gaps)
+    }
+}
+
+impl LoadStepped for Point {
+    fn set_load(&mut self, factor: f64) -> Result<(), Error> {
+        self.factor = factor;
+        Ok(())
     }
 }
 
@@ -234,5 +247,144 @@ fn starts_are_checked() {
         };
         let solution = FixedPoint::default().solve(&problem, &mut Stuck(Solved::Optimal), start);
         assert!(solution.is_err());
+    }
+}
+
+/// The interior point method, but the first few calls fail.
+struct Reluctant {
+    failures: usize,
+    method: InteriorPoint,
+}
+
+impl Method for Reluctant {
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        let mut minimum = self.method.minimize(subproblem, start)?;
+        if self.failures > 0 {
+            self.failures -= 1;
+            minimum.solved = Solved::Failed("reluctant".into());
+        }
+        Ok(minimum)
+    }
+}
+
+fn reluctant_run(failures: usize, max_halvings: usize) -> contact_core::load_steps::Run {
+    let settings = LoadSteps {
+        increments: 2,
+        max_halvings,
+        ..LoadSteps::default()
+    };
+    let start = State {
+        u: vec![0.0; 2],
+        ..State::default()
+    };
+    let mut method = Reluctant {
+        failures,
+        method: InteriorPoint::default(),
+    };
+    let mut problem = Point::pulled([0.6, -1.3]);
+    settings
+        .run(&mut problem, &mut method, start, |_| {
+            ControlFlow::Continue(())
+        })
+        .expect("no misuse")
+}
+
+#[test]
+fn steps_are_halved_and_grow_back() {
+    let run = reluctant_run(2, 6);
+    assert_eq!(run.outcome, RunOutcome::Complete);
+    assert_eq!(run.cuts(), 2);
+    let goals: Vec<f64> = run.attempts.iter().map(|attempt| attempt.to).collect();
+    assert_eq!(goals, [0.5, 0.25, 0.125, 0.375, 0.5, 1.0]);
+    let (u, _) = exact([0.6, -1.3]);
+    assert!((run.state.u[0] - u[0]).abs() < 1e-6 && (run.state.u[1] - u[1]).abs() < 1e-6);
+}
+
+#[test]
+fn a_run_that_gives_up_says_where_and_why() {
+    let run = reluctant_run(usize::MAX, 3);
+    let RunOutcome::NotConverged { at, why } = &run.outcome else {
+        panic!("not {:?}", run.outcome)
+    };
+    assert_eq!(*at, 0.0);
+    assert_eq!(*why, Outcome::SubproblemFailed("reluctant".into()));
+    let goals: Vec<f64> = run.attempts.iter().map(|attempt| attempt.to).collect();
+    assert_eq!(goals, [0.5, 0.25, 0.125, 0.0625]);
+    assert!(run.solution.is_none());
+}
+
+/// E(u) = 1000 u − ln(1 + u) with domain 1 + u > 0, which remembers where its gradient was asked.
+struct Cliff {
+    pattern: Pattern,
+    bounds: Bounds,
+    accepted: RefCell<Vec<f64>>,
+}
+
+impl Energy for Cliff {
+    fn dofs(&self) -> usize {
+        1
+    }
+    fn value(&self, u: &[f64]) -> f64 {
+        match u[0] > -1.0 {
+            true => 1000.0 * u[0] - (1.0 + u[0]).ln(),
+            false => f64::INFINITY,
+        }
+    }
+    fn gradient(&self, u: &[f64], g: &mut [f64]) {
+        self.accepted.borrow_mut().push(1.0 + u[0]);
+        g[0] = 1000.0 - 1.0 / (1.0 + u[0]);
+    }
+    fn hessian_pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+    fn hessian(&self, u: &[f64], values: &mut [f64]) {
+        values[0] = (1.0 + u[0]).powi(-2);
+    }
+    fn domain_len(&self) -> usize {
+        1
+    }
+    fn domain(&self, u: &[f64], d: &mut [f64]) {
+        d[0] = 1.0 + u[0];
+    }
+}
+
+impl ContactProblem for Cliff {
+    fn energy(&self) -> &dyn Energy {
+        self
+    }
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+    fn linearize_gaps(&self, _: &[f64]) -> Result<LinearGaps, Error> {
+        Ok(LinearGaps::new(true))
+    }
+}
+
+/// The J guard: no accepted step takes the domain function below a tenth of its last value.
+#[test]
+fn nothing_collapses_in_one_step() {
+    let problem = Cliff {
+        pattern: Pattern::diagonal(1),
+        bounds: Bounds::free(1),
+        accepted: RefCell::default(),
+    };
+    let start = State {
+        u: vec![30.0],
+        ..State::default()
+    };
+    let mut method = InteriorPoint::default();
+    let solution = FixedPoint::default()
+        .solve(&problem, &mut method, start)
+        .expect("no misuse");
+    assert_eq!(solution.outcome, Outcome::Converged);
+    assert!(
+        (solution.state.u[0] + 0.999).abs() < 1e-9,
+        "{:?}",
+        solution.state.u
+    );
+    let accepted = problem.accepted.borrow();
+    assert!(accepted[0] > 30.0 && accepted.len() > 5, "{accepted:?}");
+    for pair in accepted.windows(2) {
+        assert!(pair[1] >= 0.1 * pair[0], "{accepted:?}");
     }
 }

@@ -36,7 +36,7 @@ impl Default for InteriorPoint {
     fn default() -> Self {
         InteriorPoint {
             tolerance: 1e-12,
-            complementarity: 1e-10,
+            complementarity: 1e-8,
             max_warm_iterations: 40,
             max_iterations: 300,
             options: Options::new(),
@@ -51,15 +51,23 @@ impl InteriorPoint {
     const PUSH: f64 = 1e-9;
     const FIRST_PUSH: f64 = 1e-4;
 
+    /// A solve that cannot make progress any more counts as solved up to this many tolerances.
+    const ATTAINABLE: f64 = 100.0;
+
     fn options(&self, warm: bool, subproblem: &Subproblem<'_>) -> Options {
         let Scale {
             length, resolution, ..
         } = subproblem.scale;
-        let mu = self.complementarity * (resolution / length).powi(2);
+        let share = (resolution / length).powi(2);
+        let complementarity = (self.complementarity * share).min(self.tolerance);
         let mut options = Options::new()
             .with("tol", self.tolerance)
-            .with("compl_inf_tol", 10.0 * mu)
-            .with("mu_target", mu)
+            .with("compl_inf_tol", complementarity)
+            .with("acceptable_tol", Self::ATTAINABLE * self.tolerance)
+            .with(
+                "acceptable_compl_inf_tol",
+                Self::ATTAINABLE * complementarity,
+            )
             .with("mu_strategy", "adaptive")
             .with("nlp_scaling_method", "none");
         if warm {
@@ -85,6 +93,18 @@ impl InteriorPoint {
             options.set(name, value.clone());
         }
         options
+    }
+
+    /// Solved, or stuck so close to it that round-off is the likely reason.
+    fn is_solved(&self, solution: &Solution) -> bool {
+        match solution.status {
+            Status::Solved => true,
+            Status::SolvedToAcceptableLevel | Status::SearchDirectionTooSmall => {
+                solution.multipliers.is_some()
+                    && solution.statistics.scaled_error <= Self::ATTAINABLE * self.tolerance
+            }
+            _ => false,
+        }
     }
 
     fn solve(
@@ -115,14 +135,15 @@ impl Method for InteriorPoint {
         let clock = Instant::now();
         let mut solution = self.solve(&structure, &mut scaled, start, warm)?;
         effort.count(&solution);
-        if warm && !is_solved(&solution) && !scaled.is_stopped() {
+        if warm && !self.is_solved(&solution) && !scaled.is_stopped() {
             effort.cold_retries += 1;
             solution = self.solve(&structure, &mut scaled, start, false)?;
             effort.count(&solution);
         }
         effort.callbacks = scaled.seconds;
         effort.optimizer = clock.elapsed().as_secs_f64() - scaled.seconds;
-        Ok(scaled.minimum(solution, effort))
+        let solved = self.is_solved(&solution);
+        Ok(scaled.minimum(solution, solved, effort))
     }
 }
 
@@ -136,10 +157,6 @@ impl Effort {
         self.gradients += statistics.gradient.calls;
         self.hessians += statistics.hessian.calls;
     }
-}
-
-fn is_solved(solution: &Solution) -> bool {
-    matches!(solution.status, Status::Solved)
 }
 
 fn structure(subproblem: &Subproblem<'_>) -> Result<Structure, Error> {
@@ -226,12 +243,12 @@ impl<'a> Scaled<'a> {
     }
 
     /// Back in the user's units.
-    fn minimum(&self, solution: Solution, effort: Effort) -> Minimum {
+    fn minimum(&self, solution: Solution, solved: bool, effort: Effort) -> Minimum {
         let rows = self.subproblem.gaps.len();
         let force = |l: f64| (-l * self.energy / self.length).max(0.0);
         Minimum {
             solved: match solution.status {
-                Status::Solved => Solved::Optimal,
+                _ if solved => Solved::Optimal,
                 _ if self.is_stopped() => Solved::Interrupted,
                 status => Solved::Failed(status.to_string()),
             },

@@ -26,10 +26,10 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
         );
     }
     match scene.reach {
-        Some(reach) if !(reach > 0.0) => {
+        Some(reach) if reach.is_nan() || reach <= 0.0 => {
             setting("reach", reach, "a positive length, or None for the default")
         }
-        _ if !(scene.overlap_tolerance >= 0.0) => setting(
+        _ if scene.overlap_tolerance.is_nan() || scene.overlap_tolerance < 0.0 => setting(
             "overlap_tolerance",
             scene.overlap_tolerance,
             "a share of the facet size, 0 or more",

@@ -35,7 +35,7 @@ impl<const D: usize> Problem<D> {
     /// Default reach as a share of the scene's diagonal.
     const REACH: f64 = 0.1;
     /// Displacements of a small-strain scene are resolved to this share of a facet.
-    const SMALL_STRAIN: f64 = 0.1;
+    const SMALL_STRAIN: f64 = 0.03;
 
     pub(super) fn new(scene: Scene<D>) -> Self {
         let energies: Vec<_> = scene.bodies.iter().map(|body| body.energy()).collect();
