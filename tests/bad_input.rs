@@ -208,7 +208,7 @@ fn overlap_at_the_start() {
 fn empty_contact_surface() {
     let nodes = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let mut mesh = Mesh::<2>::new(nodes, vec![0, 1, 2]).expect("mesh");
-    mesh.name_boundary("nowhere", |X| X[0] > 7.0);
+    mesh.name_boundary("nowhere", |x| x[0] > 7.0);
     let mut body = Body::new(mesh, law());
     body.prescribe_all([Some(0.0); 2]).expect("support");
     let mut scene = Scene::new(vec![body, held(3.0)]);

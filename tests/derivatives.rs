@@ -4,20 +4,18 @@
 mod common;
 
 use common::{Order, disc_in_disc};
-use contact_core::{ContactProblem, Energy, LoadStepped, check};
+use contact_core::{ContactProblem, LoadStepped, check};
 use contact_fem::mesh::generators::{Diagonals, annulus, linspace, rectangle};
 use contact_fem::scene::{Passes, Problem};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, LinearElastic, Material, Mesh, NeoHookean, Scene};
 
-/// A body with a partly prescribed boundary, a traction and a body force, at 70 % load.
+/// A body with a prescribed boundary, a traction and a body force, at 70 % load.
 fn loaded<const D: usize>(mut body: Body<D>, support: &str, load: &str) -> Problem<D>
 where
     contact_fem::element::P1: contact_fem::element::Element<D>,
 {
-    let mut components = [Some(0.02); D];
-    body.prescribe(support, components).expect("support");
-    components[0] = None;
+    body.prescribe(support, [Some(0.02); D]).expect("support");
     body.traction(load, [0.3; D]).expect("load");
     body.body_force([-0.1; D]).expect("load");
     let mut problem = Scene::new(vec![body]).problem().expect("valid scene");
