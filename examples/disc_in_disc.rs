@@ -1,75 +1,171 @@
-//! scratch
-use contact_core::*;
-use contact_fem::mesh::generators::*;
-use contact_fem::*;
-use std::ops::ControlFlow;
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let tol: f64 = std::env::args().nth(1).map_or(1e-8, |s| s.parse().unwrap());
-    let inc: usize = std::env::args().nth(2).map_or(100, |s| s.parse().unwrap());
-    let n: usize = std::env::args().nth(3).map_or(64, |s| s.parse().unwrap());
-    let layers = (12 * n) / 64;
-    let radii: Vec<f64> = (0..=layers)
-        .map(|k| 0.7 + 1.3 * (k as f64 / layers as f64).powf(1.3))
-        .collect();
-    let mut ring = Body::new(annulus(&radii, n)?, NeoHookean::new(1000.0, 0.0)?);
-    ring.prescribe("outer", [Some(0.0), Some(0.0)])?;
-    let mut inner = Body::new(
-        disc(0.6, 52 * n / 64, 1, 0.03)?,
-        NeoHookean::new(2000.0, 0.3)?,
-    );
-    inner.prescribe_all([Some(0.0), Some(-1.125)])?;
-    let mut scene = Scene::new(vec![ring, inner]);
-    scene.contact((0, "inner"), (1, "boundary"))?;
-    let mut problem = scene.problem()?;
-    let mut sim = Simulation::with_increments(inc);
-    sim.load_steps.fixed_point.tolerance = tol;
-    let mut method = InteriorPoint::default();
-    for a in std::env::args().skip(4) {
-        let (k, v) = a.split_once('=').unwrap();
-        match k {
-            "tol" => method.tolerance = v.parse()?,
-            "compl" => method.complementarity = v.parse()?,
-            _ => {
-                if let Ok(i) = v.parse::<i32>() {
-                    method.options.set(k, i);
-                } else {
-                    match v.parse::<f64>() {
-                        Ok(x) => {
-                            method.options.set(k, x);
-                        }
-                        Err(_) => {
-                            method.options.set(k, v);
-                        }
-                    }
-                }
-            }
+//! Section 6.1 of the paper: a disc is pushed down inside a hollow disc, through large strains.
+//!
+//! ```text
+//! cargo run --release --example disc_in_disc
+//! cargo run --release --example disc_in_disc -- --mesh 128 --increments 50 --ipopt print_level=5
+//! ```
+//!
+//! The scene itself is in `support/discs.rs`. All files go to `out/disc_in_disc`: the tables
+//! `disc_in_disc.csv` and `disc_in_disc_iterations.csv`, a series for ParaView
+//! (`disc_in_disc.pvd`), the pictures `meshes.svg` and `force.svg`, and `summary.json`.
+//!
+//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, and
+//! 130 on Ctrl-C, with everything written up to there.
+
+#[path = "support/discs.rs"]
+mod discs;
+mod support;
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Parser, ValueEnum};
+use discs::{Fineness, Roles};
+use ipopt_contact::contact_fem::output::picture::{Curve, Curves, MeshPicture, Panel};
+use ipopt_contact::prelude::*;
+use support::options::{Options, positive};
+use support::recorder::Recorder;
+use support::summary::{Ending, Summary};
+use support::{Failure, stop};
+
+const NAME: &str = "disc_in_disc";
+
+/// A disc is pushed down inside a hollow disc (section 6.1 of the paper)
+#[derive(Parser, Debug)]
+struct Arguments {
+    /// `reference`, or the number of segments around the hole
+    #[arg(long, value_name = "reference|N", default_value = "reference", value_parser = fineness)]
+    mesh: Fineness,
+    /// Which surface is slave; the symmetric method needs no choice
+    #[arg(long, value_enum, default_value_t = Slaves::Both)]
+    passes: Slaves,
+    /// Give the bodies in the other order, which changes nothing
+    #[arg(long)]
+    swap: bool,
+    #[command(flatten)]
+    options: Options,
+}
+
+/// `--passes`
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum Slaves {
+    Both,
+    Hole,
+    Disc,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
         }
     }
-    let t = std::time::Instant::now();
-    let h = sim.run(&mut problem, &mut method, |s| {
-        let r = s.record;
-        let e = r.attempt.effort();
-        println!("{:.3} E {:.6} R {:.4} J {:.3} pen {:.1e} {:.1e} fp {} it {} fac {} val {} retr {} cb {:.2} opt {:.2} proj {:.3} errs {:?}", r.factor, r.energy, r.reactions[0][1], r.min_j, r.penetration, r.weak_penetration, r.attempt.iterations.len(), e.iterations, e.factorizations, e.values, e.cold_retries, e.callbacks, e.optimizer, r.attempt.projection(), r.attempt.iterations.iter().map(|i| format!("{:.0e}/{}", i.error, i.effort.iterations)).collect::<Vec<_>>().join(" "));
-        ControlFlow::Continue(())
-    })?;
-    let mut e = contact_core::method::Effort::default();
-    for a in &h.run.attempts {
-        e += a.effort();
-        if a.outcome != contact_core::fixed_point::Outcome::Converged {
-            println!("{} {} {}", a.from, a.to, a.outcome);
+}
+
+fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let clock = Instant::now();
+    let options = &arguments.options;
+    let stop = stop::on_ctrl_c()?;
+
+    let roles = arguments.roles();
+    let mut problem = discs::scene(arguments.mesh, roles)?.problem()?;
+    let force = |record: &StepRecord<2>| record.reactions[roles.ring()][1];
+
+    let folder = options.folder(NAME);
+    let mut recorder = Recorder::new(&folder, NAME, &problem, options, stop.clone())?;
+    let mut method = options.method(stop);
+    let result = options.simulation().run(&mut problem, &mut method, |step| {
+        let message = message(step.record, force(step.record));
+        recorder.observe(step, message)
+    });
+    let ending = match &result {
+        Ok(history) => Ending::History(history),
+        Err(error) => Ending::Failure(error),
+    };
+    let written = recorder.finish(result.as_ref().ok());
+    draw(&problem, &recorder, force)?;
+
+    let seconds = clock.elapsed().as_secs_f64();
+    let increments = options.increments;
+    let summary = Summary::new(
+        NAME, &problem, &recorder, increments, &ending, seconds, force,
+    );
+    summary.save(&folder)?;
+    written?;
+    if !options.quiet {
+        println!(
+            "{}\n  files              {}",
+            summary.table(),
+            folder.display()
+        );
+    }
+    Ok(match ending {
+        Ending::Failure(error) => return Err(error.to_string().into()),
+        _ if ending.is_complete() => ExitCode::SUCCESS,
+        _ if ending.is_interrupted() => ExitCode::from(stop::INTERRUPTED),
+        _ => ExitCode::FAILURE,
+    })
+}
+
+/// What is shown of a step.
+fn message(record: &StepRecord<2>, force: f64) -> String {
+    let fixed_point = record.attempt.iterations.len();
+    let ipopt = record.attempt.effort().iterations;
+    format!(
+        "energy {:.4}  reaction {force:.2}  iterations {fixed_point} ({ipopt} of Ipopt)",
+        record.energy
+    )
+}
+
+/// The deformed discs as in the paper's Figure 1, and the force over the way.
+fn draw(
+    problem: &Problem<2>,
+    recorder: &Recorder<2>,
+    force: impl Fn(&StepRecord<2>) -> f64,
+) -> Result<(), Failure> {
+    let panels = recorder.stages.iter().map(|stage| Panel {
+        title: stage.title.clone(),
+        snapshot: &stage.snapshot,
+    });
+    let folder = recorder.folder();
+    MeshPicture::von_mises(panels.collect()).save(folder.join("meshes.svg"), problem)?;
+
+    let steps = recorder.records.iter();
+    let points = steps.map(|record| (discs::PUSH * record.factor, force(record)));
+    let curves = Curves {
+        title: "Force that pushes the disc down".into(),
+        x_label: "displacement (UL)".into(),
+        y_label: "force (UF)".into(),
+        curves: vec![Curve {
+            name: "reaction".into(),
+            points: std::iter::once((0.0, 0.0)).chain(points).collect(),
+        }],
+    };
+    Ok(curves.save(folder.join("force.svg"))?)
+}
+
+impl Arguments {
+    fn roles(&self) -> Roles {
+        Roles {
+            swapped: self.swap,
+            passes: match self.passes {
+                Slaves::Both => Passes::Both,
+                Slaves::Hole => Passes::FirstIsSlave,
+                Slaves::Disc => Passes::SecondIsSlave,
+            },
         }
     }
-    println!(
-        "{:?} cuts {} {:?} fp {} wall {:?}",
-        h.run.outcome,
-        h.run.cuts(),
-        e,
-        h.run
-            .attempts
-            .iter()
-            .map(|a| a.iterations.len())
-            .sum::<usize>(),
-        t.elapsed()
-    );
-    Ok(())
+}
+
+/// `--mesh`
+fn fineness(text: &str) -> Result<Fineness, String> {
+    if text == "reference" {
+        return Ok(Fineness::REFERENCE);
+    }
+    match positive(text) {
+        Ok(segments) if segments >= 8 => Ok(Fineness::scaled(segments)),
+        _ => Err("`reference` or a whole number from 8 is needed".into()),
+    }
 }

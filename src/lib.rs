@@ -1,3 +1,91 @@
-//! Facade.
+//! Frictionless contact between elastic bodies by energy minimisation with Ipopt: symmetric, with no master and slave
+//! to choose.
+//!
+//! The total energy of all bodies is minimised under weak non-penetration constraints, which both sides of every
+//! contact impose on each other. Constraints are linear for a frozen projection; a fixed point renews the projection
+//! until the displacement stands still, and load steps walk the load up to its full value. The method is that of
+//! Houssein, Garnotel and Hecht, *Contact problems in industrial applications using FreeFEM*.
+//!
+//! This crate re-exports the two that do the work and has a [`prelude`] for scenes:
+//! - [`contact_fem`]: meshes, materials, assembly, contact constraints, scenes, load histories, output;
+//! - [`contact_core`]: energies, the interior point method, the fixed point and load steps in ℝⁿ, and the safe Ipopt
+//!   driver, all without a mesh in sight.
+//!
+//! # A scene
+//! A disc is pushed 1.125 lengths down through the ring around it (the paper's section 6.1 on a coarse mesh). No
+//! energy is lost: what the disc's support does in work is stored as strain.
+//! ```
+//! use ipopt_contact::prelude::*;
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let hollow = annulus(&linspace(0.7, 2.0, 5), 24, Diagonals::Alternating)?;
+//!     let mut ring = Body::new(hollow, NeoHookean::new(1000.0, 0.0)?);
+//!     ring.prescribe("outer", [Some(0.0), Some(0.0)])?;
+//!     let mut inner = Body::new(disc(0.6, 20, 1, 0.03)?, NeoHookean::new(2000.0, 0.3)?);
+//!     inner.prescribe_all([Some(0.0), Some(-1.125)])?;
+//!
+//!     let mut scene = Scene::new(vec![ring, inner]);
+//!     scene.contact((0, "inner"), (1, "boundary"))?;
+//!     let (mut work, mut pushed, mut force) = (0.0, 0.0, 0.0);
+//!     let simulation = Simulation::with_increments(10);
+//!     let mut problem = scene.problem()?;
+//!     let history = simulation.run(&mut problem, &mut InteriorPoint::default(), |step| {
+//!         let (by, up) = (1.125 * step.record.factor, step.record.reactions[0][1]);
+//!         work += 0.5 * (force + up) * (by - pushed);
+//!         (pushed, force) = (by, up);
+//!         println!("pushed by {by:.3}: energy {:.2}, force {up:.2}", step.record.energy);
+//!         ControlFlow::Continue(())
+//!     })?;
+//!     assert_eq!(history.run.outcome, RunOutcome::Complete);
+//!     assert!((work / history.steps[9].energy - 1.0).abs() < 0.01);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # Features
+//! `vtk`, `csv` and `plot`, all on by default, are the output formats of [`contact_fem::output`].
+
+mod versions;
+
 pub use contact_core;
 pub use contact_fem;
+pub use versions::{Blas, BlasKind, Versions, versions};
+
+/// What most scenes need, in one `use`.
+pub mod prelude {
+    pub use std::ops::ControlFlow;
+
+    pub use contact_core::fixed_point::Outcome;
+    pub use contact_core::load_steps::RunOutcome;
+    pub use contact_core::{Acceleration, FixedPoint, InteriorPoint, LoadSteps, Method};
+    pub use contact_fem::mesh::generators::{
+        Diagonals, annulus, disc, graded, half_disc, linspace, quarter_disc, rectangle,
+    };
+    pub use contact_fem::scene::{Passes, Problem};
+    pub use contact_fem::simulation::{History, StepView};
+    pub use contact_fem::{
+        Body, LinearElastic, Material, Mesh, NeoHookean, Scene, Simulation, StepRecord,
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    /// The documentation above runs as a test; the README is held to it.
+    #[test]
+    fn the_readme_shows_the_scene_that_is_tested() {
+        let readme = include_str!("../README.md");
+        let shown = readme
+            .split("```rust\n")
+            .nth(1)
+            .and_then(|rest| rest.split("```").next());
+        let source = include_str!("lib.rs").lines();
+        let documented = source.map_while(|line| line.strip_prefix("//!"));
+        let code = documented.skip_while(|line| *line != " ```").skip(1);
+        let tested: Vec<&str> = code
+            .take_while(|line| *line != " ```")
+            .map(|line| line.strip_prefix(' ').unwrap_or(line))
+            .collect();
+        assert!(tested.len() > 15, "{tested:?}");
+        assert_eq!(shown.map(|code| code.lines().collect()), Some(tested));
+    }
+}

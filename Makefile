@@ -1,0 +1,39 @@
+# Two commands are all it takes: `make demo` and `make test`. Both install what is missing first.
+
+CARGO ?= cargo
+
+.PHONY: help install demo test lint bench msrv
+
+help:
+	@echo "make demo   the paper's disc-in-disc: pictures, curves and files for ParaView"
+	@echo "make test   all tests of all crates, with and without optional features"
+	@echo "make lint   formatting, clippy and documentation, warnings as errors"
+	@echo "make bench  times the disc-in-disc"
+	@echo "make msrv   compiles with the oldest Rust that is promised to do"
+
+install:
+	@./scripts/install.sh
+
+demo: install
+	$(CARGO) run --release --example disc_in_disc
+
+# The dev profile optimises here and keeps its checks for overflow. The first line covers units, integration tests,
+# doctests and the build of the examples; the second what does without Ipopt; the others, fewer output formats.
+test: install
+	$(CARGO) test --workspace
+	$(CARGO) test -p contact-core -p contact-fem --no-default-features --lib
+	$(CARGO) check -p ipopt-contact --no-default-features
+	$(CARGO) check -p contact-fem --features vtk
+	$(CARGO) check -p contact-fem --features csv
+	$(CARGO) check -p contact-fem --features plot
+
+lint: install
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --workspace --all-targets --all-features -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --all-features
+
+bench: install
+	$(CARGO) bench --bench disc_in_disc
+
+msrv: install
+	@./scripts/msrv.sh

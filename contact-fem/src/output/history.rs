@@ -1,0 +1,368 @@
+//! A run as two tables: one line a load step, one line an iteration of Algorithm 2.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use contact_core::fixed_point::Outcome;
+use contact_core::load_steps::Attempt;
+use contact_core::method::Effort;
+
+use super::file;
+use crate::error::Error;
+use crate::simulation::{History, StepRecord};
+
+/// `NAME.csv`, the load steps, and `NAME_iterations.csv`, the iterations of Algorithm 2 within
+/// them.
+///
+/// Every converged step is on disk as soon as [`Tables::write`] returns. Attempts that failed are
+/// known once the run is over: [`Tables::finish`] writes both files anew with all attempts in the
+/// order in which they were made. Their `outcome` says how they ended, and what only a converged
+/// state has is left empty. Columns named after a body and an axis, such as `reaction_0_x`, are
+/// there for every body.
+#[derive(Debug)]
+pub struct Tables {
+    steps: Table,
+    iterations: Table,
+    bodies: usize,
+}
+
+impl Tables {
+    /// Empty tables called `name` in `folder`, which is made if it does not exist, for a scene of
+    /// that many bodies.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn create<const D: usize>(folder: &Path, name: &str, bodies: usize) -> Result<Self, Error> {
+        file::create_folder(folder)?;
+        Ok(Tables {
+            steps: Table::create(
+                folder.join(format!("{name}.csv")),
+                step_columns::<D>(bodies),
+            )?,
+            iterations: Table::create(
+                folder.join(format!("{name}_iterations.csv")),
+                strings(&ITERATION_COLUMNS),
+            )?,
+            bodies,
+        })
+    }
+
+    /// Where the table of the steps is.
+    pub fn path(&self) -> &Path {
+        &self.steps.path
+    }
+
+    /// Adds a converged step.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn write<const D: usize>(&mut self, record: &StepRecord<D>) -> Result<(), Error> {
+        let line = step_line(&record.attempt, Some(record), self.bodies);
+        self.steps.append([line])?;
+        let lines = iteration_lines(&record.attempt, record.increment);
+        self.iterations.append(lines)
+    }
+
+    /// Writes both tables anew with every attempt of the run, converged or not.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn finish<const D: usize>(&mut self, history: &History<D>) -> Result<(), Error> {
+        let mut records = history.steps.iter();
+        let (mut steps, mut iterations) = (Vec::new(), Vec::new());
+        for attempt in &history.run.attempts {
+            let record = match attempt.outcome {
+                Outcome::Converged => records.next(),
+                _ => None,
+            };
+            steps.push(step_line(attempt, record, self.bodies));
+            let increment = record.and_then(|record| record.increment);
+            iterations.extend(iteration_lines(attempt, increment));
+        }
+        self.steps.replace(steps)?;
+        self.iterations.replace(iterations)
+    }
+}
+
+/// What an attempt cost, converged or not; the tail of a step's columns.
+const COST_COLUMNS: [&str; 13] = [
+    "fixed_point_iterations",
+    "ipopt_iterations",
+    "factorizations",
+    "solves",
+    "cold_retries",
+    "value_evaluations",
+    "gradient_evaluations",
+    "hessian_evaluations",
+    "seconds_projection",
+    "seconds_callbacks",
+    "seconds_optimizer",
+    "seconds_total",
+    "predicted",
+];
+
+const ITERATION_COLUMNS: [&str; 16] = [
+    "increment",
+    "from",
+    "factor",
+    "iteration",
+    "error",
+    "rows",
+    "ipopt_iterations",
+    "factorizations",
+    "solves",
+    "cold_retries",
+    "value_evaluations",
+    "gradient_evaluations",
+    "hessian_evaluations",
+    "seconds_projection",
+    "seconds_callbacks",
+    "seconds_optimizer",
+];
+
+fn step_columns<const D: usize>(bodies: usize) -> Vec<String> {
+    let mut columns = strings(&["increment", "from", "factor", "outcome", "energy"]);
+    for quantity in ["reaction", "contact_force"] {
+        for body in 0..bodies {
+            let axes = ["x", "y", "z"].into_iter().take(D);
+            columns.extend(axes.map(|axis| format!("{quantity}_{body}_{axis}")));
+        }
+    }
+    columns.extend(strings(&["min_j", "penetration", "weak_penetration"]));
+    columns.extend(strings(&COST_COLUMNS));
+    columns
+}
+
+fn step_line<const D: usize>(
+    attempt: &Attempt,
+    record: Option<&StepRecord<D>>,
+    bodies: usize,
+) -> Vec<String> {
+    let increment = record.and_then(|record| record.increment);
+    let mut line = vec![
+        increment.map_or_else(String::new, |k| k.to_string()),
+        number(attempt.from),
+        number(attempt.to),
+        attempt.outcome.to_string(),
+        number(attempt.energy),
+    ];
+    match record {
+        Some(record) => {
+            let vectors = record.reactions.iter().chain(&record.contact_forces);
+            line.extend(vectors.flat_map(|v| v.iter().copied().map(number)));
+            line.extend([record.min_j, record.penetration, record.weak_penetration].map(number));
+        }
+        None => {
+            line.extend(vec![String::new(); 2 * bodies * D]);
+            line.extend([number(attempt.min_domain), String::new(), String::new()]);
+        }
+    }
+    let effort = attempt.effort();
+    line.push(attempt.iterations.len().to_string());
+    line.extend(counts(&effort));
+    line.extend(seconds(attempt.projection(), &effort));
+    line.push(number(attempt.seconds));
+    line.push(attempt.predicted.to_string());
+    line
+}
+
+fn iteration_lines(attempt: &Attempt, increment: Option<usize>) -> Vec<Vec<String>> {
+    let line = |(k, iteration): (usize, &contact_core::fixed_point::Iteration)| {
+        let mut line = vec![
+            increment.map_or_else(String::new, |k| k.to_string()),
+            number(attempt.from),
+            number(attempt.to),
+            (k + 1).to_string(),
+            number(iteration.error),
+            iteration.rows.to_string(),
+        ];
+        line.extend(counts(&iteration.effort));
+        line.extend(seconds(iteration.projection, &iteration.effort));
+        line
+    };
+    attempt.iterations.iter().enumerate().map(line).collect()
+}
+
+fn counts(effort: &Effort) -> [String; 7] {
+    [
+        effort.iterations,
+        effort.factorizations,
+        effort.solves,
+        effort.cold_retries,
+        effort.values,
+        effort.gradients,
+        effort.hessians,
+    ]
+    .map(|count| count.to_string())
+}
+
+fn seconds(projection: f64, effort: &Effort) -> [String; 3] {
+    [projection, effort.callbacks, effort.optimizer].map(number)
+}
+
+/// The shortest text that reads back as the same number, with an exponent where that is shorter.
+fn number(value: f64) -> String {
+    let plain = value == 0.0 || (1e-3..1e15).contains(&value.abs()) || !value.is_finite();
+    if plain {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
+fn strings(names: &[&str]) -> Vec<String> {
+    names.iter().map(ToString::to_string).collect()
+}
+
+/// A file of comma-separated values that grows by whole lines.
+#[derive(Debug)]
+struct Table {
+    path: PathBuf,
+    columns: Vec<String>,
+    writer: csv::Writer<File>,
+}
+
+impl Table {
+    fn create(path: PathBuf, columns: Vec<String>) -> Result<Self, Error> {
+        let failed = |source| file::failed(&path, source);
+        let mut writer = csv::Writer::from_path(&path).map_err(failed)?;
+        writer.write_record(&columns).map_err(failed)?;
+        writer
+            .flush()
+            .map_err(|source| file::failed(&path, source))?;
+        Ok(Table {
+            path,
+            columns,
+            writer,
+        })
+    }
+
+    /// Adds lines and hands them to the operating system.
+    fn append(&mut self, lines: impl IntoIterator<Item = Vec<String>>) -> Result<(), Error> {
+        let written = lines
+            .into_iter()
+            .try_for_each(|line| self.writer.write_record(&line))
+            .and_then(|()| Ok(self.writer.flush()?));
+        written.map_err(|source| file::failed(&self.path, source))
+    }
+
+    /// The whole table in one go, in place of what it was.
+    fn replace(&mut self, lines: Vec<Vec<String>>) -> Result<(), Error> {
+        let mut all = csv::Writer::from_writer(Vec::new());
+        let lines = std::iter::once(&self.columns).chain(&lines);
+        let bytes = lines
+            .into_iter()
+            .try_for_each(|line| all.write_record(line))
+            .map_err(|source| file::failed(&self.path, source))
+            .and_then(|()| {
+                let written = all.into_inner();
+                written.map_err(|error| file::failed(&self.path, error.to_string()))
+            })?;
+        file::replace(&self.path, &bytes)?;
+        // whatever comes later is to go into the new file
+        let appending = File::options().append(true).open(&self.path);
+        let file = appending.map_err(|source| file::failed(&self.path, source))?;
+        self.writer = csv::Writer::from_writer(file);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use contact_core::State;
+    use contact_core::fixed_point::Iteration;
+    use contact_core::load_steps::{Run, RunOutcome};
+
+    use super::*;
+    use crate::tensor::Vector;
+
+    fn attempt(to: f64, outcome: Outcome) -> Attempt {
+        let iteration = Iteration {
+            error: 0.25,
+            rows: 7,
+            projection: 0.5,
+            effort: Effort {
+                iterations: 11,
+                ..Effort::default()
+            },
+        };
+        Attempt {
+            from: 0.0,
+            to,
+            outcome,
+            predicted: false,
+            energy: 2.5,
+            min_domain: 0.75,
+            iterations: vec![iteration; 2],
+            seconds: 4.0,
+        }
+    }
+
+    fn record(to: f64) -> StepRecord<2> {
+        StepRecord {
+            factor: to,
+            increment: Some(1),
+            energy: 2.5,
+            reactions: vec![Vector::<2>::new(1e-7, -3.5)],
+            contact_forces: vec![Vector::<2>::new(0.0, 4.5)],
+            min_j: 0.75,
+            penetration: 0.0,
+            weak_penetration: 1e-12,
+            attempt: attempt(to, Outcome::Converged),
+        }
+    }
+
+    fn read(path: &Path) -> Vec<Vec<String>> {
+        let reader = csv::Reader::from_path(path).expect("a table");
+        let lines = reader.into_records().map(|line| line.expect("a line"));
+        lines
+            .map(|line| line.iter().map(str::to_string).collect())
+            .collect()
+    }
+
+    #[test]
+    fn converged_steps_at_once_and_failures_at_the_end() {
+        let folder = std::env::temp_dir().join(format!("contact-fem-csv-{}", std::process::id()));
+        let mut tables = Tables::create::<2>(&folder, "run", 1).expect("tables");
+        tables.write(&record(1.0)).expect("written");
+        let columns = step_columns::<2>(1);
+        let at = |name: &str| columns.iter().position(|c| c == name).expect(name);
+        let steps = read(tables.path());
+        assert_eq!(steps.len(), 1);
+        assert_eq!(steps[0][at("reaction_0_x")], "1e-7");
+        assert_eq!(steps[0][at("contact_force_0_y")], "4.5");
+        assert_eq!(steps[0][at("ipopt_iterations")], "22");
+
+        let failed = attempt(2.0, Outcome::IterationLimit);
+        let history = History {
+            run: Run {
+                outcome: RunOutcome::Complete,
+                factor: 1.0,
+                state: State::default(),
+                solution: None,
+                attempts: vec![failed, attempt(1.0, Outcome::Converged)],
+            },
+            steps: vec![record(1.0)],
+        };
+        tables.finish(&history).expect("written");
+        let steps = read(tables.path());
+        assert_eq!(steps.len(), 2);
+        assert_eq!(
+            steps[0][at("outcome")],
+            "iteration limit of the fixed point"
+        );
+        assert_eq!(steps[0][at("reaction_0_y")], "");
+        assert_eq!(steps[0][at("min_j")], "0.75");
+        assert_eq!(steps[1][at("increment")], "1");
+        assert_eq!(read(&folder.join("run_iterations.csv")).len(), 4);
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+
+    #[test]
+    fn numbers_read_back() {
+        for value in [0.0, 1.0 / 3.0, -1e-9, 6.02e23, 1234.5] {
+            assert_eq!(number(value).parse(), Ok(value));
+        }
+        assert_eq!(number(f64::INFINITY), "inf");
+    }
+}

@@ -1,0 +1,47 @@
+//! From values to colours.
+
+use plotters::prelude::{ColorMap, ViridisRGB};
+use plotters::style::RGBColor;
+
+use super::short;
+
+/// A range of values, from dark to bright.
+#[derive(Default)]
+pub(super) struct Colours {
+    pub low: f64,
+    pub high: f64,
+    /// There are values above `high`.
+    pub is_cut: bool,
+}
+
+impl Colours {
+    /// The colour of a value.
+    pub fn of(&self, value: f64) -> RGBColor {
+        let span = (self.high - self.low).max(f64::MIN_POSITIVE);
+        ViridisRGB.get_color(((value - self.low) / span).clamp(0.0, 1.0))
+    }
+
+    /// Round numbers within the range, about five, and what to write beside them; and the upper end
+    /// if values go beyond it.
+    pub fn ticks(&self) -> Vec<(f64, String)> {
+        let span = self.high - self.low;
+        if span <= 0.0 {
+            return vec![(self.low, short(self.low))];
+        }
+        let power = 10f64.powf((span / 5.0).log10().floor());
+        let steps = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power);
+        let step = steps.into_iter().find(|step| span / step <= 6.0);
+        let step = step.unwrap_or(span);
+        let first = (self.low / step).ceil() as i64;
+        let last = (self.high / step).floor() as i64;
+        let round = (first..=last).map(|k| k as f64 * step);
+        if !self.is_cut {
+            return round.map(|tick| (tick, short(tick))).collect();
+        }
+        let clear = round.filter(|tick| self.high - tick > 0.04 * span);
+        let ticks = clear.map(|tick| (tick, short(tick)));
+        let rounded = format!("{:.2e}", self.high).parse().unwrap_or(self.high);
+        let end = (self.high, format!("≥ {}", short(rounded)));
+        ticks.chain([end]).collect()
+    }
+}

@@ -1,0 +1,107 @@
+//! Curves over labelled axes.
+
+use std::path::Path;
+
+use plotters::chart::{ChartBuilder, SeriesLabelPosition};
+use plotters::element::PathElement;
+use plotters::series::LineSeries;
+use plotters::style::{BLACK, Color, RGBColor, ShapeStyle, WHITE};
+
+use super::{Canvas, DrawError, save, short};
+use crate::error::Error;
+
+/// One curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Its name in the legend, which there is for more than one curve.
+    pub name: String,
+    /// (x, y) in order.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Curves in one pair of axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// What stands above them.
+    pub title: String,
+    /// What x is, with units.
+    pub x_label: String,
+    /// What y is, with units.
+    pub y_label: String,
+    /// The curves.
+    pub curves: Vec<Curve>,
+}
+
+impl Curves {
+    const SIZE: (u32, u32) = (900, 600);
+    /// Colours that the colour-blind can tell apart.
+    const COLOURS: [RGBColor; 5] = [
+        RGBColor(0, 114, 178),
+        RGBColor(213, 94, 0),
+        RGBColor(0, 158, 115),
+        RGBColor(204, 121, 167),
+        RGBColor(86, 180, 233),
+    ];
+
+    /// Draws them at `path` as SVG. Points that are not finite are left out.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        save(path.as_ref(), Self::SIZE, |canvas| self.draw(canvas))
+    }
+
+    fn draw(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+        let range = |of: fn(&(f64, f64)) -> f64| {
+            let points = self.curves.iter().flat_map(finite);
+            let ends = (f64::INFINITY, f64::NEG_INFINITY);
+            let (low, high) = points.fold(ends, |(low, high), point| {
+                (low.min(of(&point)), high.max(of(&point)))
+            });
+            match low < high {
+                true => low..high + 0.03 * (high - low),
+                false if low == high => low - 0.5..high + 0.5,
+                false => 0.0..1.0,
+            }
+        };
+        let mut chart = ChartBuilder::on(canvas)
+            .caption(&self.title, ("sans-serif", 26))
+            .margin(20)
+            .x_label_area_size(60)
+            .y_label_area_size(90)
+            .build_cartesian_2d(range(|p| p.0), range(|p| p.1))?;
+        chart
+            .configure_mesh()
+            .x_desc(&self.x_label)
+            .y_desc(&self.y_label)
+            .x_label_formatter(&|x| short(*x))
+            .y_label_formatter(&|y| short(*y))
+            .label_style(("sans-serif", 18))
+            .axis_desc_style(("sans-serif", 22))
+            .light_line_style(BLACK.mix(0.0))
+            .draw()?;
+        for (curve, colour) in self.curves.iter().zip(Self::COLOURS.iter().cycle()) {
+            let style = ShapeStyle::from(colour).stroke_width(3);
+            let sample = move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style);
+            chart
+                .draw_series(LineSeries::new(finite(curve), style))?
+                .label(&curve.name)
+                .legend(sample);
+        }
+        if self.curves.len() > 1 {
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::UpperLeft)
+                .background_style(WHITE)
+                .border_style(BLACK)
+                .label_font(("sans-serif", 18))
+                .draw()?;
+        }
+        Ok(())
+    }
+}
+
+fn finite(curve: &Curve) -> impl Iterator<Item = (f64, f64)> + '_ {
+    let points = curve.points.iter().copied();
+    points.filter(|(x, y)| x.is_finite() && y.is_finite())
+}

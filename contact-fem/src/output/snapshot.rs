@@ -1,0 +1,140 @@
+//! The fields of one state, ready to be written or drawn.
+
+use contact_core::fixed_point::Solution;
+
+use crate::assembly::CellState;
+use crate::error::Error;
+use crate::scene::Problem;
+use crate::tensor::Vector;
+
+/// Displacement, contact pressure and stress of all bodies at one load.
+///
+/// Nodes and cells of the bodies follow each other in the order of the bodies.
+#[derive(Clone, Debug)]
+pub struct Snapshot<const D: usize> {
+    /// u at every node (UL).
+    pub displacements: Vec<Vector<D>>,
+    /// The recovered contact pressure at every node (UF/UL in the plane, UF/UL² in space,
+    /// compression positive): 0 off the contact surfaces, the sum over them where several meet.
+    pub pressures: Vec<f64>,
+    /// Stress and volume ratio of every cell.
+    pub cells: Vec<CellState<D>>,
+}
+
+impl<const D: usize> Snapshot<D> {
+    /// The state `solution` of `problem`, which must be at the load that belongs to it.
+    ///
+    /// # Errors
+    /// As [`Problem::pressures`].
+    pub fn new(problem: &Problem<D>, solution: &Solution) -> Result<Self, Error> {
+        let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
+        Self::with_contact_forces(problem, &solution.state.u, &forces)
+    }
+
+    /// The state of no displacement and no contact, before the first load step.
+    ///
+    /// # Errors
+    /// As [`Problem::pressures`].
+    pub fn at_rest(problem: &Problem<D>) -> Result<Self, Error> {
+        let u = vec![0.0; problem.dofs().free()];
+        let forces = vec![Vector::zeros(); problem.reference().len()];
+        Self::with_contact_forces(problem, &u, &forces)
+    }
+
+    fn with_contact_forces(
+        problem: &Problem<D>,
+        u: &[f64],
+        forces: &[Vector<D>],
+    ) -> Result<Self, Error> {
+        let displacements = problem.displacements(u);
+        let mut pressures = vec![0.0; displacements.len()];
+        let of_surfaces = problem.pressures(u, forces)?;
+        for (surface, values) in problem.surfaces().iter().zip(of_surfaces) {
+            for (&node, p) in surface.nodes().iter().zip(values) {
+                pressures[node] += p;
+            }
+        }
+        let bodies = problem.scene().bodies().iter().zip(problem.body_energies());
+        let mut cells = Vec::new();
+        for (k, (body, energy)) in bodies.enumerate() {
+            cells.extend(energy.cell_states(body.mesh(), &displacements[problem.nodes(k)]));
+        }
+        Ok(Snapshot {
+            displacements,
+            pressures,
+            cells,
+        })
+    }
+}
+
+/// All cells of all bodies as (body, scene node numbers), in the order of [`Snapshot::cells`].
+#[cfg(any(feature = "plot", feature = "vtk"))]
+pub(super) fn cells<const D: usize>(
+    problem: &Problem<D>,
+) -> impl Iterator<Item = (usize, impl Iterator<Item = usize>)> {
+    let bodies = problem.scene().bodies().iter().enumerate();
+    bodies.flat_map(move |(k, body)| {
+        let first = problem.first_node(k);
+        let cells = body.mesh().cells();
+        cells.map(move |cell| (k, cell.iter().map(move |a| first + a)))
+    })
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::element::{Element, P1};
+    use crate::mesh::Mesh;
+    use crate::mesh::generators::{Diagonals, rectangle};
+    use crate::{Body, NeoHookean, Scene};
+
+    fn held<const D: usize>(mesh: Mesh<D>) -> Body<D>
+    where
+        P1: Element<D>,
+    {
+        let mut body = Body::new(mesh, NeoHookean::new(10.0, 0.3).expect("a law"));
+        let nodes: Vec<usize> = (0..D).collect();
+        body.prescribe_nodes(&nodes, [Some(0.0); D]).expect("held");
+        body
+    }
+
+    /// Two squares of two triangles each, one above the other.
+    pub fn squares() -> Problem<2> {
+        let square =
+            |y: f64| rectangle(&[0.0, 1.0], &[y, y + 1.0], Diagonals::Rising).expect("a square");
+        let mut scene = Scene::new(vec![held(square(0.0)), held(square(1.1))]);
+        scene.contact((0, "top"), (1, "bottom")).expect("a pair");
+        scene.problem().expect("a problem")
+    }
+
+    /// One tetrahedron.
+    pub fn tetrahedron() -> Problem<3> {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mesh = Mesh::new(corners.to_vec(), vec![0, 1, 2, 3]).expect("a mesh");
+        Scene::new(vec![held(mesh)]).problem().expect("a problem")
+    }
+
+    /// Every free component displaced by 0.1, and a force of 3 up on every node.
+    pub fn displaced<const D: usize>(problem: &Problem<D>) -> Snapshot<D> {
+        let u = vec![0.1; problem.dofs().free()];
+        let mut up = Vector::zeros();
+        up[D - 1] = 3.0;
+        let forces = vec![up; problem.reference().len()];
+        Snapshot::with_contact_forces(problem, &u, &forces).expect("a snapshot")
+    }
+
+    #[test]
+    fn pressure_is_on_the_surfaces_only() {
+        let problem = squares();
+        let rest = Snapshot::at_rest(&problem).expect("a snapshot");
+        assert!(rest.pressures.iter().all(|&p| p == 0.0));
+        assert!(rest.cells.iter().all(|cell| cell.von_mises() == 0.0));
+        let displaced = displaced(&problem);
+        for (k, p) in displaced.pressures.iter().enumerate() {
+            // the lower square's top and the upper one's bottom
+            assert_eq!(*p != 0.0, (2..6).contains(&k), "node {k}: {p}");
+        }
+        assert_eq!(displaced.cells.len(), 4);
+        assert_eq!(displaced.displacements[2], Vector::<2>::repeat(0.1));
+    }
+}

@@ -1,0 +1,262 @@
+//! A series of `.vtu` files with a `.pvd` file over them, for ParaView.
+
+use std::path::PathBuf;
+
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, IOBuffer, Piece,
+    UnstructuredGridPiece, Version, VertexNumbers, Vtk,
+};
+
+use super::file;
+use super::snapshot::{self, Snapshot};
+use crate::assembly::CellState;
+use crate::error::Error;
+use crate::scene::Problem;
+use crate::tensor::Vector;
+
+/// A run as ParaView reads it: `NAME_0000.vtu`, `NAME_0001.vtu`, … one a step, and `NAME.pvd`,
+/// which lists them with their times.
+///
+/// Points are the reference positions X; *Warp By Vector* with `displacement` shows the deformed
+/// bodies. Every file is complete before it gets its name, and `NAME.pvd` lists complete files
+/// only, so an interrupted run leaves a readable series.
+///
+/// | field | on | components | units |
+/// |---|---|---|---|
+/// | `displacement` | points | 3 | UL |
+/// | `contact_pressure` | points | 1 | UF/UL (plane), UF/UL² (space) |
+/// | `body` | points, cells | 1 | number of the body |
+/// | `von_mises` | cells | 1 | UF/UL² |
+/// | `J` | cells | 1 | volume ratio |
+/// | `cauchy_stress` | cells | 6: xx, yy, zz, xy, yz, xz | UF/UL² |
+#[derive(Clone, Debug)]
+pub struct Series {
+    folder: PathBuf,
+    name: String,
+    times: Vec<f64>,
+}
+
+impl Series {
+    /// An empty series called `name` in `folder`, which is made if it does not exist. Files of an
+    /// earlier series of that name are replaced one by one; those left over are not listed.
+    ///
+    /// # Errors
+    /// [`Error::Write`] if the folder cannot be made or the name has characters other than letters,
+    /// digits, `_`, `-` and `.`.
+    pub fn create(folder: impl Into<PathBuf>, name: &str) -> Result<Self, Error> {
+        let folder = folder.into();
+        let plain = |c: char| c.is_alphanumeric() || "_-.".contains(c);
+        if name.is_empty() || !name.chars().all(plain) {
+            let why = "a series' name is made of letters, digits, `_`, `-` and `.`";
+            return Err(file::failed(&folder.join(name), why));
+        }
+        file::create_folder(&folder)?;
+        Ok(Series {
+            folder,
+            name: name.to_string(),
+            times: Vec::new(),
+        })
+    }
+
+    /// Adds the state `snapshot` at `time`, usually the load factor.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn write<const D: usize>(
+        &mut self,
+        time: f64,
+        problem: &Problem<D>,
+        snapshot: &Snapshot<D>,
+    ) -> Result<(), Error> {
+        let path = self.folder.join(self.file_name(self.times.len()));
+        let grid = Vtk {
+            version: Version::new_xml(1, 0),
+            title: String::new(),
+            byte_order: ByteOrder::LittleEndian,
+            file_path: None,
+            data: DataSet::UnstructuredGrid {
+                meta: None,
+                pieces: vec![Piece::Inline(Box::new(piece(problem, snapshot)))],
+            },
+        };
+        let mut bytes = Vec::new();
+        grid.write_xml(&mut bytes)
+            .map_err(|source| file::failed(&path, source))?;
+        file::replace(&path, &bytes)?;
+        self.times.push(time);
+        file::replace(&self.collection(), self.listing().as_bytes())
+    }
+
+    /// Where the `.pvd` file is, or will be after the first step.
+    pub fn collection(&self) -> PathBuf {
+        self.folder.join(format!("{}.pvd", self.name))
+    }
+
+    /// How many states it has.
+    pub fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Whether nothing was written yet.
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    fn file_name(&self, index: usize) -> String {
+        format!("{}_{index:04}.vtu", self.name)
+    }
+
+    /// The `.pvd` file's text.
+    fn listing(&self) -> String {
+        let mut text = String::from(
+            "<?xml version=\"1.0\"?>\n\
+             <VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  \
+             <Collection>\n",
+        );
+        for (index, time) in self.times.iter().enumerate() {
+            let file = self.file_name(index);
+            text += &format!("    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n");
+        }
+        text + "  </Collection>\n</VTKFile>\n"
+    }
+}
+
+/// Mesh and fields in VTK's own arrays.
+fn piece<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> UnstructuredGridPiece {
+    let (mut connectivity, mut body_of_cell) = (Vec::new(), Vec::new());
+    for (body, nodes) in snapshot::cells(problem) {
+        connectivity.extend(nodes.map(|a| a as u64));
+        body_of_cell.push(body as i32);
+    }
+    let count = body_of_cell.len();
+    let offsets = (1..=count).map(|k| (k * (D + 1)) as u64).collect();
+    let simplex = match D {
+        2 => CellType::Triangle,
+        _ => CellType::Tetra,
+    };
+    UnstructuredGridPiece {
+        points: in_space(problem.reference()).into(),
+        cells: Cells {
+            cell_verts: VertexNumbers::XML {
+                connectivity,
+                offsets,
+            },
+            types: vec![simplex; count],
+        },
+        data: Attributes {
+            point: point_fields(problem, snapshot),
+            cell: cell_fields(&snapshot.cells, body_of_cell),
+        },
+    }
+}
+
+fn point_fields<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Vec<Attribute> {
+    let bodies = 0..problem.scene().bodies().len();
+    let body_of_node = bodies.flat_map(|k| problem.nodes(k).map(move |_| k as i32));
+    vec![
+        field("displacement", 3, in_space(&snapshot.displacements)),
+        field("contact_pressure", 1, snapshot.pressures.clone()),
+        field("body", 1, body_of_node.collect::<Vec<i32>>()),
+    ]
+}
+
+fn cell_fields<const D: usize>(cells: &[CellState<D>], bodies: Vec<i32>) -> Vec<Attribute> {
+    let values = |of: fn(&CellState<D>) -> f64| cells.iter().map(of).collect::<Vec<f64>>();
+    let stress = cells.iter().flat_map(symmetric_components);
+    vec![
+        field("von_mises", 1, values(CellState::von_mises)),
+        field("J", 1, values(|cell| cell.J)),
+        field("cauchy_stress", 6, stress.collect::<Vec<f64>>()),
+        field("body", 1, bodies),
+    ]
+}
+
+fn field(name: &str, components: u32, values: impl Into<IOBuffer>) -> Attribute {
+    Attribute::generic(name, components).with_data(values)
+}
+
+/// Three coordinates a vector, the third one 0 in the plane.
+fn in_space<const D: usize>(vectors: &[Vector<D>]) -> Vec<f64> {
+    let three = |v: &Vector<D>| [0, 1, 2].map(|i| if i < D { v[i] } else { 0.0 });
+    vectors.iter().flat_map(three).collect()
+}
+
+/// σ as VTK orders symmetric tensors: xx, yy, zz, xy, yz, xz.
+fn symmetric_components<const D: usize>(cell: &CellState<D>) -> [f64; 6] {
+    [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)].map(|(i, j)| match (i < D, j < D) {
+        (true, true) => cell.sigma[(i, j)],
+        (false, false) => cell.sigma_zz,
+        _ => 0.0,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::snapshot::tests::{displaced, squares, tetrahedron};
+    use super::*;
+
+    fn folder(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("contact-fem-{name}-{}", std::process::id()))
+    }
+
+    /// Writes two states, reads the second one back and compares it.
+    fn round_trip<const D: usize>(name: &str, problem: &Problem<D>, snapshot: &Snapshot<D>) {
+        let folder = folder(name);
+        let mut series = Series::create(&folder, "run").expect("a series");
+        let rest = Snapshot::at_rest(problem).expect("a snapshot");
+        series.write(0.0, problem, &rest).expect("written");
+        series.write(0.5, problem, snapshot).expect("written");
+
+        let listing = std::fs::read_to_string(series.collection()).expect("a listing");
+        assert_eq!(listing.matches("<DataSet").count(), 2);
+        assert!(listing.contains("timestep=\"0.5\" part=\"0\" file=\"run_0001.vtu\""));
+        let grid = Vtk::import(folder.join("run_0001.vtu")).expect("a grid");
+        let DataSet::UnstructuredGrid { pieces, .. } = grid.data else {
+            panic!("not an unstructured grid");
+        };
+        let Some(Piece::Inline(read)) = pieces.into_iter().next() else {
+            panic!("no data in the file");
+        };
+        assert_eq!(*read, piece(problem, snapshot));
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let plane = squares();
+        round_trip("plane", &plane, &displaced(&plane));
+        let space = tetrahedron();
+        round_trip("space", &space, &displaced(&space));
+    }
+
+    #[test]
+    fn fields_have_their_components() {
+        let problem = squares();
+        let snapshot = displaced(&problem);
+        let grid = piece(&problem, &snapshot);
+        assert_eq!(grid.num_points(), 8);
+        assert_eq!(grid.cells.types, [CellType::Triangle; 4]);
+        let names = |fields: &[Attribute]| -> Vec<String> {
+            fields.iter().map(|f| f.name().to_string()).collect()
+        };
+        let points = names(&grid.data.point);
+        assert_eq!(points, ["displacement", "contact_pressure", "body"]);
+        let cells = names(&grid.data.cell);
+        assert_eq!(cells, ["von_mises", "J", "cauchy_stress", "body"]);
+        let stress = symmetric_components(&snapshot.cells[1]);
+        let cell = &snapshot.cells[1];
+        assert_eq!(
+            stress[..3],
+            [cell.sigma[(0, 0)], cell.sigma[(1, 1)], cell.sigma_zz]
+        );
+        assert_eq!(stress[3..], [cell.sigma[(0, 1)], 0.0, 0.0]);
+    }
+
+    #[test]
+    fn odd_names_are_refused() {
+        for name in ["", "a/b", "a\"b", "a<b"] {
+            let refused = Series::create(folder("names"), name);
+            assert!(matches!(refused, Err(Error::Write { .. })), "{name}");
+        }
+    }
+}

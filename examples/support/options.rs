@@ -1,0 +1,106 @@
+//! Options that every example understands.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use ipopt_contact::contact_core::ipopt::OptionValue;
+use ipopt_contact::prelude::*;
+
+/// How to solve, and what to write where.
+#[derive(clap::Args, Debug)]
+pub struct Options {
+    /// Load increments
+    #[arg(long, default_value_t = 100, value_parser = positive)]
+    pub increments: usize,
+    /// Relative change of the displacement at which a fixed point has converged, in (0, 1)
+    #[arg(long, default_value_t = 1e-6, value_parser = tolerance)]
+    pub tolerance: f64,
+    /// How fixed-point iterates are combined
+    #[arg(long, value_enum, default_value_t = Combine::Anderson)]
+    pub acceleration: Combine,
+    /// Differences that Anderson acceleration looks back on
+    #[arg(long, default_value_t = 3, value_parser = positive)]
+    pub depth: usize,
+    /// Write a .vtu file every so many increments, none for 0
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub vtu_every: usize,
+    /// An option for Ipopt; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = ipopt_option)]
+    pub ipopt: Vec<(String, OptionValue)>,
+    /// Folder for all files [default: out/ and the example's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// No progress and no report
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// `--acceleration`
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum Combine {
+    /// As in the paper
+    Plain,
+    /// Anderson acceleration, see --depth
+    Anderson,
+}
+
+impl Options {
+    /// The load steps and fixed point asked for.
+    pub fn simulation(&self) -> Simulation {
+        let mut simulation = Simulation::with_increments(self.increments);
+        let fixed_point = &mut simulation.load_steps.fixed_point;
+        fixed_point.tolerance = self.tolerance;
+        fixed_point.acceleration = match self.acceleration {
+            Combine::Plain => Acceleration::Plain,
+            Combine::Anderson => Acceleration::Anderson(self.depth),
+        };
+        simulation
+    }
+
+    /// Ipopt with the options asked for; raising `stop` ends a running solve.
+    pub fn method(&self, stop: Arc<AtomicBool>) -> InteriorPoint {
+        let mut method = InteriorPoint {
+            stop: Some(stop),
+            ..InteriorPoint::default()
+        };
+        for (name, value) in &self.ipopt {
+            method.options.set(name, value.clone());
+        }
+        method
+    }
+
+    /// The folder for all files of an example called `name`.
+    pub fn folder(&self, name: &str) -> PathBuf {
+        let default = || PathBuf::from("out").join(name);
+        self.out.clone().unwrap_or_else(default)
+    }
+}
+
+/// A whole number from 1.
+pub fn positive(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(number) if number > 0 => Ok(number),
+        _ => Err("a whole number from 1 is needed".into()),
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
+        _ => Err("a number between 0 and 1 is needed".into()),
+    }
+}
+
+/// `NAME=VALUE` with the value's type guessed: Ipopt takes whole numbers for reals, too.
+fn ipopt_option(text: &str) -> Result<(String, OptionValue), String> {
+    let (name, value) = text
+        .split_once('=')
+        .filter(|(name, value)| !name.is_empty() && !value.is_empty())
+        .ok_or("NAME=VALUE is needed, such as max_iter=500")?;
+    let whole = value.parse::<i32>().map(OptionValue::from);
+    let value = whole
+        .or_else(|_| value.parse::<f64>().map(OptionValue::from))
+        .unwrap_or_else(|_| OptionValue::from(value));
+    Ok((name.to_string(), value))
+}

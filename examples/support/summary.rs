@@ -1,0 +1,274 @@
+//! `summary.json`: what a run was, how it ended, and what it took.
+
+use std::path::Path;
+
+use ipopt_contact::contact_core::method::Effort;
+use ipopt_contact::prelude::*;
+use serde::Serialize;
+
+use super::recorder::Recorder;
+use super::{Failure, machine};
+
+/// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL; what only a
+/// converged step has is null if there is none.
+#[derive(Debug, Serialize)]
+pub struct Summary {
+    pub scene: String,
+    pub mesh: MeshSize,
+    pub increments: usize,
+    pub converged: bool,
+    pub status: String,
+    pub load_factor: f64,
+    pub steps: usize,
+    pub cuts: usize,
+    pub energy: Option<f64>,
+    pub reaction: Option<f64>,
+    pub reactions: Vec<Vec<f64>>,
+    pub min_j: Option<f64>,
+    pub penetration: Option<f64>,
+    pub weak_penetration: Option<f64>,
+    pub fixed_point_iterations: usize,
+    pub ipopt_iterations: usize,
+    pub factorisations: usize,
+    pub cold_retries: usize,
+    pub wall_seconds: f64,
+    pub seconds: Seconds,
+    pub peak_memory_bytes: Option<u64>,
+    pub versions: VersionNames,
+}
+
+/// How large the problem is.
+#[derive(Debug, Serialize)]
+pub struct MeshSize {
+    pub nodes: usize,
+    pub cells: usize,
+    pub free_dofs: usize,
+    /// Of each body.
+    pub contact_facets: Vec<usize>,
+}
+
+/// Wall time by phase.
+#[derive(Debug, Serialize)]
+pub struct Seconds {
+    pub projection: f64,
+    pub callbacks: f64,
+    pub optimizer: f64,
+    pub output: f64,
+    pub other: f64,
+}
+
+/// What the program was built from.
+#[derive(Debug, Serialize)]
+pub struct VersionNames {
+    pub ipopt_contact: String,
+    pub ipopt: String,
+    pub ipopt_libraries: Vec<String>,
+    pub linear_solver: Option<String>,
+    pub blas: Option<String>,
+    pub rustc: String,
+    pub profile: String,
+}
+
+/// How a run ended.
+pub enum Ending<'a, const D: usize> {
+    /// With a history, at full load or not.
+    History(&'a History<D>),
+    /// With an error.
+    Failure(&'a dyn std::error::Error),
+}
+
+impl Summary {
+    /// Of a run that `recorder` has seen. `reaction` picks the force that the scene is about.
+    pub fn new<const D: usize>(
+        scene: &str,
+        problem: &Problem<D>,
+        recorder: &Recorder<D>,
+        increments: usize,
+        ending: &Ending<'_, D>,
+        wall_seconds: f64,
+        reaction: impl Fn(&StepRecord<D>) -> f64,
+    ) -> Self {
+        let cost = Cost::new(recorder, ending);
+        let last = recorder.records.last();
+        let vectors = last.map_or(&[][..], |record| &record.reactions);
+        Summary {
+            scene: scene.into(),
+            mesh: MeshSize::of(problem),
+            increments,
+            converged: ending.is_complete(),
+            status: ending.status(),
+            load_factor: last.map_or(0.0, |record| record.factor),
+            steps: recorder.records.len(),
+            cuts: ending.cuts(),
+            energy: last.map(|record| record.energy),
+            reaction: last.map(reaction),
+            reactions: vectors
+                .iter()
+                .map(|v| v.iter().copied().collect())
+                .collect(),
+            min_j: last.map(|record| record.min_j),
+            penetration: last.map(|record| record.penetration),
+            weak_penetration: last.map(|record| record.weak_penetration),
+            fixed_point_iterations: cost.iterations,
+            ipopt_iterations: cost.effort.iterations,
+            factorisations: cost.effort.factorizations,
+            cold_retries: cost.effort.cold_retries,
+            wall_seconds,
+            seconds: cost.seconds(recorder.seconds, wall_seconds),
+            peak_memory_bytes: machine::peak_memory(),
+            versions: VersionNames::of_this_program(),
+        }
+    }
+
+    /// Writes `summary.json` into `folder`.
+    pub fn save(&self, folder: &Path) -> Result<(), Failure> {
+        let path = folder.join("summary.json");
+        let text = serde_json::to_string_pretty(self)?;
+        std::fs::write(&path, text + "\n")
+            .map_err(|error| format!("cannot write {}: {error}", path.display()).into())
+    }
+
+    /// A short table for people.
+    pub fn table(&self) -> String {
+        let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.4}"));
+        let share = |name: &str, seconds: f64| {
+            let percent = 100.0 * seconds / self.wall_seconds;
+            format!("\n  {name:<18} {seconds:>10.2} s {percent:>5.1} %")
+        };
+        let times = &self.seconds;
+        [
+            format!("{}: {}", self.scene, self.status),
+            format!("\n  energy             {:>10} UF·UL", number(self.energy)),
+            format!("\n  reaction           {:>10} UF", number(self.reaction)),
+            format!(
+                "\n  fixed point        {:>10} iterations",
+                self.fixed_point_iterations
+            ),
+            format!(
+                "\n  Ipopt              {:>10} iterations",
+                self.ipopt_iterations
+            ),
+            format!("\n  factorisations     {:>10}", self.factorisations),
+            format!("\n  wall time          {:>10.2} s", self.wall_seconds),
+            share("  projection", times.projection),
+            share("  callbacks", times.callbacks),
+            share("  optimizer", times.optimizer),
+            share("  output", times.output),
+            share("  other", times.other),
+        ]
+        .concat()
+    }
+}
+
+/// All attempts together.
+struct Cost {
+    effort: Effort,
+    iterations: usize,
+    projection: f64,
+}
+
+impl Cost {
+    fn new<const D: usize>(recorder: &Recorder<D>, ending: &Ending<'_, D>) -> Self {
+        let mut cost = Cost {
+            effort: Effort::default(),
+            iterations: 0,
+            projection: 0.0,
+        };
+        let converged = recorder.records.iter().map(|record| &record.attempt);
+        let attempts: Vec<_> = match ending {
+            Ending::History(history) => history.run.attempts.iter().collect(),
+            Ending::Failure(_) => converged.collect(),
+        };
+        for attempt in attempts {
+            cost.effort += attempt.effort();
+            cost.iterations += attempt.iterations.len();
+            cost.projection += attempt.projection();
+        }
+        cost
+    }
+
+    fn seconds(&self, output: f64, wall: f64) -> Seconds {
+        let Effort {
+            callbacks,
+            optimizer,
+            ..
+        } = self.effort;
+        Seconds {
+            projection: self.projection,
+            callbacks,
+            optimizer,
+            output,
+            other: wall - self.projection - callbacks - optimizer - output,
+        }
+    }
+}
+
+impl<const D: usize> Ending<'_, D> {
+    /// Full load, every increment converged.
+    pub fn is_complete(&self) -> bool {
+        matches!(self, Ending::History(h) if h.run.outcome == RunOutcome::Complete)
+    }
+
+    /// Ctrl-C.
+    pub fn is_interrupted(&self) -> bool {
+        matches!(self, Ending::History(h) if matches!(h.run.outcome, RunOutcome::Interrupted { .. }))
+    }
+
+    fn cuts(&self) -> usize {
+        match self {
+            Ending::History(history) => history.run.cuts(),
+            Ending::Failure(_) => 0,
+        }
+    }
+
+    /// In words.
+    pub fn status(&self) -> String {
+        match self {
+            Ending::Failure(error) => format!("failed: {error}"),
+            Ending::History(history) => match &history.run.outcome {
+                RunOutcome::Complete => "complete".into(),
+                RunOutcome::NotConverged { at, why } => {
+                    format!("not converged beyond load factor {at}: {why}")
+                }
+                RunOutcome::Interrupted { at } => format!("interrupted at load factor {at}"),
+                other => format!("{other:?}"),
+            },
+        }
+    }
+}
+
+impl MeshSize {
+    /// Of all bodies.
+    pub fn of<const D: usize>(problem: &Problem<D>) -> Self {
+        let bodies = problem.scene().bodies();
+        let mut contact_facets = vec![0; bodies.len()];
+        for surface in problem.surfaces() {
+            contact_facets[surface.body()] += surface.facets().len();
+        }
+        MeshSize {
+            nodes: problem.reference().len(),
+            cells: bodies.iter().map(|body| body.mesh().len()).sum(),
+            free_dofs: problem.dofs().free(),
+            contact_facets,
+        }
+    }
+}
+
+impl VersionNames {
+    fn of_this_program() -> Self {
+        let versions = ipopt_contact::versions();
+        VersionNames {
+            ipopt_contact: versions.ipopt_contact.into(),
+            ipopt: versions.ipopt.into(),
+            ipopt_libraries: versions
+                .ipopt_libraries
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
+            linear_solver: versions.linear_solver,
+            blas: versions.blas.map(|blas| blas.to_string()),
+            rustc: versions.rustc.into(),
+            profile: versions.profile.into(),
+        }
+    }
+}

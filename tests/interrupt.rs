@@ -1,0 +1,162 @@
+//! Ctrl-C in the middle of a run: the example ends cleanly, and all its files can be read.
+#![cfg(unix)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use vtkio::model::{DataSet, Piece, Vtk};
+
+/// Far more increments than the run gets to do.
+const INCREMENTS: usize = 5000;
+const PATIENCE: Duration = Duration::from_secs(120);
+
+#[test]
+fn an_interrupted_run_leaves_readable_files() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("interrupt");
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).expect("old files can be removed");
+    }
+    let mut run = Run::start(&folder);
+    let steps = folder.join("disc_in_disc.csv");
+    run.wait_until(|| lines(&steps) > 4);
+    run.interrupt();
+    assert_eq!(run.wait().code(), Some(130), "exit code");
+
+    let finished = check_tables(&folder);
+    assert!((4..INCREMENTS).contains(&finished), "{finished} increments");
+    check_series(&folder, finished);
+    check_summary(&folder, finished);
+}
+
+/// The number of converged steps in the table.
+fn check_tables(folder: &Path) -> usize {
+    let (columns, steps) = table(&folder.join("disc_in_disc.csv"));
+    let column = |name: &str| {
+        let found = columns.iter().position(|column| column == name);
+        found.unwrap_or_else(|| panic!("a column `{name}` in {columns:?}"))
+    };
+    let outcome = |line: &&Vec<String>| line[column("outcome")] == "converged";
+    let converged: Vec<_> = steps.iter().filter(outcome).collect();
+    for (k, line) in converged.iter().enumerate() {
+        assert_eq!(line[column("increment")], (k + 1).to_string());
+        for name in ["energy", "min_j", "reaction_0_y", "seconds_total"] {
+            let value: Result<f64, _> = line[column(name)].parse();
+            assert!(value.is_ok(), "{name} of step {k}: {value:?}");
+        }
+    }
+    let (_, iterations) = table(&folder.join("disc_in_disc_iterations.csv"));
+    assert!(iterations.len() >= converged.len());
+    converged.len()
+}
+
+/// The header and the lines; the reader checks that all have the same number of fields.
+fn table(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut reader = csv::Reader::from_path(path).expect("a table");
+    let words = |record: &csv::StringRecord| record.iter().map(str::to_string).collect();
+    let header = words(reader.headers().expect("a header"));
+    let lines = reader.records().map(|line| words(&line.expect("a line")));
+    (header, lines.collect())
+}
+
+/// The state at rest and one file for each finished increment, all of them listed.
+fn check_series(folder: &Path, finished: usize) {
+    let listing = std::fs::read_to_string(folder.join("disc_in_disc.pvd")).expect("a .pvd file");
+    assert!(listing.ends_with("</VTKFile>\n"));
+    let files: Vec<&str> = listing
+        .split("file=\"")
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next())
+        .collect();
+    assert_eq!(files.len(), finished + 1);
+    for file in files {
+        let grid = Vtk::import(folder.join(file)).expect("a .vtu file");
+        let DataSet::UnstructuredGrid { pieces, .. } = grid.data else {
+            panic!("{file} is not an unstructured grid");
+        };
+        let Some(Piece::Inline(piece)) = pieces.first() else {
+            panic!("{file} has no data");
+        };
+        assert_eq!(piece.num_points(), 885, "{file}");
+        assert_eq!(piece.cells.num_cells(), 1588, "{file}");
+    }
+}
+
+fn check_summary(folder: &Path, finished: usize) {
+    let text = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+    let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(summary["converged"], false);
+    assert_eq!(summary["steps"], finished);
+    assert!(summary["energy"].is_number());
+    let status = summary["status"].as_str().expect("a status");
+    assert!(status.starts_with("interrupted"), "{status}");
+}
+
+fn lines(path: &Path) -> usize {
+    std::fs::read_to_string(path).map_or(0, |text| text.lines().count())
+}
+
+/// The example as a process of its own, killed if the test fails.
+struct Run(Child);
+
+impl Run {
+    fn start(folder: &Path) -> Self {
+        let program = example();
+        assert!(
+            program.exists(),
+            "{} does not exist: `cargo test` builds it, `cargo test --test interrupt` does not; \
+             run `cargo build --example disc_in_disc` with the same profile first",
+            program.display()
+        );
+        let child = Command::new(program)
+            .args(["--increments", &INCREMENTS.to_string()])
+            .arg("--out")
+            .arg(folder)
+            .stdout(Stdio::null())
+            .spawn();
+        Run(child.expect("the example starts"))
+    }
+
+    fn wait_until(&mut self, mut is_so: impl FnMut() -> bool) {
+        let clock = Instant::now();
+        while !is_so() {
+            let status = self.0.try_wait().expect("a status");
+            assert!(status.is_none(), "it ended on its own: {status:?}");
+            assert!(clock.elapsed() < PATIENCE, "nothing happens");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    fn interrupt(&self) {
+        let pid = self.0.id().to_string();
+        let sent = Command::new("kill").args(["-INT", &pid]).status();
+        assert!(sent.expect("kill runs").success());
+    }
+
+    fn wait(&mut self) -> ExitStatus {
+        let clock = Instant::now();
+        loop {
+            if let Some(status) = self.0.try_wait().expect("a status") {
+                return status;
+            }
+            assert!(clock.elapsed() < PATIENCE, "it does not stop");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+impl Drop for Run {
+    fn drop(&mut self) {
+        // both fail if it has ended, as it should have
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Where cargo has put the example that belongs to this test.
+fn example() -> PathBuf {
+    let test = std::env::current_exe().expect("this test's path");
+    let profile = test.parent().and_then(Path::parent);
+    let profile = profile.expect("target/PROFILE/deps");
+    profile.join("examples").join("disc_in_disc")
+}
