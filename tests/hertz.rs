@@ -64,7 +64,7 @@ fn peak_pressure_and_half_width() {
     let solution = history.run.solution.as_ref().expect("converged");
     let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
     let pressures = problem
-        .pressures(&history.run.state.u, &forces)
+        .pressures(&history.run.state.u, &solution.gaps, &solution.lambda)
         .expect("pressures");
     for (surface, pressure) in problem.surfaces().iter().zip(&pressures) {
         let x = |k: usize| problem.reference()[surface.nodes()[k]][0];

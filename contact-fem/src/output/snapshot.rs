@@ -1,5 +1,6 @@
 //! The fields of one state, ready to be written or drawn.
 
+use contact_core::LinearGaps;
 use contact_core::fixed_point::Solution;
 
 use crate::assembly::CellState;
@@ -27,8 +28,8 @@ impl<const D: usize> Snapshot<D> {
     /// # Errors
     /// As [`Problem::pressures`].
     pub fn new(problem: &Problem<D>, solution: &Solution) -> Result<Self, Error> {
-        let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
-        Self::with_contact_forces(problem, &solution.state.u, &forces)
+        let (gaps, lambda) = (&solution.gaps, &solution.lambda);
+        Self::with_contact(problem, &solution.state.u, gaps, lambda)
     }
 
     /// The state of no displacement and no contact, before the first load step.
@@ -37,18 +38,18 @@ impl<const D: usize> Snapshot<D> {
     /// As [`Problem::pressures`].
     pub fn at_rest(problem: &Problem<D>) -> Result<Self, Error> {
         let u = vec![0.0; problem.dofs().free()];
-        let forces = vec![Vector::zeros(); problem.reference().len()];
-        Self::with_contact_forces(problem, &u, &forces)
+        Self::with_contact(problem, &u, &LinearGaps::new(true), &[])
     }
 
-    fn with_contact_forces(
+    fn with_contact(
         problem: &Problem<D>,
         u: &[f64],
-        forces: &[Vector<D>],
+        gaps: &LinearGaps,
+        lambda: &[f64],
     ) -> Result<Self, Error> {
         let displacements = problem.displacements(u);
         let mut pressures = vec![0.0; displacements.len()];
-        let of_surfaces = problem.pressures(u, forces)?;
+        let of_surfaces = problem.pressures(u, gaps, lambda)?;
         for (surface, values) in problem.surfaces().iter().zip(of_surfaces) {
             for (&node, p) in surface.nodes().iter().zip(values) {
                 pressures[node] += p;
@@ -82,6 +83,8 @@ pub(super) fn cells<const D: usize>(
 
 #[cfg(test)]
 pub(super) mod tests {
+    use contact_core::ContactProblem;
+
     use super::*;
     use crate::element::{Element, P1};
     use crate::mesh::Mesh;
@@ -114,13 +117,12 @@ pub(super) mod tests {
         Scene::new(vec![held(mesh)]).problem().expect("a problem")
     }
 
-    /// Every free component displaced by 0.1, and a force of 3 up on every node.
+    /// Every free component displaced by 0.1, and a multiplier of 3 on every row.
     pub fn displaced<const D: usize>(problem: &Problem<D>) -> Snapshot<D> {
         let u = vec![0.1; problem.dofs().free()];
-        let mut up = Vector::zeros();
-        up[D - 1] = 3.0;
-        let forces = vec![up; problem.reference().len()];
-        Snapshot::with_contact_forces(problem, &u, &forces).expect("a snapshot")
+        let gaps = problem.linearize_gaps(&u).expect("rows");
+        let lambda = vec![3.0; gaps.len()];
+        Snapshot::with_contact(problem, &u, &gaps, &lambda).expect("a snapshot")
     }
 
     #[test]

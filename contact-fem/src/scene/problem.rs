@@ -175,26 +175,34 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area,
-    /// compression positive), recovered from the nodal contact forces on that surface.
-    ///
-    /// A node that belongs to several surfaces of one body has the force of all of them.
+    /// compression positive), recovered from the nodal forces of the passes that it takes part in.
     ///
     /// # Errors
     /// See [`pressure::tractions`].
     pub fn pressures(
         &self,
         u: &[f64],
-        contact_forces: &[Vector<D>],
+        gaps: &LinearGaps,
+        lambda: &[f64],
     ) -> Result<Vec<Vec<f64>>, crate::Error> {
         let x = self.positions(u);
-        let of_surface = |surface: &Surface<D>| {
-            let forces: Vec<_> = surface.nodes().iter().map(|&a| contact_forces[a]).collect();
+        let of_surface = |(index, surface): (usize, &Surface<D>)| {
+            let takes_part = |pass: &Pass| pass.slave == index || pass.master == index;
+            let own = gaps.keys().iter().zip(lambda);
+            let own = own.map(
+                |(key, &l)| match takes_part(&self.passes[key.pass as usize]) {
+                    true => l,
+                    false => 0.0,
+                },
+            );
+            let all_forces = self.contact_forces(gaps, &own.collect::<Vec<_>>());
+            let forces: Vec<_> = surface.nodes().iter().map(|&a| all_forces[a]).collect();
             let tractions = pressure::tractions(surface, &forces)?;
             let normals = crate::contact::normals::averaged(surface, &x);
             let pairs = tractions.iter().zip(&normals);
             Ok(pairs.map(|(t, n)| -t.dot(n)).collect())
         };
-        self.surfaces.iter().map(of_surface).collect()
+        self.surfaces.iter().enumerate().map(of_surface).collect()
     }
 
     /// The deepest that any contact node is inside another surface (UL, ≥ 0), over all passes.
