@@ -259,3 +259,37 @@ fn settings() {
         ));
     }
 }
+
+/// A small square wholly inside a large one, where no surface faces the other.
+#[test]
+fn a_body_inside_another() {
+    let large = rectangle(
+        &linspace(-2.0, 3.0, 5),
+        &linspace(-2.0, 3.0, 5),
+        Diagonals::Rising,
+    );
+    let mut large = Body::new(large.expect("mesh"), law());
+    large.prescribe("bottom", [Some(0.0); 2]).expect("support");
+    let mut scene = Scene::new(vec![large, held(0.1)]);
+    scene.contact((0, "top"), (1, "top")).expect("surfaces");
+    assert!(matches!(scene.problem(), Err(Error::Overlap { .. })));
+}
+
+#[test]
+fn scenes_that_are_none() {
+    let mut scene = Scene::new(vec![held(0.0)]);
+    let error = scene
+        .contact((0, "top"), (0, "bottom"))
+        .expect_err("one body");
+    assert!(matches!(error, Error::SelfContact { body: 0 }));
+    let mut fixed = square(0.0);
+    fixed.prescribe_all([Some(0.0); 2]).expect("support");
+    assert!(matches!(
+        Scene::new(vec![fixed]).problem(),
+        Err(Error::NothingFree)
+    ));
+    for offset in [f64::NAN, f64::INFINITY, 1e20] {
+        let mesh = disc(1.0, 8, 1, 0.0).expect("mesh");
+        assert!(mesh.translated([offset, 0.0]).is_err(), "{offset}");
+    }
+}

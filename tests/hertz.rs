@@ -33,7 +33,8 @@ fn peak_pressure_and_half_width() {
 
     let cylinder = quarter_disc(&radii, &angles, Diagonals::Falling)
         .expect("mesh")
-        .translated([0.0, R]);
+        .translated([0.0, R])
+        .expect("moved");
     let mut cylinder = Body::new(cylinder, LinearElastic::new(E_cylinder, nu).expect("law"));
     cylinder
         .prescribe("axis", [Some(0.0), None])

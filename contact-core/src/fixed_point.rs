@@ -55,6 +55,11 @@ pub enum Outcome {
     IterationLimit,
     /// The method did not solve its subproblem; the solver's own word.
     SubproblemFailed(String),
+    /// Converged, but to a state in which bodies have gone through each other.
+    Tunnelled {
+        /// How deep a node is inside another body (UL).
+        depth: f64,
+    },
     /// The energy is infinite at the start (J ≤ 0 somewhere): there is nowhere to begin.
     InadmissibleStart,
     /// Someone pulled the brake.
@@ -73,6 +78,12 @@ impl std::fmt::Display for Outcome {
             }
             Outcome::IterationLimit => write!(f, "iteration limit of the fixed point"),
             Outcome::SubproblemFailed(why) => write!(f, "subproblem not solved: {why}"),
+            Outcome::Tunnelled { depth } => {
+                write!(
+                    f,
+                    "bodies have gone {depth:.2e} into each other: smaller steps or a longer reach"
+                )
+            }
             Outcome::InadmissibleStart => write!(f, "inadmissible start (J ≤ 0)"),
             Outcome::Interrupted => write!(f, "interrupted"),
         }

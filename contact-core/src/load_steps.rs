@@ -12,6 +12,13 @@ pub trait LoadStepped: ContactProblem {
     /// Sets loads and prescribed displacements to `factor` times their full value.
     fn set_load(&mut self, factor: f64) -> Result<(), Error>;
 
+    /// Whether the bodies have gone through each other at `u`, and how deep (UL): weak constraints
+    /// leave a little, but what exceeds a facet was missed by the search. By default nothing is
+    /// known of that. A step that tunnels is not accepted but cut.
+    fn tunnels(&self, _u: &[f64]) -> Option<f64> {
+        None
+    }
+
     /// Where to start towards the present load from `u`, converged at load factor `from`: the free
     /// unknowns follow the prescribed ones. By default they stay behind.
     fn lift(&self, u: &[f64], _from: f64) -> Vec<f64> {
@@ -24,7 +31,7 @@ pub trait LoadStepped: ContactProblem {
 pub struct LoadSteps {
     /// Equal increments from no load to full load.
     pub increments: usize,
-    /// How often an increment may be halved before the run gives up.
+    /// How often an increment may be halved before the run gives up, at most 16 times.
     pub max_halvings: usize,
     /// Start each increment from the line through the last two converged states, where that is
     /// admissible.
@@ -150,6 +157,8 @@ impl LoadSteps {
     const GUARD: f64 = 0.1;
     /// Load factors closer than this are the same.
     const CLOSE: f64 = 1e-12;
+    const MOST_INCREMENTS: usize = 1_000_000;
+    const MOST_HALVINGS: usize = 16;
 
     /// Checks the settings.
     pub fn validate(&self) -> Result<(), Error> {
@@ -158,6 +167,20 @@ impl LoadSteps {
                 name: "increments",
                 value: "0".into(),
                 remedy: "a run needs at least one increment",
+            });
+        }
+        if self.increments > Self::MOST_INCREMENTS {
+            return Err(Error::Setting {
+                name: "increments",
+                value: self.increments.to_string(),
+                remedy: "choose at most a million",
+            });
+        }
+        if self.max_halvings > Self::MOST_HALVINGS {
+            return Err(Error::Setting {
+                name: "max_halvings",
+                value: self.max_halvings.to_string(),
+                remedy: "choose at most 16: smaller steps are lost in round-off",
             });
         }
         self.fixed_point.validate()
@@ -274,7 +297,12 @@ impl Path<'_> {
         let prediction = self.prediction(problem.energy(), target);
         let predicted = prediction.is_some();
         let start = prediction.unwrap_or_else(|| self.lifted(problem));
-        let solution = self.settings.fixed_point.solve(&*problem, method, start)?;
+        let mut solution = self.settings.fixed_point.solve(&*problem, method, start)?;
+        if solution.outcome == Outcome::Converged {
+            if let Some(depth) = problem.tunnels(&solution.state.u) {
+                solution.outcome = Outcome::Tunnelled { depth };
+            }
+        }
         self.attempts.push(Attempt {
             from: self.last.factor,
             to: target,

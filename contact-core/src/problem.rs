@@ -12,6 +12,8 @@ pub struct Scale {
     /// an active row is measured against it. It must shrink with the mesh, or contact pressures
     /// would lose accuracy with every refinement.
     pub resolution: f64,
+    /// What round-off leaves of a gradient in these units: no tolerance below it can be met.
+    pub roundoff: f64,
     /// An energy (UF·UL) such that `length²/energy` times the Hessian's diagonal is O(1).
     pub energy: f64,
 }
@@ -21,6 +23,7 @@ impl Default for Scale {
         Scale {
             length: 1.0,
             resolution: 1.0,
+            roundoff: f64::EPSILON,
             energy: 1.0,
         }
     }

@@ -103,6 +103,15 @@ pub enum Error {
         /// Its boundary.
         boundary: String,
     },
+    /// Two surfaces of one body.
+    #[error("body {body} is paired with itself: contact of a body with itself is not supported")]
+    SelfContact {
+        /// Which body.
+        body: usize,
+    },
+    /// Nothing is left to solve for.
+    #[error("every displacement of every body is prescribed: leave something free to solve for")]
+    NothingFree,
     /// A body that nothing holds.
     #[error(
         "body {body} can move rigidly ({free} of {modes} rigid motions are free) and touches no \

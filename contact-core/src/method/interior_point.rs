@@ -54,16 +54,25 @@ impl InteriorPoint {
     /// A solve that cannot make progress any more counts as solved up to this many tolerances.
     const ATTAINABLE: f64 = 100.0;
 
+    /// Tolerances closer to round-off than this are not asked for.
+    const ABOVE_ROUNDOFF: f64 = 10.0;
+
+    /// Ipopt's tolerance for a problem of this scale.
+    fn attainable(&self, scale: &Scale) -> f64 {
+        self.tolerance.max(Self::ABOVE_ROUNDOFF * scale.roundoff)
+    }
+
     fn options(&self, warm: bool, subproblem: &Subproblem<'_>) -> Options {
+        let tolerance = self.attainable(&subproblem.scale);
         let Scale {
             length, resolution, ..
         } = subproblem.scale;
         let share = (resolution / length).powi(2);
-        let complementarity = (self.complementarity * share).min(self.tolerance);
+        let complementarity = (self.complementarity * share).min(tolerance);
         let mut options = Options::new()
-            .with("tol", self.tolerance)
+            .with("tol", tolerance)
             .with("compl_inf_tol", complementarity)
-            .with("acceptable_tol", Self::ATTAINABLE * self.tolerance)
+            .with("acceptable_tol", Self::ATTAINABLE * tolerance)
             .with(
                 "acceptable_compl_inf_tol",
                 Self::ATTAINABLE * complementarity,
@@ -96,12 +105,12 @@ impl InteriorPoint {
     }
 
     /// Solved, or stuck so close to it that round-off is the likely reason.
-    fn is_solved(&self, solution: &Solution) -> bool {
+    fn is_solved(&self, solution: &Solution, scale: &Scale) -> bool {
         match solution.status {
             Status::Solved => true,
             Status::SolvedToAcceptableLevel | Status::SearchDirectionTooSmall => {
                 solution.multipliers.is_some()
-                    && solution.statistics.scaled_error <= Self::ATTAINABLE * self.tolerance
+                    && solution.statistics.scaled_error <= Self::ATTAINABLE * self.attainable(scale)
             }
             _ => false,
         }
@@ -135,14 +144,14 @@ impl Method for InteriorPoint {
         let clock = Instant::now();
         let mut solution = self.solve(&structure, &mut scaled, start, warm)?;
         effort.count(&solution);
-        if warm && !self.is_solved(&solution) && !scaled.is_stopped() {
+        if warm && !self.is_solved(&solution, &subproblem.scale) && !scaled.is_stopped() {
             effort.cold_retries += 1;
             solution = self.solve(&structure, &mut scaled, start, false)?;
             effort.count(&solution);
         }
         effort.callbacks = scaled.seconds;
         effort.optimizer = clock.elapsed().as_secs_f64() - scaled.seconds;
-        let solved = self.is_solved(&solution);
+        let solved = self.is_solved(&solution, &subproblem.scale);
         Ok(scaled.minimum(solution, solved, effort))
     }
 }

@@ -6,7 +6,7 @@ pub mod generators;
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::tensor::{Matrix, Vector, determinant};
+use crate::tensor::{Matrix, Vector, determinant, inverse_transpose};
 
 /// A mesh of linear simplices in ℝᴰ, validated when it is made.
 ///
@@ -102,10 +102,15 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// Moves the whole mesh by `offset` (UL).
-    pub fn translated(mut self, offset: [f64; D]) -> Self {
+    ///
+    /// # Errors
+    /// An offset that is not finite, or so large that cells degenerate by round-off.
+    pub fn translated(mut self, offset: [f64; D]) -> Result<Self, Error> {
+        Error::check_finite("offset", &offset)?;
         let offset = Vector::from(offset);
         self.nodes.iter_mut().for_each(|X| *X += offset);
-        self
+        self.check_cells()?;
+        Ok(self)
     }
 
     /// Number of cells.
@@ -139,6 +144,17 @@ impl<const D: usize> Mesh<D> {
         let edges =
             Matrix::<D>::from_fn(|i, j| self.nodes[corners[j + 1]][i] - self.nodes[corners[0]][i]);
         determinant(&edges) / (1..=D).product::<usize>() as f64
+    }
+
+    /// Whether the point is inside or on some cell.
+    pub fn contains(&self, point: &Vector<D>) -> bool {
+        let inside = |cell: &[usize]| {
+            let corner = self.nodes[cell[0]];
+            let edges = Matrix::<D>::from_fn(|i, j| self.nodes[cell[j + 1]][i] - corner[i]);
+            let lambda = inverse_transpose(&edges).transpose() * (point - corner);
+            lambda.iter().all(|&l| l >= 0.0) && lambda.sum() <= 1.0
+        };
+        self.cells().any(inside)
     }
 
     /// All exterior facets.

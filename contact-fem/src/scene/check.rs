@@ -4,7 +4,9 @@ use nalgebra::DMatrix;
 
 use super::{Body, Problem, Scene};
 use crate::contact::gaps::deepest_node;
+use crate::contact::{Master, Surface};
 use crate::error::Error;
+use crate::tensor::Vector;
 
 /// Settings within their ranges.
 pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
@@ -43,6 +45,10 @@ pub(super) fn supports<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let held = |body: &Body<D>| body.prescribed().iter().any(Option::is_some);
     if !scene.bodies.iter().any(held) {
         return Err(Error::NoSupport);
+    }
+    let is_free = |body: &Body<D>| body.prescribed().iter().any(Option::is_none);
+    if !scene.bodies.iter().any(is_free) {
+        return Err(Error::NothingFree);
     }
     let modes = D * (D + 1) / 2;
     for (index, body) in scene.bodies.iter().enumerate() {
@@ -104,7 +110,9 @@ pub(super) fn overlap<const D: usize>(problem: &Problem<D>) -> Result<(), Error>
     for pass in problem.passes() {
         let (slave, master) = (&problem.surfaces()[pass.slave], &masters[pass.master]);
         let normals = masters[pass.slave].normals();
-        let Some((node, gap)) = deepest_node(slave, normals, master, x) else {
+        let facing = deepest_node(slave, normals, master, x);
+        let swallowed = || swallowed_node(problem, slave, master);
+        let Some((node, gap)) = facing.or_else(swallowed) else {
             continue;
         };
         let size = slave.facet_size().max(master.surface().facet_size());
@@ -121,4 +129,24 @@ pub(super) fn overlap<const D: usize>(problem: &Problem<D>) -> Result<(), Error>
         }
     }
     Ok(())
+}
+
+/// A node of `slave` inside a cell of the master's body although the surface there does not face
+/// it, as when one body starts wholly within another: the deepest as (scene node, minus its
+/// distance from the surface).
+fn swallowed_node<const D: usize>(
+    problem: &Problem<D>,
+    slave: &Surface<D>,
+    master: &Master<'_, D>,
+) -> Option<(usize, f64)> {
+    let mesh = problem.scene().bodies()[master.surface().body()].mesh();
+    let (low, high) = mesh.bounding_box();
+    let x = problem.reference();
+    let in_box = |x: &Vector<D>| (0..D).all(|i| low[i] <= x[i] && x[i] <= high[i]);
+    let inside = slave
+        .nodes()
+        .iter()
+        .filter(|&&a| in_box(&x[a]) && mesh.contains(&x[a]));
+    let depths = inside.filter_map(|&a| Some((a, -master.project(&x[a])?.distance)));
+    depths.min_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -48,7 +48,7 @@ pub struct Scene<const D: usize> {
     /// Gauss points per facet and direction, 4 by default.
     pub gauss_points: usize,
     /// How far an integration point looks for the other surface (UL). By default a tenth of the
-    /// scene's diagonal. Points out of reach do not count; nor do rows none of whose points does.
+    /// scene's diagonal, and all of it in small-strain scenes, whose geometry stays where it is. Points out of reach do not count; nor do rows none of whose points does.
     pub reach: Option<f64>,
     /// How deep bodies may overlap before any load, as a share of the facet size; polygons of
     /// touching curves overlap by a little. 0.05 by default.
@@ -81,7 +81,7 @@ impl<const D: usize> Scene<D> {
     /// slave or master: swapping them changes nothing.
     ///
     /// # Errors
-    /// A body or boundary that does not exist, or a boundary without facets.
+    /// A body or boundary that does not exist, a boundary without facets, two surfaces of one body.
     pub fn contact(&mut self, first: (usize, &str), second: (usize, &str)) -> Result<(), Error> {
         self.contact_in_passes(first, second, Passes::Both)
     }
@@ -96,6 +96,9 @@ impl<const D: usize> Scene<D> {
         second: (usize, &str),
         passes: Passes,
     ) -> Result<(), Error> {
+        if first.0 == second.0 {
+            return Err(Error::SelfContact { body: first.0 });
+        }
         let pair = Pair {
             first: self.surface_name(first)?,
             second: self.surface_name(second)?,

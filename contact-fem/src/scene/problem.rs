@@ -34,8 +34,8 @@ pub struct Problem<const D: usize> {
 impl<const D: usize> Problem<D> {
     /// Default reach as a share of the scene's diagonal.
     const REACH: f64 = 0.1;
-    /// Displacements of a small-strain scene are resolved to this share of a facet.
-    const SMALL_STRAIN: f64 = 0.03;
+    /// A small-strain scene takes one solve, which may well resolve gaps this much finer.
+    const FINER: f64 = 0.03;
 
     pub(super) fn new(scene: Scene<D>) -> Self {
         let energies: Vec<_> = scene.bodies.iter().map(|body| body.energy()).collect();
@@ -50,32 +50,29 @@ impl<const D: usize> Problem<D> {
         let low = X.iter().fold(X[0], |m, x| m.inf(x));
         let high = X.iter().fold(X[0], |m, x| m.sup(x));
         let length = (high - low).norm();
-        let stiffest = energies
-            .iter()
-            .map(|e| e.typical_stiffness())
-            .fold(0.0, f64::max);
         let small_strain = energies.iter().all(|e| e.is_small_strain());
         let facet = surfaces
             .iter()
             .map(Surface::smallest_facet)
             .fold(length, f64::min);
-        let strain = if small_strain {
-            Self::SMALL_STRAIN
-        } else {
-            1.0
-        };
-        let stiffness = if stiffest > 0.0 { stiffest } else { 1.0 };
+        let stiffness = softest(&energies);
+        let strain = expected_strain(&scene, stiffness, length, facet);
         Problem {
             small_strain,
             prescribed: vec![0.0; dofs.prescribed()],
             energy: DirectSum::new(energies),
             rule: FacetRule::gauss(scene.gauss_points),
             bounds: Bounds::default(),
-            reach: scene.reach.unwrap_or(Self::REACH * length),
+            reach: scene.reach.unwrap_or(if small_strain {
+                length
+            } else {
+                Self::REACH * length
+            }),
             scale: Scale {
-                length,
-                resolution: strain * facet,
-                energy: stiffness * length * length,
+                length: strain * length,
+                resolution: strain * facet * if small_strain { Self::FINER } else { 1.0 },
+                roundoff: f64::EPSILON / strain, // strains are differences of F and I
+                energy: stiffness * (strain * length).powi(2),
             },
             scene,
             dofs,
@@ -218,6 +215,40 @@ impl<const D: usize> Problem<D> {
     }
 }
 
+/// The typical stiffness (UF/UL) of the softest body that has free unknowns: a scale that suits a
+/// stiffer one would let the softer one's forces drown in the tolerances.
+fn softest<const D: usize>(energies: &[Box<dyn BodyEnergy<D>>]) -> f64 {
+    let all = energies.iter().map(|e| e.typical_stiffness());
+    let softest = all.filter(|k| *k > 0.0).fold(f64::INFINITY, f64::min);
+    if softest.is_finite() { softest } else { 1.0 }
+}
+
+/// About how large displacements will be over the scene's `length`, at most 1: ten times what is
+/// prescribed or what the loads would do to a bar of the given stiffness. Solutions of small-strain
+/// scenes then scale with their loads, however small these are.
+fn expected_strain<const D: usize>(
+    scene: &Scene<D>,
+    stiffness: f64,
+    length: f64,
+    facet: f64,
+) -> f64 {
+    const NONE: f64 = 1e-6;
+    let magnitude =
+        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |m: f64, v| m + v.abs());
+    let loads = |body: &super::Body<D>| magnitude(&mut body.forces().iter().copied());
+    let force: f64 = scene.bodies.iter().map(loads).sum();
+    let prescribed = scene
+        .bodies
+        .iter()
+        .flat_map(|body| body.prescribed().iter().flatten());
+    let prescribed = prescribed.fold(0.0, |m: f64, v| m.max(v.abs()));
+    let stretch = force / stiffness * (facet / length).powi(D as i32 - 2);
+    match 10.0 * prescribed.max(stretch) / length {
+        strain if strain > 0.0 => strain.min(1.0),
+        _ => NONE,
+    }
+}
+
 /// Each surface once, however many pairs name it; and the passes over them.
 fn surfaces_and_passes<const D: usize>(
     scene: &Scene<D>,
@@ -313,6 +344,16 @@ impl<const D: usize> LoadStepped for Problem<D> {
         }
         Ok(())
     }
+    fn tunnels(&self, u: &[f64]) -> Option<f64> {
+        let facet = self
+            .surfaces
+            .iter()
+            .map(Surface::facet_size)
+            .fold(0.0, f64::max);
+        let depth = self.penetration(u);
+        (depth > facet).then_some(depth)
+    }
+
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
         let mut lifted = u.to_vec();
         for (body, energy) in self.energy.parts().iter().enumerate() {

@@ -1,0 +1,96 @@
+//! Loads, stiffnesses and steps far from ordinary.
+#![allow(non_snake_case)] // the symbols of the field
+
+mod common;
+
+use common::{Order, disc_in_disc, relative, run};
+use contact_core::load_steps::RunOutcome;
+use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+use contact_fem::scene::{Passes, Problem};
+use contact_fem::{Body, LinearElastic, Scene};
+
+fn square(y: f64, modulus: f64) -> Body<2> {
+    let mesh = rectangle(
+        &linspace(0.0, 1.0, 4),
+        &linspace(y, y + 1.0, 4),
+        Diagonals::Rising,
+    );
+    Body::new(
+        mesh.expect("mesh"),
+        LinearElastic::new(modulus, 0.0).expect("law"),
+    )
+}
+
+/// Two squares on top of each other, the lower one clamped below.
+fn stack(mut top: Body<2>, modulus: f64) -> Problem<2> {
+    let mut bottom = square(0.0, modulus);
+    bottom.prescribe("bottom", [Some(0.0); 2]).expect("support");
+    top.prescribe("left", [Some(0.0), None]).expect("support");
+    let mut scene = Scene::new(vec![bottom, top]);
+    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    scene.problem().expect("valid scene")
+}
+
+/// Linear problems scale with the load, down to strains of 1e-8: two bars of E = 1 and
+/// height 1 under a pressure p shorten by 2 p.
+#[test]
+fn small_loads_give_small_displacements() {
+    for pressure in [1e-2, 1e-4, 1e-6, 1e-8] {
+        let mut top = square(1.0, 1.0);
+        top.traction("top", [0.0, -pressure]).expect("load");
+        let mut problem = stack(top, 1.0);
+        let history = run(&mut problem, 1, 1e-6);
+        assert_eq!(
+            history.run.outcome,
+            RunOutcome::Complete,
+            "pressure {pressure}"
+        );
+        let displacements = problem.displacements(&history.run.state.u);
+        let lowest = displacements.iter().map(|u| u[1]).fold(0.0, f64::min);
+        assert!(
+            relative(lowest, -2.0 * pressure) < 1e-4,
+            "{lowest} at pressure {pressure}"
+        );
+    }
+}
+
+/// A soft square pressed by 0.1 on a stiffer one: two springs in series.
+#[test]
+fn stiff_against_soft() {
+    for ratio in [1e-3, 1.0, 1e3, 1e6] {
+        let mut top = square(1.0, 1.0);
+        top.prescribe("top", [Some(0.0), Some(-0.1)])
+            .expect("support");
+        let mut problem = stack(top, ratio);
+        let history = run(&mut problem, 1, 1e-6);
+        assert_eq!(history.run.outcome, RunOutcome::Complete, "ratio {ratio}");
+        let force = history.steps[0].reactions[0][1];
+        let expected = 0.1 / (1.0 + 1.0 / ratio);
+        assert!(
+            relative(force, expected) < 1e-3,
+            "{force} for {expected} at ratio {ratio}"
+        );
+    }
+}
+
+/// The whole push in one increment would leave the disc beyond the wall. Whatever is accepted on
+/// the way to full load, nothing is deeper in the wall than polygons of a circle are.
+#[test]
+fn nothing_tunnels() {
+    let mut problem = disc_in_disc(64, Passes::Both, Order::RingFirst);
+    let history = run(&mut problem, 1, 1e-6);
+    for step in &history.steps {
+        assert!(
+            step.penetration < 0.01,
+            "{} at {}",
+            step.penetration,
+            step.factor
+        );
+    }
+    if history.run.outcome == RunOutcome::Complete {
+        let energy = history.steps.last().expect("steps").energy;
+        assert!(relative(energy, 965.2329) < 1e-4, "{energy}");
+    } else {
+        assert!(history.run.cuts() > 0 && history.run.factor < 1.0);
+    }
+}
