@@ -19,35 +19,41 @@ has_libclang() {
     return 1
 }
 
-# The BLAS the loader picks. The reference one works, but takes several times as long.
+# Whether the loader picks a BLAS other than the reference one, which works but takes several times as long.
 has_fast_blas() {
     local blas
-    blas=$(PATH=$PATH:/sbin:/usr/sbin ldconfig -p 2>/dev/null | awk '/libblas\.so\.3/ { print $NF; exit }') || return 0
-    [[ -n $blas ]] || return 1
-    [[ $(readlink -f "$blas") != */blas/libblas.so.3* ]]
+    blas=$(PATH=$PATH:/sbin:/usr/sbin ldconfig -p 2>/dev/null |
+        awk '/libblas\.so\.3/ && !path { path = $NF } END { print path }') || return 0
+    [[ -n $blas && $(readlink -f "$blas") != */blas/libblas.so.3* ]]
 }
+
+has cargo || fail "no cargo: install Rust 1.85 or later first"
 
 missing=()
 has pkg-config || missing+=(pkg-config)
 has c++ || has g++ || has clang++ || missing+=(g++)
 has_libclang || missing+=(libclang-dev)
 { has pkg-config && pkg-config --exists ipopt; } || missing+=(coinor-libipopt-dev)
+needed=${#missing[@]}
 if [[ $(uname -s) == Linux ]]; then
     has_fast_blas || missing+=(libopenblas0-serial)
 fi
+[[ ${#missing[@]} -gt 0 ]] || exit 0
 
-has cargo || fail "no cargo: install Rust 1.85 or later first"
-if [[ ${#missing[@]} -eq 0 ]]; then
+# Ends here for want of means to install; without a fast BLAS things are slow, but they work.
+give_up() {
+    [[ $needed -eq 0 ]] || fail "$*"
+    say "warning: $*"
     exit 0
-fi
+}
 
-has apt-get || fail "missing: ${missing[*]} (names of Debian packages). There is no apt-get here to install them with; \
-please use your system's own packages"
+has apt-get || give_up "missing: ${missing[*]} (names of Debian packages), and there is no apt-get to install them \
+with; please use your system's own packages"
 
 root=()
 if [[ $(id -u) -ne 0 ]]; then
-    has sudo || fail "missing: ${missing[*]}. Installing them takes root: run 'apt-get install ${missing[*]}' as root, \
-then try again"
+    has sudo || give_up "missing: ${missing[*]}. Installing them takes root, and there is no sudo: run \
+'apt-get install ${missing[*]}' as root"
     root=(sudo)
 fi
 
