@@ -31,7 +31,7 @@ impl Default for FixedPoint {
     fn default() -> Self {
         FixedPoint {
             tolerance: 1e-6,
-            max_iterations: 60,
+            max_iterations: 30,
             acceleration: Acceleration::Anderson(3),
         }
     }

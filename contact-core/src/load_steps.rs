@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use crate::fixed_point::{FixedPoint, Iteration, Outcome, Solution};
+use crate::fixed_point::{Acceleration, FixedPoint, Iteration, Outcome, Solution};
 use crate::method::{Effort, Method};
 use crate::{ContactProblem, Energy, Error, State};
 
@@ -297,7 +297,7 @@ impl Path<'_> {
         let prediction = self.prediction(problem.energy(), target);
         let predicted = prediction.is_some();
         let start = prediction.unwrap_or_else(|| self.lifted(problem));
-        let mut solution = self.settings.fixed_point.solve(&*problem, method, start)?;
+        let mut solution = self.converge(problem, method, start)?;
         if solution.outcome == Outcome::Converged {
             if let Some(depth) = problem.tunnels(&solution.state.u) {
                 solution.outcome = Outcome::Tunnelled { depth };
@@ -315,6 +315,37 @@ impl Path<'_> {
             iterations: solution.history.clone(),
             seconds: clock.elapsed().as_secs_f64(),
         });
+        Ok(solution)
+    }
+
+    /// Algorithm 2 from `start`; where the accelerated iteration wanders about a kink of the
+    /// projections without end, plainly, and at last without the guess.
+    fn converge<P: LoadStepped>(
+        &self,
+        problem: &P,
+        method: &mut dyn Method,
+        start: State,
+    ) -> Result<Solution, Error> {
+        let fixed_point = &self.settings.fixed_point;
+        let mut solution = fixed_point.solve(problem, method, start.clone())?;
+        let plain = FixedPoint {
+            acceleration: Acceleration::Plain,
+            ..fixed_point.clone()
+        };
+        let again = [(&plain, start), (fixed_point, self.lifted(problem))];
+        for (settings, start) in again {
+            let wanders = matches!(
+                solution.outcome,
+                Outcome::IterationLimit | Outcome::Cycle { .. }
+            );
+            if !wanders || fixed_point.acceleration == Acceleration::Plain {
+                break;
+            }
+            let mut history = std::mem::take(&mut solution.history);
+            solution = settings.solve(problem, method, start)?;
+            history.append(&mut solution.history);
+            solution.history = history;
+        }
         Ok(solution)
     }
 
