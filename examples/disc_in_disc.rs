@@ -73,9 +73,9 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut problem = discs::scene(arguments.mesh, roles)?.problem()?;
     let force = |record: &StepRecord<2>| record.reactions[roles.ring()][1];
 
+    let mut method = options.method(stop.clone())?;
     let folder = options.folder(NAME);
-    let mut recorder = Recorder::new(&folder, NAME, &problem, options, stop.clone())?;
-    let mut method = options.method(stop);
+    let mut recorder = Recorder::new(&folder, NAME, &problem, options, stop)?;
     let result = options.simulation().run(&mut problem, &mut method, |step| {
         let message = message(step.record, force(step.record));
         recorder.observe(step, message)

@@ -106,6 +106,12 @@ fn numbers_that_are_none() {
         let prescribed = body.prescribe("top", [Some(bad), None]);
         assert!(matches!(prescribed, Err(Error::NotFinite { .. })));
     }
+    for _ in 0..8 {
+        body.traction("top", [0.0, f64::MAX])
+            .expect("finite itself");
+    }
+    let error = Scene::new(vec![body]).problem().err().expect("overflow");
+    assert!(matches!(error, Error::NotFinite { .. }), "{error}");
     assert!(matches!(
         LinearElastic::new(f64::NAN, 0.3),
         Err(Error::YoungsModulus { .. })
@@ -141,7 +147,7 @@ fn supports() {
         Error::Unsupported {
             body: 1,
             free: 3,
-            modes: 3
+            ..
         }
     ));
     // rollers below leave the body free to slide
@@ -155,7 +161,8 @@ fn supports() {
         Error::Unsupported {
             body: 0,
             free: 1,
-            modes: 3
+            modes: 3,
+            ..
         }
     ));
     // one pinned node leaves it free to rotate
@@ -169,7 +176,8 @@ fn supports() {
         Error::Unsupported {
             body: 0,
             free: 1,
-            modes: 3
+            modes: 3,
+            ..
         }
     ));
     // with a contact pair, a body may float
@@ -177,6 +185,47 @@ fn supports() {
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     assert!(scene.problem().is_ok());
     assert!(Scene::<2>::new(vec![]).problem().is_err());
+}
+
+/// Two triangles that share no node, of which one is held, or one may touch another body.
+#[test]
+fn supports_of_bodies_in_parts() {
+    let triangle = |x: f64| [[x, 0.0], [x + 1.0, 0.0], [x, 1.0]];
+    let nodes = [triangle(0.0), triangle(5.0)].concat();
+    let mut mesh = Mesh::<2>::new(nodes, (0..6).collect()).expect("mesh");
+    mesh.name_boundary("left foot", |x| x[1] == 0.0 && x[0] < 3.0);
+    mesh.name_boundary("right foot", |x| x[1] == 0.0 && x[0] > 3.0);
+    assert_eq!(mesh.parts(), [[0, 1, 2], [3, 4, 5]]);
+    let body = || {
+        let mut body = Body::new(mesh.clone(), law());
+        body.prescribe("left foot", [Some(0.0); 2])
+            .expect("support");
+        body
+    };
+    let error = Scene::new(vec![body()]).problem().err().expect("refused");
+    assert!(matches!(
+        error,
+        Error::Unsupported {
+            body: 0,
+            node: 3,
+            free: 3,
+            ..
+        }
+    ));
+    assert_says(&error, &["body 0", "node 3"]);
+    let mut scene = Scene::new(vec![body(), held(-1.0)]);
+    scene
+        .contact((0, "left foot"), (1, "top"))
+        .expect("surfaces");
+    assert!(matches!(
+        scene.problem(),
+        Err(Error::Unsupported { node: 3, .. })
+    ));
+    let mut scene = Scene::new(vec![body(), held(-1.0)]);
+    scene
+        .contact((0, "right foot"), (1, "top"))
+        .expect("surfaces");
+    assert!(scene.problem().is_ok());
 }
 
 #[test]
@@ -202,6 +251,29 @@ fn overlap_at_the_start() {
         assert!((gap + depth).abs() < 1e-12, "gap {gap}");
         assert_says(&error, &["body 0", "body 1", "overlap_tolerance"]);
     }
+}
+
+/// A bar across another one: no node of either is inside the other.
+#[test]
+fn bodies_that_cross() {
+    let bar = |xs: [f64; 2], ys: [f64; 2]| {
+        let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
+        let mut body = Body::new(mesh, law());
+        body.prescribe("left", [Some(0.0); 2]).expect("support");
+        body
+    };
+    let scene = |ys: [f64; 2]| {
+        let mut scene = Scene::new(vec![bar([-4.0, 4.0], [-0.5, 0.5]), bar([-0.4, 0.7], ys)]);
+        scene.contact((0, "top"), (1, "top")).expect("surfaces");
+        scene.problem()
+    };
+    let error = scene([-3.0, 3.0]).err().expect("crossing");
+    let Error::Crossing { depth, .. } = error else {
+        panic!("crossing, not {error}")
+    };
+    assert!((depth - 2.5).abs() < 1e-12, "depth {depth}");
+    assert_says(&error, &["bodies 0 and 1", "overlap_tolerance"]);
+    assert!(scene([0.5, 3.0]).is_ok(), "touching is no crossing");
 }
 
 #[test]

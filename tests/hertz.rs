@@ -25,11 +25,12 @@ fn peak_pressure_and_half_width() {
 
     // facets of a/40 at the centre of contact, growing outwards
     let h = a / 40.0;
-    let angles: Vec<f64> = graded(1.5 * PI, TAU, h / R, 90);
-    let depth = graded(0.0, R, h, 52);
+    let grade = |to, first, count| graded(0.0, to, first, count).expect("grading");
+    let angles = graded(1.5 * PI, TAU, h / R, 90).expect("grading");
+    let depth = grade(R, h, 52);
     let radii: Vec<f64> = depth.iter().rev().map(|d| R - d).collect();
-    let xs = graded(0.0, 100.0, 1.07 * h, 100);
-    let ys: Vec<f64> = graded(0.0, 100.0, h, 60).iter().rev().map(|d| -d).collect();
+    let xs = grade(100.0, 1.07 * h, 100);
+    let ys: Vec<f64> = grade(100.0, h, 60).iter().rev().map(|d| -d).collect();
 
     let cylinder = quarter_disc(&radii, &angles, Diagonals::Falling)
         .expect("mesh")

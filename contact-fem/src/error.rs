@@ -114,12 +114,15 @@ pub enum Error {
     NothingFree,
     /// A body that nothing holds.
     #[error(
-        "body {body} can move rigidly ({free} of {modes} rigid motions are free) and touches no \
-         other body: prescribe some of its displacements or declare a contact pair"
+        "body {body} can move rigidly ({free} of {modes} rigid motions of the part with node {node} \
+         are free) and touches no other body there: prescribe some of its displacements or declare \
+         a contact pair"
     )]
     Unsupported {
         /// Which body.
         body: usize,
+        /// A node of its part that is not held; a body may consist of several.
+        node: usize,
         /// How many rigid motions are left.
         free: usize,
         /// How many there are in this dimension.
@@ -146,6 +149,23 @@ pub enum Error {
         x: Vec<f64>,
         /// The gap, negative (UL).
         gap: f64,
+        /// How much would have been accepted (UL).
+        tolerance: f64,
+    },
+    /// Bodies that cross before any load.
+    #[error(
+        "bodies {first} and {second} cross at {x:?}, {depth:.3e} deep against a tolerance of \
+         {tolerance:.3e}; move them apart or raise `Scene::overlap_tolerance`"
+    )]
+    Crossing {
+        /// The body whose edge runs through a facet.
+        first: usize,
+        /// The body whose facet that is.
+        second: usize,
+        /// Where.
+        x: Vec<f64>,
+        /// How far they would have to move to let go of each other there (UL).
+        depth: f64,
         /// How much would have been accepted (UL).
         tolerance: f64,
     },

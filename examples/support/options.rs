@@ -4,8 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use ipopt_contact::contact_core::ipopt::OptionValue;
+use ipopt_contact::contact_core::ipopt::{OptionValue, Solver};
+use ipopt_contact::contact_core::nlp::{Bounds, Pattern, Structure};
 use ipopt_contact::prelude::*;
+
+use super::Failure;
 
 /// How to solve, and what to write where.
 #[derive(clap::Args, Debug)]
@@ -58,8 +61,9 @@ impl Options {
         simulation
     }
 
-    /// Ipopt with the options asked for; raising `stop` ends a running solve.
-    pub fn method(&self, stop: Arc<AtomicBool>) -> InteriorPoint {
+    /// Ipopt with the options asked for; raising `stop` ends a running solve. An option that Ipopt does
+    /// not have is found here, before anything is written.
+    pub fn method(&self, stop: Arc<AtomicBool>) -> Result<InteriorPoint, Failure> {
         let mut method = InteriorPoint {
             stop: Some(stop),
             ..InteriorPoint::default()
@@ -67,7 +71,14 @@ impl Options {
         for (name, value) in &self.ipopt {
             method.options.set(name, value.clone());
         }
-        method
+        let any = Structure::new(
+            Bounds::free(1),
+            Bounds::default(),
+            Pattern::empty(),
+            Some(Pattern::diagonal(1)),
+        )?;
+        Solver::new(any, &method.options)?;
+        Ok(method)
     }
 
     /// The folder for all files of an example called `name`.

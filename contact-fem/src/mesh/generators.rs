@@ -27,26 +27,44 @@ pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..=count).map(at).collect()
 }
 
-/// `count + 1` values from `from` to `to` whose spacing grows by a constant factor, so that the
-/// first step is `first` long.
-pub fn graded(from: f64, to: f64, first: f64, count: usize) -> Vec<f64> {
+/// `count + 1` values from `from` to `to` whose spacing changes by a constant factor q, so that the
+/// first step is `first` (UL) long.
+///
+/// # Errors
+/// Values that are not finite, fewer than two steps, and a first step that no q between 1/1000 and
+/// 1000 leads to.
+pub fn graded(from: f64, to: f64, first: f64, count: usize) -> Result<Vec<f64>, Error> {
+    const STEEPEST: f64 = 1e3;
+    Error::check_finite("graded(from, to, first)", &[from, to, first])?;
+    if count < 2 {
+        return Err(Error::Setting {
+            name: "count",
+            value: count as f64,
+            remedy: "grade at least two steps",
+        });
+    }
+    // the whole length over the first step's: 1 + q + q² + …
+    let sum = |q: f64, steps: usize| (0..steps).map(|k| q.powi(k as i32)).sum::<f64>();
     let target = (to - from).abs() / first;
-    let length = |q: f64| (0..count).map(|k| q.powi(k as i32)).sum::<f64>();
-    let (mut low, mut high) = (1e-3, 1e3);
+    let (mut low, mut high) = (1.0 / STEEPEST, STEEPEST);
+    if !(sum(low, count) <= target && target <= sum(high, count)) {
+        return Err(Error::Setting {
+            name: "first",
+            value: first,
+            remedy: "give a first step that is positive and shorter than the whole length",
+        });
+    }
     for _ in 0..200 {
         let q = 0.5 * (low + high);
-        if length(q) < target {
-            low = q
-        } else {
-            high = q
+        match sum(q, count) < target {
+            true => low = q,
+            false => high = q,
         }
     }
-    let (q, whole) = (low, length(low));
-    let mut values: Vec<f64> = (0..=count)
-        .map(|k| from + (to - from) * (0..k).map(|j| q.powi(j as i32)).sum::<f64>() / whole)
-        .collect();
+    let at = |k: usize| from + (to - from) * sum(low, k) / sum(low, count);
+    let mut values: Vec<f64> = (0..=count).map(at).collect();
     values[count] = to;
-    values
+    Ok(values)
 }
 
 /// A rectangle on the grid `xs` × `ys` (both ascending, UL), each cell of the grid cut in two.
@@ -294,7 +312,7 @@ mod tests {
     fn areas_and_boundaries() {
         let mesh = rectangle(
             &linspace(0.0, 2.0, 4),
-            &graded(-1.0, 0.5, 0.1, 5),
+            &graded(-1.0, 0.5, 0.1, 5).expect("grading"),
             Diagonals::Rising,
         )
         .expect("mesh");
@@ -330,6 +348,21 @@ mod tests {
         .expect("mesh");
         assert_eq!(mesh.boundary("axis").expect("named").len(), 3);
         assert_eq!(mesh.boundary("flat").expect("named").len(), 3);
+    }
+
+    #[test]
+    fn gradings_start_with_the_step_asked_for() {
+        for (from, to, first) in [(0.0, 3.0, 0.1), (2.0, -1.0, 0.5), (0.0, 1.0, 0.9)] {
+            let values = graded(from, to, first, 6).expect("possible");
+            assert_eq!((values.len(), values[0], values[6]), (7, from, to));
+            assert!(((values[1] - from).abs() - first).abs() < 1e-12);
+            let ratio = |k: usize| (values[k + 1] - values[k]) / (values[k] - values[k - 1]);
+            assert!((2..6).all(|k| (ratio(k) - ratio(1)).abs() < 1e-9 * ratio(1)));
+        }
+        for first in [0.0, -0.1, 2.0, f64::NAN, f64::INFINITY, 1e-300] {
+            graded(0.0, 1.0, first, 6).expect_err("impossible");
+        }
+        graded(0.0, 1.0, 0.1, 1).expect_err("one step");
     }
 
     #[test]

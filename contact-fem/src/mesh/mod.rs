@@ -191,6 +191,30 @@ impl<const D: usize> Mesh<D> {
         Ok(nodes)
     }
 
+    /// The nodes of each connected part, ascending; one part for most meshes.
+    pub fn parts(&self) -> Vec<Vec<usize>> {
+        // each node points to one with a smaller number of its part, or to itself
+        let mut parent: Vec<usize> = (0..self.nodes.len()).collect();
+        fn root(parent: &mut [usize], mut node: usize) -> usize {
+            while parent[node] != node {
+                parent[node] = parent[parent[node]];
+                node = parent[node];
+            }
+            node
+        }
+        for cell in self.cells() {
+            for pair in cell.windows(2) {
+                let (a, b) = (root(&mut parent, pair[0]), root(&mut parent, pair[1]));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+        let mut parts: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for node in 0..self.nodes.len() {
+            parts.entry(root(&mut parent, node)).or_default().push(node);
+        }
+        parts.into_values().collect()
+    }
+
     /// The corners (low, high) of the smallest box around all nodes (UL).
     pub fn bounding_box(&self) -> (Vector<D>, Vector<D>) {
         let first = (self.nodes[0], self.nodes[0]);

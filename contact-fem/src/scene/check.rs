@@ -2,11 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::{Body, Problem, Scene};
-use crate::contact::gaps::deepest_node;
-use crate::contact::{Master, Surface};
+use super::{Body, Scene};
 use crate::error::Error;
-use crate::tensor::Vector;
 
 /// Settings within their ranges.
 pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
@@ -40,7 +37,14 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     }
 }
 
-/// Every body is held by supports or may touch another body, and something is held at all.
+/// Nodal loads that summed up to finite forces.
+pub(super) fn loads<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
+    let forces = |body: &Body<D>| Error::check_finite("the sum of the nodal forces", body.forces());
+    scene.bodies.iter().try_for_each(forces)
+}
+
+/// Every part of every body is held by supports or may touch another body, and something is held
+/// at all.
 pub(super) fn supports<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let held = |body: &Body<D>| body.prescribed().iter().any(Option::is_some);
     if !scene.bodies.iter().any(held) {
@@ -50,33 +54,40 @@ pub(super) fn supports<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     if !scene.bodies.iter().any(is_free) {
         return Err(Error::NothingFree);
     }
-    let modes = D * (D + 1) / 2;
     for (index, body) in scene.bodies.iter().enumerate() {
-        let names = |pair: &super::Pair| pair.first.body == index || pair.second.body == index;
-        if scene.pairs.iter().any(names) {
-            continue;
+        let mut touches = vec![false; body.mesh().nodes().len()];
+        let surfaces = scene
+            .pairs
+            .iter()
+            .flat_map(|pair| [&pair.first, &pair.second]);
+        for name in surfaces.filter(|name| name.body == index) {
+            let nodes = body.mesh().boundary_nodes(&name.boundary)?;
+            nodes.iter().for_each(|&node| touches[node] = true);
         }
-        let free = modes - held_rigid_modes(body);
-        if free > 0 {
-            return Err(Error::Unsupported {
-                body: index,
-                free,
-                modes,
-            });
+        for part in body.mesh().parts() {
+            let (free, modes) = (free_rigid_modes(body, &part), D * (D + 1) / 2);
+            if free > 0 && !part.iter().any(|&node| touches[node]) {
+                return Err(Error::Unsupported {
+                    body: index,
+                    node: part[0],
+                    free,
+                    modes,
+                });
+            }
         }
     }
     Ok(())
 }
 
-/// How many independent rigid motions the prescribed dofs of a body hold: the rank of the rigid
-/// modes restricted to those dofs.
-fn held_rigid_modes<const D: usize>(body: &Body<D>) -> usize {
+/// How many independent rigid motions of a part of a body its prescribed dofs do not hold: what the
+/// rank of the rigid modes restricted to those dofs is short of.
+fn free_rigid_modes<const D: usize>(body: &Body<D>, part: &[usize]) -> usize {
     let (low, high) = body.mesh().bounding_box();
     let (centre, size) = ((low + high) * 0.5, (high - low).norm());
     let planes: Vec<(usize, usize)> = (0..D).flat_map(|i| (0..i).map(move |j| (i, j))).collect();
-    let prescribed = body.prescribed().iter().enumerate();
-    let held: Vec<usize> = prescribed
-        .filter_map(|(dof, value)| value.map(|_| dof))
+    let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
+    let held: Vec<usize> = dofs
+        .filter(|&dof| body.prescribed()[dof].is_some())
         .collect();
     let mode = |dof: usize, k: usize| {
         let (node, component) = (dof / D, dof % D);
@@ -100,53 +111,5 @@ fn held_rigid_modes<const D: usize>(body: &Body<D>) -> usize {
     });
     let largest = gram.trace();
     let eigenvalues = gram.symmetric_eigenvalues();
-    eigenvalues.iter().filter(|&&e| e > 1e-10 * largest).count()
-}
-
-/// No body starts inside another one.
-pub(super) fn overlap<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
-    let x = problem.reference();
-    let masters = problem.masters(x);
-    for pass in problem.passes() {
-        let (slave, master) = (&problem.surfaces()[pass.slave], &masters[pass.master]);
-        let normals = masters[pass.slave].normals();
-        let facing = deepest_node(slave, normals, master, x);
-        let swallowed = || swallowed_node(problem, slave, master);
-        let Some((node, gap)) = facing.or_else(swallowed) else {
-            continue;
-        };
-        let size = slave.facet_size().max(master.surface().facet_size());
-        let tolerance = problem.scene().overlap_tolerance * size;
-        if -gap > tolerance {
-            return Err(Error::Overlap {
-                slave: slave.body(),
-                master: master.surface().body(),
-                node: node - problem.first_node(slave.body()),
-                x: x[node].iter().copied().collect(),
-                gap,
-                tolerance,
-            });
-        }
-    }
-    Ok(())
-}
-
-/// A node of `slave` inside a cell of the master's body although the surface there does not face
-/// it, as when one body starts wholly within another: the deepest as (scene node, minus its
-/// distance from the surface).
-fn swallowed_node<const D: usize>(
-    problem: &Problem<D>,
-    slave: &Surface<D>,
-    master: &Master<'_, D>,
-) -> Option<(usize, f64)> {
-    let mesh = problem.scene().bodies()[master.surface().body()].mesh();
-    let (low, high) = mesh.bounding_box();
-    let x = problem.reference();
-    let in_box = |x: &Vector<D>| (0..D).all(|i| low[i] <= x[i] && x[i] <= high[i]);
-    let inside = slave
-        .nodes()
-        .iter()
-        .filter(|&&a| in_box(&x[a]) && mesh.contains(&x[a]));
-    let depths = inside.filter_map(|&a| Some((a, -master.project(&x[a])?.distance)));
-    depths.min_by(|a, b| a.1.total_cmp(&b.1))
+    count - eigenvalues.iter().filter(|&&e| e > 1e-10 * largest).count()
 }

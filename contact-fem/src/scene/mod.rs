@@ -2,6 +2,7 @@
 
 mod body;
 mod check;
+mod overlap;
 mod problem;
 
 pub use body::Body;
@@ -132,9 +133,10 @@ impl<const D: usize> Scene<D> {
     /// that overlap, settings out of range.
     pub fn problem(self) -> Result<Problem<D>, Error> {
         check::settings(&self)?;
+        check::loads(&self)?;
         check::supports(&self)?;
         let problem = Problem::new(self);
-        check::overlap(&problem)?;
+        overlap::check(&problem)?;
         Ok(problem)
     }
 }

@@ -1,0 +1,183 @@
+//! Bodies that overlap before any load.
+
+use rstar::{
+    AABB, RTree,
+    primitives::{GeomWithData, Rectangle},
+};
+
+use super::{Body, Problem};
+use crate::contact::gaps::deepest_node;
+use crate::contact::projection::closest;
+use crate::contact::{Master, Surface};
+use crate::error::Error;
+use crate::tensor::{Vector, facet_normal};
+
+/// No body starts inside another one that it may touch.
+pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
+    nodes_inside(problem)?;
+    problem.scene().pairs().iter().try_for_each(|pair| {
+        crossing(problem, pair.first.body, pair.second.body)?;
+        crossing(problem, pair.second.body, pair.first.body)
+    })
+}
+
+/// No contact node starts inside the other body.
+fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
+    let x = problem.reference();
+    let masters = problem.masters(x);
+    for pass in problem.passes() {
+        let (slave, master) = (&problem.surfaces()[pass.slave], &masters[pass.master]);
+        let normals = masters[pass.slave].normals();
+        let facing = deepest_node(slave, normals, master, x);
+        let swallowed = || swallowed_node(problem, slave, master.surface().body());
+        let Some((node, gap)) = facing.or_else(swallowed) else {
+            continue;
+        };
+        let size = slave.facet_size().max(master.surface().facet_size());
+        let tolerance = problem.scene().overlap_tolerance * size;
+        if -gap > tolerance {
+            return Err(Error::Overlap {
+                slave: slave.body(),
+                master: master.surface().body(),
+                node: node - problem.first_node(slave.body()),
+                x: x[node].iter().copied().collect(),
+                gap,
+                tolerance,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A contact node of `slave` inside a cell of the master's body although the surface there does not
+/// face it, as when one body starts wholly within another: the deepest as (scene node, minus its
+/// distance from the body's boundary).
+fn swallowed_node<const D: usize>(
+    problem: &Problem<D>,
+    slave: &Surface<D>,
+    body: usize,
+) -> Option<(usize, f64)> {
+    let mesh = problem.scene().bodies()[body].mesh();
+    let (low, high) = mesh.bounding_box();
+    let x = problem.reference();
+    let in_box = |x: &Vector<D>| (0..D).all(|i| low[i] <= x[i] && x[i] <= high[i]);
+    let inside = |&a: &usize| in_box(&x[a]) && mesh.contains(&x[a]);
+    let inside: Vec<usize> = slave.nodes().iter().copied().filter(inside).collect();
+    if inside.is_empty() {
+        return None;
+    }
+    let first = problem.first_node(body);
+    let exterior = mesh.exterior().iter().map(|facet| facet.map(|a| a + first));
+    let exterior = Surface::new(body, exterior.collect(), x);
+    let boundary = Master::new(&exterior, x);
+    let depths = inside
+        .iter()
+        .filter_map(|&a| Some((a, -boundary.project(&x[a])?.distance)));
+    depths.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// No exterior edge of body `a` runs through an exterior facet of body `b`, as where slender bodies
+/// cross and no node is inside.
+fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<(), Error> {
+    let [a_body, b_body] = [a, b].map(|body| &problem.scene().bodies()[body]);
+    let corners = |body: &Body<D>, facet: &[usize; D]| facet.map(|node| body.mesh().nodes()[node]);
+    let facets = b_body
+        .mesh()
+        .exterior()
+        .iter()
+        .map(|facet| corners(b_body, facet));
+    let tree = RTree::bulk_load(
+        facets
+            .map(|x| GeomWithData::new(Rectangle::from_aabb(bounding_box(&x)), x))
+            .collect(),
+    );
+    for facet in a_body.mesh().exterior() {
+        let x = corners(a_body, facet);
+        let edges = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
+        for (i, j) in edges {
+            let edge = [x[i], x[j]];
+            for other in tree.locate_in_envelope_intersecting(&bounding_box(&edge)) {
+                let size = (edge[1] - edge[0])
+                    .norm()
+                    .max((other.data[1] - other.data[0]).norm());
+                let tolerance = problem.scene().overlap_tolerance * size;
+                if let Some((point, depth)) = pierce(&edge, &other.data)
+                    && depth > tolerance
+                {
+                    return Err(Error::Crossing {
+                        first: a,
+                        second: b,
+                        x: point.iter().copied().collect(),
+                        depth,
+                        tolerance,
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn bounding_box<const D: usize>(points: &[Vector<D>]) -> AABB<[f64; D]> {
+    let low = points.iter().fold(points[0], |m, x| m.inf(x));
+    let high = points.iter().fold(points[0], |m, x| m.sup(x));
+    AABB::from_corners(low.into(), high.into())
+}
+
+/// Where an edge runs through a facet, if it does, and how far one of them must move to let go of
+/// the other: an end of the edge to the facet's plane, or the point to a side of the facet.
+fn pierce<const D: usize>(
+    edge: &[Vector<D>; 2],
+    facet: &[Vector<D>; D],
+) -> Option<(Vector<D>, f64)> {
+    let normal = facet_normal(facet);
+    let normal = normal / normal.norm();
+    let [before, after] = edge.map(|x| normal.dot(&(x - facet[0])));
+    if before * after >= 0.0 {
+        return None;
+    }
+    let point = edge[0] + (edge[1] - edge[0]) * (before / (before - after));
+    let lambda = closest(&point, facet);
+    // beyond a side of the facet, the closest point has a coordinate of 0
+    let height = |k: usize| {
+        let side = facet[(k + 1) % D];
+        let along = facet[(k + D - 1) % D] - side;
+        let arm = facet[k] - side;
+        let length = along.norm_squared();
+        let foot = if length > 0.0 {
+            along * (arm.dot(&along) / length)
+        } else {
+            Vector::zeros()
+        };
+        (arm - foot).norm()
+    };
+    let inner = (0..D).map(|k| lambda[k] * height(k));
+    let depth = inner.fold(before.abs().min(after.abs()), f64::min);
+    (depth > 0.0).then_some((point, depth))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_through_a_facet() {
+        let facet = [[0.0, 0.0], [4.0, 0.0]].map(Vector::<2>::from);
+        let edge = |a: [f64; 2], b: [f64; 2]| [a, b].map(Vector::<2>::from);
+        let (point, depth) = pierce(&edge([1.0, -3.0], [1.0, 2.0]), &facet).expect("crosses");
+        assert!((point - Vector::<2>::new(1.0, 0.0)).norm() < 1e-15);
+        assert!((depth - 1.0).abs() < 1e-15, "to the facet's end");
+        let (_, depth) = pierce(&edge([2.0, -3.0], [2.0, 0.5]), &facet).expect("crosses");
+        assert!((depth - 0.5).abs() < 1e-15, "to the edge's end");
+        assert!(pierce(&edge([5.0, -3.0], [5.0, 2.0]), &facet).is_none());
+        assert!(pierce(&edge([1.0, 1.0], [1.0, 2.0]), &facet).is_none());
+        assert!(pierce(&edge([1.0, 0.0], [1.0, 2.0]), &facet).is_none());
+
+        let facet = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]].map(Vector::<3>::from);
+        let edge = |x: f64, y: f64| [[x, y, -3.0], [x, y, 2.0]].map(Vector::<3>::from);
+        let (point, depth) = pierce(&edge(1.5, 0.5), &facet).expect("pierces");
+        assert!((point - Vector::<3>::new(1.5, 0.5, 0.0)).norm() < 1e-15);
+        assert!((depth - 0.5).abs() < 1e-15, "to the side below");
+        assert!(pierce(&edge(2.5, 2.5), &facet).is_none());
+    }
+}
