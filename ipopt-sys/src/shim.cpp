@@ -27,6 +27,13 @@
 #include <type_traits>
 #include <vector>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#if __GLIBC_PREREQ(2, 33)
+#define SHIM_MALLINFO2 1
+#endif
+#endif
+
 using namespace Ipopt;
 
 static_assert(sizeof(Index) == 4, "ipopt-sys supports Ipopt with 32-bit indices only");
@@ -101,21 +108,36 @@ private:
     const Current &current_;
 };
 
+/** Bytes this process has allocated at present, -1 where nobody says. */
+long long allocated_bytes() {
+#ifdef SHIM_MALLINFO2
+    const struct mallinfo2 info = mallinfo2();
+    return static_cast<long long>(info.uordblks + info.hblkhd);
+#else
+    return -1;
+#endif
+}
+
 /** Counts and times the calls of MUMPS. Ipopt keeps no such count, and does not time MUMPS' factorisations, but it
  *  announces each call and its end. Formats are compared with known ones and nothing is formatted, so that a message
  *  costs less than a microsecond. */
 class MumpsJournal : public Journal {
 public:
-    struct Job {
-        long long calls = 0;
-        ipopt_shim_time time = {0.0, 0.0};
-    };
-
     MumpsJournal() : Journal("ipopt_shim_mumps", J_NONE) { SetPrintLevel(J_LINEAR_ALGEBRA, J_MOREDETAILED); }
 
-    /** 1 analyses, 2 factorises, 3 solves. */
-    const Job &job(int number) const { return jobs_[number - 1]; }
-    long long factor_reals() const { return factor_reals_; }
+    void read(ipopt_shim_statistics &out) const {
+        out.factorizations = jobs_[1].calls;
+        out.back_solves = jobs_[2].calls;
+        out.symbolic_factorization = jobs_[0].time;
+        out.factorization = jobs_[1].time;
+        out.back_solve = jobs_[2].time;
+        out.timing_available = 1;
+        out.factor_reals = factor_reals_;
+        out.factor_integers = factor_integers_;
+        out.pivot_order = pivot_order_;
+        out.reallocations = reallocations_;
+        out.workspace_bytes = workspace_bytes_;
+    }
 
 protected:
     void PrintImpl(EJournalCategory category, EJournalLevel, const char *text) override {
@@ -127,46 +149,69 @@ protected:
         if (category != J_LINEAR_ALGEBRA) {
             return;
         }
-        static const char doubles[] = "Number of doubles for MUMPS to hold factorization";
-        if (starts_with(format, doubles, sizeof doubles - 1)) {
-            va_list again;
-            va_copy(again, arguments);
-            const int reals = va_arg(again, int);
-            va_end(again);
-            factor_reals_ = reals >= 0 ? reals : -1000000LL * reals;  // MUMPS counts large ones in millions
+        va_list again;
+        va_copy(again, arguments);
+        if (starts_with(format, "Number of doubles for MUMPS to hold factorization")) {
+            factor_reals_ = count(va_arg(again, int));
+        } else if (starts_with(format, "Number of integers for MUMPS to hold factorization")) {
+            factor_integers_ = count(va_arg(again, int));
+        } else if (starts_with(format, "MUMPS used permuting_scaling")) {
+            (void)va_arg(again, int);
+            pivot_order_ = va_arg(again, int);
+        } else if (starts_with(format, "MUMPS returned INFO(1) = %d and requires more memory")) {
+            ++reallocations_;
         } else {
             announced(format);
         }
+        va_end(again);
     }
     void FlushBufferImpl() override {}
 
 private:
     typedef std::chrono::steady_clock Clock;
 
-    static bool starts_with(const char *text, const char *prefix, size_t length) {
-        return std::strncmp(text, prefix, length) == 0;
+    /** 1 analyses, 2 factorises, 3 solves. */
+    struct Job {
+        long long calls = 0;
+        ipopt_shim_time time = {0.0, 0.0};
+    };
+
+    template <size_t Size> static bool starts_with(const char *text, const char (&prefix)[Size]) {
+        return std::strncmp(text, prefix, Size - 1) == 0;
     }
+
+    /** MUMPS counts what is large in millions, and says so by the sign. */
+    static long long count(int number) { return number >= 0 ? number : -1000000LL * number; }
 
     Job *job_named(char number) { return number >= '1' && number <= '3' ? &jobs_[number - '1'] : nullptr; }
 
     void announced(const char *text) {
         static const char calling[] = "Calling MUMPS-", done[] = "Done with MUMPS-";
-        if (starts_with(text, calling, sizeof calling - 1)) {
+        if (starts_with(text, calling)) {
             if (Job *job = job_named(text[sizeof calling - 1])) {
                 ++job->calls;
+                if (is_first_factorization(job)) {
+                    allocated_before_ = allocated_bytes();
+                }
                 cpu_ = std::clock();
                 wall_ = Clock::now();
             }
-        } else if (starts_with(text, done, sizeof done - 1)) {
+        } else if (starts_with(text, done)) {
             if (Job *job = job_named(text[sizeof done - 1])) {
                 job->time.cpu += static_cast<double>(std::clock() - cpu_) / CLOCKS_PER_SEC;
                 job->time.wall += std::chrono::duration<double>(Clock::now() - wall_).count();
+                if (is_first_factorization(job) && allocated_before_ >= 0) {
+                    workspace_bytes_ = std::max(allocated_bytes() - allocated_before_, 0LL);
+                }
             }
         }
     }
 
+    bool is_first_factorization(const Job *job) const { return job == &jobs_[1] && job->calls == 1; }
+
     Job jobs_[3];
-    long long factor_reals_ = -1;
+    long long factor_reals_ = -1, factor_integers_ = -1, workspace_bytes_ = -1, allocated_before_ = -1;
+    int pivot_order_ = -1, reallocations_ = 0;
     std::clock_t cpu_ = 0;
     Clock::time_point wall_;
 };
@@ -402,13 +447,7 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
         read_statistics(*shim.running, statistics);
     }
     if (IsValid(mumps)) {
-        statistics.factorizations = mumps->job(2).calls;
-        statistics.back_solves = mumps->job(3).calls;
-        statistics.factor_reals = mumps->factor_reals();
-        statistics.symbolic_factorization = mumps->job(1).time;
-        statistics.factorization = mumps->job(2).time;
-        statistics.back_solve = mumps->job(3).time;
-        statistics.timing_available = 1;
+        mumps->read(statistics);
     }
     return status;
 }
@@ -534,7 +573,9 @@ int ipopt_shim_set_integer(ipopt_shim *shim, const char *name, int value) {
 int ipopt_shim_solve(ipopt_shim *shim, const ipopt_shim_callbacks *callbacks, ipopt_shim_point *point,
                      ipopt_shim_statistics *statistics) {
     *statistics = ipopt_shim_statistics();
-    statistics->factorizations = statistics->back_solves = statistics->factor_reals = -1;
+    statistics->factorizations = statistics->back_solves = -1;
+    statistics->factor_reals = statistics->factor_integers = statistics->workspace_bytes = -1;
+    statistics->pivot_order = statistics->reallocations = -1;
     point->finalized = 0;
     int status = NonIpopt_Exception_Thrown;
     try {

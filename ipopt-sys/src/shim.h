@@ -87,8 +87,15 @@ typedef struct ipopt_shim_statistics {
     /** Counted in MUMPS' messages; -1 with another linear solver. */
     long long factorizations;
     long long back_solves;
-    /** Reals in the last factor, -1 if unknown. */
+    /** Reals and integers in the last factor, -1 if unknown. */
     long long factor_reals;
+    long long factor_integers;
+    /** The pivot order MUMPS chose, in the numbers of its ICNTL(7); -1 if unknown. */
+    int pivot_order;
+    /** How often MUMPS had to factorise again with more memory; -1 with another linear solver. */
+    int reallocations;
+    /** Bytes that were allocated in the course of MUMPS' first factorisation, -1 if unknown. */
+    long long workspace_bytes;
 } ipopt_shim_statistics;
 
 #define IPOPT_SHIM_OPTION_UNKNOWN 0

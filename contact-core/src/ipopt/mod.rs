@@ -61,7 +61,7 @@ pub use self::{
     options::{OptionError, OptionValue, Options},
     solver::{Solution, Solver},
     start::{Scaling, Start},
-    statistics::{CallbackStatistics, Statistics, Time},
+    statistics::{CallbackStatistics, MumpsUse, Ordering, Statistics, Time},
     status::Status,
 };
 use crate::nlp::NlpError;

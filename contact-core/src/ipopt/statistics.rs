@@ -1,6 +1,6 @@
 //! What a solve cost.
 
-use std::time::Duration;
+use std::{fmt, time::Duration};
 
 use ipopt_sys as sys;
 
@@ -54,6 +54,8 @@ pub struct Statistics {
     pub back_solves: Option<usize>,
     /// Numbers stored in the last factor; `None` as above.
     pub factor_entries: Option<u64>,
+    /// How MUMPS eliminated and what it took; `None` with another linear solver, or without a factorisation.
+    pub mumps: Option<MumpsUse>,
     /// ∇L, max-norm, unscaled. NaN here and below if Ipopt ended without a final point.
     pub dual_infeasibility: f64,
     /// Violation of the constraints, max-norm, unscaled.
@@ -62,6 +64,93 @@ pub struct Statistics {
     pub complementarity: f64,
     /// Ipopt's error of the scaled problem, the number `tol` bounds.
     pub scaled_error: f64,
+}
+
+/// How MUMPS eliminated, and what that took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct MumpsUse {
+    /// The ordering it really used: the one asked for, or what it has instead.
+    pub ordering: Ordering,
+    /// Bytes that the last factor fills, indices included.
+    pub factor_bytes: u64,
+    /// Bytes that were allocated in the first factorisation, by an estimate raised by `mumps_mem_percent`. Allocations
+    /// of other threads meanwhile count, too; `None` where the system does not tell (glibc from 2.33 does).
+    pub workspace_bytes: Option<u64>,
+    /// How often the workspace was too small, and a factorisation was repeated with more.
+    pub reallocations: usize,
+}
+
+/// The order in which MUMPS eliminates unknowns: its ICNTL(7), Ipopt's option `mumps_pivot_order`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Ordering {
+    /// 0: approximate minimum degree.
+    Amd,
+    /// 1: given by the caller, which Ipopt does not do.
+    Given,
+    /// 2: approximate minimum fill.
+    Amf,
+    /// 3: nested dissection by SCOTCH.
+    Scotch,
+    /// 4: PORD.
+    Pord,
+    /// 5: nested dissection by METIS.
+    Metis,
+    /// 6: approximate minimum degree with detection of quasi-dense rows.
+    Qamd,
+    /// 7: MUMPS' own choice among those it was built with.
+    Automatic,
+    /// A number this crate does not know.
+    Other(i32),
+}
+
+impl Ordering {
+    /// From MUMPS' number.
+    pub fn from_code(code: i32) -> Self {
+        match code {
+            0 => Self::Amd,
+            1 => Self::Given,
+            2 => Self::Amf,
+            3 => Self::Scotch,
+            4 => Self::Pord,
+            5 => Self::Metis,
+            6 => Self::Qamd,
+            7 => Self::Automatic,
+            other => Self::Other(other),
+        }
+    }
+
+    /// MUMPS' number.
+    pub fn code(self) -> i32 {
+        match self {
+            Self::Amd => 0,
+            Self::Given => 1,
+            Self::Amf => 2,
+            Self::Scotch => 3,
+            Self::Pord => 4,
+            Self::Metis => 5,
+            Self::Qamd => 6,
+            Self::Automatic => 7,
+            Self::Other(code) => code,
+        }
+    }
+}
+
+impl fmt::Display for Ordering {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Amd => "AMD",
+            Self::Given => "given",
+            Self::Amf => "AMF",
+            Self::Scotch => "SCOTCH",
+            Self::Pord => "PORD",
+            Self::Metis => "METIS",
+            Self::Qamd => "QAMD",
+            Self::Automatic => "automatic",
+            Self::Other(code) => return write!(f, "ordering {code}"),
+        })
+    }
 }
 
 impl Statistics {
@@ -97,6 +186,7 @@ impl Statistics {
         self.factorizations = usize::try_from(raw.factorizations).ok();
         self.back_solves = usize::try_from(raw.back_solves).ok();
         self.factor_entries = u64::try_from(raw.factor_reals).ok();
+        self.mumps = MumpsUse::read(raw);
         let available = raw.available != 0;
         let or_nan = |value: f64| if available { value } else { f64::NAN };
         self.iterations = usize::try_from(raw.iterations)
@@ -111,5 +201,17 @@ impl Statistics {
         self.constraint_violation = or_nan(raw.constraint_violation);
         self.complementarity = or_nan(raw.complementarity);
         self.scaled_error = or_nan(raw.scaled_kkt_error);
+    }
+}
+
+impl MumpsUse {
+    fn read(raw: &sys::ipopt_shim_statistics) -> Option<Self> {
+        let (reals, integers) = (raw.factor_reals, raw.factor_integers);
+        Some(Self {
+            ordering: Ordering::from_code(raw.pivot_order),
+            factor_bytes: 8 * u64::try_from(reals).ok()? + 4 * u64::try_from(integers).ok()?,
+            workspace_bytes: u64::try_from(raw.workspace_bytes).ok(),
+            reallocations: usize::try_from(raw.reallocations).ok()?,
+        })
     }
 }
