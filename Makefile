@@ -2,14 +2,16 @@
 
 CARGO ?= cargo
 
-.PHONY: help install demo test lint bench msrv
+.PHONY: help install demo test test-ipopt-3.14 lint bench msrv bindings
 
 help:
 	@echo "make demo   the paper's disc-in-disc: pictures, curves and files for ParaView"
 	@echo "make test   all tests of all crates, with and without optional features"
+	@echo "make test-ipopt-3.14   the tests of the Ipopt binding with a binary Ipopt 3.14, fetched aside"
 	@echo "make lint   formatting, clippy and documentation, warnings as errors"
 	@echo "make bench  times the disc-in-disc"
 	@echo "make msrv   compiles with the oldest Rust that is promised to do"
+	@echo "make bindings   renews the bindings to Ipopt kept in the source"
 
 install:
 	@./scripts/install.sh
@@ -18,14 +20,19 @@ demo: install
 	$(CARGO) run --release --example disc_in_disc
 
 # The dev profile optimises here and keeps its checks for overflow. The first line covers units, integration tests,
-# doctests and the build of the examples; the second what does without Ipopt; the others, fewer output formats.
+# doctests and the build of the examples; the second what does without Ipopt, the third what does without libclang; the
+# others, fewer output formats.
 test: install
 	$(CARGO) test --workspace
 	$(CARGO) test -p contact-core -p contact-fem --no-default-features --lib
+	$(CARGO) test -p ipopt-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
 	$(CARGO) check -p ipopt-contact --no-default-features
 	$(CARGO) check -p contact-fem --features vtk
 	$(CARGO) check -p contact-fem --features csv
 	$(CARGO) check -p contact-fem --features plot
+
+test-ipopt-3.14: install
+	@./scripts/test_ipopt_3_14.sh
 
 lint: install
 	$(CARGO) fmt --all --check
@@ -37,3 +44,6 @@ bench: install
 
 msrv: install
 	@./scripts/msrv.sh
+
+bindings: install
+	@./scripts/bindings.sh

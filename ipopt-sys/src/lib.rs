@@ -10,12 +10,30 @@
 //! An index out of range is undefined behaviour.
 //!
 //! # Building
-//! `pkg-config` finds Ipopt 3.11 or later (Debian, Ubuntu: `apt-get install coinor-libipopt-dev libclang-dev`). A
-//! dependent's build script reads `DEP_IPOPT_VERSION` and `DEP_IPOPT_LIBS`, the libraries Ipopt says it needs,
-//! separated by commas.
+//! `pkg-config` finds Ipopt 3.11 or later (Debian, Ubuntu: `apt-get install coinor-libipopt-dev libclang-dev`), its
+//! headers in `coin/` or in `coin-or/`. Their version counts ([`HEADER_VERSION`]); an `ipopt.pc` that names another is
+//! an error. `Bool` is `int` up to 3.13 and `bool` since 3.14: use the alias. Indices must have 32 bits and numbers 64;
+//! a build of Ipopt with others is refused at compile time.
 //!
-//! `Bool` is `int` up to 3.13 and `bool` since 3.14: use the alias. Indices must have 32 bits and numbers 64; a build
-//! of Ipopt with others is refused at compile time.
+//! The feature `bindgen`, on by default, makes the bindings from the headers, which takes libclang. With
+//! `default-features = false` the bindings kept in the source are used instead, for 3.11 to 3.13 or for 3.14; the C++
+//! compiler checks the C interface of the headers against them, and another version is an error. They are for Unix.
+//! Through the crates above:
+//!
+//! ```toml
+//! contact-core = { version = "0.1", default-features = false, features = ["ipopt"] }
+//! # or
+//! ipopt-contact = { version = "0.1", default-features = false, features = ["vtk", "csv", "plot"] }
+//! ```
+//!
+//! A dependent's build script reads
+//!
+//! | variable | what |
+//! |---|---|
+//! | `DEP_IPOPT_VERSION` | the version of the headers, such as `3.14.19` |
+//! | `DEP_IPOPT_VERSION_MAJOR`, `_MINOR`, `_RELEASE` | its numbers |
+//! | `DEP_IPOPT_LIBS` | the libraries Ipopt says it needs, separated by commas |
+//! | `DEP_IPOPT_HAS_WALL_TIME_LIMIT` and so on | 1 or 0: each of the `bool` constants below, under its name |
 
 #[allow(
     missing_docs,
@@ -30,7 +48,10 @@ mod bindings {
     include!(concat!(env!("OUT_DIR"), "/bindings.rs"));
 }
 
+mod version;
+
 pub use bindings::*;
+pub use version::*;
 
 #[cfg(ipopt_3_14)]
 const _: () = assert!(size_of::<ipindex>() == 4 && size_of::<ipnumber>() == 8);

@@ -16,6 +16,7 @@
 #include "IpTimingStatistics.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdarg>
 #include <cstdio>
@@ -43,6 +44,16 @@ static_assert(std::is_same<Number, double>::value, "ipopt-sys supports Ipopt in 
 #define SHIM_IPOPT_3_14 1
 #else
 #define SHIM_IPOPT_3_14 0
+#endif
+
+#if IPOPT_VERSION_MAJOR > 3 ||                                                                                         \
+    (IPOPT_VERSION_MAJOR == 3 &&                                                                                       \
+     (IPOPT_VERSION_MINOR > 14 || (IPOPT_VERSION_MINOR == 14 && IPOPT_VERSION_RELEASE >= 18)))
+// Of Ipopt's C interface, whose header does not go together with the C++ ones in all versions.
+extern "C" void GetIpoptVersion(int *major, int *minor, int *release);
+#define SHIM_IPOPT_TELLS_VERSION 1
+#else
+#define SHIM_IPOPT_TELLS_VERSION 0
 #endif
 
 namespace {
@@ -215,6 +226,33 @@ private:
     std::clock_t cpu_ = 0;
     Clock::time_point wall_;
 };
+
+/** The version that Ipopt announces in its log, in the format itself: that of the library, not of the headers. */
+class VersionJournal : public Journal {
+public:
+    VersionJournal() : Journal("ipopt_shim_version", J_NONE) { SetPrintLevel(J_MAIN, J_ITERSUMMARY); }
+
+    /** Of the first that was told; 0.0.0 before. A process has but one Ipopt. */
+    static std::atomic<int> told[3];
+
+protected:
+    void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override { announced(text); }
+    void PrintfImpl(EJournalCategory, EJournalLevel, const char *format, va_list) override { announced(format); }
+    void FlushBufferImpl() override {}
+
+private:
+    static void announced(const char *text) {
+        int numbers[3];
+        if (told[0] == 0 && std::strncmp(text, "This is Ipopt", 13) == 0 &&
+            std::sscanf(text, "This is Ipopt version %d.%d.%d", &numbers[0], &numbers[1], &numbers[2]) == 3) {
+            for (int i = 2; i >= 0; --i) {
+                told[i] = numbers[i];
+            }
+        }
+    }
+};
+
+std::atomic<int> VersionJournal::told[3];
 
 class Problem : public TNLP {
 public:
@@ -430,6 +468,7 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
         shim.options->Options()->GetIntegerValue("print_level", level, "");
         journalist->AddJournal(new LogJournal(static_cast<EJournalLevel>(level), callbacks, shim.current));
     }
+    journalist->AddJournal(new VersionJournal());
     std::string linear_solver;
     shim.options->Options()->GetStringValue("linear_solver", linear_solver, "");
     SmartPtr<MumpsJournal> mumps;
@@ -652,6 +691,18 @@ int ipopt_shim_current_multipliers(const ipopt_shim *shim, double *z_lower, doub
             z_upper);
         return 1;
     });
+}
+
+int ipopt_shim_library_version(int numbers[3]) {
+#if SHIM_IPOPT_TELLS_VERSION
+    GetIpoptVersion(&numbers[0], &numbers[1], &numbers[2]);
+    return 1;
+#else
+    for (int i = 0; i < 3; ++i) {
+        numbers[i] = VersionJournal::told[i];
+    }
+    return numbers[0] != 0;
+#endif
 }
 
 } // extern "C"

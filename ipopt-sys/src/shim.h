@@ -139,6 +139,10 @@ int ipopt_shim_current_g(const ipopt_shim *shim, double *g);
  *  Returns 0 outside `intermediate` and in the restoration phase, which has others. */
 int ipopt_shim_current_multipliers(const ipopt_shim *shim, double *z_lower, double *z_upper, double *lambda);
 
+/** Writes major, minor and release of the Ipopt in use; 0 if it has not told yet. Since 3.14.18 Ipopt always tells,
+ *  before it does in the course of a solve. */
+int ipopt_shim_library_version(int numbers[3]);
+
 #ifdef __cplusplus
 }
 #endif

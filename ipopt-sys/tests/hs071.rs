@@ -368,20 +368,3 @@ mod shim {
         assert!(statistics.kkt_error < 1e-6 && statistics.constraint_violation < 1e-7);
     }
 }
-
-/// The bindings kept for documentation builds name what the shim offers.
-#[test]
-fn kept_bindings_are_complete() {
-    let kept = include_str!("../src/bindings_3_11.rs");
-    let functions: Vec<_> = include_str!("../src/shim.h")
-        .split(|c: char| !(c.is_alphanumeric() || c == '_'))
-        .filter(|word| word.starts_with("ipopt_shim"))
-        .collect();
-    assert!(functions.len() > 20);
-    for name in functions {
-        assert!(
-            kept.contains(name),
-            "regenerate src/bindings_3_11.rs: it lacks {name}"
-        );
-    }
-}

@@ -48,6 +48,7 @@
 
 mod callbacks;
 mod iterate;
+mod library;
 mod lock;
 mod options;
 mod solver;

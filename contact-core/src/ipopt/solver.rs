@@ -5,7 +5,7 @@ use std::{fmt, panic::resume_unwind, ptr::NonNull, time::Instant};
 use ipopt_sys as sys;
 
 use super::{
-    Error, OptionValue, Options, Scaling, Start, Statistics, Status, callbacks::Context,
+    Error, OptionValue, Options, Scaling, Start, Statistics, Status, callbacks::Context, library,
     lock::Exclusive, options, start::Point,
 };
 use crate::nlp::{Bounds, IterationRecord, Multipliers, Nlp, Pattern, Phase, Structure};
@@ -157,6 +157,7 @@ impl Solver {
             unsafe { sys::ipopt_shim_solve(shim, &table, &mut raw_point, &mut raw_statistics) };
         let wall = clock.elapsed();
         context.flush();
+        library::warn_of_another();
         let Context {
             panic,
             history,

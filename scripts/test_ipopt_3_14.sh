@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# The tests of the Ipopt binding with a binary Ipopt 3.14 in place of the installed one, and proof that they ran and
+# with which.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+. scripts/ipopt_3_14.sh
+
+use_ipopt_3_14
+log=$aside/test.log
+mkdir -p "$aside"
+: >"$log"
+
+run() { cargo "$@" </dev/null 2>&1 | tee -a "$log"; }
+
+run test -p ipopt-sys -p contact-core --features contact-core/ipopt
+run test -p ipopt-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
+
+# A solver library that ends the process may do so with exit status 0: every test program must come to its last line.
+started=$(grep -cE '^ +(Running|Doc-tests) ' "$log")
+ended=$(grep -cE '^test result: ok\.' "$log") || true
+passed=$(awk '/^test result: ok\./ { sum += $4 } END { print sum + 0 }' "$log")
+[[ $started == "$ended" ]] || fail "$started test programs started and $ended came to a good end"
+((passed >= 80)) || fail "only $passed tests ran"
+# What the library itself says while it solves, taken from the log of a test.
+banner=$(cargo test -p contact-core --test ipopt_log -- --nocapture </dev/null 2>/dev/null |
+    grep -oE 'This is Ipopt version [^\\"]*[^\\". ]' | head -n 1) || true
+[[ $banner == *"version $ipopt_version"* ]] || fail "the tests ran with another Ipopt than $ipopt_version: $banner"
+say "$passed tests passed. $banner ($aside/wheel/casadi/libipopt.so)."
