@@ -48,8 +48,9 @@
 mod versions;
 
 pub use contact_core;
+pub use contact_core::ipopt::{Blas, BlasKind};
 pub use contact_fem;
-pub use versions::{Blas, BlasKind, Versions, versions};
+pub use versions::{Versions, versions};
 
 /// What most scenes need, in one `use`.
 pub mod prelude {

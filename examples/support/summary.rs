@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use ipopt_contact::contact_core::method::Effort;
+use ipopt_contact::contact_core::method::{Effort, Factor};
 use ipopt_contact::prelude::*;
 use serde::Serialize;
 
@@ -34,6 +34,7 @@ pub struct Summary {
     pub wall_seconds: f64,
     pub seconds: Seconds,
     pub peak_memory_bytes: Option<u64>,
+    pub factor: Option<LargestFactor>,
     pub versions: VersionNames,
 }
 
@@ -55,6 +56,15 @@ pub struct Seconds {
     pub optimizer: f64,
     pub output: f64,
     pub other: f64,
+}
+
+/// The largest factor of the linear solver.
+#[derive(Debug, Serialize)]
+pub struct LargestFactor {
+    pub ordering: String,
+    pub bytes: u64,
+    pub workspace_bytes: Option<u64>,
+    pub reallocations: usize,
 }
 
 /// What the program was built from.
@@ -116,6 +126,7 @@ impl Summary {
             wall_seconds,
             seconds: cost.seconds(recorder.seconds, wall_seconds),
             peak_memory_bytes: machine::peak_memory(),
+            factor: cost.effort.factor.map(LargestFactor::from),
             versions: VersionNames::of_this_program(),
         }
     }
@@ -149,6 +160,9 @@ impl Summary {
                 self.ipopt_iterations
             ),
             format!("\n  factorisations     {:>10}", self.factorisations),
+            self.factor
+                .as_ref()
+                .map_or(String::new(), |f| format!("\n  factor             {f}")),
             format!("\n  wall time          {:>10.2} s", self.wall_seconds),
             share("  projection", times.projection),
             share("  callbacks", times.callbacks),
@@ -250,6 +264,32 @@ impl MeshSize {
             cells: bodies.iter().map(|body| body.mesh().len()).sum(),
             free_dofs: problem.dofs().free(),
             contact_facets,
+        }
+    }
+}
+
+impl From<Factor> for LargestFactor {
+    fn from(factor: Factor) -> Self {
+        LargestFactor {
+            ordering: factor.ordering.into(),
+            bytes: factor.bytes,
+            workspace_bytes: factor.workspace_bytes,
+            reallocations: factor.reallocations,
+        }
+    }
+}
+
+impl std::fmt::Display for LargestFactor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let megabytes = |bytes: u64| bytes as f64 / 1e6;
+        write!(f, "{:>10.2} MB", megabytes(self.bytes))?;
+        if let Some(workspace) = self.workspace_bytes {
+            write!(f, " of {:.2} MB allocated", megabytes(workspace))?;
+        }
+        write!(f, ", ordered by {}", self.ordering)?;
+        match self.reallocations {
+            0 => Ok(()),
+            count => write!(f, ", allocated anew {count} times"),
         }
     }
 }

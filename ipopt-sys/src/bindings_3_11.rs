@@ -328,10 +328,14 @@ pub struct ipopt_shim_statistics {
     pub factorizations: ::std::os::raw::c_longlong,
     pub back_solves: ::std::os::raw::c_longlong,
     pub factor_reals: ::std::os::raw::c_longlong,
+    pub factor_integers: ::std::os::raw::c_longlong,
+    pub pivot_order: ::std::os::raw::c_int,
+    pub reallocations: ::std::os::raw::c_int,
+    pub workspace_bytes: ::std::os::raw::c_longlong,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of ipopt_shim_statistics"][::std::mem::size_of::<ipopt_shim_statistics>() - 168usize];
+    ["Size of ipopt_shim_statistics"][::std::mem::size_of::<ipopt_shim_statistics>() - 192usize];
     ["Alignment of ipopt_shim_statistics"]
         [::std::mem::align_of::<ipopt_shim_statistics>() - 8usize];
     ["Offset of field: ipopt_shim_statistics::available"]
@@ -376,6 +380,14 @@ const _: () = {
         [::std::mem::offset_of!(ipopt_shim_statistics, back_solves) - 152usize];
     ["Offset of field: ipopt_shim_statistics::factor_reals"]
         [::std::mem::offset_of!(ipopt_shim_statistics, factor_reals) - 160usize];
+    ["Offset of field: ipopt_shim_statistics::factor_integers"]
+        [::std::mem::offset_of!(ipopt_shim_statistics, factor_integers) - 168usize];
+    ["Offset of field: ipopt_shim_statistics::pivot_order"]
+        [::std::mem::offset_of!(ipopt_shim_statistics, pivot_order) - 176usize];
+    ["Offset of field: ipopt_shim_statistics::reallocations"]
+        [::std::mem::offset_of!(ipopt_shim_statistics, reallocations) - 180usize];
+    ["Offset of field: ipopt_shim_statistics::workspace_bytes"]
+        [::std::mem::offset_of!(ipopt_shim_statistics, workspace_bytes) - 184usize];
 };
 unsafe extern "C" {
     pub fn CreateIpoptProblem(

@@ -28,6 +28,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <dlfcn.h>
 #if defined(__GLIBC__)
 #include <malloc.h>
 #if __GLIBC_PREREQ(2, 33)
@@ -459,6 +460,20 @@ void read_statistics(IpoptApplication &application, ipopt_shim_statistics &out) 
     }
 }
 
+/** Before 3.14, Ipopt ends the process if it is asked for MA97 and HSL, which it loads when it is needed, is not there.
+ *  The other solvers of HSL fail as they should. */
+bool would_end_the_process(const std::string &linear_solver) {
+    if (SHIM_IPOPT_3_14 || linear_solver != "ma97" || dlsym(RTLD_DEFAULT, "LSL_loadHSL") == nullptr) {
+        return false;
+    }
+#ifdef __APPLE__
+    void *hsl = dlopen("libhsl.dylib", RTLD_LAZY);
+#else
+    void *hsl = dlopen("libhsl.so", RTLD_LAZY);
+#endif
+    return hsl == nullptr || dlsym(hsl, "ma97_default_control_d") == nullptr;
+}
+
 int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point,
              ipopt_shim_statistics &statistics) {
     SmartPtr<Journalist> journalist = shim.options->Jnlst();
@@ -471,6 +486,9 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
     journalist->AddJournal(new VersionJournal());
     std::string linear_solver;
     shim.options->Options()->GetStringValue("linear_solver", linear_solver, "");
+    if (would_end_the_process(linear_solver)) {
+        return Invalid_Option;
+    }
     SmartPtr<MumpsJournal> mumps;
     if (linear_solver == "mumps") {
         mumps = new MumpsJournal();

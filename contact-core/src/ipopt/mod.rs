@@ -47,7 +47,9 @@
 //! - **Signs**: see [`nlp`](crate::nlp). Bounds are kept exactly (`bound_relax_factor` 0).
 
 mod callbacks;
+pub mod doctor;
 mod iterate;
+mod libraries;
 mod library;
 mod lock;
 mod options;
@@ -59,6 +61,8 @@ mod status;
 use thiserror::Error;
 
 pub use self::{
+    doctor::{Diagnosis, diagnose},
+    libraries::{Blas, BlasKind, Libraries},
     options::{OptionError, OptionValue, Options},
     solver::{Solution, Solver},
     start::{Scaling, Start},

@@ -121,6 +121,21 @@ impl Ordering {
         }
     }
 
+    /// Its name in print.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Amd => "AMD",
+            Self::Given => "given",
+            Self::Amf => "AMF",
+            Self::Scotch => "SCOTCH",
+            Self::Pord => "PORD",
+            Self::Metis => "METIS",
+            Self::Qamd => "QAMD",
+            Self::Automatic => "automatic",
+            Self::Other(_) => "unknown",
+        }
+    }
+
     /// MUMPS' number.
     pub fn code(self) -> i32 {
         match self {
@@ -139,17 +154,7 @@ impl Ordering {
 
 impl fmt::Display for Ordering {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Amd => "AMD",
-            Self::Given => "given",
-            Self::Amf => "AMF",
-            Self::Scotch => "SCOTCH",
-            Self::Pord => "PORD",
-            Self::Metis => "METIS",
-            Self::Qamd => "QAMD",
-            Self::Automatic => "automatic",
-            Self::Other(code) => return write!(f, "ordering {code}"),
-        })
+        f.pad(self.name())
     }
 }
 

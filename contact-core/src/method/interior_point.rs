@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use super::{Effort, Method, Minimum, Solved, Subproblem};
-use crate::ipopt::{Options, Solution, Solver, Start, Status};
+use super::{Effort, Factor, Method, Minimum, Solved, Subproblem};
+use crate::ipopt::{Options, Solution, Solver, Start, Statistics, Status};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
 use crate::{Error, Scale, State};
 
@@ -139,15 +139,14 @@ impl Method for InteriorPoint {
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
         let structure = structure(subproblem)?;
         let mut scaled = Scaled::new(subproblem, self.stop.as_deref());
-        let mut effort = Effort::default();
         let warm = !start.multipliers.is_empty();
         let clock = Instant::now();
         let mut solution = self.solve(&structure, &mut scaled, start, warm)?;
-        effort.count(&solution);
+        let mut effort = effort(&solution.statistics);
         if warm && !self.is_solved(&solution, &subproblem.scale) && !scaled.is_stopped() {
             effort.cold_retries += 1;
             solution = self.solve(&structure, &mut scaled, start, false)?;
-            effort.count(&solution);
+            effort += self::effort(&solution.statistics);
         }
         effort.callbacks = scaled.seconds;
         effort.optimizer = clock.elapsed().as_secs_f64() - scaled.seconds;
@@ -156,15 +155,22 @@ impl Method for InteriorPoint {
     }
 }
 
-impl Effort {
-    fn count(&mut self, solution: &Solution) {
-        let statistics = &solution.statistics;
-        self.solves += 1;
-        self.iterations += statistics.iterations;
-        self.factorizations += statistics.factorizations.unwrap_or(0);
-        self.values += statistics.objective.calls;
-        self.gradients += statistics.gradient.calls;
-        self.hessians += statistics.hessian.calls;
+/// What one solve cost, but for its times.
+fn effort(statistics: &Statistics) -> Effort {
+    Effort {
+        solves: 1,
+        iterations: statistics.iterations,
+        factorizations: statistics.factorizations.unwrap_or(0),
+        values: statistics.objective.calls,
+        gradients: statistics.gradient.calls,
+        hessians: statistics.hessian.calls,
+        factor: statistics.mumps.map(|mumps| Factor {
+            ordering: mumps.ordering.name(),
+            bytes: mumps.factor_bytes,
+            workspace_bytes: mumps.workspace_bytes,
+            reallocations: mumps.reallocations,
+        }),
+        ..Effort::default()
     }
 }
 

@@ -78,6 +78,36 @@ pub struct Effort {
     pub callbacks: f64,
     /// Seconds inside the optimiser, callbacks excluded.
     pub optimizer: f64,
+    /// The largest factor, where the linear solver tells.
+    pub factor: Option<Factor>,
+}
+
+/// A factor of the optimiser's linear system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Factor {
+    /// The elimination order that the linear solver used.
+    pub ordering: &'static str,
+    /// The bytes it fills.
+    pub bytes: u64,
+    /// The bytes that were allocated by an estimate made before, where the system tells.
+    pub workspace_bytes: Option<u64>,
+    /// How often the estimate was too small, in all solves.
+    pub reallocations: usize,
+}
+
+impl Factor {
+    /// The larger one, with the reallocations of both.
+    fn or_larger(self, other: Self) -> Self {
+        let larger = if other.bytes > self.bytes {
+            other
+        } else {
+            self
+        };
+        Factor {
+            reallocations: self.reallocations + other.reallocations,
+            ..larger
+        }
+    }
 }
 
 impl std::ops::AddAssign for Effort {
@@ -91,5 +121,9 @@ impl std::ops::AddAssign for Effort {
         self.hessians += other.hessians;
         self.callbacks += other.callbacks;
         self.optimizer += other.optimizer;
+        self.factor = match (self.factor, other.factor) {
+            (Some(a), Some(b)) => Some(a.or_larger(b)),
+            (a, b) => a.or(b),
+        };
     }
 }
