@@ -477,6 +477,11 @@ fn validate_bounds(variables: &Bounds, constraints: &Bounds) -> Result<(), NlpEr
 /// step. There is no such way back from a non-finite derivative, which is asked for at accepted points only: the solve
 /// ends with an invalid number. `new_x` is false where `x` is the one of the call before, whichever function that was.
 pub trait Nlp {
+    /// Called first in every solve, with the x it was given to start from.
+    fn begin(&mut self, x: &[f64]) {
+        let _ = x;
+    }
+
     /// f(x).
     fn objective(&mut self, x: &[f64], new_x: bool) -> f64;
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use ipopt_contact::Blas;
 use ipopt_contact::contact_core::method::{Effort, Factor};
 use ipopt_contact::prelude::*;
 use serde::Serialize;
@@ -169,6 +170,14 @@ impl Summary {
             share("  optimizer", times.optimizer),
             share("  output", times.output),
             share("  other", times.other),
+            match Blas::loaded().is_some_and(|blas| blas.is_reference()) {
+                true => {
+                    "\n  slow: the reference BLAS is loaded, `apt-get install libopenblas0-serial` \
+                         gives a fast one"
+                        .into()
+                }
+                false => String::new(),
+            },
         ]
         .concat()
     }

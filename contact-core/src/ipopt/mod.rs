@@ -53,6 +53,7 @@ mod libraries;
 mod library;
 mod lock;
 mod options;
+mod sequence;
 mod solver;
 mod start;
 mod statistics;
@@ -64,6 +65,7 @@ pub use self::{
     doctor::{Diagnosis, diagnose},
     libraries::{Blas, BlasKind, Libraries},
     options::{OptionError, OptionValue, Options},
+    sequence::{Retried, Run, Sequence, Settings as SequenceSettings, Totals},
     solver::{Solution, Solver},
     start::{Scaling, Start},
     statistics::{CallbackStatistics, MumpsUse, Ordering, Statistics, Time},

@@ -156,6 +156,15 @@ impl Options {
         self
     }
 
+    /// These, and on top of them `others`.
+    #[must_use]
+    pub fn and(mut self, others: &Options) -> Self {
+        for (name, value) in others.iter() {
+            self.set(name, value.clone());
+        }
+        self
+    }
+
     /// What was set for `name`.
     pub fn get(&self, name: &str) -> Option<&OptionValue> {
         self.entries

@@ -144,6 +144,7 @@ impl Solver {
         let mut point = Point::new(&self.structure, start)?;
         let exclusive = Exclusive::unless_held().ok_or(Error::Reentrant)?;
         self.prepare_warm_start(start)?;
+        nlp.begin(start.x);
 
         let shim = self.shim.as_ptr();
         let mut context = Context::new(nlp, &self.structure, shim);

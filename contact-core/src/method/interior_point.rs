@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use super::{Effort, Factor, Method, Minimum, Solved, Subproblem};
-use crate::ipopt::{Options, Solution, Solver, Start, Statistics, Status};
+use crate::ipopt::{Options, Run, Sequence, SequenceSettings, Totals};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
 use crate::{Error, Scale, State};
 
@@ -62,14 +62,15 @@ impl InteriorPoint {
         self.tolerance.max(Self::ABOVE_ROUNDOFF * scale.roundoff)
     }
 
-    fn options(&self, warm: bool, subproblem: &Subproblem<'_>) -> Options {
+    /// How Ipopt is to solve a subproblem.
+    fn settings(&self, subproblem: &Subproblem<'_>) -> SequenceSettings {
         let tolerance = self.attainable(&subproblem.scale);
         let Scale {
             length, resolution, ..
         } = subproblem.scale;
         let share = (resolution / length).powi(2);
         let complementarity = (self.complementarity * share).min(tolerance);
-        let mut options = Options::new()
+        let options = Options::new()
             .with("tol", tolerance)
             .with("compl_inf_tol", complementarity)
             .with("acceptable_tol", Self::ATTAINABLE * tolerance)
@@ -78,99 +79,44 @@ impl InteriorPoint {
                 Self::ATTAINABLE * complementarity,
             )
             .with("mu_strategy", "adaptive")
-            .with("nlp_scaling_method", "none");
-        if warm {
-            options.set("max_iter", self.max_warm_iterations);
-            let distance = if subproblem.first {
-                Self::FIRST_PUSH
-            } else {
-                Self::PUSH
-            };
-            for push in [
-                "warm_start_bound_push",
-                "warm_start_bound_frac",
-                "warm_start_slack_bound_push",
-                "warm_start_slack_bound_frac",
-                "warm_start_mult_bound_push",
-            ] {
-                options.set(push, distance);
-            }
-        } else {
-            options.set("max_iter", self.max_iterations);
-        }
-        for (name, value) in self.options.iter() {
-            options.set(name, value.clone());
-        }
-        options
-    }
-
-    /// Solved, or stuck so close to it that round-off is the likely reason.
-    fn is_solved(&self, solution: &Solution, scale: &Scale) -> bool {
-        match solution.status {
-            Status::Solved => true,
-            Status::SolvedToAcceptableLevel | Status::SearchDirectionTooSmall => {
-                solution.multipliers.is_some()
-                    && solution.statistics.scaled_error <= Self::ATTAINABLE * self.attainable(scale)
-            }
-            _ => false,
-        }
-    }
-
-    fn solve(
-        &self,
-        structure: &Structure,
-        scaled: &mut Scaled<'_>,
-        start: &State,
-        warm: bool,
-    ) -> Result<Solution, Error> {
-        let mut solver = Solver::new(structure.clone(), &self.options(warm, &scaled.subproblem))?;
-        let x: Vec<f64> = start.u.iter().map(|u| u / scaled.length).collect();
-        let multipliers = warm.then(|| scaled.multipliers(start));
-        scaled.restart(&start.u);
-        let start = Start {
-            x: &x,
-            multipliers: multipliers.as_ref(),
+            .with("nlp_scaling_method", "none")
+            .with("max_iter", self.max_iterations);
+        let mut warm = Options::new().with("max_iter", self.max_warm_iterations);
+        let push = match subproblem.first {
+            true => Self::FIRST_PUSH,
+            false => Self::PUSH,
         };
-        Ok(solver.solve(scaled, &start)?)
+        for name in [
+            "warm_start_bound_push",
+            "warm_start_bound_frac",
+            "warm_start_slack_bound_push",
+            "warm_start_slack_bound_frac",
+            "warm_start_mult_bound_push",
+        ] {
+            warm.set(name, push);
+        }
+        SequenceSettings {
+            options: options.and(&self.options),
+            warm: warm.and(&self.options),
+            attainable_error: Self::ATTAINABLE * tolerance,
+            ..SequenceSettings::default()
+        }
     }
 }
 
 impl Method for InteriorPoint {
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
-        let structure = structure(subproblem)?;
-        let mut scaled = Scaled::new(subproblem, self.stop.as_deref());
-        let warm = !start.multipliers.is_empty();
         let clock = Instant::now();
-        let mut solution = self.solve(&structure, &mut scaled, start, warm)?;
-        let mut effort = effort(&solution.statistics);
-        if warm && !self.is_solved(&solution, &subproblem.scale) && !scaled.is_stopped() {
-            effort.cold_retries += 1;
-            solution = self.solve(&structure, &mut scaled, start, false)?;
-            effort += self::effort(&solution.statistics);
-        }
-        effort.callbacks = scaled.seconds;
-        effort.optimizer = clock.elapsed().as_secs_f64() - scaled.seconds;
-        let solved = self.is_solved(&solution, &subproblem.scale);
-        Ok(scaled.minimum(solution, solved, effort))
-    }
-}
+        let mut scaled = Scaled::new(subproblem, self.stop.as_deref());
+        let x: Vec<f64> = start.u.iter().map(|u| u / scaled.length).collect();
+        let warm = !start.multipliers.is_empty();
 
-/// What one solve cost, but for its times.
-fn effort(statistics: &Statistics) -> Effort {
-    Effort {
-        solves: 1,
-        iterations: statistics.iterations,
-        factorizations: statistics.factorizations.unwrap_or(0),
-        values: statistics.objective.calls,
-        gradients: statistics.gradient.calls,
-        hessians: statistics.hessian.calls,
-        factor: statistics.mumps.map(|mumps| Factor {
-            ordering: mumps.ordering.name(),
-            bytes: mumps.factor_bytes,
-            workspace_bytes: mumps.workspace_bytes,
-            reallocations: mumps.reallocations,
-        }),
-        ..Effort::default()
+        let mut sequence = Sequence::new(structure(subproblem)?, self.settings(subproblem), &x)?;
+        sequence.restart(&x, warm.then(|| scaled.multipliers(start)));
+        let run = sequence.solve(&mut scaled)?;
+
+        let effort = scaled.effort(sequence.totals(), &run, clock.elapsed().as_secs_f64());
+        Ok(scaled.minimum(run, effort))
     }
 }
 
@@ -209,7 +155,10 @@ struct Scaled<'a> {
     accepted: Vec<f64>,
     trial: Vec<f64>,
     stop: Option<&'a AtomicBool>,
-    /// Seconds spent in here.
+    /// Evaluations, and seconds spent in here.
+    values: usize,
+    gradients: usize,
+    hessians: usize,
     seconds: f64,
 }
 
@@ -228,12 +177,11 @@ impl<'a> Scaled<'a> {
             accepted: vec![0.0; energy.domain_len()],
             trial: vec![0.0; energy.domain_len()],
             stop,
+            values: 0,
+            gradients: 0,
+            hessians: 0,
             seconds: 0.0,
         }
-    }
-
-    fn restart(&mut self, u: &[f64]) {
-        self.subproblem.energy.domain(u, &mut self.accepted);
     }
 
     fn is_stopped(&self) -> bool {
@@ -257,13 +205,35 @@ impl<'a> Scaled<'a> {
         }
     }
 
+    /// What the solves cost, of `wall` seconds in all.
+    fn effort(&self, totals: &Totals, run: &Run, wall: f64) -> Effort {
+        Effort {
+            solves: totals.warm + totals.cold,
+            cold_retries: totals.cold_retries,
+            iterations: totals.iterations,
+            factorizations: totals.factorizations,
+            values: self.values,
+            gradients: self.gradients,
+            hessians: self.hessians,
+            callbacks: self.seconds,
+            optimizer: wall - self.seconds,
+            factor: run.solution.statistics.mumps.map(|mumps| Factor {
+                ordering: mumps.ordering.name(),
+                bytes: mumps.factor_bytes,
+                workspace_bytes: mumps.workspace_bytes,
+                reallocations: mumps.reallocations,
+            }),
+        }
+    }
+
     /// Back in the user's units.
-    fn minimum(&self, solution: Solution, solved: bool, effort: Effort) -> Minimum {
+    fn minimum(&self, run: Run, effort: Effort) -> Minimum {
+        let solution = run.solution;
         let rows = self.subproblem.gaps.len();
         let force = |l: f64| (-l * self.energy / self.length).max(0.0);
         Minimum {
             solved: match solution.status {
-                _ if solved => Solved::Optimal,
+                _ if run.solved => Solved::Optimal,
                 _ if self.is_stopped() => Solved::Interrupted,
                 status => Solved::Failed(status.to_string()),
             },
@@ -290,7 +260,14 @@ impl<'a> Scaled<'a> {
 }
 
 impl Nlp for Scaled<'_> {
+    fn begin(&mut self, x: &[f64]) {
+        self.timed(x, |this| {
+            this.subproblem.energy.domain(&this.u, &mut this.accepted);
+        });
+    }
+
     fn objective(&mut self, x: &[f64], _new_x: bool) -> f64 {
+        self.values += 1;
         self.timed(x, |this| {
             let energy = this.subproblem.energy;
             energy.domain(&this.u, &mut this.trial);
@@ -303,6 +280,7 @@ impl Nlp for Scaled<'_> {
     }
 
     fn gradient(&mut self, x: &[f64], _new_x: bool, gradient: &mut [f64]) {
+        self.gradients += 1;
         self.timed(x, |this| {
             // Ipopt asks for gradients at accepted points only
             this.subproblem.energy.domain(&this.u, &mut this.accepted);
@@ -334,6 +312,7 @@ impl Nlp for Scaled<'_> {
         _multipliers: &[f64],
         values: &mut [f64],
     ) {
+        self.hessians += 1;
         self.timed(x, |this| {
             this.subproblem.energy.hessian(&this.u, values);
             let scale = objective_factor * this.length * this.length / this.energy;

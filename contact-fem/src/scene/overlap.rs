@@ -101,9 +101,8 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
                     .norm()
                     .max((other.data[1] - other.data[0]).norm());
                 let tolerance = problem.scene().overlap_tolerance * size;
-                if let Some((point, depth)) = pierce(&edge, &other.data)
-                    && depth > tolerance
-                {
+                let crossed = pierce(&edge, &other.data).filter(|(_, depth)| *depth > tolerance);
+                if let Some((point, depth)) = crossed {
                     return Err(Error::Crossing {
                         first: a,
                         second: b,

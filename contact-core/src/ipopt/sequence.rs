@@ -1,0 +1,317 @@
+//! Runs of similar problems, each started from the solution of the one before.
+
+use std::fmt;
+
+use super::{Error, OptionValue, Options, Solution, Solver, Start, Statistics, Status};
+use crate::nlp::{Bounds, Multipliers, Nlp, Structure};
+
+/// How the solves of a [`Sequence`] start and when one is given up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Options of all solves.
+    pub options: Options,
+    /// Options of warm solves, in addition; [`Options::warm_start`] by default.
+    pub warm: Options,
+    /// A warm solve has blown up, and is repeated cold, beyond this many times the iterations of the last cold solve,
+    /// but never before [`Settings::LEAST`] iterations.
+    pub blow_up: f64,
+    /// A solve that cannot make progress any more counts as solved if Ipopt's scaled error
+    /// ([`Statistics::scaled_error`]) is at most this; 0 by default.
+    pub attainable_error: f64,
+}
+
+impl Settings {
+    /// Iterations that every warm solve is given.
+    pub const LEAST: usize = 20;
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            options: Options::new(),
+            warm: Options::new().warm_start(),
+            blow_up: 2.0,
+            attainable_error: 0.0,
+        }
+    }
+}
+
+/// Ipopt on a run of similar problems: load steps, parameters, a path.
+///
+/// Each solve starts from x and the multipliers of the last one that was solved. Where that leads nowhere, to another
+/// status than solved or to too many iterations, it is repeated cold from the same x, which is not hidden: see
+/// [`Run::retried`] and [`Totals::cold_retries`]. A solve that both fail leaves the memory as it was.
+///
+/// ```
+/// # use contact_core::ipopt::{Sequence, SequenceSettings};
+/// # use contact_core::nlp::{Bounds, Nlp, Pattern, Structure};
+/// /// min (x − c)² subject to 0 ≤ x ≤ 1.
+/// struct Follow(f64);
+/// # impl Nlp for Follow {
+/// #     fn objective(&mut self, x: &[f64], _: bool) -> f64 { (x[0] - self.0).powi(2) }
+/// #     fn gradient(&mut self, x: &[f64], _: bool, g: &mut [f64]) { g[0] = 2.0 * (x[0] - self.0); }
+/// #     fn constraints(&mut self, _: &[f64], _: bool, _: &mut [f64]) {}
+/// #     fn jacobian(&mut self, _: &[f64], _: bool, _: &mut [f64]) {}
+/// #     fn hessian(&mut self, _: &[f64], _: bool, s: f64, _: &[f64], v: &mut [f64]) { v[0] = 2.0 * s; }
+/// # }
+/// # let structure = Structure::new(
+/// #     Bounds::uniform(1, 0.0, 1.0), Bounds::default(), Pattern::empty(), Some(Pattern::diagonal(1)))?;
+/// let mut sequence = Sequence::new(structure, SequenceSettings::default(), &[0.5])?;
+/// for c in [1.1, 1.2, 1.3] {
+///     let run = sequence.solve(&mut Follow(c))?;
+///     assert!(run.solved && (run.solution.x[0] - 1.0).abs() < 1e-7);
+/// }
+/// assert_eq!(sequence.totals().warm, 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Sequence {
+    settings: Settings,
+    solver: Solver,
+    x: Vec<f64>,
+    /// `None` where the last ones are not those of a problem with this structure.
+    multipliers: Option<Multipliers>,
+    /// Iterations of the last cold solve that solved its problem.
+    cold_iterations: Option<usize>,
+    totals: Totals,
+}
+
+/// One problem of a [`Sequence`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Run {
+    /// The last solve's.
+    pub solution: Solution,
+    /// Whether that is a solution: [`Status::Solved`], or as good as [`Settings::attainable_error`] allows.
+    pub solved: bool,
+    /// Whether it started warm.
+    pub warm: bool,
+    /// How the warm solve ended that it repeats, if it does.
+    pub retried: Option<Retried>,
+}
+
+/// A warm solve that led nowhere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Retried {
+    /// How it ended; [`Status::IterationLimit`] for a blow-up.
+    pub status: Status,
+    /// Its iterations.
+    pub iterations: usize,
+}
+
+/// What all solves of a [`Sequence`] cost together; its `Display` form is one line.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct Totals {
+    /// Problems.
+    pub problems: usize,
+    /// Problems that were not solved.
+    pub failures: usize,
+    /// Solves that started warm.
+    pub warm: usize,
+    /// Solves that started cold, retries included.
+    pub cold: usize,
+    /// Warm solves that were repeated cold.
+    pub cold_retries: usize,
+    /// Iterations of all solves.
+    pub iterations: usize,
+    /// Calls of all functions.
+    pub evaluations: usize,
+    /// Factorisations; 0 where the linear solver does not tell.
+    pub factorizations: usize,
+    /// Wall seconds.
+    pub seconds: f64,
+}
+
+impl Sequence {
+    /// A sequence of problems of this structure; the first is started cold at `x` (n).
+    ///
+    /// # Errors
+    /// An option Ipopt refuses.
+    pub fn new(structure: Structure, settings: Settings, x: &[f64]) -> Result<Self, Error> {
+        let mut solver = Solver::new(structure, &settings.options)?;
+        solver.set_options(&settings.warm_options(None))?; // what is wrong with them is said now
+        Ok(Self {
+            settings,
+            solver,
+            x: x.to_vec(),
+            multipliers: None,
+            cold_iterations: None,
+            totals: Totals::default(),
+        })
+    }
+
+    /// Solves the next problem.
+    ///
+    /// # Errors
+    /// As [`Solver::solve`].
+    ///
+    /// # Panics
+    /// As [`Solver::solve`]; the memory then is what it was before.
+    pub fn solve(&mut self, nlp: &mut dyn Nlp) -> Result<Run, Error> {
+        self.totals.problems += 1;
+        let mut retried = None;
+        if self.multipliers.is_some() {
+            let solution = self.attempt(nlp, true)?;
+            let solved = self.settings.is_solved(&solution);
+            if solved || solution.status == Status::StoppedByUser {
+                return Ok(self.remember(solution, solved, true, None));
+            }
+            self.totals.cold_retries += 1;
+            retried = Some(Retried {
+                status: solution.status,
+                iterations: solution.statistics.iterations,
+            });
+        }
+        let solution = self.attempt(nlp, false)?;
+        let solved = self.settings.is_solved(&solution);
+        if solved {
+            self.cold_iterations = Some(solution.statistics.iterations);
+        }
+        Ok(self.remember(solution, solved, false, retried))
+    }
+
+    /// Other bounds for the problems to come; x and the multipliers stay.
+    ///
+    /// # Errors
+    /// As [`Solver::set_bounds`].
+    pub fn set_bounds(&mut self, variables: Bounds, constraints: Bounds) -> Result<(), Error> {
+        self.solver.set_bounds(variables, constraints)
+    }
+
+    /// Another structure for the problems to come: the next one starts at `x`, warm if `multipliers` of the new
+    /// structure are given, as where constraints come and go and the caller knows which is which.
+    ///
+    /// # Errors
+    /// As [`Sequence::new`]; everything then stays as it was.
+    pub fn set_structure(
+        &mut self,
+        structure: Structure,
+        x: &[f64],
+        multipliers: Option<Multipliers>,
+    ) -> Result<(), Error> {
+        self.solver = Solver::new(structure, &self.settings.options)?;
+        self.restart(x, multipliers);
+        Ok(())
+    }
+
+    /// The next problem starts at `x`, warm if there are `multipliers`.
+    pub fn restart(&mut self, x: &[f64], multipliers: Option<Multipliers>) {
+        self.x = x.to_vec();
+        self.multipliers = multipliers;
+    }
+
+    /// Where the next problem starts.
+    pub fn start(&self) -> Start<'_> {
+        Start {
+            x: &self.x,
+            multipliers: self.multipliers.as_ref(),
+        }
+    }
+
+    /// What all solves have cost so far.
+    pub fn totals(&self) -> &Totals {
+        &self.totals
+    }
+
+    fn attempt(&mut self, nlp: &mut dyn Nlp, warm: bool) -> Result<Solution, Error> {
+        let options = match warm {
+            true => self.settings.warm_options(self.cold_iterations),
+            false => self.settings.options.clone(),
+        };
+        self.solver.set_options(&options)?;
+        let start = Start {
+            x: &self.x,
+            multipliers: self.multipliers.as_ref().filter(|_| warm),
+        };
+        let solution = self.solver.solve(nlp, &start)?;
+        self.totals.count(&solution.statistics, warm);
+        Ok(solution)
+    }
+
+    fn remember(
+        &mut self,
+        solution: Solution,
+        solved: bool,
+        warm: bool,
+        retried: Option<Retried>,
+    ) -> Run {
+        match solved {
+            true => self.restart(&solution.x, solution.multipliers.clone()),
+            false => self.totals.failures += 1,
+        }
+        Run {
+            solution,
+            solved,
+            warm,
+            retried,
+        }
+    }
+}
+
+impl Settings {
+    fn warm_options(&self, cold_iterations: Option<usize>) -> Options {
+        let mut options = self.options.clone();
+        if let Some(iterations) = cold_iterations {
+            let limit = ((self.blow_up * iterations as f64) as usize).max(Self::LEAST);
+            let given = match options.get("max_iter") {
+                Some(&OptionValue::Integer(given)) => usize::try_from(given).unwrap_or(limit),
+                _ => limit,
+            };
+            options.set("max_iter", limit.min(given));
+        }
+        options.and(&self.warm)
+    }
+
+    fn is_solved(&self, solution: &Solution) -> bool {
+        match solution.status {
+            Status::Solved => true,
+            Status::SolvedToAcceptableLevel | Status::SearchDirectionTooSmall => {
+                solution.multipliers.is_some()
+                    && solution.statistics.scaled_error <= self.attainable_error
+            }
+            _ => false,
+        }
+    }
+}
+
+impl Totals {
+    fn count(&mut self, statistics: &Statistics, warm: bool) {
+        match warm {
+            true => self.warm += 1,
+            false => self.cold += 1,
+        }
+        self.iterations += statistics.iterations;
+        self.factorizations += statistics.factorizations.unwrap_or(0);
+        self.seconds += statistics.total.wall;
+        self.evaluations += [
+            &statistics.objective,
+            &statistics.gradient,
+            &statistics.constraints,
+            &statistics.jacobian,
+            &statistics.hessian,
+        ]
+        .iter()
+        .map(|function| function.calls)
+        .sum::<usize>();
+    }
+}
+
+impl fmt::Display for Totals {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} problems ({} not solved), {} warm and {} cold solves ({} of them retries), {} iterations, \
+             {} factorisations, {:.3} s",
+            self.problems,
+            self.failures,
+            self.warm,
+            self.cold,
+            self.cold_retries,
+            self.iterations,
+            self.factorizations,
+            self.seconds
+        )
+    }
+}
