@@ -166,6 +166,8 @@ pub const PROBLEMS: &[Problem] = &[
         },
         optimum: 0.0,
         minimisers: &[&[0.0; 4]],
+        // As in HS026.
+        x_precision: 5e-3,
         ..DEFAULT
     },
 ];

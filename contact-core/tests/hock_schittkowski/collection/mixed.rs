@@ -5,6 +5,8 @@ use crate::{
     problem::{DEFAULT, POSITIVE, Problem, X, ZERO},
 };
 
+use super::planar::ROOT;
+
 pub const PROBLEMS: &[Problem] = &[
     Problem {
         name: "HS032",
@@ -15,6 +17,7 @@ pub const PROBLEMS: &[Problem] = &[
         g_bounds: &[POSITIVE, ZERO],
         optimum: 1.0,
         minimisers: &[&[0.0, 0.0, 1.0]],
+        x_precision: ROOT,
         ..DEFAULT
     },
     Problem {

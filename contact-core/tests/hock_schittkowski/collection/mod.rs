@@ -4,10 +4,12 @@
 //! K. Schittkowski, *More Test Examples for Nonlinear Programming Codes*, Springer, 1987 ("S").
 
 mod bounded;
-mod equalities;
+mod colville;
 mod inequalities;
 mod large;
+mod linear_equalities;
 mod mixed;
+mod nonlinear_equalities;
 mod planar;
 
 use crate::problem::Problem;
@@ -17,10 +19,12 @@ pub fn all() -> impl Iterator<Item = &'static Problem> {
     [
         bounded::PROBLEMS,
         planar::PROBLEMS,
-        equalities::PROBLEMS,
+        linear_equalities::PROBLEMS,
+        nonlinear_equalities::PROBLEMS,
         inequalities::PROBLEMS,
         mixed::PROBLEMS,
         large::PROBLEMS,
+        colville::PROBLEMS,
     ]
     .into_iter()
     .flatten()

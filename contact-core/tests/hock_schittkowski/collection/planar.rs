@@ -6,6 +6,9 @@ use crate::problem::{DEFAULT, FREE, INF, POSITIVE, Problem, ZERO};
 
 use super::bounded::rosenbrock;
 
+/// Where a multiplier and its constraint are both 0, x comes out to the root of Ipopt's final μ = 2.5e-9 only.
+pub const ROOT: f64 = 1e-4;
+
 pub const PROBLEMS: &[Problem] = &[
     Problem {
         name: "HS006",
@@ -47,7 +50,7 @@ pub const PROBLEMS: &[Problem] = &[
         ],
         ..DEFAULT
     },
-    // Periodic: minima at (12 k − 3, 16 k − 4) for all integers k; the start is closest to this one.
+    // Periodic: minima at (12 k − 3, 16 k − 4) for all integers k.
     Problem {
         name: "HS009",
         start: &[0.0, 0.0],
@@ -57,6 +60,7 @@ pub const PROBLEMS: &[Problem] = &[
         g_bounds: &[ZERO],
         optimum: -0.5,
         minimisers: &[&[-3.0, -4.0]],
+        x_precision: INF,
         ..DEFAULT
     },
     Problem {
@@ -78,7 +82,7 @@ pub const PROBLEMS: &[Problem] = &[
         g: |x| vec![x[2] - x[1].powi(2)],
         g_bounds: &[POSITIVE],
         optimum: -8.498_464_223,
-        minimisers: &[&[1.234_773_908, 1.524_666_604]],
+        minimisers: &[&[1.234772825, 1.524663929]],
         ..DEFAULT
     },
     Problem {
@@ -140,6 +144,7 @@ pub const PROBLEMS: &[Problem] = &[
         g_bounds: &[POSITIVE; 2],
         optimum: 1.0,
         minimisers: &[&[0.0, 0.0]],
+        x_precision: ROOT,
         ..DEFAULT
     },
     // x* = (√250, √2.5).
@@ -246,6 +251,29 @@ pub const PROBLEMS: &[Problem] = &[
         g_bounds: &[POSITIVE; 3],
         optimum: -1.0,
         minimisers: &[&[3.0, 1.732_050_808]],
+        ..DEFAULT
+    },
+    Problem {
+        name: "S215",
+        start: &[1.0, 1.0],
+        bounds: &[POSITIVE, FREE],
+        f: |x| x[2],
+        g: |x| vec![x[2] - x[1].powi(2)],
+        g_bounds: &[POSITIVE],
+        optimum: 0.0,
+        minimisers: &[&[0.0, 0.0]],
+        x_precision: ROOT,
+        ..DEFAULT
+    },
+    Problem {
+        name: "S217",
+        start: &[10.0, 10.0],
+        bounds: &[POSITIVE, FREE],
+        f: |x| -x[2],
+        g: |x| vec![1.0 + x[1] - 2.0 * x[2], x[1].powi(2) + x[2].powi(2) - 1.0],
+        g_bounds: &[POSITIVE, ZERO],
+        optimum: -0.8,
+        minimisers: &[&[0.6, 0.8]],
         ..DEFAULT
     },
 ];
