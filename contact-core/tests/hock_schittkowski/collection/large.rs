@@ -183,6 +183,7 @@ pub const PROBLEMS: &[Problem] = &[
         ]],
         ..DEFAULT
     },
+    // Any local minimum is the area of some hexagon of diameter 1. The published one is that of a folded hexagon, √3/2.
     Problem {
         name: "HS108",
         start: &[1.0; 9],
@@ -235,8 +236,8 @@ pub const PROBLEMS: &[Problem] = &[
             0.037348531,
             0.096754172,
         ]],
-        // f is flat: the published x* has half the digits of f*.
-        x_precision: 1e-4,
+        // The published f* is 6e-7 above the minimum, and x* the root of that away from it.
+        x_precision: 1e-3,
         ..DEFAULT
     },
     Problem {
