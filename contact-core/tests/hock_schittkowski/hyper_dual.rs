@@ -135,10 +135,6 @@ impl Sub for HyperDual {
 
 impl Div for HyperDual {
     type Output = Self;
-    #[expect(
-        clippy::suspicious_arithmetic_impl,
-        reason = "a quotient is a product with the inverse"
-    )]
     fn div(self, other: Self) -> Self {
         self * other.powi(-1)
     }

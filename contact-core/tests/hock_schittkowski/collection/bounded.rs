@@ -46,7 +46,7 @@ pub const PROBLEMS: &[Problem] = &[
         minimisers: &[&[1.0, 1.0]],
         ..DEFAULT
     },
-    // The start is in the valley of the other local minimum, f = 4.941229 at (−1.221, 1.5).
+    // There is another local minimum, f = 4.941229 at (−1.221, 1.5).
     Problem {
         name: "HS002",
         start: &[-2.0, 1.0],

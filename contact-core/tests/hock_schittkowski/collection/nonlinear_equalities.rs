@@ -1,6 +1,6 @@
 //! Three to five variables and nonlinear equalities, with bounds or without.
 
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use crate::{
     hyper_dual::HyperDual,
@@ -75,8 +75,8 @@ pub const PROBLEMS: &[Problem] = &[
         g_bounds: &[ZERO; 3],
         optimum: -0.25,
         minimisers: &[
-            &[0.793_700_526, 0.707_106_781, 0.529_731_547, 0.840_896_415],
-            &[0.793_700_526, 0.707_106_781, -0.529_731_547, -0.840_896_415],
+            &[0.793_700_526, FRAC_1_SQRT_2, 0.529_731_547, 0.840_896_415],
+            &[0.793_700_526, FRAC_1_SQRT_2, -0.529_731_547, -0.840_896_415],
         ],
         ..DEFAULT
     },

@@ -171,7 +171,7 @@ pub const PROBLEMS: &[Problem] = &[
             ]
         },
         g_bounds: &[POSITIVE; 2],
-        optimum: -6961.813_81,
+        optimum: -6_961.813_81,
         minimisers: &[&[14.095, 0.842_960_79]],
         ..DEFAULT
     },
