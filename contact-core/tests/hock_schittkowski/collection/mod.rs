@@ -1,7 +1,7 @@
 //! The collection, by number of variables and kind of constraints.
 //!
 //! W. Hock, K. Schittkowski, *Test Examples for Nonlinear Programming Codes*, Springer, 1981 ("HS"), and
-//! K. Schittkowski, *More Test Examples for Nonlinear Programming Codes*, Springer, 1987 ("S"). HS013 is a variant.
+//! K. Schittkowski, *More Test Examples for Nonlinear Programming Codes*, Springer, 1987 ("S"). HS013 is among the variants.
 
 mod bounded;
 mod colville;
