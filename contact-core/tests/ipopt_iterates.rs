@@ -1,15 +1,15 @@
 //! What a solve tells while it runs and when it is done.
 #![cfg(feature = "ipopt")]
 
-mod ipopt_problems;
+mod common;
 
 use std::{cell::RefCell, collections::HashMap, ops::ControlFlow};
 
+use common::*;
 use contact_core::{
     ipopt::{Options, Solution, Solver, Start, Status},
     nlp::{Bounds, Iterate, IterationRecord, Multipliers, Nlp, Phase, Structure},
 };
-use ipopt_problems::*;
 
 /// All that was seen of an iterate.
 #[derive(Debug)]

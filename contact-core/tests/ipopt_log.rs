@@ -1,7 +1,7 @@
 //! The log: to the `log` crate, and nowhere else. Alone in its process, which has but one logger.
 #![cfg(feature = "ipopt")]
 
-mod ipopt_problems;
+mod common;
 
 use std::{
     env,
@@ -11,8 +11,8 @@ use std::{
     sync::Mutex,
 };
 
+use common::*;
 use contact_core::ipopt::{Options, Solver, Start, Status};
-use ipopt_problems::*;
 
 struct Capture(Mutex<Vec<String>>);
 

@@ -1,12 +1,12 @@
 //! An `ipopt.opt` in the working directory. Alone in its process, whose working directory it changes.
 #![cfg(feature = "ipopt")]
 
-mod ipopt_problems;
+mod common;
 
 use std::{env, fs, process};
 
+use common::*;
 use contact_core::ipopt::{Options, Solver, Start, Status};
-use ipopt_problems::*;
 
 #[test]
 fn an_option_file_is_read_on_request_only() {

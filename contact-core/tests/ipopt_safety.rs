@@ -1,7 +1,7 @@
 //! What a careless caller can do to Ipopt, and what comes of it.
 #![cfg(feature = "ipopt")]
 
-mod ipopt_problems;
+mod common;
 
 use std::{
     ops::ControlFlow,
@@ -10,11 +10,11 @@ use std::{
     thread,
 };
 
+use common::*;
 use contact_core::{
     ipopt::{Error, OptionError, Options, Scaling, Solver, Start, Status},
     nlp::{Bounds, Multipliers, Nlp, NlpError, Pattern, Structure},
 };
-use ipopt_problems::*;
 
 #[test]
 fn eight_threads_at_once() {

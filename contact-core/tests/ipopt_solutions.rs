@@ -1,18 +1,18 @@
 //! The driver against solutions known from elsewhere.
 #![cfg(feature = "ipopt")]
 
-mod ipopt_problems;
+mod common;
 
 use std::{
     ops::ControlFlow,
     time::{Duration, Instant},
 };
 
+use common::*;
 use contact_core::{
     ipopt::{Options, Scaling, Solver, Start, Status},
     nlp::{Bounds, Nlp, Pattern, Structure},
 };
-use ipopt_problems::*;
 
 #[test]
 fn hs071_has_the_published_solution() {

@@ -1,5 +1,4 @@
-//! Problems with solutions known from elsewhere: a module of the other tests, none of its own.
-#![cfg(feature = "ipopt")]
+//! Problems with solutions known from elsewhere: a module of the other tests, in a folder so that it is no test itself.
 #![allow(dead_code, missing_docs)]
 
 use std::ops::ControlFlow;
