@@ -2,12 +2,13 @@
 
 CARGO ?= cargo
 
-.PHONY: help install demo test test-ipopt-3.14 lint bench msrv bindings
+.PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead msrv bindings
 
 help:
 	@echo "make demo   the paper's disc-in-disc: pictures, curves and files for ParaView"
 	@echo "make test   all tests of all crates, with and without optional features"
 	@echo "make test-ipopt-3.14   the tests of the Ipopt binding with a binary Ipopt 3.14, fetched aside"
+	@echo "make valgrind   the tests of the Ipopt binding under memcheck"
 	@echo "make lint   formatting, clippy and documentation, warnings as errors"
 	@echo "make bench  times the disc-in-disc"
 	@echo "make msrv   compiles with the oldest Rust that is promised to do"
@@ -33,6 +34,9 @@ test: install
 
 test-ipopt-3.14: install
 	@./scripts/test_ipopt_3_14.sh
+
+valgrind: install
+	@./scripts/valgrind.sh
 
 lint: install
 	$(CARGO) fmt --all --check
