@@ -11,6 +11,7 @@ help:
 	@echo "make valgrind   the tests of the Ipopt binding under memcheck"
 	@echo "make lint   formatting, clippy and documentation, warnings as errors"
 	@echo "make bench  times the disc-in-disc"
+	@echo "make bench-overhead   what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make msrv   compiles with the oldest Rust that is promised to do"
 	@echo "make bindings   renews the bindings to Ipopt kept in the source"
 
@@ -45,6 +46,9 @@ lint: install
 
 bench: install
 	$(CARGO) bench --bench disc_in_disc
+
+bench-overhead: install
+	$(CARGO) bench -p contact-core --bench overhead
 
 msrv: install
 	@./scripts/msrv.sh
