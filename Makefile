@@ -2,14 +2,16 @@
 
 CARGO ?= cargo
 
-.PHONY: help install demo test test-ipopt-3.14 lint bench msrv bindings
+.PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead msrv bindings
 
 help:
 	@echo "make demo   the paper's disc-in-disc: pictures, curves and files for ParaView"
 	@echo "make test   all tests of all crates, with and without optional features"
 	@echo "make test-ipopt-3.14   the tests of the Ipopt binding with a binary Ipopt 3.14, fetched aside"
+	@echo "make valgrind   the tests of the Ipopt binding under memcheck"
 	@echo "make lint   formatting, clippy and documentation, warnings as errors"
 	@echo "make bench  times the disc-in-disc"
+	@echo "make bench-overhead   what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make msrv   compiles with the oldest Rust that is promised to do"
 	@echo "make bindings   renews the bindings to Ipopt kept in the source"
 
@@ -34,6 +36,9 @@ test: install
 test-ipopt-3.14: install
 	@./scripts/test_ipopt_3_14.sh
 
+valgrind: install
+	@./scripts/valgrind.sh
+
 lint: install
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets --all-features -- -D warnings
@@ -41,6 +46,9 @@ lint: install
 
 bench: install
 	$(CARGO) bench --bench disc_in_disc
+
+bench-overhead: install
+	$(CARGO) bench -p contact-core --bench overhead
 
 msrv: install
 	@./scripts/msrv.sh

@@ -1,7 +1,7 @@
 //! Hock and Schittkowski 71 through Ipopt's own C interface and through the shim: the published solution from both.
 
 use std::{
-    ffi::{CString, c_int, c_void},
+    ffi::{CStr, c_int, c_void},
     ptr, slice,
     sync::Mutex,
 };
@@ -150,7 +150,8 @@ mod plain {
         let mut bounds = ([1.0; 4], [5.0; 4], [25.0, 40.0], [2e19, 40.0]);
         let mut x = [1.0, 5.0, 5.0, 1.0];
         let (mut lambda, mut value) = ([0.0; 2], 0.0);
-        let option = |text| CString::new(text).expect("no NUL").into_raw();
+        // Ipopt reads them only, whatever the types of its interface say.
+        let text = |text: &'static CStr| text.as_ptr().cast_mut();
         // SAFETY: sizes fit, and the callbacks are those above; no Hessian is asked for.
         let status = unsafe {
             let problem = CreateIpoptProblem(
@@ -172,11 +173,11 @@ mod plain {
             assert!(!problem.is_null());
             AddIpoptStrOption(
                 problem,
-                option("hessian_approximation"),
-                option("limited-memory"),
+                text(c"hessian_approximation"),
+                text(c"limited-memory"),
             );
-            AddIpoptStrOption(problem, option("sb"), option("yes"));
-            AddIpoptIntOption(problem, option("print_level"), 0);
+            AddIpoptStrOption(problem, text(c"sb"), text(c"yes"));
+            AddIpoptIntOption(problem, text(c"print_level"), 0);
             let null = ptr::null_mut();
             let status = IpoptSolve(
                 problem,

@@ -1,8 +1,9 @@
 //! What is said about the version holds for the Ipopt at hand.
 
 use std::{
-    ffi::{CStr, c_int, c_void},
-    ptr,
+    ffi::{CStr, c_char, c_int, c_void},
+    io::{Write, stderr},
+    ptr, slice,
 };
 
 use ipopt_sys::*;
@@ -30,8 +31,8 @@ impl Shim {
         unsafe { ipopt_shim_set_text(self.0, option.as_ptr(), value.as_ptr()) == 1 }
     }
 
-    /// The status of a solve in which every function fails.
-    fn fail(&self, lower: f64, upper: f64) -> c_int {
+    /// The status of a solve in which every function fails, and the log.
+    fn fail(&self, lower: f64, upper: f64) -> (c_int, String) {
         unsafe extern "C" fn scalar(_: *mut c_void, _: *const f64, _: c_int, _: *mut f64) -> c_int {
             0
         }
@@ -49,7 +50,20 @@ impl Shim {
         unsafe extern "C" fn go_on(_: *mut c_void, _: *const ipopt_shim_iteration) -> c_int {
             1
         }
+        unsafe extern "C" fn log(user: *mut c_void, text: *const c_char, length: usize) {
+            // SAFETY: `user` is the log below, and the text has this length.
+            let (log, text) = unsafe {
+                (
+                    &mut *user.cast::<Vec<u8>>(),
+                    slice::from_raw_parts(text.cast(), length),
+                )
+            };
+            log.extend_from_slice(text);
+        }
+        let mut written = Vec::new();
         let table = ipopt_shim_callbacks {
+            user: (&raw mut written).cast(),
+            log: Some(log),
             objective: Some(scalar),
             gradient: Some(scalar),
             constraints: Some(scalar),
@@ -66,11 +80,12 @@ impl Shim {
             ..Default::default()
         };
         let mut statistics = ipopt_shim_statistics::default();
-        // SAFETY: one value each, and a table of callbacks that read nothing.
-        unsafe {
+        // SAFETY: one value each, and a table of callbacks that reach nothing but the log.
+        let status = unsafe {
             ipopt_shim_set_bounds(self.0, &lower, &upper, ptr::null(), ptr::null());
             ipopt_shim_solve(self.0, &table, &mut point, &mut statistics)
-        }
+        };
+        (status, String::from_utf8_lossy(&written).into_owned())
     }
 }
 
@@ -106,12 +121,21 @@ fn the_library_is_of_the_version_of_the_headers() {
     } else {
         ApplicationReturnStatus_Unrecoverable_Exception
     };
-    assert_eq!(shim.fail(1.0, -1.0), invalid);
-    assert_eq!(
-        shim.fail(-1.0, 1.0),
-        ApplicationReturnStatus_Invalid_Number_Detected
-    );
+    assert_eq!(shim.fail(1.0, -1.0).0, invalid);
+    let (status, log) = shim.fail(-1.0, 1.0);
+    assert_eq!(status, ApplicationReturnStatus_Invalid_Number_Detected);
     assert_eq!(library_version(), Some(HEADER_VERSION));
+
+    // The library's own words, also to the terminal, where they say what was tested.
+    let banner = log
+        .lines()
+        .find(|line| line.starts_with("This is Ipopt"))
+        .expect("Ipopt announces itself");
+    let (major, minor, release) = HEADER_VERSION;
+    let version = format!("This is Ipopt version {major}.{minor}.{release}, ");
+    assert!(banner.starts_with(&version), "{banner}");
+    // A test must not fail for want of a terminal.
+    let _ = stderr().write_all(format!("{banner}\n").as_bytes());
 }
 
 #[test]
