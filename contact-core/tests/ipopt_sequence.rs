@@ -8,9 +8,8 @@ use contact_core::{
     nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure},
 };
 
-#[path = "ipopt_problems.rs"]
-mod problems;
-use problems::{HS071_START, Hs071, assert_close, hs071_solver, hs071_structure};
+mod common;
+use common::{HS071_START, Hs071, assert_close, hs071_solver, hs071_structure};
 
 /// Young's modulus, so large that the forces of the problem are about 1, as tolerances expect.
 const E: f64 = 1e3;
@@ -425,8 +424,8 @@ fn a_stop_is_no_failure_to_repeat() {
     let mut sequence =
         Sequence::new(hs071_structure(), SequenceSettings::default(), &HS071_START).unwrap();
     sequence.solve(&mut Hs071).unwrap();
-    let mut stopping = problems::Watched::new(Hs071, |function| match function {
-        problems::Function::Iterate => ControlFlow::Break(()),
+    let mut stopping = common::Watched::new(Hs071, |function| match function {
+        common::Function::Iterate => ControlFlow::Break(()),
         _ => ControlFlow::Continue(()),
     });
     let run = sequence.solve(&mut stopping).unwrap();
