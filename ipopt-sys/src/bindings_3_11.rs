@@ -510,6 +510,14 @@ unsafe extern "C" {
         text: *mut ::std::os::raw::c_char,
         size: usize,
     );
+    #[doc = " Its type, and its default: in `number`, or in `text` of `size` bytes with the final 0."]
+    pub fn ipopt_shim_option_default(
+        shim: *mut ipopt_shim,
+        name: *const ::std::os::raw::c_char,
+        number: *mut f64,
+        text: *mut ::std::os::raw::c_char,
+        size: usize,
+    ) -> ::std::os::raw::c_int;
     #[doc = " Back to Ipopt's defaults."]
     pub fn ipopt_shim_clear_options(shim: *mut ipopt_shim);
     #[doc = " 1 if set, 0 if Ipopt has no such option or refuses the value. Prints nothing."]

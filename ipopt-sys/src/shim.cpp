@@ -500,6 +500,21 @@ void ipopt_shim_option_range(ipopt_shim *shim, const char *name, char *text, siz
     });
 }
 
+int ipopt_shim_option_default(ipopt_shim *shim, const char *name, double *number, char *text, size_t size) {
+    return guarded(IPOPT_SHIM_OPTION_UNKNOWN, [&] {
+        const int type = ipopt_shim_option_type(shim, name);
+        const auto option = registered(*shim, name);
+        if (type == IPOPT_SHIM_OPTION_NUMBER) {
+            *number = option->DefaultNumber();
+        } else if (type == IPOPT_SHIM_OPTION_INTEGER) {
+            *number = option->DefaultInteger();
+        } else if (type == IPOPT_SHIM_OPTION_TEXT) {
+            std::snprintf(text, size, "%s", option->DefaultString().c_str());
+        }
+        return type;
+    });
+}
+
 void ipopt_shim_clear_options(ipopt_shim *shim) {
     guarded(0, [&] {
         shim->options->Options()->clear();

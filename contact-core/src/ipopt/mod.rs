@@ -58,13 +58,20 @@ mod status;
 use thiserror::Error;
 
 pub use self::{
-    options::{OptionError, OptionValue, Options},
+    options::*,
     solver::{Solution, Solver},
     start::{Scaling, Start},
     statistics::{CallbackStatistics, Statistics, Time},
     status::Status,
 };
 use crate::nlp::NlpError;
+
+/// The version of Ipopt's headers that this was compiled with, such as (3, 11, 9).
+pub const VERSION: (u32, u32, u32) = (
+    ipopt_sys::IPOPT_VERSION_MAJOR,
+    ipopt_sys::IPOPT_VERSION_MINOR,
+    ipopt_sys::IPOPT_VERSION_RELEASE,
+);
 
 /// Misuse of the driver. How a solve went is a [`Status`].
 #[derive(Debug, Clone, PartialEq, Error)]

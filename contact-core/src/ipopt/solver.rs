@@ -99,6 +99,14 @@ impl Solver {
         Ok(())
     }
 
+    /// Ipopt's own default of an option; `None` if this version has no such option. What the driver sets instead is
+    /// in the table of [`Options`].
+    pub fn ipopt_default(&self, name: &str) -> Option<OptionValue> {
+        let _exclusive = Exclusive::wait();
+        // SAFETY: the shim is valid, and Ipopt locked.
+        unsafe { options::default_of(self.shim.as_ptr(), name) }
+    }
+
     /// Replaces the bounds.
     ///
     /// # Errors
