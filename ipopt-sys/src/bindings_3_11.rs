@@ -178,7 +178,7 @@ const _: () = {
     ["Offset of field: ipopt_shim_iteration::line_search_trials"]
         [::std::mem::offset_of!(ipopt_shim_iteration, line_search_trials) - 72usize];
 };
-#[doc = " The problem's functions. Each returns 0 when it fails; `intermediate` returns 0 to stop.\n  None may unwind, and none is called while another runs. `log` may be NULL: then no text is made at all."]
+#[doc = " The problem's functions. Each returns 0 when it fails; `intermediate` returns 0 to stop.\n  None may unwind, and none is called while another runs. `log` may be NULL: then no text is made at all.\n  `derivative_check` gets what Ipopt's derivative checker says, whatever `print_level` is; it may be NULL too."]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct ipopt_shim_callbacks {
@@ -239,10 +239,17 @@ pub struct ipopt_shim_callbacks {
             length: usize,
         ),
     >,
+    pub derivative_check: ::std::option::Option<
+        unsafe extern "C" fn(
+            user: *mut ::std::os::raw::c_void,
+            text: *const ::std::os::raw::c_char,
+            length: usize,
+        ),
+    >,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of ipopt_shim_callbacks"][::std::mem::size_of::<ipopt_shim_callbacks>() - 64usize];
+    ["Size of ipopt_shim_callbacks"][::std::mem::size_of::<ipopt_shim_callbacks>() - 72usize];
     ["Alignment of ipopt_shim_callbacks"][::std::mem::align_of::<ipopt_shim_callbacks>() - 8usize];
     ["Offset of field: ipopt_shim_callbacks::user"]
         [::std::mem::offset_of!(ipopt_shim_callbacks, user) - 0usize];
@@ -260,6 +267,8 @@ const _: () = {
         [::std::mem::offset_of!(ipopt_shim_callbacks, intermediate) - 48usize];
     ["Offset of field: ipopt_shim_callbacks::log"]
         [::std::mem::offset_of!(ipopt_shim_callbacks, log) - 56usize];
+    ["Offset of field: ipopt_shim_callbacks::derivative_check"]
+        [::std::mem::offset_of!(ipopt_shim_callbacks, derivative_check) - 64usize];
 };
 impl Default for ipopt_shim_callbacks {
     fn default() -> Self {

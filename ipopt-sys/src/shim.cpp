@@ -69,8 +69,10 @@ namespace {
 /** Ipopt's log, as text, to a callback. */
 class LogJournal : public Journal {
 public:
-    LogJournal(EJournalLevel level, const ipopt_shim_callbacks &callbacks, const Current &current)
-        : Journal("ipopt_shim_log", level), callbacks_(callbacks), current_(current) {}
+    typedef void (*Sink)(void *user, const char *text, size_t length);
+
+    LogJournal(const char *name, EJournalLevel level, Sink sink, void *user, const Current &current)
+        : Journal(name, level), sink_(sink), user_(user), current_(current) {}
 
 protected:
     void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override { send(text, std::strlen(text)); }
@@ -93,11 +95,12 @@ protected:
 private:
     void send(const char *text, size_t length) {
         if (!current_.set()) {
-            callbacks_.log(callbacks_.user, text, length);
+            sink_(user_, text, length);
         }
     }
 
-    const ipopt_shim_callbacks &callbacks_;
+    const Sink sink_;
+    void *const user_;
     const Current &current_;
 };
 
@@ -383,7 +386,14 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
     if (callbacks.log != nullptr) {
         Index level = 0;
         shim.options->Options()->GetIntegerValue("print_level", level, "");
-        journalist->AddJournal(new LogJournal(static_cast<EJournalLevel>(level), callbacks, shim.current));
+        journalist->AddJournal(new LogJournal("ipopt_shim_log", static_cast<EJournalLevel>(level), callbacks.log,
+                                              callbacks.user, shim.current));
+    }
+    if (callbacks.derivative_check != nullptr) {
+        SmartPtr<Journal> checker = new LogJournal("ipopt_shim_derivative_check", J_NONE, callbacks.derivative_check,
+                                                   callbacks.user, shim.current);
+        checker->SetPrintLevel(J_NLP, J_WARNING);
+        journalist->AddJournal(checker);
     }
     std::string linear_solver;
     shim.options->Options()->GetStringValue("linear_solver", linear_solver, "");

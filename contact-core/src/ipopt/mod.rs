@@ -47,8 +47,10 @@
 //! - **Signs**: see [`nlp`](crate::nlp). Bounds are kept exactly (`bound_relax_factor` 0).
 
 mod callbacks;
+mod derivatives;
 mod iterate;
 mod lock;
+mod log;
 mod options;
 mod solver;
 mod start;
@@ -58,6 +60,8 @@ mod status;
 use thiserror::Error;
 
 pub use self::{
+    derivatives::DerivativeCheck,
+    log::{Log, LogError},
     options::*,
     solver::{Solution, Solver},
     start::{Scaling, Start},
@@ -89,6 +93,15 @@ pub enum Error {
          option out (it is set to \"yes\" for a start with multipliers)"
     )]
     MissingMultipliers,
+    /// A [`Scaling`] was given, and an option says that it is not to be used.
+    #[error(
+        "a scaling was given, but the option `nlp_scaling_method` is set to {method}, which ignores it: leave the \
+         option out (it is set to \"user-scaling\" for a solver with a scaling), or call `clear_scaling`"
+    )]
+    UnusedScaling {
+        /// What the option is set to.
+        method: OptionValue,
+    },
     /// A callback tried to start a solve.
     #[error(
         "a solve was started inside a callback of another: Ipopt is not reentrant; collect what it needs and solve afterwards"

@@ -23,7 +23,18 @@ impl<'a> Start<'a> {
     }
 }
 
-/// Factors Ipopt applies with the option `nlp_scaling_method` at "user-scaling", and only then.
+/// Factors by which Ipopt multiplies f, x and g before it solves: see [`Solver::set_scaling`](super::Solver::set_scaling).
+/// They change the path and what `tol` means, not the problem: a [`Solution`](super::Solution) is unscaled. Choose them
+/// so that the derivatives become about 1.
+///
+/// ```
+/// # use contact_core::ipopt::Scaling;
+/// let scaling = Scaling {
+///     objective: 1e3,                         // f is in kJ
+///     variables: Some(vec![1.0, 1e3]),        // x is in m and mm
+///     constraints: None,
+/// };
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scaling {
     /// Of f.
