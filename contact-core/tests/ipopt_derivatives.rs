@@ -242,6 +242,7 @@ fn a_check_that_cannot_end_is_not_clean() {
         .max_iter(0);
     let mut solver = Solver::new(structure.clone(), &options).unwrap();
     let solution = solver.solve(&mut Root, &Start::at(&at)).unwrap();
+    assert_eq!(solution.status, Status::UnrecoverableException);
     let check = solution.derivative_check.unwrap();
     assert_eq!(check.announced, None, "{check:?}");
     assert!(!check.is_clean());

@@ -5,55 +5,29 @@ use std::{fmt, ops::ControlFlow, panic::resume_unwind, ptr::NonNull, time::Insta
 use ipopt_sys as sys;
 
 use super::{
-    DerivativeCheck, Error, Log, LogError, OptionValue, Options, Scaling, Start, Statistics,
-    Status,
+    Error, Log, OptionValue, Options, Solution, Start, Status,
     callbacks::{Context, Watch},
     derivatives::Reader,
     lock::Exclusive,
     log::Sink,
     options,
+    scaling::{USER_SCALING, scaling_is_used},
     start::Point,
 };
-use crate::nlp::{Bounds, Iterate, IterationRecord, Multipliers, Nlp, Pattern, Phase, Structure};
-
-/// How a solve ended, and where.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct Solution {
-    /// How it ended. Look at it first.
-    pub status: Status,
-    /// x; the start if Ipopt ended without a final point.
-    pub x: Vec<f64>,
-    /// f(x), unscaled; NaN if Ipopt ended without a final point.
-    pub objective: f64,
-    /// g(x); NaN if Ipopt ended without a final point.
-    pub g: Vec<f64>,
-    /// The multipliers at x, `None` where Ipopt has none worth the name: after an invalid number, a time limit, in
-    /// the restoration phase, or with nothing to iterate because all variables are fixed. For fixed variables among
-    /// others Ipopt has them since 3.14, and zeros before.
-    pub multipliers: Option<Multipliers>,
-    /// What it cost.
-    pub statistics: Statistics,
-    /// Every iteration, the starting point first.
-    pub history: Vec<IterationRecord>,
-    /// What the derivative checker found, if [`Options::derivative_test`] asked for it.
-    pub derivative_check: Option<DerivativeCheck>,
-    /// Why a [`Log::Writer`] has not got all of the log, if so.
-    pub log_error: Option<LogError>,
-}
+use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Phase, Structure};
 
 /// Ipopt for one [`Structure`], for as many solves as wanted.
 ///
 /// It may move between threads; solves of the whole process run one after the other. Between solves it holds the
 /// pattern and the options, not the memory of the linear solver.
 pub struct Solver {
-    shim: NonNull<sys::ipopt_shim>,
-    structure: Structure,
+    pub(super) shim: NonNull<sys::ipopt_shim>,
+    pub(super) structure: Structure,
     /// What the caller set.
-    options: Options,
+    pub(super) options: Options,
     log: Log,
-    /// Whether the shim has a [`Scaling`].
-    scaled: bool,
+    /// Whether the shim has a [`Scaling`](super::Scaling).
+    pub(super) scaled: bool,
 }
 
 // SAFETY: the shim has no ties to a thread, and whatever it shares with others of its kind is used under the
@@ -106,7 +80,7 @@ impl Solver {
     ///
     /// # Errors
     /// [`Error::Option`] names the option Ipopt refuses; the ones before it are set then. [`Error::UnusedScaling`]
-    /// if the solver has a [`Scaling`] and `nlp_scaling_method` is set to something else.
+    /// if the solver has a [`Scaling`](super::Scaling) and `nlp_scaling_method` is set to something else.
     pub fn set_options(&mut self, options: &Options) -> Result<(), Error> {
         if self.scaled {
             scaling_is_used(options)?;
@@ -151,48 +125,6 @@ impl Solver {
         self.structure.set_bounds(variables, constraints)?;
         self.copy_bounds();
         Ok(())
-    }
-
-    /// Scales the problem by these factors, in every solve until [`Solver::clear_scaling`]: sets the option
-    /// `nlp_scaling_method` to "user-scaling" unless it is set already.
-    ///
-    /// # Errors
-    /// [`NlpError`](crate::nlp::NlpError) unless each factor is finite and positive (that of f may be negative, to
-    /// maximise), and there are as many as variables or constraints. [`Error::UnusedScaling`] if `nlp_scaling_method`
-    /// is set to something else. The factors then stay as they were.
-    pub fn set_scaling(&mut self, scaling: &Scaling) -> Result<(), Error> {
-        scaling.validate(&self.structure)?;
-        scaling_is_used(&self.options)?;
-        let (x, g) = (scaling.variables.as_deref(), scaling.constraints.as_deref());
-        self.copy_scaling(scaling.objective, x, g)?;
-        self.scaled = true;
-        let _exclusive = Exclusive::wait();
-        self.apply_one("nlp_scaling_method", &USER_SCALING.into())
-    }
-
-    /// Back to what the option `nlp_scaling_method` says, or to Ipopt's default.
-    ///
-    /// # Errors
-    /// As [`Solver::set_options`], but the options were taken before.
-    pub fn clear_scaling(&mut self) -> Result<(), Error> {
-        self.copy_scaling(1.0, None, None)?;
-        self.scaled = false;
-        self.set_options(&self.options.clone())
-    }
-
-    fn copy_scaling(
-        &mut self,
-        objective: f64,
-        x: Option<&[f64]>,
-        g: Option<&[f64]>,
-    ) -> Result<(), Error> {
-        let pointer = |values: Option<&[f64]>| values.map_or(std::ptr::null(), <[f64]>::as_ptr);
-        let shim = self.shim.as_ptr();
-        // SAFETY: the shim is valid, and the arrays have n and m values.
-        match unsafe { sys::ipopt_shim_set_scaling(shim, objective, pointer(x), pointer(g)) } {
-            0 => Err(Error::OutOfMemory),
-            _ => Ok(()),
-        }
     }
 
     /// Solves `nlp` from `start`.
@@ -292,7 +224,7 @@ impl Solver {
     }
 
     /// The caller has locked Ipopt.
-    fn apply_one(&mut self, name: &str, value: &OptionValue) -> Result<(), Error> {
+    pub(super) fn apply_one(&mut self, name: &str, value: &OptionValue) -> Result<(), Error> {
         // SAFETY: the shim is valid, and Ipopt locked.
         Ok(unsafe { options::apply_one(self.shim.as_ptr(), name, value) }?)
     }
@@ -352,17 +284,6 @@ impl fmt::Debug for Solver {
         f.debug_struct("Solver")
             .field("structure", &self.structure)
             .finish_non_exhaustive()
-    }
-}
-
-const USER_SCALING: &str = "user-scaling";
-
-fn scaling_is_used(options: &Options) -> Result<(), Error> {
-    match options.get("nlp_scaling_method") {
-        Some(method) if *method != USER_SCALING.into() => Err(Error::UnusedScaling {
-            method: method.clone(),
-        }),
-        _ => Ok(()),
     }
 }
 
