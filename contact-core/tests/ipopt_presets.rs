@@ -4,7 +4,10 @@
 mod ipopt_problems;
 
 use contact_core::{
-    ipopt::{Error, LimitedMemoryUpdate, OptionError, Options, Solution, Solver, Start, Status},
+    ipopt::{
+        DerivativeTest, Error, LimitedMemoryUpdate, OptionError, Options, Solution, Solver, Start,
+        Status,
+    },
     nlp::{Bounds, Nlp, Pattern, Structure},
 };
 use ipopt_problems::*;
@@ -122,12 +125,37 @@ fn a_curved_valley_with_and_without_its_hessian() {
 }
 
 #[test]
-fn newton_needs_a_hessian() {
-    let structure = Structure::new(Bounds::free(2), Bounds::default(), Pattern::empty(), None);
-    let error = Solver::new(structure.unwrap(), &Options::new().newton()).unwrap_err();
-    assert!(
-        matches!(&error, Error::Option(OptionError::Invalid { name, .. }) if name == "hessian_approximation")
-    );
+fn what_needs_a_hessian_is_refused_without_one() {
+    let structure =
+        Structure::new(Bounds::free(2), Bounds::default(), Pattern::empty(), None).unwrap();
+    for (options, refused) in [
+        (Options::new().newton(), "hessian_approximation"),
+        (
+            Options::new().derivative_test(DerivativeTest::SecondOrder),
+            "derivative_test",
+        ),
+        (
+            Options::new().derivative_test(DerivativeTest::OnlySecondOrder),
+            "derivative_test",
+        ),
+    ] {
+        let error = Solver::new(structure.clone(), &options).unwrap_err();
+        assert!(
+            matches!(&error, Error::Option(OptionError::Invalid { name, .. }) if name == refused),
+            "{error}"
+        );
+    }
+    // What remains does not ask for it.
+    let options = Options::new()
+        .quadratic()
+        .least_change(6, LimitedMemoryUpdate::Bfgs)
+        .derivative_test(DerivativeTest::FirstOrder);
+    let mut solver = Solver::new(structure, &options).unwrap();
+    let mut nlp = Separable::new(&[1.0, -2.0]);
+    let solution = solver.solve(&mut nlp, &Start::at(&[0.0; 2])).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert_close(&solution.x, &[1.0, -2.0], 1e-6);
+    assert!(solution.derivative_check.unwrap().is_clean());
 }
 
 /// min ½ (x − 3)² subject to arctan(x − 3) = 0: a nonconvex set to Ipopt, with full Newton steps that overshoot from

@@ -55,19 +55,28 @@ pub(in crate::ipopt) unsafe fn apply(
     for (name, value) in options.iter() {
         // SAFETY: as above.
         unsafe { apply_one(shim, name, value) }?;
-        if name == "hessian_approximation"
-            && structure.hessian().is_none()
-            && *value != "limited-memory".into()
-        {
-            // Ipopt would take the Hessian for zero.
-            return Err(OptionError::Invalid {
-                name: name.to_owned(),
-                value: value.clone(),
-                expected: "\"limited-memory\", as the structure has no Hessian".to_owned(),
-            });
+        if structure.hessian().is_none() {
+            fits_without_hessian(name, value)?;
         }
     }
     Ok(())
+}
+
+/// Without a Hessian Ipopt would take it for zero, in the solve and in its derivative checker.
+fn fits_without_hessian(name: &str, value: &OptionValue) -> Result<(), OptionError> {
+    let fitting: &[&str] = match name {
+        "hessian_approximation" => &["limited-memory"],
+        "derivative_test" => &["none", "first-order"],
+        _ => return Ok(()),
+    };
+    if fitting.iter().any(|&word| *value == word.into()) {
+        return Ok(());
+    }
+    Err(OptionError::Invalid {
+        name: name.to_owned(),
+        value: value.clone(),
+        expected: format!("{fitting:?}, as the structure has no Hessian"),
+    })
 }
 
 /// # Safety

@@ -136,7 +136,8 @@ impl Options {
     }
 
     /// For convex quadratic problems: Mehrotra's predictor–corrector. It has no safeguards: keep a fallback, and
-    /// look at the [`Status`](super::Status). The start is not used: x starts from least squares. Combines with [`Options::quadratic`].
+    /// look at the [`Status`](super::Status). The start is not used: x starts from least squares. Combines
+    /// with [`Options::quadratic`].
     #[must_use]
     pub fn convex_quadratic(mut self) -> Self {
         self.set_if_unset("mehrotra_algorithm", "yes");

@@ -215,9 +215,9 @@ words! {
         None = "none",
         /// ∇f and ∂g/∂x.
         FirstOrder = "first-order",
-        /// Those and ∇²f, ∇²gᵢ.
+        /// Those and ∇²f, ∇²gᵢ; for structures with a Hessian.
         SecondOrder = "second-order",
-        /// ∇²f and ∇²gᵢ.
+        /// ∇²f and ∇²gᵢ; for structures with a Hessian.
         OnlySecondOrder = "only-second-order",
     }
     /// What the line search asks of a step.
