@@ -22,10 +22,11 @@ demo: install
 	$(CARGO) run --release --example disc_in_disc
 
 # The dev profile optimises here and keeps its checks for overflow. The first line covers units, integration tests,
-# doctests and the build of the examples; the second what does without Ipopt, the third what does without libclang; the
-# others, fewer output formats.
+# doctests and the build of the examples; the second runs one that asserts its numbers; the third is what does without
+# Ipopt, the fourth what does without libclang; the others, fewer output formats.
 test: install
 	$(CARGO) test --workspace
+	$(CARGO) run -p contact-core --example hanging_chain
 	$(CARGO) test -p contact-core -p contact-fem --no-default-features --lib
 	$(CARGO) test -p ipopt-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
 	$(CARGO) check -p ipopt-contact --no-default-features

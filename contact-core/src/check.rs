@@ -1,5 +1,8 @@
-//! Conformance: do gradient and Hessian of an [`Energy`] belong to its value?
+//! Conformance: do the derivatives of an [`Energy`] or an [`Nlp`](crate::nlp::Nlp) belong to its values?
 
+mod derivatives;
+
+pub use self::derivatives::{Derivative, Differences, Finding, nlp};
 use crate::Energy;
 
 /// How far an energy's derivatives are from central differences of its lower derivatives, relative

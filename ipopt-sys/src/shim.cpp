@@ -88,8 +88,10 @@ namespace {
 /** Ipopt's log, as text, to a callback. */
 class LogJournal : public Journal {
 public:
-    LogJournal(EJournalLevel level, const ipopt_shim_callbacks &callbacks, const Current &current)
-        : Journal("ipopt_shim_log", level), callbacks_(callbacks), current_(current) {}
+    typedef void (*Sink)(void *user, const char *text, size_t length);
+
+    LogJournal(const char *name, EJournalLevel level, Sink sink, void *user, const Current &current)
+        : Journal(name, level), sink_(sink), user_(user), current_(current) {}
 
 protected:
     void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override { send(text, std::strlen(text)); }
@@ -112,11 +114,12 @@ protected:
 private:
     void send(const char *text, size_t length) {
         if (!current_.set()) {
-            callbacks_.log(callbacks_.user, text, length);
+            sink_(user_, text, length);
         }
     }
 
-    const ipopt_shim_callbacks &callbacks_;
+    const Sink sink_;
+    void *const user_;
     const Current &current_;
 };
 
@@ -481,7 +484,14 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
     if (callbacks.log != nullptr) {
         Index level = 0;
         shim.options->Options()->GetIntegerValue("print_level", level, "");
-        journalist->AddJournal(new LogJournal(static_cast<EJournalLevel>(level), callbacks, shim.current));
+        journalist->AddJournal(new LogJournal("ipopt_shim_log", static_cast<EJournalLevel>(level), callbacks.log,
+                                              callbacks.user, shim.current));
+    }
+    if (callbacks.derivative_check != nullptr) {
+        SmartPtr<Journal> checker = new LogJournal("ipopt_shim_derivative_check", J_NONE, callbacks.derivative_check,
+                                                   callbacks.user, shim.current);
+        checker->SetPrintLevel(J_NLP, J_WARNING);
+        journalist->AddJournal(checker);
     }
     journalist->AddJournal(new VersionJournal());
     std::string linear_solver;
@@ -593,6 +603,21 @@ void ipopt_shim_option_range(ipopt_shim *shim, const char *name, char *text, siz
         const auto option = registered(*shim, name);
         std::snprintf(text, size, "%s", IsValid(option) ? range_of(*option).c_str() : "");
         return 1;
+    });
+}
+
+int ipopt_shim_option_default(ipopt_shim *shim, const char *name, double *number, char *text, size_t size) {
+    return guarded(IPOPT_SHIM_OPTION_UNKNOWN, [&] {
+        const int type = ipopt_shim_option_type(shim, name);
+        const auto option = registered(*shim, name);
+        if (type == IPOPT_SHIM_OPTION_NUMBER) {
+            *number = option->DefaultNumber();
+        } else if (type == IPOPT_SHIM_OPTION_INTEGER) {
+            *number = option->DefaultInteger();
+        } else if (type == IPOPT_SHIM_OPTION_TEXT) {
+            std::snprintf(text, size, "%s", option->DefaultString().c_str());
+        }
+        return type;
     });
 }
 

@@ -31,7 +31,8 @@ typedef struct ipopt_shim_iteration {
 } ipopt_shim_iteration;
 
 /** The problem's functions. Each returns 0 when it fails; `intermediate` returns 0 to stop.
- *  None may unwind, and none is called while another runs. `log` may be NULL: then no text is made at all. */
+ *  None may unwind, and none is called while another runs. `log` may be NULL: then no text is made at all.
+ *  `derivative_check` gets what Ipopt's derivative checker says, whatever `print_level` is; it may be NULL too. */
 typedef struct ipopt_shim_callbacks {
     void *user;
     int (*objective)(void *user, const double *x, int new_x, double *value);
@@ -42,6 +43,7 @@ typedef struct ipopt_shim_callbacks {
                    int new_lambda, double *values);
     int (*intermediate)(void *user, const ipopt_shim_iteration *iteration);
     void (*log)(void *user, const char *text, size_t length);
+    void (*derivative_check)(void *user, const char *text, size_t length);
 } ipopt_shim_callbacks;
 
 /** In: the starting point, with multipliers where `have_multipliers`. Out: the final point, where `finalized`. */
@@ -119,6 +121,8 @@ int ipopt_shim_set_scaling(ipopt_shim *shim, double objective, const double *x, 
 int ipopt_shim_option_type(ipopt_shim *shim, const char *name);
 /** Writes which values an option takes, at most `size` bytes with the final 0. */
 void ipopt_shim_option_range(ipopt_shim *shim, const char *name, char *text, size_t size);
+/** Its type, and its default: in `number`, or in `text` of `size` bytes with the final 0. */
+int ipopt_shim_option_default(ipopt_shim *shim, const char *name, double *number, char *text, size_t size);
 /** Back to Ipopt's defaults. */
 void ipopt_shim_clear_options(ipopt_shim *shim);
 /** 1 if set, 0 if Ipopt has no such option or refuses the value. Prints nothing. */

@@ -12,23 +12,30 @@ use std::{
 use ipopt_sys as sys;
 
 use super::{
+    derivatives::Reader,
     iterate::{Source, record},
+    log::Sink,
     statistics::{CallbackStatistics, Statistics},
 };
 use crate::nlp::{Iterate, IterationRecord, Nlp, Structure};
+
+/// What looks at every iterate beside the problem itself.
+pub(super) type Watch<'a> = &'a mut (dyn FnMut(&Iterate<'_>) -> ControlFlow<()> + 'a);
 
 /// What the callbacks of one solve share.
 pub(super) struct Context<'a> {
     nlp: &'a mut dyn Nlp,
     structure: &'a Structure,
     shim: *const sys::ipopt_shim,
+    watch: Option<Watch<'a>>,
     /// The first panic; once there is one, every callback fails.
     pub(super) panic: Option<Box<dyn Any + Send>>,
     pub(super) history: Vec<IterationRecord>,
     /// Calls and times; the rest comes from Ipopt.
     pub(super) statistics: Statistics,
-    /// The line of the log that has begun.
-    line: Vec<u8>,
+    pub(super) log: Sink<'a>,
+    /// What the derivative checker says, if it was asked.
+    pub(super) derivatives: Option<Reader>,
 }
 
 impl<'a> Context<'a> {
@@ -36,22 +43,27 @@ impl<'a> Context<'a> {
         nlp: &'a mut dyn Nlp,
         structure: &'a Structure,
         shim: *const sys::ipopt_shim,
+        watch: Option<Watch<'a>>,
+        log: Sink<'a>,
+        derivatives: Option<Reader>,
     ) -> Self {
-        let (panic, history, statistics, line) = Default::default();
+        let (panic, history, statistics) = Default::default();
         Self {
             nlp,
             structure,
             shim,
+            watch,
             panic,
             history,
             statistics,
-            line,
+            log,
+            derivatives,
         }
     }
 
     /// The table for the shim; valid as long as `self` stays where it is.
     pub(super) fn table(&mut self) -> sys::ipopt_shim_callbacks {
-        let log: unsafe extern "C" fn(*mut c_void, *const c_char, usize) = log;
+        type Text = unsafe extern "C" fn(*mut c_void, *const c_char, usize);
         sys::ipopt_shim_callbacks {
             user: std::ptr::from_mut(self).cast(),
             objective: Some(objective),
@@ -60,7 +72,8 @@ impl<'a> Context<'a> {
             jacobian: Some(jacobian),
             hessian: Some(hessian),
             intermediate: Some(intermediate),
-            log: log::log_enabled!(target: "ipopt", log::Level::Debug).then_some(log),
+            log: self.log.is_open().then_some(log as Text),
+            derivative_check: self.derivatives.as_ref().map(|_| derivative_check as Text),
         }
     }
 
@@ -78,18 +91,12 @@ impl<'a> Context<'a> {
         }
     }
 
-    fn emit(line: &[u8]) {
-        log::debug!(target: "ipopt", "{}", String::from_utf8_lossy(line).trim_end());
-    }
-
-    /// Logs what is left of a line.
-    pub(super) fn flush(&mut self) {
-        if !self.line.is_empty() {
-            self.guarded(|context| {
-                Self::emit(&std::mem::take(&mut context.line));
-                true
-            });
-        }
+    /// Logs what is left.
+    pub(super) fn finish_log(&mut self) {
+        self.guarded(|this| {
+            this.log.finish();
+            true
+        });
     }
 }
 
@@ -235,6 +242,9 @@ unsafe extern "C" fn hessian(
         // SAFETY: see `objective`.
         let (x, lambda, values) =
             unsafe { (input(x, n), input(lambda, m), output(values, entries)) };
+        if let Some(reader) = &mut this.derivatives {
+            reader.hessian(objective_factor, lambda);
+        }
         values.fill(0.0);
         timed(&mut this.statistics.hessian, || {
             this.nlp
@@ -257,25 +267,39 @@ unsafe extern "C" fn intermediate(
             shim: this.shim,
             structure: this.structure,
         };
-        this.nlp.iterate(&Iterate::new(record, &source)) == ControlFlow::Continue(())
+        let iterate = Iterate::new(record, &source);
+        let problem = this.nlp.iterate(&iterate);
+        let watch = match &mut this.watch {
+            Some(watch) => watch(&iterate),
+            None => ControlFlow::Continue(()),
+        };
+        problem.is_continue() && watch.is_continue()
     })
 }
 
 unsafe extern "C" fn log(user: *mut c_void, text: *const c_char, length: usize) {
-    // SAFETY: see `objective`; `text` has `length` bytes.
-    let (this, text) = unsafe {
-        (
-            context(user),
-            slice::from_raw_parts(text.cast::<u8>(), length),
-        )
-    };
+    // SAFETY: see `objective`; `text` has `length` bytes, here and below.
+    let (this, text) = unsafe { (context(user), bytes(text, length)) };
     this.guarded(|this| {
-        for piece in text.split_inclusive(|&byte| byte == b'\n') {
-            this.line.extend_from_slice(piece);
-            if piece.ends_with(b"\n") {
-                Context::emit(&std::mem::take(&mut this.line));
-            }
+        this.log.write(text);
+        true
+    });
+}
+
+unsafe extern "C" fn derivative_check(user: *mut c_void, text: *const c_char, length: usize) {
+    // SAFETY: see `log`.
+    let (this, text) = unsafe { (context(user), bytes(text, length)) };
+    this.guarded(|this| {
+        if let Some(reader) = &mut this.derivatives {
+            reader.write(text);
         }
         true
     });
+}
+
+/// # Safety
+/// `text` must be valid for `length` bytes.
+unsafe fn bytes<'a>(text: *const c_char, length: usize) -> &'a [u8] {
+    // SAFETY: the caller's promise.
+    unsafe { slice::from_raw_parts(text.cast::<u8>(), length) }
 }

@@ -1,46 +1,34 @@
 //! The driver.
 
-use std::{fmt, panic::resume_unwind, ptr::NonNull, time::Instant};
+use std::{fmt, ops::ControlFlow, panic::resume_unwind, ptr::NonNull, time::Instant};
 
 use ipopt_sys as sys;
 
 use super::{
-    Error, OptionValue, Options, Scaling, Start, Statistics, Status, callbacks::Context, library,
-    lock::Exclusive, options, start::Point,
+    Error, Log, OptionValue, Options, Solution, Start, Status,
+    callbacks::{Context, Watch},
+    derivatives::Reader,
+    library,
+    lock::Exclusive,
+    log::Sink,
+    options,
+    scaling::{USER_SCALING, scaling_is_used},
+    start::Point,
 };
-use crate::nlp::{Bounds, IterationRecord, Multipliers, Nlp, Pattern, Phase, Structure};
-
-/// How a solve ended, and where.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct Solution {
-    /// How it ended. Look at it first.
-    pub status: Status,
-    /// x; the start if Ipopt ended without a final point.
-    pub x: Vec<f64>,
-    /// f(x), unscaled; NaN if Ipopt ended without a final point.
-    pub objective: f64,
-    /// g(x); NaN if Ipopt ended without a final point.
-    pub g: Vec<f64>,
-    /// The multipliers at x, `None` where Ipopt has none worth the name: after an invalid number, a time limit, in
-    /// the restoration phase, or with nothing to iterate because all variables are fixed. For fixed variables among
-    /// others Ipopt has them since 3.14, and zeros before.
-    pub multipliers: Option<Multipliers>,
-    /// What it cost.
-    pub statistics: Statistics,
-    /// Every iteration, the starting point first.
-    pub history: Vec<IterationRecord>,
-}
+use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Phase, Structure};
 
 /// Ipopt for one [`Structure`], for as many solves as wanted.
 ///
 /// It may move between threads; solves of the whole process run one after the other. Between solves it holds the
 /// pattern and the options, not the memory of the linear solver.
 pub struct Solver {
-    shim: NonNull<sys::ipopt_shim>,
-    structure: Structure,
-    /// What the caller set for `warm_start_init_point`, if anything.
-    warm_start: Option<OptionValue>,
+    pub(super) shim: NonNull<sys::ipopt_shim>,
+    pub(super) structure: Structure,
+    /// What the caller set.
+    pub(super) options: Options,
+    log: Log,
+    /// Whether the shim has a [`Scaling`](super::Scaling).
+    pub(super) scaled: bool,
 }
 
 // SAFETY: the shim has no ties to a thread, and whatever it shares with others of its kind is used under the
@@ -75,7 +63,9 @@ impl Solver {
         let mut solver = Self {
             shim,
             structure,
-            warm_start: None,
+            options: Options::new(),
+            log: Log::default(),
+            scaled: false,
         };
         solver.copy_bounds();
         solver.set_options(options)?;
@@ -90,13 +80,42 @@ impl Solver {
     /// Replaces all options.
     ///
     /// # Errors
-    /// [`Error::Option`] names the option Ipopt refuses; the ones before it are set then.
+    /// [`Error::Option`] names the option Ipopt refuses; the ones before it are set then. [`Error::UnusedScaling`]
+    /// if the solver has a [`Scaling`](super::Scaling) and `nlp_scaling_method` is set to something else.
     pub fn set_options(&mut self, options: &Options) -> Result<(), Error> {
-        self.warm_start = options.get("warm_start_init_point").cloned();
+        if self.scaled {
+            scaling_is_used(options)?;
+        }
+        self.options = options.clone();
         let _exclusive = Exclusive::wait();
         // SAFETY: the shim is valid, and Ipopt locked.
         unsafe { options::apply(self.shim.as_ptr(), &self.structure, options) }?;
+        if self.scaled {
+            self.apply_one("nlp_scaling_method", &USER_SCALING.into())?;
+        }
         Ok(())
+    }
+
+    /// Says where Ipopt's log goes from the next solve on; [`Log::Crate`] unless this is called.
+    ///
+    /// ```
+    /// # use contact_core::ipopt::{Log, Options, Solver};
+    /// # use contact_core::nlp::{Bounds, Pattern, Structure};
+    /// # let structure = Structure::new(Bounds::free(1), Bounds::default(), Pattern::empty(), None)?;
+    /// let mut solver = Solver::new(structure, &Options::new())?;
+    /// solver.set_log(Log::writer(std::io::stderr()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn set_log(&mut self, log: Log) {
+        self.log = log;
+    }
+
+    /// Ipopt's own default of an option; `None` if this version has no such option. What the driver sets instead is
+    /// in the table of [`Options`].
+    pub fn ipopt_default(&self, name: &str) -> Option<OptionValue> {
+        let _exclusive = Exclusive::wait();
+        // SAFETY: the shim is valid, and Ipopt locked.
+        unsafe { options::default_of(self.shim.as_ptr(), name) }
     }
 
     /// Replaces the bounds.
@@ -109,29 +128,6 @@ impl Solver {
         Ok(())
     }
 
-    /// Replaces the factors for `nlp_scaling_method=user-scaling`.
-    ///
-    /// # Errors
-    /// [`NlpError`](crate::nlp::NlpError) unless each factor is finite and not 0 (that of f may be negative, to maximise), and as many as
-    /// variables or constraints.
-    pub fn set_scaling(&mut self, scaling: &Scaling) -> Result<(), Error> {
-        scaling.validate(&self.structure)?;
-        let (x, g) = (scaling.variables.as_deref(), scaling.constraints.as_deref());
-        let pointer = |values: Option<&[f64]>| values.map_or(std::ptr::null(), <[f64]>::as_ptr);
-        // SAFETY: the shim is valid, and the arrays have n and m values.
-        match unsafe {
-            sys::ipopt_shim_set_scaling(
-                self.shim.as_ptr(),
-                scaling.objective,
-                pointer(x),
-                pointer(g),
-            )
-        } {
-            0 => Err(Error::OutOfMemory),
-            _ => Ok(()),
-        }
-    }
-
     /// Solves `nlp` from `start`.
     ///
     /// # Errors
@@ -141,13 +137,46 @@ impl Solver {
     /// # Panics
     /// Resumes a panic of a callback, after Ipopt has come to an end.
     pub fn solve(&mut self, nlp: &mut dyn Nlp, start: &Start<'_>) -> Result<Solution, Error> {
+        self.run(nlp, start, None)
+    }
+
+    /// Solves `nlp` from `start` and shows every iterate to `watch`, after [`Nlp::iterate`]. Either may stop the solve
+    /// with [`ControlFlow::Break`], which is [`Status::StoppedByUser`].
+    ///
+    /// # Errors
+    /// As [`Solver::solve`].
+    ///
+    /// # Panics
+    /// As [`Solver::solve`]; panics of `watch` count as those of a callback.
+    pub fn solve_with(
+        &mut self,
+        nlp: &mut dyn Nlp,
+        start: &Start<'_>,
+        mut watch: impl FnMut(&Iterate<'_>) -> ControlFlow<()>,
+    ) -> Result<Solution, Error> {
+        self.run(nlp, start, Some(&mut watch))
+    }
+
+    fn run(
+        &mut self,
+        nlp: &mut dyn Nlp,
+        start: &Start<'_>,
+        watch: Option<Watch<'_>>,
+    ) -> Result<Solution, Error> {
         let mut point = Point::new(&self.structure, start)?;
         let exclusive = Exclusive::unless_held().ok_or(Error::Reentrant)?;
         self.prepare_warm_start(start)?;
+        self.prepare_log()?;
         nlp.begin(start.x);
 
         let shim = self.shim.as_ptr();
-        let mut context = Context::new(nlp, &self.structure, shim);
+        let sink = Sink::new(&mut self.log);
+        let tested = self.options.get("derivative_test");
+        let reader = tested
+            .filter(|&test| *test != "none".into())
+            .map(|_| Reader::default());
+        let watch = watch.map(|watch| watch as Watch<'_>);
+        let mut context = Context::new(nlp, &self.structure, shim, watch, sink, reader);
         let mut raw_point = point.raw(start.multipliers.is_some());
         let mut raw_statistics = sys::ipopt_shim_statistics::default();
         let clock = Instant::now();
@@ -157,14 +186,17 @@ impl Solver {
         let code =
             unsafe { sys::ipopt_shim_solve(shim, &table, &mut raw_point, &mut raw_statistics) };
         let wall = clock.elapsed();
-        context.flush();
+        context.finish_log();
         library::warn_of_another();
         let Context {
             panic,
             history,
             mut statistics,
+            log,
+            derivatives,
             ..
         } = context;
+        let log_error = log.error;
         drop(exclusive);
         if let Some(payload) = panic {
             resume_unwind(payload);
@@ -189,20 +221,39 @@ impl Solver {
                 .then_some(point.multipliers),
             statistics,
             history,
+            derivative_check: derivatives.map(Reader::finish),
+            log_error,
         })
     }
 
+    /// The caller has locked Ipopt.
+    pub(super) fn apply_one(&mut self, name: &str, value: &OptionValue) -> Result<(), Error> {
+        // SAFETY: the shim is valid, and Ipopt locked.
+        Ok(unsafe { options::apply_one(self.shim.as_ptr(), name, value) }?)
+    }
+
+    /// A writer that nobody asked to be silent gets a line an iteration.
+    fn prepare_log(&mut self) -> Result<(), Error> {
+        if self.options.get("print_level").is_some() {
+            return Ok(());
+        }
+        let level = if matches!(self.log, Log::Writer(_)) {
+            5
+        } else {
+            0
+        };
+        self.apply_one("print_level", &level.into())
+    }
+
     fn prepare_warm_start(&mut self, start: &Start<'_>) -> Result<(), Error> {
-        let warm = match &self.warm_start {
+        let warm = match self.options.get("warm_start_init_point") {
             Some(OptionValue::Text(text)) if text == "yes" && start.multipliers.is_none() => {
                 return Err(Error::MissingMultipliers);
             }
             Some(value) => value.clone(),
             None => start.multipliers.is_some().into(),
         };
-        // SAFETY: the shim is valid, and the caller has locked Ipopt.
-        unsafe { options::apply_one(self.shim.as_ptr(), "warm_start_init_point", &warm) }?;
-        Ok(())
+        self.apply_one("warm_start_init_point", &warm)
     }
 
     fn copy_bounds(&mut self) {

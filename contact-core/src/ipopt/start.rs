@@ -23,30 +23,6 @@ impl<'a> Start<'a> {
     }
 }
 
-/// Factors Ipopt applies with the option `nlp_scaling_method` at "user-scaling", and only then.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Scaling {
-    /// Of f.
-    pub objective: f64,
-    /// Of x; `None` for 1.
-    pub variables: Option<Vec<f64>>,
-    /// Of g; `None` for 1.
-    pub constraints: Option<Vec<f64>>,
-}
-
-impl Scaling {
-    pub(super) fn validate(&self, structure: &Structure) -> Result<(), NlpError> {
-        check_scaling("the scaling of f", &[self.objective], 1, f64::NEG_INFINITY)?;
-        if let Some(x) = &self.variables {
-            check_scaling("the scaling of x", x, structure.variables(), 0.0)?;
-        }
-        if let Some(g) = &self.constraints {
-            check_scaling("the scaling of g", g, structure.constraints(), 0.0)?;
-        }
-        Ok(())
-    }
-}
-
 /// The arrays Ipopt starts from and ends in.
 pub(super) struct Point {
     pub(super) x: Vec<f64>,
@@ -89,7 +65,11 @@ impl Point {
     }
 }
 
-fn check_finite(what: &'static str, values: &[f64], expected: usize) -> Result<(), NlpError> {
+pub(super) fn check_finite(
+    what: &'static str,
+    values: &[f64],
+    expected: usize,
+) -> Result<(), NlpError> {
     if values.len() != expected {
         return Err(NlpError::Length {
             what,
@@ -103,27 +83,6 @@ fn check_finite(what: &'static str, values: &[f64], expected: usize) -> Result<(
             index,
             value: values[index],
             needed: "finite",
-        }),
-        None => Ok(()),
-    }
-}
-
-fn check_scaling(
-    what: &'static str,
-    values: &[f64],
-    expected: usize,
-    above: f64,
-) -> Result<(), NlpError> {
-    check_finite(what, values, expected)?;
-    match values
-        .iter()
-        .position(|&value| value == 0.0 || value <= above)
-    {
-        Some(index) => Err(NlpError::Value {
-            what,
-            index,
-            value: values[index],
-            needed: "positive (f: not 0)",
         }),
         None => Ok(()),
     }

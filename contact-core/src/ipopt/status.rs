@@ -3,6 +3,26 @@
 use std::fmt;
 
 /// How a solve ended: Ipopt's `ApplicationReturnStatus`. [`Display`](fmt::Display) says what it means.
+///
+/// | status | code | what it means | what to do about it |
+/// |---|---|---|---|
+/// | `Solved` | 0 | The scaled error is below `tol`: a local solution, as good as the derivatives are right. | Nothing. |
+/// | `SolvedToAcceptableLevel` | 1 | No progress for `acceptable_iter` iterations, but below `acceptable_tol`. | Scale f, x and g to about 1; ask for a larger `tol`, for round-off may be near; check the derivatives. |
+/// | `Infeasible` | 2 | A local minimum of the constraint violation. | See which `g` of the solution is outside its bounds; try another start; make sure that the constraints agree. |
+/// | `SearchDirectionTooSmall` | 3 | Steps vanish in round-off, close to a solution in general. | Look at the errors in the [`Statistics`](super::Statistics); scale; ask for a larger `tol`. |
+/// | `Diverging` | 4 | x grows beyond `diverging_iterates_tol`. | The problem may be unbounded: add bounds, or check the sign of f. |
+/// | `StoppedByUser` | 5 | [`Nlp::iterate`](crate::nlp::Nlp::iterate) or the closure of [`Solver::solve_with`](super::Solver::solve_with) asked for it. | Use x, or go on from it. |
+/// | `FeasiblePointFound` | 6 | A solution of a square system, which has no multipliers. | Nothing. |
+/// | `IterationLimit` | −1 | `max_iter`. | Look at the history: if it still converges, allow more; if not, check the derivatives, scale, try `mu_strategy(MuStrategy::Adaptive)` or another start. |
+/// | `RestorationFailed` | −2 | No less infeasible point was found. | As for `Infeasible`; check the derivatives of g; make functions finite in a wider neighbourhood. |
+/// | `StepComputationFailed` | −3 | The linear systems resist regularisation; since 3.14 also a line search that fails almost at the solution. | Remove constraints that depend on others; check the Hessian; see `SearchDirectionTooSmall`. |
+/// | `CpuTimeLimit`, `WallTimeLimit` | −4, −5 | `max_cpu_time`, `max_wall_time`. | Allow more; the multipliers are lost. |
+/// | `TooFewDegreesOfFreedom` | −10 | More equalities than free variables. | Free variables, remove equalities, or `fixed_variable_treatment(FixedVariableTreatment::RelaxBounds)`. |
+/// | `InvalidProblem` | −11 | Ipopt refuses the problem. | See the log, at `print_level` 5. |
+/// | `InvalidOption` | −12 | The linear solver is missing, or options contradict each other. | Ask for `LinearSolver::Mumps`; see the log. |
+/// | `InvalidNumber` | −13 | A derivative was not finite, or a function at the start. | Start inside the domain, keep x there by bounds; f and g may be infinite at trial points only. |
+/// | `UnrecoverableException`, `ForeignException`, `InternalError` | −100, −101, −199 | An exception, Ipopt's or another; a bug. The first too where a function fails during the derivative check. | See the log. |
+/// | `InsufficientMemory` | −102 | Out of memory. | A smaller problem, a sparser ordering (`mumps_pivot_order`), a smaller `mumps_mem_percent`. |
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Status {
@@ -16,7 +36,7 @@ pub enum Status {
     SearchDirectionTooSmall,
     /// x grows beyond all bounds.
     Diverging,
-    /// [`Nlp::iterate`](crate::nlp::Nlp::iterate) asked for it.
+    /// [`Nlp::iterate`](crate::nlp::Nlp::iterate) or a watching closure asked for it.
     StoppedByUser,
     /// A solution of a square system.
     FeasiblePointFound,

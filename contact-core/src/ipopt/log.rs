@@ -1,0 +1,121 @@
+//! Where Ipopt's log goes.
+
+use std::{
+    fmt,
+    io::{self, Write},
+};
+
+use thiserror::Error;
+
+/// Where Ipopt's log goes: see [`Solver::set_log`](super::Solver::set_log). Never to standard output.
+///
+/// The option [`print_level`](super::Options::print_level) says how much of it there is: 0 nothing but a few warnings,
+/// 3 a summary, 5 a line an iteration, 12 everything. Where it is not set, it is 0, and 5 for a [`Log::Writer`].
+#[derive(Default)]
+#[non_exhaustive]
+pub enum Log {
+    /// Nowhere. Ipopt makes no text at all.
+    Off,
+    /// To the `log` crate, line by line: target `ipopt`, level debug. Where its logger does not want that, Ipopt makes
+    /// no text.
+    #[default]
+    Crate,
+    /// To a file, a buffer, a channel: as Ipopt writes it, while it runs.
+    Writer(Box<dyn Write + Send>),
+}
+
+impl Log {
+    /// To this writer.
+    pub fn writer(writer: impl Write + Send + 'static) -> Self {
+        Self::Writer(Box::new(writer))
+    }
+}
+
+impl fmt::Debug for Log {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Off => "Off",
+            Self::Crate => "Crate",
+            Self::Writer(_) => "Writer(..)",
+        })
+    }
+}
+
+/// Why the [`Log::Writer`] has not got all of the log. The solve goes on without.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("Ipopt's log could not be written: {message}")]
+#[non_exhaustive]
+pub struct LogError {
+    /// What kind of error the writer had.
+    pub kind: io::ErrorKind,
+    /// What it said.
+    pub message: String,
+}
+
+/// The log of one solve.
+pub(super) struct Sink<'a> {
+    log: &'a mut Log,
+    /// The line that has begun, for the `log` crate.
+    line: Vec<u8>,
+    pub(super) error: Option<LogError>,
+}
+
+impl<'a> Sink<'a> {
+    pub(super) fn new(log: &'a mut Log) -> Self {
+        Self {
+            log,
+            line: Vec::new(),
+            error: None,
+        }
+    }
+
+    /// Whether Ipopt need make any text.
+    pub(super) fn is_open(&self) -> bool {
+        match self.log {
+            Log::Off => false,
+            Log::Crate => log::log_enabled!(target: "ipopt", log::Level::Debug),
+            Log::Writer(_) => true,
+        }
+    }
+
+    pub(super) fn write(&mut self, text: &[u8]) {
+        match self.log {
+            Log::Off => {}
+            Log::Crate => {
+                for piece in text.split_inclusive(|&byte| byte == b'\n') {
+                    self.line.extend_from_slice(piece);
+                    if piece.ends_with(b"\n") {
+                        emit(&std::mem::take(&mut self.line));
+                    }
+                }
+            }
+            Log::Writer(writer) if self.error.is_none() => {
+                self.error = writer.write_all(text).err().map(LogError::from);
+            }
+            Log::Writer(_) => {}
+        }
+    }
+
+    /// Whatever is held back.
+    pub(super) fn finish(&mut self) {
+        if !self.line.is_empty() {
+            emit(&std::mem::take(&mut self.line));
+        }
+        if let (Log::Writer(writer), None) = (&mut *self.log, &self.error) {
+            self.error = writer.flush().err().map(LogError::from);
+        }
+    }
+}
+
+fn emit(line: &[u8]) {
+    log::debug!(target: "ipopt", "{}", String::from_utf8_lossy(line).trim_end());
+}
+
+impl From<io::Error> for LogError {
+    fn from(error: io::Error) -> Self {
+        Self {
+            kind: error.kind(),
+            message: error.to_string(),
+        }
+    }
+}

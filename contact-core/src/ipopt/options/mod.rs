@@ -1,0 +1,161 @@
+//! Ipopt's options: typed or by name, and in order.
+
+mod apply;
+mod known;
+mod table;
+mod value;
+mod words;
+
+pub(super) use self::apply::{apply, apply_one, default_of};
+pub use self::{
+    known::{DefaultValue, KnownOption},
+    table::KNOWN_OPTIONS,
+    value::{OptionError, OptionValue},
+    words::*,
+};
+#[cfg(doc)]
+use crate::nlp::Structure;
+
+/// Options to set, in order. Those not named keep the driver's defaults, then Ipopt's.
+///
+/// ```
+/// use contact_core::ipopt::{MuStrategy, Options};
+/// let options = Options::new()
+///     .tol(1e-9)
+///     .max_iter(200)
+///     .mu_strategy(MuStrategy::Adaptive)
+///     .with("quality_function_max_section_steps", 12); // by name: every option Ipopt has
+/// assert_eq!(options.get("max_iter"), Some(&200.into()));
+/// ```
+///
+/// Each setter puts its value in place of an earlier one; the names and values are checked when a
+/// [`Solver`](super::Solver) takes them.
+///
+/// The driver's defaults, all of which can be set otherwise:
+///
+/// | option | value | why |
+/// |---|---|---|
+/// | `option_file_name` | `""` | an `ipopt.opt` in the working directory is nobody's intention |
+/// | `print_level`, `sb` | 0, `yes` | the log is for those who ask |
+/// | `bound_relax_factor` | 0 | Ipopt's 1e-8 would be a real penetration |
+/// | `mumps_mem_percent` | 200 | 1000 (Ipopt's) estimates eleven times the workspace, 50 too little: factorisations are repeated |
+/// | `mumps_pivot_order` | 5 above 10 000 variables | nested dissection: half the operations |
+/// | `hessian_approximation` | `limited-memory` without a Hessian | |
+/// | `hessian_constant`, `jac_c_constant`, `jac_d_constant` | as [`Structure`] promises | evaluated once |
+/// | `warm_start_init_point` | `yes` for a start with multipliers | they would be ignored |
+/// | `timing_statistics` | `yes` where there is one | [`Statistics`](super::Statistics) |
+///
+/// `check_derivatives_for_naninf` stays off: every value of every function is checked before Ipopt sees it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Options {
+    entries: Vec<(String, OptionValue)>,
+}
+
+impl Options {
+    /// None set.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Sets one, in place of an earlier value. Names and values are checked by the solver.
+    pub fn set(&mut self, name: &str, value: impl Into<OptionValue>) -> &mut Self {
+        let value = value.into();
+        match self.entries.iter_mut().find(|(known, _)| known == name) {
+            Some((_, old)) => *old = value,
+            None => self.entries.push((name.to_owned(), value)),
+        }
+        self
+    }
+
+    /// Sets one, as [`Options::set`].
+    #[must_use]
+    pub fn with(mut self, name: &str, value: impl Into<OptionValue>) -> Self {
+        self.set(name, value);
+        self
+    }
+
+    /// These, and on top of them `others`.
+    #[must_use]
+    pub fn and(mut self, others: &Options) -> Self {
+        for (name, value) in others.iter() {
+            self.set(name, value.clone());
+        }
+        self
+    }
+
+    /// What was set for `name`.
+    pub fn get(&self, name: &str) -> Option<&OptionValue> {
+        self.entries
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, value)| value)
+    }
+
+    /// All that were set, in order.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &OptionValue)> {
+        self.entries
+            .iter()
+            .map(|(name, value)| (name.as_str(), value))
+    }
+
+    /// Newton's method: the exact Hessian, without which a structure is refused. This is the default for one that has
+    /// it. This and the presets below set only what is not set yet.
+    #[must_use]
+    pub fn newton(mut self) -> Self {
+        self.set_if_unset("hessian_approximation", HessianApproximation::Exact);
+        self
+    }
+
+    /// A limited-memory quasi-Newton method: the least change of an approximate Hessian over the last `history`
+    /// iterations (6 are Ipopt's). No Hessian is asked for, even of a structure that has one.
+    #[must_use]
+    pub fn least_change(mut self, history: usize, update: LimitedMemoryUpdate) -> Self {
+        self.set_if_unset("hessian_approximation", HessianApproximation::LimitedMemory);
+        self.set_if_unset("limited_memory_max_history", history);
+        self.set_if_unset("limited_memory_update_type", update);
+        self.set_if_unset("hessian_constant", false);
+        self
+    }
+
+    /// For quadratic f and linear g: Hessian and Jacobian are asked for once. A [`Structure`] that promises as much
+    /// needs no preset.
+    #[must_use]
+    pub fn quadratic(mut self) -> Self {
+        for name in ["hessian_constant", "jac_c_constant", "jac_d_constant"] {
+            self.set_if_unset(name, true);
+        }
+        self
+    }
+
+    /// For a start close to the solution, with its multipliers: adaptive μ, and pushes from the bounds small enough
+    /// not to spoil it. Sets only what is not set yet.
+    #[must_use]
+    pub fn warm_start(mut self) -> Self {
+        self.set_if_unset("mu_strategy", "adaptive");
+        for name in [
+            "warm_start_bound_push",
+            "warm_start_bound_frac",
+            "warm_start_slack_bound_push",
+            "warm_start_slack_bound_frac",
+            "warm_start_mult_bound_push",
+        ] {
+            self.set_if_unset(name, 1e-9);
+        }
+        self
+    }
+
+    /// For convex quadratic problems: Mehrotra's predictor–corrector. It has no safeguards: keep a fallback, and
+    /// look at the [`Status`](super::Status). The start is not used: x starts from least squares. Combines
+    /// with [`Options::quadratic`].
+    #[must_use]
+    pub fn convex_quadratic(mut self) -> Self {
+        self.set_if_unset("mehrotra_algorithm", "yes");
+        self
+    }
+
+    fn set_if_unset(&mut self, name: &str, value: impl Into<OptionValue>) {
+        if self.get(name).is_none() {
+            self.set(name, value);
+        }
+    }
+}

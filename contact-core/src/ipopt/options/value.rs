@@ -1,0 +1,116 @@
+//! Values of options, and why Ipopt would not take one.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::ipopt::VERSION;
+
+/// A value of an option.
+#[derive(Debug, Clone, PartialEq)]
+pub enum OptionValue {
+    /// One of a set of words, or a file name.
+    Text(String),
+    /// A real number.
+    Number(f64),
+    /// An integer; also taken where Ipopt wants a real number.
+    Integer(i32),
+}
+
+impl From<&str> for OptionValue {
+    fn from(value: &str) -> Self {
+        Self::Text(value.to_owned())
+    }
+}
+
+impl From<String> for OptionValue {
+    fn from(value: String) -> Self {
+        Self::Text(value)
+    }
+}
+
+/// "yes" or "no".
+impl From<bool> for OptionValue {
+    fn from(value: bool) -> Self {
+        Self::from(if value { "yes" } else { "no" })
+    }
+}
+
+impl From<f64> for OptionValue {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+impl From<i32> for OptionValue {
+    fn from(value: i32) -> Self {
+        Self::Integer(value)
+    }
+}
+
+/// For limits and counts: whatever exceeds an `i32` is as good as its maximum.
+impl From<usize> for OptionValue {
+    fn from(value: usize) -> Self {
+        Self::Integer(i32::try_from(value).unwrap_or(i32::MAX))
+    }
+}
+
+impl fmt::Display for OptionValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(value) => write!(f, "{value:?}"),
+            Self::Number(value) => write!(f, "{value:?}"),
+            Self::Integer(value) => write!(f, "{value}"),
+        }
+    }
+}
+
+/// An option Ipopt would not take.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum OptionError {
+    /// No such name.
+    #[error("Ipopt {} has no option `{name}` (set to {value}): {}", version(), remedy(*.since))]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The value it was to have.
+        value: OptionValue,
+        /// The version of Ipopt that it came with, if that is known here.
+        since: Option<&'static str>,
+    },
+    /// A number for a word, or so.
+    #[error("Ipopt's option `{name}` was set to {value} and takes {expected}")]
+    WrongType {
+        /// The name.
+        name: String,
+        /// The value refused.
+        value: OptionValue,
+        /// What it takes instead.
+        expected: String,
+    },
+    /// Of the right type, but not allowed.
+    #[error(
+        "Ipopt's option `{name}` was set to {value}, which is not allowed: it takes {expected}"
+    )]
+    Invalid {
+        /// The name.
+        name: String,
+        /// The value refused.
+        value: OptionValue,
+        /// What it takes instead.
+        expected: String,
+    },
+}
+
+fn version() -> String {
+    let (major, minor, release) = VERSION;
+    format!("{major}.{minor}.{release}")
+}
+
+fn remedy(since: Option<&str>) -> String {
+    match since {
+        Some(version) => format!("it exists since {version}"),
+        None => "check the name; `KNOWN_OPTIONS` and Ipopt's manual list them".to_owned(),
+    }
+}
