@@ -221,10 +221,17 @@ pub struct ipopt_shim_callbacks {
             length: usize,
         ),
     >,
+    pub derivative_check: ::std::option::Option<
+        unsafe extern "C" fn(
+            user: *mut ::std::os::raw::c_void,
+            text: *const ::std::os::raw::c_char,
+            length: usize,
+        ),
+    >,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of ipopt_shim_callbacks"][::std::mem::size_of::<ipopt_shim_callbacks>() - 64usize];
+    ["Size of ipopt_shim_callbacks"][::std::mem::size_of::<ipopt_shim_callbacks>() - 72usize];
     ["Alignment of ipopt_shim_callbacks"][::std::mem::align_of::<ipopt_shim_callbacks>() - 8usize];
     ["Offset of field: ipopt_shim_callbacks::user"]
         [::std::mem::offset_of!(ipopt_shim_callbacks, user) - 0usize];
@@ -242,6 +249,8 @@ const _: () = {
         [::std::mem::offset_of!(ipopt_shim_callbacks, intermediate) - 48usize];
     ["Offset of field: ipopt_shim_callbacks::log"]
         [::std::mem::offset_of!(ipopt_shim_callbacks, log) - 56usize];
+    ["Offset of field: ipopt_shim_callbacks::derivative_check"]
+        [::std::mem::offset_of!(ipopt_shim_callbacks, derivative_check) - 64usize];
 };
 impl Default for ipopt_shim_callbacks {
     fn default() -> Self {
@@ -508,6 +517,13 @@ unsafe extern "C" {
         text: *mut ::std::os::raw::c_char,
         size: usize,
     );
+    pub fn ipopt_shim_option_default(
+        shim: *mut ipopt_shim,
+        name: *const ::std::os::raw::c_char,
+        number: *mut f64,
+        text: *mut ::std::os::raw::c_char,
+        size: usize,
+    ) -> ::std::os::raw::c_int;
     pub fn ipopt_shim_clear_options(shim: *mut ipopt_shim);
     pub fn ipopt_shim_set_text(
         shim: *mut ipopt_shim,

@@ -4,11 +4,10 @@ use std::fmt;
 
 use ipopt_sys as sys;
 
+pub use super::library::Version;
+use super::library::{dotted, mismatch};
 use super::{Error, Libraries, OptionError, Options, Ordering, Solver, Start, Status};
 use crate::nlp::{Bounds, Nlp, Pattern, Structure};
-
-/// A version's major, minor and release number.
-pub type Version = (u32, u32, u32);
 
 /// What [`diagnose`] finds; its `Display` form is a report for people.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,13 +122,10 @@ impl Diagnosis {
     /// What is wrong or slow, and the remedy; empty if all is well.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
-        if let Some(library) = self.library.filter(|&library| library != self.headers) {
-            remarks.push(format!(
-                "compiled for Ipopt {} and running with {}: build again, so that both are the same",
-                dotted(self.headers),
-                dotted(library)
-            ));
-        }
+        remarks.extend(
+            self.library
+                .and_then(|library| mismatch(self.headers, library)),
+        );
         if !self.linear_solvers.iter().any(|found| found.works) {
             remarks.push(
                 "no linear solver works: install one that Ipopt is linked to, such as MUMPS"
@@ -239,10 +235,6 @@ impl fmt::Display for Diagnosis {
             .iter()
             .try_for_each(|remark| write!(f, "\nremark: {remark}"))
     }
-}
-
-fn dotted((major, minor, release): Version) -> String {
-    format!("{major}.{minor}.{release}")
 }
 
 /// Whether a problem of one variable can be solved with it; `None` if this Ipopt does not know the name.

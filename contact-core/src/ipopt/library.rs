@@ -4,8 +4,8 @@ use std::sync::Once;
 
 use ipopt_sys::{HEADER_VERSION, library_version};
 
-/// Major, minor, release.
-type Version = (u32, u32, u32);
+/// A version's major, minor and release number.
+pub type Version = (u32, u32, u32);
 
 /// Warns, once a process, if Ipopt has another C++ interface than its headers promised.
 pub(super) fn warn_of_another() {
@@ -19,14 +19,18 @@ pub(super) fn warn_of_another() {
     }
 }
 
-/// Releases of one minor version may replace each other.
-fn mismatch(headers: Version, library: Version) -> Option<String> {
-    let text = |(major, minor, release)| format!("{major}.{minor}.{release}");
+/// As it is written, such as 3.14.19.
+pub(super) fn dotted((major, minor, release): Version) -> String {
+    format!("{major}.{minor}.{release}")
+}
+
+/// What is wrong with a library of this version; releases of one minor version may replace each other.
+pub(super) fn mismatch(headers: Version, library: Version) -> Option<String> {
     ((headers.0, headers.1) != (library.0, library.1)).then(|| {
         format!(
             "compiled with the headers of Ipopt {}, but running with {}: rebuild, or point the loader at the other",
-            text(headers),
-            text(library)
+            dotted(headers),
+            dotted(library)
         )
     })
 }

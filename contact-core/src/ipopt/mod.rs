@@ -114,7 +114,8 @@
 //! - **Panics** in a callback, a watching closure or a log's writer stop the solve and then go on in the caller.
 //! - **Silence.** Nothing is printed. The log goes to the `log` crate, target `ipopt`, level debug, unless
 //!   [`Solver::set_log`] says otherwise. A file `ipopt.opt` in the working directory is not read.
-//! - **Signs**: see [`nlp`](crate::nlp). Bounds are kept exactly (`bound_relax_factor` 0).
+//! - **Signs**: see [`nlp`](crate::nlp). Bounds are not relaxed (`bound_relax_factor` 0): x may
+//!   leave them by round-off at most.
 //! - **Versions**: 3.11 to 3.14. [`VERSION`] is the one compiled with; an option it lacks is an
 //!   [`OptionError::Unknown`] that says since when there is one.
 
