@@ -5,15 +5,15 @@ CARGO ?= cargo
 .PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead msrv bindings
 
 help:
-	@echo "make demo   the paper's disc-in-disc: pictures, curves and files for ParaView"
-	@echo "make test   all tests of all crates, with and without optional features"
+	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
+	@echo "make test              all tests of all crates, with and without optional features"
 	@echo "make test-ipopt-3.14   the tests of the Ipopt binding with a binary Ipopt 3.14, fetched aside"
-	@echo "make valgrind   the tests of the Ipopt binding under memcheck"
-	@echo "make lint   formatting, clippy and documentation, warnings as errors"
-	@echo "make bench  times the disc-in-disc"
-	@echo "make bench-overhead   what the Ipopt driver adds to Ipopt called from C and from C++"
-	@echo "make msrv   compiles with the oldest Rust that is promised to do"
-	@echo "make bindings   renews the bindings to Ipopt kept in the source"
+	@echo "make valgrind          the tests of the Ipopt binding under memcheck"
+	@echo "make lint              formatting, clippy and documentation, warnings as errors"
+	@echo "make bench             times the disc-in-disc"
+	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
+	@echo "make msrv              compiles with the oldest Rust that is promised to do"
+	@echo "make bindings          renews the bindings to Ipopt kept in the source"
 
 install:
 	@./scripts/install.sh

@@ -70,7 +70,6 @@ impl Shim {
             jacobian: Some(scalar),
             hessian: Some(hessian),
             intermediate: Some(go_on),
-            ..Default::default()
         };
         let (mut x, mut z_lower, mut z_upper) = ([0.0], [0.0], [0.0]);
         let mut point = ipopt_shim_point {
