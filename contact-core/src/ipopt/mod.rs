@@ -96,6 +96,10 @@
 //!   this driver changes are with [`Options`]. Presets: [`Options::newton`], [`Options::quadratic`],
 //!   [`Options::convex_quadratic`], [`Options::least_change`], [`Options::warm_start`].
 //! - **What a [`Status`] means**, and what to do about it, is the table there.
+//! - **Runs of similar problems**: [`Sequence`] starts each from the solution of the one before and, where that leads
+//!   nowhere, repeats it cold.
+//! - **Which Ipopt is this?** [`diagnose`] says which linear solvers it really has, how MUMPS orders, whether the BLAS
+//!   is a slow one: `cargo run --release -p contact-core --example doctor`.
 //! - **Watching and stopping**: [`Solver::solve_with`], or [`Nlp::iterate`](crate::nlp::Nlp::iterate).
 //! - **The log**: [`Solver::set_log`].
 //! - **Scaling**: [`Solver::set_scaling`]. Ipopt's own only makes gradients smaller. Choose units so that x, f and g
@@ -111,6 +115,8 @@
 //!   fn shared<T: Sync>() {}
 //!   shared::<contact_core::ipopt::Solver>();
 //!   ```
+//! - **Dependent equalities** make multipliers that are not unique, and Ipopt divides its errors by their size: it may
+//!   then call something solved that is not, unless `dual_inf_tol` (1 by default, unscaled) is set to what counts.
 //! - **Panics** in a callback, a watching closure or a log's writer stop the solve and then go on in the caller.
 //! - **Silence.** Nothing is printed. The log goes to the `log` crate, target `ipopt`, level debug, unless
 //!   [`Solver::set_log`] says otherwise. A file `ipopt.opt` in the working directory is not read.
