@@ -160,7 +160,7 @@ impl Diagnosis {
         (ratio > MUCH).then(|| {
             format!(
                 "left to itself, MUMPS orders by {}, and its factor is {ratio:.1} times as large as with {}: set \
-                 `mumps_pivot_order` to {} for large problems in space (above 10 000 variables it is 5 here)",
+                 `mumps_pivot_order` to {} for large problems in space",
                 automatic.used,
                 best.used,
                 best.used.code()

@@ -4,12 +4,16 @@ use std::ffi::{CStr, CString};
 
 use ipopt_sys as sys;
 
+use super::super::Ordering;
 use super::{Available, KnownOption, OptionError, OptionValue, Options};
 use crate::nlp::Structure;
 
-/// Variables above which MUMPS is asked for a nested-dissection ordering; its own choice, minimum fill, takes twice
-/// the operations on large meshes.
+/// Variables above which the driver chooses MUMPS' ordering.
 const LARGE: usize = 10_000;
+
+/// Entries of the Hessian's lower triangle a variable, from which a problem is taken for one in space: elasticity has
+/// 7 on a mesh of triangles, 22 and more on one of tetrahedra.
+const DENSE: usize = 15;
 
 /// The driver's defaults for a problem.
 fn defaults(structure: &Structure) -> Options {
@@ -28,9 +32,20 @@ fn defaults(structure: &Structure) -> Options {
         options.set("hessian_constant", false);
     }
     if structure.variables() > LARGE {
-        options.set("mumps_pivot_order", 5);
+        options.set("mumps_pivot_order", ordering(structure).code());
     }
     options
+}
+
+/// PORD for what is dense like a problem in space, as minimum fill leads to far larger factors there. Minimum fill for
+/// the others: its factors are as small, and it takes the least time to find them. MUMPS' own choice for both is
+/// SCOTCH, if it has no METIS: its factors are no smaller, and it takes several times as long, in threads that wait.
+fn ordering(structure: &Structure) -> Ordering {
+    let entries = structure.hessian().map_or(0, |hessian| hessian.len());
+    match entries / structure.variables() >= DENSE {
+        true => Ordering::Pord,
+        false => Ordering::Amf,
+    }
 }
 
 /// Sets the defaults Ipopt knows, then `options`, from a clean slate.
