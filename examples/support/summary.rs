@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use ipopt_contact::Blas;
+use ipopt_contact::contact_core::ipopt::doctor;
 use ipopt_contact::contact_core::method::{Effort, Factor};
 use ipopt_contact::prelude::*;
 use serde::Serialize;
@@ -75,6 +76,8 @@ pub struct VersionNames {
     pub ipopt: String,
     pub ipopt_libraries: Vec<String>,
     pub linear_solver: Option<String>,
+    /// Those that Ipopt has.
+    pub linear_solvers: Vec<String>,
     pub blas: Option<String>,
     pub rustc: String,
     pub profile: String,
@@ -170,6 +173,12 @@ impl Summary {
             share("  optimizer", times.optimizer),
             share("  output", times.output),
             share("  other", times.other),
+            format!(
+                "\n  run by             Ipopt {} with {}, {}",
+                self.versions.ipopt,
+                self.versions.linear_solver.as_deref().unwrap_or("unknown"),
+                self.versions.blas.as_deref().unwrap_or("unknown BLAS")
+            ),
             match Blas::loaded().is_some_and(|blas| blas.is_reference()) {
                 true => {
                     "\n  slow: the reference BLAS is loaded, `apt-get install libopenblas0-serial` \
@@ -315,6 +324,10 @@ impl VersionNames {
                 .map(ToString::to_string)
                 .collect(),
             linear_solver: versions.linear_solver,
+            linear_solvers: doctor::inspect().map_or(Vec::new(), |found| {
+                let names = found.working_linear_solvers();
+                names.map(str::to_owned).collect()
+            }),
             blas: versions.blas.map(|blas| blas.to_string()),
             rustc: versions.rustc.into(),
             profile: versions.profile.into(),

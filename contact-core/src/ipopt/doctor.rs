@@ -114,9 +114,17 @@ pub fn diagnose() -> Result<Diagnosis, Error> {
 impl Diagnosis {
     /// Whether Ipopt has the linear solver of this name.
     pub fn works(&self, linear_solver: &str) -> bool {
+        self.working_linear_solvers()
+            .any(|name| name == linear_solver)
+    }
+
+    /// The linear solvers Ipopt has.
+    pub fn working_linear_solvers(&self) -> impl Iterator<Item = &'static str> + '_ {
+        let works = |found: &&LinearSolverFound| found.works;
         self.linear_solvers
             .iter()
-            .any(|found| found.name == linear_solver && found.works)
+            .filter(works)
+            .map(|found| found.name)
     }
 
     /// What is wrong or slow, and the remedy; empty if all is well.
@@ -126,7 +134,7 @@ impl Diagnosis {
             self.library
                 .and_then(|library| mismatch(self.headers, library)),
         );
-        if !self.linear_solvers.iter().any(|found| found.works) {
+        if self.working_linear_solvers().next().is_none() {
             remarks.push(
                 "no linear solver works: install one that Ipopt is linked to, such as MUMPS"
                     .to_owned(),
