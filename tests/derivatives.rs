@@ -136,7 +136,7 @@ fn weak_gap(problem: &Problem<2>, slave: usize, master: usize, i: usize, x: &[Ve
     ];
     let X = problem.reference();
     let (mut sum, mut area) = (0.0, 0.0);
-    for facet in problem.surfaces()[slave].facets() {
+    for facet in facets(problem, slave) {
         let Some(local) = facet.iter().position(|&a| a == i) else {
             continue;
         };
@@ -153,6 +153,13 @@ fn weak_gap(problem: &Problem<2>, slave: usize, master: usize, i: usize, x: &[Ve
     sum / area
 }
 
+/// Facets as pairs of scene nodes.
+fn facets(problem: &Problem<2>, surface: usize) -> Vec<[usize; 2]> {
+    let surface = &problem.surfaces()[surface];
+    let scene = |f: &[usize]| [surface.nodes()[f[0]], surface.nodes()[f[1]]];
+    surface.facets().map(scene).collect()
+}
+
 fn outward(x: &[Vector<2>], facet: &[usize; 2]) -> Vector<2> {
     let edge = x[facet[1]] - x[facet[0]];
     Vector::<2>::new(edge[1], -edge[0]).normalize()
@@ -164,7 +171,7 @@ fn foot_by_brute_force(
     point: &Vector<2>,
     x: &[Vector<2>],
 ) -> (Vector<2>, Vector<2>) {
-    let facets = problem.surfaces()[master].facets();
+    let facets = facets(problem, master);
     let at_node = |node: usize| -> Vector<2> {
         let around = facets.iter().filter(|facet| facet.contains(&node));
         around

@@ -50,6 +50,19 @@ pub enum Error {
         /// How many cells share it.
         cells: usize,
     },
+    /// A node in the middle of an edge that cannot be.
+    #[error(
+        "cell {cell} has node {node} in the middle of the edge between nodes {edge:?}: the cells at \
+         an edge must share its middle node, which is no corner and on no other edge"
+    )]
+    EdgeNode {
+        /// Which cell.
+        cell: usize,
+        /// The corners of the edge.
+        edge: [usize; 2],
+        /// The node in its middle.
+        node: usize,
+    },
     /// A mesh without cells.
     #[error("the mesh has no cells: a body needs at least one")]
     EmptyMesh,

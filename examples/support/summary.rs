@@ -275,7 +275,7 @@ impl MeshSize {
         let bodies = problem.scene().bodies();
         let mut contact_facets = vec![0; bodies.len()];
         for surface in problem.surfaces() {
-            contact_facets[surface.body()] += surface.facets().len();
+            contact_facets[surface.body()] += surface.len();
         }
         MeshSize {
             nodes: problem.reference().len(),

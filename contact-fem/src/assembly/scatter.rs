@@ -4,53 +4,78 @@ use contact_core::nlp::Pattern;
 
 use super::dofs::{Dof, DofMap};
 
-/// For every cell and every entry of its local lower triangle, the position in the global pattern.
-pub(super) struct SlotMap {
-    slots: Vec<u32>,
+/// Where in the values of the pattern the D × D block of each pair of nodes goes.
+pub(super) struct SlotMap<const D: usize> {
+    /// For every cell and every pair of its nodes (a, b ≤ a), the number of its block.
+    pairs: Vec<u32>,
     per_cell: usize,
+    /// Slots of the blocks: row of the node with the larger number, column of the other.
+    blocks: Vec<[[u32; D]; D]>,
 }
 
-/// Entries of rows or columns that are prescribed are written nowhere.
-pub(super) const NOWHERE: u32 = u32::MAX;
+/// Entries of rows or columns that are prescribed, and above the diagonal, are written nowhere.
+const NOWHERE: u32 = u32::MAX;
 
-impl SlotMap {
-    /// The slots of one cell: local (r, c) with r ≥ c stands at r (r + 1)/2 + c.
-    pub fn cell(&self, k: usize) -> &[u32] {
-        &self.slots[k * self.per_cell..(k + 1) * self.per_cell]
+impl<const D: usize> SlotMap<D> {
+    /// Adds the block of the nodes a and b ≤ a of cell `k`, numbered within it, to `values`;
+    /// `entry(i, j)` has its row at the node with the larger number in the mesh.
+    pub fn add(
+        &self,
+        k: usize,
+        (a, b): (usize, usize),
+        entry: impl Fn(usize, usize) -> f64,
+        values: &mut [f64],
+    ) {
+        let block = self.pairs[k * self.per_cell + a * (a + 1) / 2 + b];
+        for (i, row) in self.blocks[block as usize].iter().enumerate() {
+            for (j, &slot) in row.iter().enumerate() {
+                if slot != NOWHERE {
+                    values[slot as usize] += entry(i, j);
+                }
+            }
+        }
     }
 }
 
-/// Finds the pattern of the lower triangle over the free dofs; `cells` yields each cell's dofs.
-pub(super) fn pattern_and_slots(
+/// Finds the pattern of the lower triangle over the free dofs; `cells` yields each cell's nodes.
+pub(super) fn pattern_and_slots<'a, const D: usize>(
     dofs: &DofMap,
-    cells: impl Iterator<Item = Vec<usize>> + Clone,
-) -> (Pattern, SlotMap) {
-    let free = |dof: usize| match dofs.get(dof) {
-        Dof::Free(i) => Some(i),
+    cells: impl Iterator<Item = &'a [usize]> + Clone,
+) -> (Pattern, SlotMap<D>) {
+    let pairs_of = |cell: &'a [usize]| {
+        let lower = (0..cell.len()).flat_map(|a| (0..=a).map(move |b| (a, b)));
+        lower.map(move |(a, b)| (cell[a].max(cell[b]), cell[a].min(cell[b])))
+    };
+    let mut pairs: Vec<(usize, usize)> = cells.clone().flat_map(pairs_of).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+
+    let free = |node: usize, i: usize| match dofs.get(D * node + i) {
+        Dof::Free(k) => Some(k),
         Dof::Prescribed(_) => None,
     };
-    let position = |r: usize, c: usize| {
-        let (r, c) = (free(r)?, free(c)?);
-        Some((r.max(c), r.min(c)))
-    };
-    let local = |cell: Vec<usize>| -> Vec<Option<(usize, usize)>> {
-        let lower = (0..cell.len()).flat_map(|r| (0..=r).map(move |c| (r, c)));
-        lower.map(|(r, c)| position(cell[r], cell[c])).collect()
-    };
-    let mut positions: Vec<(usize, usize)> = cells.clone().flat_map(local).flatten().collect();
-    positions.sort_unstable();
-    positions.dedup();
-
-    let slot = |p: Option<(usize, usize)>| {
-        let found = p.and_then(|p| positions.binary_search(&p).ok());
-        found.map_or(NOWHERE, |k| k as u32)
-    };
-    let mut slots = Vec::new();
-    let mut per_cell = 0;
-    for cell in cells {
-        let entries = local(cell);
-        per_cell = entries.len();
-        slots.extend(entries.into_iter().map(slot));
+    let mut positions = Vec::new();
+    let mut blocks = Vec::with_capacity(pairs.len());
+    for &(p, q) in &pairs {
+        let mut slots = [[NOWHERE; D]; D];
+        for (i, row) in slots.iter_mut().enumerate() {
+            for (j, slot) in row.iter_mut().enumerate() {
+                let lower = p != q || i >= j;
+                let entry = free(p, i).zip(free(q, j)).filter(|_| lower);
+                if let Some(entry) = entry {
+                    *slot = positions.len() as u32;
+                    positions.push(entry);
+                }
+            }
+        }
+        blocks.push(slots);
     }
-    (positions.into_iter().collect(), SlotMap { slots, per_cell })
+    let number = |pair| pairs.binary_search(&pair).map_or(u32::MAX, |k| k as u32);
+    let per_cell = cells.clone().next().map_or(0, |cell| cell.len());
+    let slots = SlotMap {
+        pairs: cells.flat_map(pairs_of).map(number).collect(),
+        per_cell: per_cell * (per_cell + 1) / 2,
+        blocks,
+    };
+    (positions.into_iter().collect(), slots)
 }

@@ -5,7 +5,7 @@ use contact_core::nlp::Pattern;
 
 use super::dofs::{Dof, DofMap};
 use super::extension::harmonic;
-use super::scatter::{NOWHERE, SlotMap, pattern_and_slots};
+use super::scatter::{SlotMap, pattern_and_slots};
 use super::{BodyEnergy, CellState};
 use crate::element::Element;
 use crate::material::Material;
@@ -14,9 +14,9 @@ use crate::tensor::{Matrix, Vector, inverse_transpose};
 
 /// One quadrature point: weight times reference volume, and ∂N_a/∂X.
 #[derive(Clone, Copy)]
-struct Point<const D: usize, E: Element<D>> {
-    weight: f64,
-    gradients: E::PerNode<Vector<D>>,
+pub(super) struct Point<const D: usize, E: Element<D>> {
+    pub weight: f64,
+    pub gradients: E::PerNode<Vector<D>>,
 }
 
 /// The total potential energy of one body (equation (2) of the paper).
@@ -32,7 +32,7 @@ pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     factor: f64,
     prescribed: Vec<f64>,
     pattern: Pattern,
-    slots: SlotMap,
+    slots: SlotMap<D>,
     typical_stiffness: f64,
 }
 
@@ -52,13 +52,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         let cells: Vec<E::PerNode<usize>> = assembled.map(nodes_of::<D, E>).collect();
         let points = cells.iter().flat_map(|cell| points_of::<D, E>(mesh, cell));
         let points = points.collect();
-        let cell_dofs = |cell: &E::PerNode<usize>| -> Vec<usize> {
-            let nodes = cell.as_ref().iter();
-            nodes
-                .flat_map(|&a| (0..D).map(move |i| D * a + i))
-                .collect()
-        };
-        let (pattern, slots) = pattern_and_slots(&dofs, cells.iter().map(cell_dofs));
+        let (pattern, slots) = pattern_and_slots(&dofs, cells.iter().map(AsRef::as_ref));
         let mut energy = StrainEnergy {
             material,
             cells,
@@ -140,14 +134,14 @@ impl<const D: usize, E: Element<D>> Point<D, E> {
     }
 }
 
-fn nodes_of<const D: usize, E: Element<D>>(cell: &[usize]) -> E::PerNode<usize> {
+pub(super) fn nodes_of<const D: usize, E: Element<D>>(cell: &[usize]) -> E::PerNode<usize> {
     let mut nodes = E::per_node(0);
     nodes.as_mut().copy_from_slice(cell);
     nodes
 }
 
 /// The quadrature points of one cell: ∂N/∂X = (∂X/∂ξ)⁻ᵀ ∂N/∂ξ.
-fn points_of<const D: usize, E: Element<D>>(
+pub(super) fn points_of<const D: usize, E: Element<D>>(
     mesh: &Mesh<D>,
     cell: &E::PerNode<usize>,
 ) -> impl Iterator<Item = Point<D, E>> {
@@ -219,24 +213,24 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
         values.fill(0.0);
         for (k, (cell, points)) in self.assembled().enumerate() {
             let local = self.gather(cell, u);
-            let slots = self.slots.cell(k);
+            let nodes = cell.as_ref();
+            let mut blocks = E::per_node(E::per_node(Matrix::<D>::zeros()));
             for point in points {
                 let F = point.deformation(&local);
                 let A = self.material.contraction(&F);
                 let dN = point.gradients.as_ref();
-                for a in 0..dN.len() {
-                    for b in 0..=a {
-                        let block = A(&dN[a], &dN[b]) * point.weight;
-                        for i in 0..D {
-                            let r = D * a + i;
-                            let columns = if a == b { i + 1 } else { D };
-                            for j in 0..columns {
-                                let slot = slots[r * (r + 1) / 2 + D * b + j];
-                                if slot != NOWHERE {
-                                    values[slot as usize] += block[(i, j)];
-                                }
-                            }
-                        }
+                for (a, row) in blocks.as_mut().iter_mut().enumerate() {
+                    for (b, block) in row.as_mut()[..=a].iter_mut().enumerate() {
+                        *block += A(&dN[a], &dN[b]) * point.weight;
+                    }
+                }
+            }
+            for (a, row) in blocks.as_ref().iter().enumerate() {
+                for (b, block) in row.as_ref()[..=a].iter().enumerate() {
+                    if nodes[a] >= nodes[b] {
+                        self.slots.add(k, (a, b), |i, j| block[(i, j)], values);
+                    } else {
+                        self.slots.add(k, (a, b), |i, j| block[(j, i)], values);
                     }
                 }
             }

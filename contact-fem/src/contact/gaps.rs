@@ -2,12 +2,11 @@
 
 use contact_core::gaps::{LinearGaps, Row, RowKey};
 
-use super::integration::FacetRule;
-use super::projection::interpolate;
-use super::search::{Master, Projection};
+use super::search::{Master, Own, Seeker};
 use super::surface::Surface;
 use crate::assembly::{Dof, DofMap};
-use crate::tensor::{Vector, facet_normal};
+use crate::element::{FacetRule, facet_shapes};
+use crate::tensor::Vector;
 
 /// One role of a pair: `slave` must not penetrate `master`. Both are indices of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,14 +22,9 @@ pub struct Pass {
 struct NodalRow<const D: usize> {
     /// (scene node, coefficient); a node may appear more than once until they are merged.
     terms: Vec<(usize, Vector<D>)>,
-    /// a_i = Σ_q w_q φ_i(q) over the points that count.
+    /// a_i = Σ_q w_q φ_i(q) and Σ_q w_q |φ_i(q)| over the points that count.
     area: f64,
-}
-
-/// Whether an integration point on a slave facet with unit normal `facing` counts: its projection
-/// is within `reach`, not off the master's end, and faces it.
-fn counts<const D: usize>(p: &Projection<D>, facing: &Vector<D>, reach: f64) -> bool {
-    p.distance <= reach && !p.off_the_end && facing.dot(&p.normal) < 0.0
+    magnitude: f64,
 }
 
 /// The constraints of one pass, linearised at current positions `x` of all scene nodes.
@@ -54,28 +48,41 @@ impl<const D: usize> PassRows<D> {
     ) -> Self {
         let mut rows = vec![NodalRow::default(); slave.nodes().len()];
         let mut points = (0, 0);
-        for (facet, &measure) in slave.facets().iter().zip(slave.measures()) {
-            let corners = facet.map(|a| x[a]);
-            let facing = facet_normal(&corners);
-            let local = facet.map(|a| slave.local(a));
-            for (weight, N) in rule.points() {
+        let to_itself = std::ptr::eq(slave, master.surface());
+        let positions = slave.gather(x);
+        let facets = slave.facets_at(&positions);
+        for ((nodes, facet), reference) in slave.facets().zip(facets).zip(slave.reference()) {
+            for (weight, lambda) in rule.points() {
                 points.0 += 1;
-                let x_q = interpolate(N, &corners);
-                let projection = master.project(&x_q).filter(|p| counts(p, &facing, reach));
-                let Some(p) = projection else { continue };
+                let seeker = Seeker {
+                    x: facet.point(lambda),
+                    facing: facet.normal(lambda),
+                    reach,
+                    own: to_itself.then(|| Own {
+                        nodes,
+                        X: reference.point(lambda),
+                    }),
+                };
+                let Some(p) = master.find(&seeker) else {
+                    continue;
+                };
                 points.1 += 1;
-                let across = &master.surface().facets()[p.facet];
-                for i in 0..D {
-                    // linear facets: the test functions φ_i are the shape functions N_i
-                    let w = weight * measure * N[i];
-                    let row = &mut rows[local[i]];
+                // x_q − x̄_q as a sum over nodes
+                let own = nodes.iter().map(|&a| slave.nodes()[a]);
+                let own = own.zip(facet_shapes(slave.order(), lambda));
+                let surface = master.surface();
+                let other = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
+                let other = other.zip(facet_shapes(surface.order(), &p.lambda).map(|N| -N));
+                let measure = reference.normal(lambda).norm();
+                let tests = nodes.iter().zip(slave.test_functions(lambda));
+                for (&i, phi) in tests.take(slave.test_nodes()) {
+                    let w = weight * measure * phi;
+                    let row = &mut rows[i];
                     row.area += w;
-                    let own = facet.iter().zip(N.iter());
+                    row.magnitude += w.abs();
+                    let terms = own.clone().chain(other.clone());
                     row.terms
-                        .extend(own.map(|(&a, N_a)| (a, p.normal * (w * N_a))));
-                    let other = across.iter().zip(p.lambda.iter());
-                    row.terms
-                        .extend(other.map(|(&b, N_b)| (b, p.normal * (-w * N_b))));
+                        .extend(terms.map(|(a, N)| (a, p.normal * (w * N))));
                 }
             }
         }
@@ -100,7 +107,7 @@ impl<const D: usize> PassRows<D> {
     ) {
         let mut row = Row::default();
         for (&node, nodal) in slave.nodes().iter().zip(&self.rows) {
-            if nodal.terms.is_empty() {
+            if !nodal.has_support() {
                 continue;
             }
             row.free.clear();
@@ -125,6 +132,13 @@ impl<const D: usize> PassRows<D> {
 }
 
 impl<const D: usize> NodalRow<D> {
+    /// Whether enough points count for a_i to be a weight. A corner's quadratic function is
+    /// negative on the far half of a segment: where the master ends between, its mean there is no
+    /// mean of gaps. Over a whole segment area and magnitude are as 2 to 3.
+    fn has_support(&self) -> bool {
+        self.area > self.magnitude / 3.0
+    }
+
     /// Merges the terms of each node and divides by a_i, so that c_i is a length and λ_i a force.
     fn normalize(&mut self) {
         self.terms.sort_unstable_by_key(|term| term.0);
@@ -148,10 +162,27 @@ pub fn deepest_node<const D: usize>(
     master: &Master<'_, D>,
     x: &[Vector<D>],
 ) -> Option<(usize, f64)> {
-    let gap = |(&node, facing): (&usize, &Vector<D>)| {
-        let p = master.project(&x[node])?;
-        (counts(&p, facing, f64::INFINITY) && p.gap < 0.0).then_some((node, p.gap))
+    let mut X = vec![Vector::zeros(); slave.nodes().len()];
+    for (nodes, facet) in slave.facets().zip(slave.reference()) {
+        nodes
+            .iter()
+            .zip(facet.nodes())
+            .for_each(|(&a, at)| X[a] = *at);
+    }
+    let to_itself = std::ptr::eq(slave, master.surface());
+    let gap = |(k, facing): (usize, &Vector<D>)| {
+        let node = slave.nodes()[k];
+        let p = master.find(&Seeker {
+            x: x[node],
+            facing: *facing,
+            reach: f64::INFINITY,
+            own: to_itself.then_some(Own {
+                nodes: &[k],
+                X: X[k],
+            }),
+        })?;
+        (p.gap < 0.0).then_some((node, p.gap))
     };
-    let inside = slave.nodes().iter().zip(slave_normals).filter_map(gap);
+    let inside = slave_normals.iter().enumerate().filter_map(gap);
     inside.min_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -1,8 +1,7 @@
 //! The weak non-penetration constraints, step by step:
-//! [`surface`] → [`search`] → [`projection`] → [`normals`] → [`integration`] → [`gaps`].
+//! [`surface`] → [`search`] → [`projection`] → [`normals`] → [`gaps`].
 
 pub mod gaps;
-pub mod integration;
 pub mod normals;
 pub mod pressure;
 pub mod projection;
@@ -10,6 +9,5 @@ pub mod search;
 pub mod surface;
 
 pub use gaps::Pass;
-pub use integration::FacetRule;
 pub use search::Master;
 pub use surface::Surface;

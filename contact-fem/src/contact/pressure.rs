@@ -4,8 +4,8 @@ use faer::prelude::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 
-use super::integration::FacetRule;
 use super::surface::Surface;
+use crate::element::{FacetRule, facet_shapes};
 use crate::error::Error;
 use crate::tensor::Vector;
 
@@ -22,14 +22,15 @@ pub fn tractions<const D: usize>(
     forces: &[Vector<D>],
 ) -> Result<Vec<Vector<D>>, Error> {
     let n = surface.nodes().len();
-    let rule = FacetRule::<D>::gauss(2);
+    let rule = FacetRule::<D>::gauss(3);
     let mut mass = Vec::new();
-    for (facet, measure) in surface.facets().iter().zip(surface.measures()) {
-        for (w, N) in rule.points() {
-            for (a, &p) in facet.iter().enumerate() {
-                for (b, &q) in facet.iter().enumerate() {
-                    let (row, col) = (surface.local(p), surface.local(q));
-                    mass.push(Triplet::new(row, col, w * measure * N[a] * N[b]));
+    for (nodes, facet) in surface.facets().zip(surface.reference()) {
+        for (w, lambda) in rule.points() {
+            let w = w * facet.normal(lambda).norm();
+            let N = facet_shapes(surface.order(), lambda);
+            for (&row, N_a) in nodes.iter().zip(N) {
+                for (&col, N_b) in nodes.iter().zip(N) {
+                    mass.push(Triplet::new(row, col, w * N_a * N_b));
                 }
             }
         }
@@ -52,13 +53,15 @@ pub fn tractions<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::element::Order;
 
     /// Forces that a linear traction makes on uneven facets give that traction back.
     #[test]
     fn recovers_linear_tractions() {
         let x = [0.0, 0.3, 1.0, 1.2, 2.0].map(|x| Vector::<2>::new(x, 0.0));
         let facets: Vec<[usize; 2]> = (0..4).map(|k| [k, k + 1]).collect();
-        let surface = Surface::new(0, facets, &x);
+        let facets = facets.iter().map(|f| &f[..]);
+        let surface = Surface::new(0, Order::Linear, facets, &x);
         let traction = |s: f64| Vector::<2>::new(0.2 - s, 3.0 + 2.0 * s);
         let mut forces = vec![Vector::<2>::zeros(); 5];
         for k in 0..4 {

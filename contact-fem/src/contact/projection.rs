@@ -1,9 +1,98 @@
 //! The closest point of one facet.
 
-use crate::tensor::Vector;
+use crate::element::{Facet, Order};
+use crate::tensor::{Matrix, Vector};
 
-/// Barycentric coordinates (D of them, ≥ 0, sum 1) of the point of the facet with these corners
-/// that is closest to `x`.
+/// Barycentric coordinates (D of them, ≥ 0, sum 1) of the point of a facet, flat or curved, that is
+/// closest to `x`.
+///
+/// On a curved facet Newton's method minimises ½|x − x̄(λ)|² over λ ≥ 0, Σλ = 1: each step is the
+/// closest point of a flat facet in the metric of the Hessian. It starts at the closest point of
+/// the flat pieces between the nodes and halves steps that lead away.
+pub fn closest_on<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<D> {
+    const STEPS: usize = 50;
+    const RESOLVED: f64 = 1e-15;
+    if facet.order() == Order::Linear {
+        return closest(x, &facet.corners());
+    }
+    let away = |lambda: &Vector<D>| (x - facet.point(lambda)).norm_squared();
+    let pieces = facet
+        .pieces()
+        .iter()
+        .map(|piece| closest_on_piece(x, facet, piece));
+    let mut lambda = pieces
+        .min_by(|a, b| away(a).total_cmp(&away(b)))
+        .unwrap_or_else(|| Vector::repeat(1.0 / D as f64));
+    for _ in 0..STEPS {
+        let Some(mut next) = newton(x, facet, &lambda) else {
+            break;
+        };
+        let before = away(&lambda);
+        let mut halvings = 0;
+        while away(&next) > before && halvings < 10 {
+            next = (next + lambda) * 0.5;
+            halvings += 1;
+        }
+        if away(&next) > before {
+            break;
+        }
+        let step = (next - lambda).amax();
+        lambda = next;
+        if step <= RESOLVED {
+            break;
+        }
+    }
+    lambda
+}
+
+/// The λ on `facet` of the closest point of one of its flat pieces.
+fn closest_on_piece<const D: usize>(
+    x: &Vector<D>,
+    facet: &Facet<D>,
+    piece: &[[f64; 3]; 3],
+) -> Vector<D> {
+    let corners: [Vector<D>; D] = std::array::from_fn(|k| Vector::from_fn(|i, _| piece[k][i]));
+    let on_piece = closest(x, &corners.map(|lambda| facet.point(&lambda)));
+    interpolate(&on_piece, &corners)
+}
+
+/// One Newton step over λ, or a Gauss–Newton step where the Hessian is not positive; `None` where
+/// the facet has no tangent plane.
+fn newton<const D: usize>(
+    x: &Vector<D>,
+    facet: &Facet<D>,
+    lambda: &Vector<D>,
+) -> Option<Vector<D>> {
+    let corners = facet.tangent(lambda);
+    let r = x - facet.point(lambda);
+    let bend = facet.curvature(&r);
+    // unknowns ξ_i = λ_{i+1}; the last row and column only fill the matrix up to D × D
+    let t: [Vector<D>; D] = std::array::from_fn(|k| corners[k] - corners[0]);
+    let hessian = |curved: f64| {
+        Matrix::<D>::from_fn(|i, j| {
+            if i + 1 == D || j + 1 == D {
+                return f64::from(u8::from(i == j));
+            }
+            let (i, j) = (i + 1, j + 1);
+            let bent = bend[i][j] - bend[i][0] - bend[0][j] + bend[0][0];
+            t[i].dot(&t[j]) - curved * bent
+        })
+    };
+    let factor = [1.0, 0.0].into_iter().find_map(|c| hessian(c).cholesky())?;
+    let slope = Vector::<D>::from_fn(|i, _| if i + 1 < D { t[i + 1].dot(&r) } else { 0.0 });
+    let xi = |lambda: &Vector<D>| {
+        Vector::<D>::from_fn(|i, _| if i + 1 < D { lambda[i + 1] } else { 0.0 })
+    };
+    let minimum = xi(lambda) + factor.solve(&slope);
+    let metric = factor.l().transpose();
+    let seen: [Vector<D>; D] = std::array::from_fn(|k| {
+        metric * (xi(&Vector::from_fn(|i, _| f64::from(u8::from(i == k)))) - minimum)
+    });
+    Some(closest(&Vector::zeros(), &seen))
+}
+
+/// Barycentric coordinates (D of them, ≥ 0, sum 1) of the point of the flat facet with these
+/// corners that is closest to `x`.
 ///
 /// A segment clamps one parameter; a triangle is decided region by region, as in C. Ericson,
 /// Real-Time Collision Detection (2005), section 5.1.5.
@@ -100,5 +189,54 @@ mod tests {
             .map(|v| v / f64::from(n))
             .collect();
         against_lattice(corners.map(Vector::<3>::from), &lattice);
+    }
+
+    /// Against a fine lattice on the curved facet, from near and from far.
+    fn curved_against_lattice<const D: usize>(facet: &Facet<D>, lattice: &[Vector<D>], step: f64) {
+        for k in 0..300 {
+            let far = if k % 2 == 0 { 0.2 } else { 2.5 };
+            let about = facet.nodes()[k % facet.nodes().len()];
+            let x =
+                about + Vector::<D>::from_fn(|i, _| far * ((k * (i + 3) + i) as f64 * 0.77).sin());
+            let lambda = closest_on(&x, facet);
+            assert!(lambda.iter().all(|&l| l >= 0.0));
+            assert!((lambda.sum() - 1.0).abs() < 1e-14);
+            let distance = (x - facet.point(&lambda)).norm();
+            let brute = lattice.iter().map(|l| (x - facet.point(l)).norm());
+            let brute = brute.fold(f64::INFINITY, f64::min);
+            assert!(distance <= brute + 1e-12, "{k}: {distance} against {brute}");
+            assert!(brute - distance < step);
+        }
+    }
+
+    #[test]
+    fn curved_segment() {
+        let x = [[-0.4, 0.3], [1.1, 0.8], [0.3, 0.75]].map(Vector::<2>::from);
+        let facet = Facet::gather(Order::Quadratic, &[0, 1, 2], &x);
+        let lattice: Vec<_> = (0..=4000)
+            .map(|i| Vector::<2>::new(1.0 - f64::from(i) / 4000.0, f64::from(i) / 4000.0))
+            .collect();
+        curved_against_lattice(&facet, &lattice, 1e-3);
+    }
+
+    #[test]
+    fn curved_triangle() {
+        let x = [
+            [0.1, -0.2, 0.3],
+            [1.2, 0.3, -0.1],
+            [0.2, 0.9, 0.6],
+            [0.6, 0.0, 0.25],
+            [0.75, 0.65, 0.4],
+            [0.1, 0.4, 0.55],
+        ]
+        .map(Vector::<3>::from);
+        let facet = Facet::gather(Order::Quadratic, &[0, 1, 2, 3, 4, 5], &x);
+        let n = 200;
+        let steps = (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j)));
+        let lattice: Vec<_> = steps
+            .map(|(i, j)| Vector::<3>::new(f64::from(i), f64::from(j), f64::from(n - i - j)))
+            .map(|v| v / f64::from(n))
+            .collect();
+        curved_against_lattice(&facet, &lattice, 8e-3);
     }
 }

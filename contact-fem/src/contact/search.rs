@@ -3,14 +3,15 @@
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 use super::normals;
-use super::projection::{closest, interpolate};
+use super::projection::closest_on;
 use super::surface::Surface;
+use crate::element::{Facet, facet_shapes};
 use crate::tensor::{Vector, facet_normal};
 
 /// A master surface at current positions, ready to be projected on.
 pub struct Master<'a, const D: usize> {
     surface: &'a Surface<D>,
-    tree: RTree<Facet<D>>,
+    tree: RTree<Leaf<D>>,
     /// Averaged normals in the order of the surface's nodes.
     normals: Vec<Vector<D>>,
 }
@@ -32,21 +33,44 @@ pub struct Projection<const D: usize> {
     pub off_the_end: bool,
 }
 
+/// A point of a slave surface that looks for a master surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Seeker<'a, const D: usize> {
+    /// Where it is (UL).
+    pub x: Vector<D>,
+    /// The outward normal of the slave there, of any length.
+    pub facing: Vector<D>,
+    /// How far it looks (UL).
+    pub reach: f64,
+    /// What is its own when the master is the slave itself.
+    pub own: Option<Own<'a, D>>,
+}
+
+/// A slave point's place on its own surface, which it may touch elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Own<'a, const D: usize> {
+    /// The nodes (positions in [`Surface::nodes`]) whose facets are its neighbourhood.
+    pub nodes: &'a [usize],
+    /// Its reference position (UL).
+    pub X: Vector<D>,
+}
+
 impl<'a, const D: usize> Master<'a, D> {
     /// A tangential offset beyond this share of the facet's size is off the end.
     const OFF_THE_END: f64 = 1e-9;
+    /// The other side of the material: deeper than this share of the distance in the reference
+    /// configuration. A penetration is much less, material is not compressed that far.
+    const MATERIAL: f64 = 0.2;
 
     /// Builds tree and normals for positions `x` of all scene nodes.
     pub fn new(surface: &'a Surface<D>, x: &[Vector<D>]) -> Self {
-        let facets = surface.facets().iter().enumerate();
-        let facets = facets.map(|(index, facet)| Facet {
-            index,
-            corners: facet.map(|a| x[a]),
-        });
+        let x = surface.gather(x);
+        let facets = surface.facets_at(&x).enumerate();
+        let leaves = facets.map(|(index, facet)| Leaf { index, facet });
         Master {
             surface,
-            tree: RTree::bulk_load(facets.collect()),
-            normals: normals::averaged(surface, x),
+            tree: RTree::bulk_load(leaves.collect()),
+            normals: normals::averaged(surface, &x),
         }
     }
 
@@ -62,55 +86,93 @@ impl<'a, const D: usize> Master<'a, D> {
 
     /// The closest point to `x`, or `None` if the surface has no facet.
     pub fn project(&self, x: &Vector<D>) -> Option<Projection<D>> {
-        let facet = self.tree.nearest_neighbor(&(*x).into())?;
-        let lambda = closest(x, &facet.corners);
-        let foot = interpolate(&lambda, &facet.corners);
-        let nodes = self.surface.facets()[facet.index];
-        let at_corners = nodes.map(|a| self.normals[self.surface.local(a)]);
-        let normal = normals::unit(interpolate(&lambda, &at_corners));
-        Some(Projection {
-            facet: facet.index,
-            lambda,
-            normal,
-            distance: (x - foot).norm(),
-            gap: (x - foot).dot(&normal),
-            off_the_end: self.is_off_the_end(facet, &lambda, &(x - foot)),
-        })
+        let leaf = self.tree.nearest_neighbor(&(*x).into())?;
+        Some(self.project_on(leaf, x))
     }
 
-    fn is_off_the_end(&self, facet: &Facet<D>, lambda: &Vector<D>, offset: &Vector<D>) -> bool {
-        let on_rim = (0..D).any(|k| lambda[k] == 0.0 && self.surface.is_rim(facet.index, k));
+    /// The point that `seeker` must not penetrate, if there is one: the closest one, which counts
+    /// if it is within reach, not off the master's end, and faces the seeker. On the seeker's own
+    /// surface it is the closest one that counts, is on no facet of its neighbourhood and not the
+    /// other side of the material.
+    pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<Projection<D>> {
+        let x: [f64; D] = seeker.x.into();
+        let reach_2 = seeker.reach * seeker.reach;
+        if self.tree.root().envelope().distance_2(&x) > reach_2 {
+            return None;
+        }
+        let counts = |p: &Projection<D>| {
+            p.distance <= seeker.reach && !p.off_the_end && seeker.facing.dot(&p.normal) < 0.0
+        };
+        let Some(own) = seeker.own else {
+            return self.project(&seeker.x).filter(counts);
+        };
+        let neighbour = |facet: usize| {
+            let nodes = self.surface.facet(facet);
+            nodes.iter().any(|node| own.nodes.contains(node))
+        };
+        let material = |p: &Projection<D>| {
+            let X = self.surface.reference()[p.facet].point(&p.lambda);
+            p.gap < -Self::MATERIAL * (own.X - X).norm()
+        };
+        let nearest = self.tree.nearest_neighbor_iter_with_distance_2(&x);
+        nearest
+            .take_while(|(_, distance_2)| *distance_2 <= reach_2)
+            .filter(|(leaf, _)| !neighbour(leaf.index))
+            .map(|(leaf, _)| self.project_on(leaf, &seeker.x))
+            .find(|p| counts(p) && !material(p))
+    }
+
+    fn project_on(&self, leaf: &Leaf<D>, x: &Vector<D>) -> Projection<D> {
+        let lambda = closest_on(x, &leaf.facet);
+        let offset = x - leaf.facet.point(&lambda);
+        let nodes = self.surface.facet(leaf.index);
+        let mut normal = Vector::<D>::zeros();
+        let N = facet_shapes(self.surface.order(), &lambda);
+        for (N, &a) in N.iter().zip(nodes) {
+            normal.axpy(*N, &self.normals[a], 1.0);
+        }
+        let normal = normals::unit(normal);
+        Projection {
+            facet: leaf.index,
+            lambda,
+            normal,
+            distance: offset.norm(),
+            gap: offset.dot(&normal),
+            off_the_end: self.is_off_the_end(leaf, &lambda, &offset),
+        }
+    }
+
+    fn is_off_the_end(&self, leaf: &Leaf<D>, lambda: &Vector<D>, offset: &Vector<D>) -> bool {
+        let on_rim = (0..D).any(|k| lambda[k] == 0.0 && self.surface.is_rim(leaf.index, k));
         if !on_rim {
             return false;
         }
-        let normal = facet_normal(&facet.corners);
-        let size = (facet.corners[1] - facet.corners[0]).norm();
-        let n = normals::unit(normal);
+        let tangent = leaf.facet.tangent(lambda);
+        let n = normals::unit(facet_normal(&tangent));
+        let size = (tangent[1] - tangent[0]).norm();
         let tangential = offset - n * offset.dot(&n);
         tangential.norm() > Self::OFF_THE_END * size
     }
 }
 
 /// A facet of the tree.
-struct Facet<const D: usize> {
+struct Leaf<const D: usize> {
     index: usize,
-    corners: [Vector<D>; D],
+    facet: Facet<D>,
 }
 
-impl<const D: usize> RTreeObject for Facet<D> {
+impl<const D: usize> RTreeObject for Leaf<D> {
     type Envelope = AABB<[f64; D]>;
 
     fn envelope(&self) -> Self::Envelope {
-        let low = self.corners.iter().fold(self.corners[0], |m, x| m.inf(x));
-        let high = self.corners.iter().fold(self.corners[0], |m, x| m.sup(x));
+        let (low, high) = self.facet.bounding_box();
         AABB::from_corners(low.into(), high.into())
     }
 }
 
-impl<const D: usize> PointDistance for Facet<D> {
+impl<const D: usize> PointDistance for Leaf<D> {
     fn distance_2(&self, point: &[f64; D]) -> f64 {
         let x = Vector::from(*point);
-        let lambda = closest(&x, &self.corners);
-        (x - interpolate(&lambda, &self.corners)).norm_squared()
+        (x - self.facet.point(&closest_on(&x, &self.facet))).norm_squared()
     }
 }

@@ -1,48 +1,47 @@
-//! A contact surface: facets of one body's boundary in the scene's node numbering.
+//! A contact surface: facets of one body's boundary.
 
 use std::collections::HashMap;
 
-use crate::tensor::{Vector, facet_normal};
+use crate::element::{Facet, FacetShapes, Order, facet_edge, facet_shapes};
+use crate::tensor::Vector;
 
-/// The facets of a body that may touch another surface.
+/// The facets of a body that may touch another surface, with its nodes numbered from 0.
 #[derive(Clone, Debug)]
 pub struct Surface<const D: usize> {
     body: usize,
-    facets: Vec<[usize; D]>,
-    /// Reference measure of each facet (UL, UL²).
-    measures: Vec<f64>,
+    order: Order,
+    /// Scene node numbers, ascending.
+    nodes: Vec<usize>,
+    /// Nodes of the facets, flat, as positions in `nodes`.
+    facets: Vec<usize>,
+    /// The facets in the reference configuration.
+    reference: Vec<Facet<D>>,
     /// For facet and corner: whether the facet's side opposite that corner is on the surface's rim.
     rim: Vec<[bool; D]>,
-    nodes: Vec<usize>,
 }
 
 impl<const D: usize> Surface<D> {
-    /// From facets with scene node numbers and the reference positions `X` of all nodes.
-    pub fn new(body: usize, facets: Vec<[usize; D]>, X: &[Vector<D>]) -> Self {
-        let side = |facet: &[usize; D], omitted: usize| {
-            let kept = (0..D).filter(|&k| k != omitted).map(|k| facet[k]);
-            let mut side: Vec<usize> = kept.collect();
-            side.sort_unstable();
-            side
-        };
-        let mut sharers: HashMap<Vec<usize>, usize> = HashMap::new();
-        for facet in &facets {
-            for k in 0..D {
-                *sharers.entry(side(facet, k)).or_insert(0) += 1;
-            }
-        }
-        let on_rim = |facet: &[usize; D]| std::array::from_fn(|k| sharers[&side(facet, k)] == 1);
-        let mut nodes: Vec<usize> = facets.iter().flatten().copied().collect();
+    /// From facets of degree `order` with scene node numbers, and the reference positions `X` of
+    /// all scene nodes.
+    pub fn new<'a>(
+        body: usize,
+        order: Order,
+        facets: impl Iterator<Item = &'a [usize]> + Clone,
+        X: &[Vector<D>],
+    ) -> Self {
+        let mut nodes: Vec<usize> = facets.clone().flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
+        let number: HashMap<usize, usize> = nodes.iter().copied().zip(0..).collect();
         Surface {
             body,
-            rim: facets.iter().map(on_rim).collect(),
-            measures: facets
-                .iter()
-                .map(|facet| facet_normal(&facet.map(|a| X[a])).norm())
+            order,
+            rim: rim(facets.clone()),
+            reference: facets
+                .clone()
+                .map(|facet| Facet::gather(order, facet, X))
                 .collect(),
-            facets,
+            facets: facets.flatten().map(|node| number[node]).collect(),
             nodes,
         }
     }
@@ -52,14 +51,51 @@ impl<const D: usize> Surface<D> {
         self.body
     }
 
-    /// Its facets, as scene node numbers.
-    pub fn facets(&self) -> &[[usize; D]] {
-        &self.facets
+    /// The degree of its facets.
+    pub fn order(&self) -> Order {
+        self.order
     }
 
-    /// The facets' reference measures (UL in the plane, UL² in space).
-    pub fn measures(&self) -> &[f64] {
-        &self.measures
+    /// The number of facets.
+    pub fn len(&self) -> usize {
+        self.reference.len()
+    }
+
+    /// Whether it has no facets.
+    pub fn is_empty(&self) -> bool {
+        self.reference.is_empty()
+    }
+
+    /// Its nodes as scene node numbers, ascending.
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// The nodes of facet `f`, as positions in [`Surface::nodes`].
+    pub fn facet(&self, f: usize) -> &[usize] {
+        let per_facet = self.order.facet_nodes::<D>();
+        &self.facets[f * per_facet..(f + 1) * per_facet]
+    }
+
+    /// The nodes of all facets, as positions in [`Surface::nodes`].
+    pub fn facets(&self) -> impl ExactSizeIterator<Item = &[usize]> {
+        self.facets.chunks_exact(self.order.facet_nodes::<D>())
+    }
+
+    /// The facets in the reference configuration.
+    pub fn reference(&self) -> &[Facet<D>] {
+        &self.reference
+    }
+
+    /// The positions of its own nodes among those of all scene nodes.
+    pub fn gather(&self, x: &[Vector<D>]) -> Vec<Vector<D>> {
+        self.nodes.iter().map(|&node| x[node]).collect()
+    }
+
+    /// Its facets at `x`, the positions of its own nodes.
+    pub fn facets_at(&self, x: &[Vector<D>]) -> impl ExactSizeIterator<Item = Facet<D>> {
+        self.facets()
+            .map(|nodes| Facet::gather(self.order, nodes, x))
     }
 
     /// Whether the side opposite `corner` of `facet` has no neighbour on this surface.
@@ -67,29 +103,57 @@ impl<const D: usize> Surface<D> {
         self.rim[facet][corner]
     }
 
-    /// Its nodes, ascending.
-    pub fn nodes(&self) -> &[usize] {
-        &self.nodes
+    /// φ_i(λ) for the nodes of a facet that have a test function: all of them, or the corners of a
+    /// quadratic triangle, whose own corner functions have no mean.
+    pub fn test_functions(&self, lambda: &Vector<D>) -> FacetShapes {
+        facet_shapes(self.test_order(), lambda)
     }
 
-    /// The position of a scene node among [`Surface::nodes`].
-    ///
-    /// # Panics
-    /// If the node is not on this surface.
-    pub fn local(&self, node: usize) -> usize {
-        let found = self.nodes.binary_search(&node);
-        found.expect("facets only name nodes of their own surface")
+    /// How many nodes of a facet, from the first, have a test function.
+    pub fn test_nodes(&self) -> usize {
+        self.test_order().facet_nodes::<D>()
+    }
+
+    fn test_order(&self) -> Order {
+        if D == 2 { self.order } else { Order::Linear }
     }
 
     /// The length of a typical facet (UL): the mean measure's (D−1)-th root.
     pub fn facet_size(&self) -> f64 {
-        let mean = self.measures.iter().sum::<f64>() / self.measures.len().max(1) as f64;
+        let mean = self.measures().sum::<f64>() / self.len().max(1) as f64;
         mean.powf(1.0 / (D as f64 - 1.0))
     }
 
     /// The length of the smallest facet (UL).
     pub fn smallest_facet(&self) -> f64 {
-        let smallest = self.measures.iter().copied().fold(f64::INFINITY, f64::min);
+        let smallest = self.measures().fold(f64::INFINITY, f64::min);
         smallest.powf(1.0 / (D as f64 - 1.0))
     }
+
+    /// The facets' reference measures (UL in the plane, UL² in space), of curved ones to within
+    /// their curvature.
+    fn measures(&self) -> impl Iterator<Item = f64> {
+        let centre = Vector::repeat(1.0 / D as f64);
+        self.reference
+            .iter()
+            .map(move |facet| facet.normal(&centre).norm())
+    }
+}
+
+/// For facet and corner, whether no other facet has the side opposite that corner.
+fn rim<'a, const D: usize>(facets: impl Iterator<Item = &'a [usize]> + Clone) -> Vec<[bool; D]> {
+    let side = |facet: &[usize], omitted: usize| {
+        // in the plane the side is a node, in space an edge
+        let [a, b] = facet_edge::<D>((omitted + 1) % D);
+        let (a, b) = if D == 2 { (a, a) } else { (a, b) };
+        [facet[a].min(facet[b]), facet[a].max(facet[b])]
+    };
+    let mut sharers: HashMap<[usize; 2], usize> = HashMap::new();
+    for facet in facets.clone() {
+        for k in 0..D {
+            *sharers.entry(side(facet, k)).or_insert(0) += 1;
+        }
+    }
+    let on_rim = |facet: &[usize]| std::array::from_fn(|k| sharers[&side(facet, k)] == 1);
+    facets.map(on_rim).collect()
 }

@@ -1,17 +1,30 @@
 //! Reference elements on simplices: shape functions, their gradients, quadrature, facets.
 
+#[cfg(test)]
+mod battery;
+mod facet;
+mod facet_rule;
 mod p1;
+pub(crate) mod p2;
 
+pub use facet::{Facet, FacetShapes, MAX_FACET_NODES, Order, facet_edge, facet_shapes};
+pub use facet_rule::FacetRule;
 pub use p1::P1;
+pub use p2::P2;
 
 use crate::tensor::Vector;
 
-/// A Lagrange element on the unit simplex of ℝᴰ.
+/// A Lagrange element on the unit simplex of ℝᴰ: nodes at the D + 1 corners, then at the middle of
+/// [`Element::EDGES`].
 ///
 /// `PerNode<T>` is the array type with one `T` a node, so that a cell's data live on the stack.
 pub trait Element<const D: usize>: Send + Sync + 'static {
     /// One `T` for each node of a cell.
     type PerNode<T: Copy + Send + Sync>: AsRef<[T]> + AsMut<[T]> + Copy + Send + Sync;
+    /// Its degree.
+    const ORDER: Order;
+    /// The edges, as pairs of corners, that have a node each.
+    const EDGES: &'static [[usize; 2]];
     /// Quadrature points for the strain energy as (weight, ξ); the weights sum to the simplex's
     /// volume 1/D!.
     const QUADRATURE: &'static [(f64, [f64; D])];

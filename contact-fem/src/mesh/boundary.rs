@@ -2,25 +2,31 @@
 
 use std::collections::HashMap;
 
+use crate::element::p2::CELL_EDGES;
+use crate::element::{Order, facet_edge};
 use crate::error::Error;
 
-/// The facets that belong to one cell only, oriented outward, in the order of their cells.
+/// The nodes of the facets that belong to one cell only, oriented outward, in the order of their
+/// cells: [`Order::facet_nodes`] each, flat.
 ///
 /// Facet k of a simplex leaves out corner k. Taking the other corners in order gives the outward
 /// orientation for even k; for odd k two corners are swapped.
-pub(super) fn exterior_facets<const D: usize>(cells: &[usize]) -> Result<Vec<[usize; D]>, Error> {
+pub(super) fn exterior_facets<const D: usize>(
+    order: Order,
+    cells: &[usize],
+) -> Result<Vec<usize>, Error> {
     let mut count: HashMap<[usize; D], usize> = HashMap::new();
     let facets = || {
-        cells
-            .chunks_exact(D + 1)
-            .flat_map(|cell| (0..=D).map(|k| facet::<D>(cell, k)))
+        let cells = cells.chunks_exact(order.cell_nodes::<D>());
+        cells.flat_map(|cell| (0..=D).map(move |k| (cell, local_facet::<D>(k))))
     };
-    let sorted = |mut nodes: [usize; D]| {
-        nodes.sort_unstable();
-        nodes
+    let sorted = |cell: &[usize], facet: [usize; D]| {
+        let mut corners = facet.map(|a| cell[a]);
+        corners.sort_unstable();
+        corners
     };
-    for facet in facets() {
-        *count.entry(sorted(facet)).or_insert(0) += 1;
+    for (cell, facet) in facets() {
+        *count.entry(sorted(cell, facet)).or_insert(0) += 1;
     }
     if let Some((nodes, &cells)) = count.iter().filter(|(_, c)| **c > 2).min() {
         return Err(Error::NonManifoldFacet {
@@ -28,19 +34,27 @@ pub(super) fn exterior_facets<const D: usize>(cells: &[usize]) -> Result<Vec<[us
             cells,
         });
     }
-    Ok(facets().filter(|&f| count[&sorted(f)] == 1).collect())
+    let mut nodes = Vec::new();
+    for (cell, facet) in facets().filter(|(cell, facet)| count[&sorted(cell, *facet)] == 1) {
+        nodes.extend(facet.map(|a| cell[a]));
+        for e in 0..order.facet_nodes::<D>() - D {
+            let [a, b] = facet_edge::<D>(e).map(|k| facet[k]);
+            let edge = CELL_EDGES
+                .iter()
+                .position(|edge| [[a, b], [b, a]].contains(edge));
+            nodes.extend(edge.map(|edge| cell[D + 1 + edge]));
+        }
+    }
+    Ok(nodes)
 }
 
-fn facet<const D: usize>(cell: &[usize], omitted: usize) -> [usize; D] {
-    let mut nodes = [0; D];
-    let kept = (0..=D).filter(|&a| a != omitted);
-    for (node, a) in nodes.iter_mut().zip(kept) {
-        *node = cell[a];
-    }
+/// The corners, numbered within the cell, of the facet that leaves out one of them.
+fn local_facet<const D: usize>(omitted: usize) -> [usize; D] {
+    let mut corners = std::array::from_fn(|k| if k < omitted { k } else { k + 1 });
     if omitted % 2 == 1 {
-        nodes.swap(0, 1);
+        corners.swap(0, 1);
     }
-    nodes
+    corners
 }
 
 #[cfg(test)]
@@ -51,10 +65,10 @@ mod tests {
     fn outward<const D: usize>(corners: &[Vector<D>]) {
         let cell: Vec<usize> = (0..=D).collect();
         let centre = corners.iter().sum::<Vector<D>>() / (D + 1) as f64;
-        let facets = exterior_facets::<D>(&cell).expect("one cell");
-        assert_eq!(facets.len(), D + 1);
-        for facet in facets {
-            let x = facet.map(|a| corners[a]);
+        let facets = exterior_facets::<D>(Order::Linear, &cell).expect("one cell");
+        assert_eq!(facets.len(), D * (D + 1));
+        for facet in facets.chunks_exact(D) {
+            let x: [Vector<D>; D] = std::array::from_fn(|k| corners[facet[k]]);
             assert!(facet_normal(&x).dot(&(x[0] - centre)) > 0.0, "{facet:?}");
         }
     }
@@ -71,16 +85,32 @@ mod tests {
         outward(&corners.map(Vector::<3>::from));
     }
 
+    /// A quadratic facet's middle nodes are those of the cell's edges between its corners.
+    #[test]
+    fn middle_nodes_are_between_their_corners() {
+        let middle = |a: usize, b: usize| {
+            let edge = CELL_EDGES.iter().position(|&e| e == [a, b] || e == [b, a]);
+            4 + edge.expect("an edge")
+        };
+        let cell: Vec<usize> = (0..10).collect();
+        let facets = exterior_facets::<3>(Order::Quadratic, &cell).expect("one cell");
+        assert_eq!(facets.len(), 4 * 6);
+        for facet in facets.chunks_exact(6) {
+            let [a, b, c] = [facet[0], facet[1], facet[2]];
+            assert_eq!(facet[3..], [middle(a, b), middle(b, c), middle(c, a)]);
+        }
+    }
+
     #[test]
     fn shared_facets_are_interior() {
-        let facets = exterior_facets::<2>(&[0, 1, 2, 0, 2, 3]).expect("two cells");
-        assert_eq!(facets, [[1, 2], [0, 1], [2, 3], [3, 0]]);
+        let facets = exterior_facets::<2>(Order::Linear, &[0, 1, 2, 0, 2, 3]).expect("two cells");
+        assert_eq!(facets, [1, 2, 0, 1, 2, 3, 3, 0]);
     }
 
     #[test]
     fn three_cells_on_one_edge_are_refused() {
         let cells = [0, 1, 2, 0, 1, 3, 0, 1, 4];
-        let error = exterior_facets::<2>(&cells).expect_err("non-manifold");
+        let error = exterior_facets::<2>(Order::Linear, &cells).expect_err("non-manifold");
         assert!(matches!(error, Error::NonManifoldFacet { cells: 3, .. }));
     }
 }

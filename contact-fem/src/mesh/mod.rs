@@ -2,47 +2,61 @@
 
 mod boundary;
 pub mod generators;
+mod quadratic;
 
 use std::collections::BTreeMap;
 
+use crate::element::{Order, p2};
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector, determinant, inverse_transpose};
 
-/// A mesh of linear simplices in ℝᴰ, validated when it is made.
+/// A mesh of simplices in ℝᴰ, linear or quadratic, validated when it is made.
 ///
-/// Cells have D + 1 nodes in positive orientation (counter-clockwise in the plane), facets D nodes
-/// with the body on their left (plane) or behind their counter-clockwise side (space).
+/// Cells have D + 1 corners in positive orientation (counter-clockwise in the plane); exterior
+/// facets have D corners with the body on their left (plane) or behind their counter-clockwise side
+/// (space). In a quadratic mesh the middle nodes of the edges follow, in VTK's order: edges 01, 12,
+/// 20 and, of a tetrahedron, 03, 13, 23.
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
+    order: Order,
     nodes: Vec<Vector<D>>,
-    /// Flat, D + 1 a cell.
+    /// Flat, [`Order::cell_nodes`] a cell.
     cells: Vec<usize>,
-    /// The exterior facets.
-    facets: Vec<[usize; D]>,
+    /// The exterior facets: flat, [`Order::facet_nodes`] a facet.
+    facets: Vec<usize>,
     /// Named sets of exterior facets.
     boundaries: BTreeMap<String, Vec<usize>>,
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Nodes of a cell.
-    pub const CELL_NODES: usize = D + 1;
     /// Cells below this share of their longest edge's D-th power are degenerate.
     const DEGENERATE: f64 = 1e-12;
 
-    /// From node coordinates (UL) and cells, D + 1 node numbers each, flat.
+    /// A linear mesh from node coordinates (UL) and cells, D + 1 node numbers each, flat.
     ///
     /// # Errors
     /// No cells, an incomplete cell, a node out of range or unused, a coordinate that is not
     /// finite, an inverted or degenerate cell, a facet of more than two cells.
     pub fn new(nodes: Vec<[f64; D]>, cells: Vec<usize>) -> Result<Self, Error> {
+        Self::of_order(Order::Linear, nodes, cells)
+    }
+
+    /// A mesh of either order from node coordinates (UL) and the cells' nodes,
+    /// [`Order::cell_nodes`] each, flat.
+    ///
+    /// # Errors
+    /// As [`Mesh::new`], and two cells that do not share the node in the middle of an edge.
+    pub fn of_order(order: Order, nodes: Vec<[f64; D]>, cells: Vec<usize>) -> Result<Self, Error> {
         if cells.is_empty() {
             return Err(Error::EmptyMesh);
         }
-        if cells.len() % Self::CELL_NODES != 0 {
+        let per_cell = order.cell_nodes::<D>();
+        if cells.len() % per_cell != 0 {
             return Err(Error::Setting {
                 name: "cells.len()",
                 value: cells.len() as f64,
-                remedy: "give D + 1 node numbers for each cell",
+                remedy: "give all nodes of each cell: D + 1 corners and, in a quadratic mesh, a \
+                         node for each edge",
             });
         }
         Error::check_finite("node coordinate", nodes.iter().flatten())?;
@@ -50,7 +64,7 @@ impl<const D: usize> Mesh<D> {
         let mut used = vec![false; nodes.len()];
         for (k, &node) in cells.iter().enumerate() {
             *used.get_mut(node).ok_or(Error::NodeOutOfRange {
-                cell: k / Self::CELL_NODES,
+                cell: k / per_cell,
                 node,
                 nodes: nodes.len(),
             })? = true;
@@ -58,21 +72,23 @@ impl<const D: usize> Mesh<D> {
         if let Some(node) = used.iter().position(|u| !u) {
             return Err(Error::OrphanNode { node });
         }
-        let facets = boundary::exterior_facets::<D>(&cells)?;
+        let facets = boundary::exterior_facets::<D>(order, &cells)?;
         let mesh = Mesh {
+            order,
             nodes,
             cells,
             facets,
             boundaries: BTreeMap::new(),
         };
+        mesh.check_edges()?;
         mesh.check_cells()?;
         Ok(mesh)
     }
 
     fn check_cells(&self) -> Result<(), Error> {
         for cell in 0..self.len() {
-            let volume = self.volume(cell);
-            let corners = self.cell(cell);
+            let volume = self.straight_volume(cell);
+            let corners = self.corners(cell);
             let edges = corners.iter().enumerate().flat_map(|(k, &a)| {
                 let others = corners[..k].iter();
                 others.map(move |&b| (self.nodes[a] - self.nodes[b]).norm())
@@ -81,7 +97,9 @@ impl<const D: usize> Mesh<D> {
             if volume.abs() <= Self::DEGENERATE * size.powi(D as i32) {
                 return Err(Error::DegenerateCell { cell, volume, size });
             }
-            if volume < 0.0 {
+            // of a curved cell the smallest of its nodes' tangent volumes
+            let volume = self.node_volumes(cell).fold(volume, f64::min);
+            if volume <= 0.0 {
                 return Err(Error::InvertedCell { cell, volume });
             }
         }
@@ -91,9 +109,10 @@ impl<const D: usize> Mesh<D> {
     /// Calls `name` those exterior facets whose corners all satisfy `contains`; adds to a boundary
     /// of that name. A name that catches nothing is kept, empty.
     pub fn name_boundary(&mut self, name: &str, contains: impl Fn(&Vector<D>) -> bool) {
-        let inside = |facet: &[usize; D]| facet.iter().all(|&a| contains(&self.nodes[a]));
-        let found: Vec<usize> = (0..self.facets.len())
-            .filter(|&f| inside(&self.facets[f]))
+        let inside = |facet: &[usize]| facet[..D].iter().all(|&a| contains(&self.nodes[a]));
+        let facets = self.exterior().enumerate();
+        let found: Vec<usize> = facets
+            .filter_map(|(f, facet)| inside(facet).then_some(f))
             .collect();
         let named = self.boundaries.entry(name.to_string()).or_default();
         named.extend(found);
@@ -113,9 +132,14 @@ impl<const D: usize> Mesh<D> {
         Ok(self)
     }
 
+    /// Linear or quadratic.
+    pub fn order(&self) -> Order {
+        self.order
+    }
+
     /// Number of cells.
     pub fn len(&self) -> usize {
-        self.cells.len() / Self::CELL_NODES
+        self.cells.len() / self.order.cell_nodes::<D>()
     }
 
     /// Never true: a mesh has cells.
@@ -130,23 +154,42 @@ impl<const D: usize> Mesh<D> {
 
     /// The nodes of a cell.
     pub fn cell(&self, k: usize) -> &[usize] {
-        &self.cells[k * Self::CELL_NODES..(k + 1) * Self::CELL_NODES]
+        let per_cell = self.order.cell_nodes::<D>();
+        &self.cells[k * per_cell..(k + 1) * per_cell]
+    }
+
+    /// The corners of a cell.
+    pub fn corners(&self, k: usize) -> &[usize] {
+        &self.cell(k)[..=D]
     }
 
     /// The cells' nodes in order.
     pub fn cells(&self) -> impl ExactSizeIterator<Item = &[usize]> {
-        self.cells.chunks_exact(Self::CELL_NODES)
+        self.cells.chunks_exact(self.order.cell_nodes::<D>())
     }
 
-    /// Area or volume of a cell (UL²/UL³), positive.
+    /// Area or volume of a cell (UL²/UL³), positive; of a curved tetrahedron by the element's
+    /// quadrature.
     pub fn volume(&self, cell: usize) -> f64 {
-        let corners = self.cell(cell);
+        match self.order {
+            Order::Linear => self.straight_volume(cell),
+            Order::Quadratic => {
+                let points = p2::quadrature::<D>();
+                let volumes = points.map(|xi| self.tangent_volume(cell, &xi));
+                volumes.sum::<f64>() / (D + 1) as f64
+            }
+        }
+    }
+
+    /// The signed volume of the simplex between a cell's corners.
+    fn straight_volume(&self, cell: usize) -> f64 {
+        let corners = self.corners(cell);
         let edges =
             Matrix::<D>::from_fn(|i, j| self.nodes[corners[j + 1]][i] - self.nodes[corners[0]][i]);
         determinant(&edges) / (1..=D).product::<usize>() as f64
     }
 
-    /// Whether the point is inside or on some cell.
+    /// Whether the point is inside or on some cell; the sides of curved cells count as straight.
     pub fn contains(&self, point: &Vector<D>) -> bool {
         let inside = |cell: &[usize]| {
             let corner = self.nodes[cell[0]];
@@ -157,9 +200,14 @@ impl<const D: usize> Mesh<D> {
         self.cells().any(inside)
     }
 
-    /// All exterior facets.
-    pub fn exterior(&self) -> &[[usize; D]] {
-        &self.facets
+    /// The nodes of all exterior facets.
+    pub fn exterior(&self) -> impl ExactSizeIterator<Item = &[usize]> {
+        self.facets.chunks_exact(self.order.facet_nodes::<D>())
+    }
+
+    fn facet(&self, f: usize) -> &[usize] {
+        let per_facet = self.order.facet_nodes::<D>();
+        &self.facets[f * per_facet..(f + 1) * per_facet]
     }
 
     /// The names of the boundaries.
@@ -167,17 +215,17 @@ impl<const D: usize> Mesh<D> {
         self.boundaries.keys().map(String::as_str)
     }
 
-    /// The facets of a named boundary.
+    /// The nodes of the facets of a named boundary.
     ///
     /// # Errors
     /// [`Error::UnknownBoundary`] lists the names there are.
-    pub fn boundary(&self, name: &str) -> Result<Vec<[usize; D]>, Error> {
+    pub fn boundary(&self, name: &str) -> Result<Vec<&[usize]>, Error> {
         let indices = self.boundaries.get(name);
         let indices = indices.ok_or_else(|| Error::UnknownBoundary {
             name: name.to_string(),
             known: self.boundaries.keys().cloned().collect(),
         })?;
-        Ok(indices.iter().map(|&f| self.facets[f]).collect())
+        Ok(indices.iter().map(|&f| self.facet(f)).collect())
     }
 
     /// The nodes of a named boundary, each once, ascending.
@@ -185,7 +233,7 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// As [`Mesh::boundary`].
     pub fn boundary_nodes(&self, name: &str) -> Result<Vec<usize>, Error> {
-        let mut nodes: Vec<usize> = self.boundary(name)?.into_iter().flatten().collect();
+        let mut nodes: Vec<usize> = self.boundary(name)?.concat();
         nodes.sort_unstable();
         nodes.dedup();
         Ok(nodes)

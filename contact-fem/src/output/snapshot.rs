@@ -86,7 +86,7 @@ pub(super) mod tests {
     use contact_core::ContactProblem;
 
     use super::*;
-    use crate::element::{Element, P1};
+    use crate::element::{Element, P1, P2};
     use crate::mesh::Mesh;
     use crate::mesh::generators::{Diagonals, rectangle};
     use crate::{Body, NeoHookean, Scene};
@@ -94,6 +94,7 @@ pub(super) mod tests {
     fn held<const D: usize>(mesh: Mesh<D>) -> Body<D>
     where
         P1: Element<D>,
+        P2: Element<D>,
     {
         let mut body = Body::new(mesh, NeoHookean::new(10.0, 0.3).expect("a law"));
         let nodes: Vec<usize> = (0..D).collect();

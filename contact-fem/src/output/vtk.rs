@@ -124,16 +124,14 @@ impl Series {
 /// Mesh and fields in VTK's own arrays.
 fn piece<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> UnstructuredGridPiece {
     let (mut connectivity, mut body_of_cell) = (Vec::new(), Vec::new());
+    let (mut offsets, mut types) = (Vec::new(), Vec::new());
     for (body, nodes) in snapshot::cells(problem) {
+        let before = connectivity.len();
         connectivity.extend(nodes.map(|a| a as u64));
+        types.push(cell_type(D, connectivity.len() - before));
+        offsets.push(connectivity.len() as u64);
         body_of_cell.push(body as i32);
     }
-    let count = body_of_cell.len();
-    let offsets = (1..=count).map(|k| (k * (D + 1)) as u64).collect();
-    let simplex = match D {
-        2 => CellType::Triangle,
-        _ => CellType::Tetra,
-    };
     UnstructuredGridPiece {
         points: in_space(problem.reference()).into(),
         cells: Cells {
@@ -141,12 +139,22 @@ fn piece<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Unstru
                 connectivity,
                 offsets,
             },
-            types: vec![simplex; count],
+            types,
         },
         data: Attributes {
             point: point_fields(problem, snapshot),
             cell: cell_fields(&snapshot.cells, body_of_cell),
         },
+    }
+}
+
+/// VTK's name for a simplex with this many nodes, which it numbers as the elements do.
+fn cell_type(dimension: usize, nodes: usize) -> CellType {
+    match (dimension, nodes) {
+        (2, 3) => CellType::Triangle,
+        (2, _) => CellType::QuadraticTriangle,
+        (_, 4) => CellType::Tetra,
+        _ => CellType::QuadraticTetra,
     }
 }
 

@@ -1,7 +1,7 @@
 //! One body: mesh, law, supports, loads.
 
 use crate::assembly::{BodyEnergy, DofMap, StrainEnergy, add_body_force, add_traction};
-use crate::element::{Element, P1};
+use crate::element::{Element, Order, P1, P2};
 use crate::error::Error;
 use crate::material::Material;
 use crate::mesh::Mesh;
@@ -18,15 +18,19 @@ pub struct Body<const D: usize> {
 }
 
 impl<const D: usize> Body<D> {
-    /// A body with nothing prescribed and no loads.
+    /// A body with nothing prescribed and no loads, of elements of its mesh's order.
     pub fn new(mesh: Mesh<D>, material: impl Material<D>) -> Self
     where
         P1: Element<D>,
+        P2: Element<D>,
     {
         let dofs = D * mesh.nodes().len();
         Body {
+            law: match mesh.order() {
+                Order::Linear => Box::new(ElasticLaw(P1, material)),
+                Order::Quadratic => Box::new(ElasticLaw(P2, material)),
+            },
             mesh,
-            law: Box::new(P1Law(material)),
             prescribed: vec![None; dofs],
             forces: vec![0.0; dofs],
         }
@@ -122,7 +126,8 @@ impl<const D: usize> Body<D> {
     /// A value that is not finite.
     pub fn body_force(&mut self, force: [f64; D]) -> Result<&mut Self, Error> {
         Error::check_finite("body force", &force)?;
-        add_body_force(&self.mesh, &Vector::from(force), &mut self.forces);
+        self.law
+            .add_body_force(&self.mesh, &Vector::from(force), &mut self.forces);
         Ok(self)
     }
 
@@ -147,26 +152,28 @@ impl<const D: usize> Body<D> {
     }
 }
 
-/// Hides the type of the material behind the body.
+/// Hides the types of element and material behind the body.
 trait Law<const D: usize>: Send + Sync {
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>>;
+    fn add_body_force(&self, mesh: &Mesh<D>, force: &Vector<D>, forces: &mut [f64]);
 }
 
-struct P1Law<M>(M);
+struct ElasticLaw<E, M>(E, M);
 
-impl<const D: usize, M: Material<D>> Law<D> for P1Law<M>
-where
-    P1: Element<D>,
-{
+impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> {
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
         let dofs = DofMap::new(&body.is_prescribed());
         let prescribed = body.prescribed.iter().flatten().copied().collect();
-        Box::new(StrainEnergy::<D, P1, M>::new(
+        Box::new(StrainEnergy::<D, E, M>::new(
             &body.mesh,
-            self.0.clone(),
+            self.1.clone(),
             dofs,
             prescribed,
             body.forces.clone(),
         ))
+    }
+
+    fn add_body_force(&self, mesh: &Mesh<D>, force: &Vector<D>, forces: &mut [f64]) {
+        add_body_force::<D, E>(mesh, force, forces);
     }
 }

@@ -5,11 +5,13 @@ use rstar::{
     primitives::{GeomWithData, Rectangle},
 };
 
-use super::{Body, Problem};
+use super::Problem;
 use crate::contact::gaps::deepest_node;
 use crate::contact::projection::closest;
 use crate::contact::{Master, Surface};
+use crate::element::Facet;
 use crate::error::Error;
+use crate::mesh::Mesh;
 use crate::tensor::{Vector, facet_normal};
 
 /// No body starts inside another one that it may touch.
@@ -67,8 +69,9 @@ fn swallowed_node<const D: usize>(
         return None;
     }
     let first = problem.first_node(body);
-    let exterior = mesh.exterior().iter().map(|facet| facet.map(|a| a + first));
-    let exterior = Surface::new(body, exterior.collect(), x);
+    let facet = |nodes: &[usize]| nodes.iter().map(|a| a + first).collect::<Vec<_>>();
+    let facets: Vec<Vec<usize>> = mesh.exterior().map(facet).collect();
+    let exterior = Surface::new(body, mesh.order(), facets.iter().map(Vec::as_slice), x);
     let boundary = Master::new(&exterior, x);
     let depths = inside
         .iter()
@@ -79,20 +82,14 @@ fn swallowed_node<const D: usize>(
 /// No exterior edge of body `a` runs through an exterior facet of body `b`, as where slender bodies
 /// cross and no node is inside.
 fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<(), Error> {
-    let [a_body, b_body] = [a, b].map(|body| &problem.scene().bodies()[body]);
-    let corners = |body: &Body<D>, facet: &[usize; D]| facet.map(|node| body.mesh().nodes()[node]);
-    let facets = b_body
-        .mesh()
-        .exterior()
-        .iter()
-        .map(|facet| corners(b_body, facet));
+    let [a_mesh, b_mesh] = [a, b].map(|body| problem.scene().bodies()[body].mesh());
+    let facets = flat_facets(b_mesh);
     let tree = RTree::bulk_load(
         facets
             .map(|x| GeomWithData::new(Rectangle::from_aabb(bounding_box(&x)), x))
             .collect(),
     );
-    for facet in a_body.mesh().exterior() {
-        let x = corners(a_body, facet);
+    for x in flat_facets(a_mesh) {
         let edges = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
         for (i, j) in edges {
             let edge = [x[i], x[j]];
@@ -115,6 +112,16 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
         }
     }
     Ok(())
+}
+
+/// The corners of the flat pieces of all exterior facets.
+fn flat_facets<const D: usize>(mesh: &Mesh<D>) -> impl Iterator<Item = [Vector<D>; D]> {
+    mesh.exterior().flat_map(|nodes| {
+        let facet = Facet::gather(mesh.order(), nodes, mesh.nodes());
+        let corner = move |lambda: &[f64; 3]| facet.point(&Vector::from_fn(|i, _| lambda[i]));
+        let pieces = facet.pieces().iter();
+        pieces.map(move |piece| std::array::from_fn(|k| corner(&piece[k])))
+    })
 }
 
 fn bounding_box<const D: usize>(points: &[Vector<D>]) -> AABB<[f64; D]> {

@@ -7,7 +7,8 @@ use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale}
 use super::{Passes, Scene, SurfaceName};
 use crate::assembly::{BodyEnergy, DofMap};
 use crate::contact::gaps::{PassRows, deepest_node};
-use crate::contact::{FacetRule, Master, Pass, Surface, pressure};
+use crate::contact::{Master, Pass, Surface, pressure};
+use crate::element::FacetRule;
 use crate::tensor::Vector;
 
 /// The contact problem of a scene at one load: energy over the free dofs of all bodies, and the
@@ -285,8 +286,9 @@ fn surfaces_and_passes<const D: usize>(
         // the name was checked when the pair was declared
         let facets = mesh.boundary(&name.boundary).unwrap_or_default();
         let offset = first_node[name.body];
-        let facets = facets.into_iter().map(|f| f.map(|a| a + offset)).collect();
-        Surface::new(name.body, facets, X)
+        let facet = |nodes: &[usize]| nodes.iter().map(|a| a + offset).collect();
+        let facets: Vec<Vec<usize>> = facets.into_iter().map(facet).collect();
+        Surface::new(name.body, mesh.order(), facets.iter().map(Vec::as_slice), X)
     };
     (names.iter().map(surface).collect(), passes)
 }

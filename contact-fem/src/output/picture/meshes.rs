@@ -58,7 +58,7 @@ impl<'a> MeshPicture<'a> {
     pub fn save(&self, path: impl AsRef<Path>, problem: &Problem<2>) -> Result<(), Error> {
         let layout = Layout::new(problem, &self.panels);
         let colours = self.colours(problem);
-        let triangles = triangles(problem);
+        let polygons = polygons(problem);
         save(path.as_ref(), layout.size(), |canvas| {
             for (k, panel) in self.panels.iter().enumerate() {
                 let title = Text::new(panel.title.as_str(), layout.title(k), centred(TITLE));
@@ -66,8 +66,8 @@ impl<'a> MeshPicture<'a> {
                 let pixels = layout.pixels(k, problem, panel.snapshot);
                 let values = panel.snapshot.cells.iter().map(self.field);
                 let fills = values.map(|value| colours.of(value));
-                fill(canvas, &pixels, &triangles, fills)?;
-                edges(canvas, &pixels, &triangles)?;
+                fill(canvas, &pixels, &polygons, fills)?;
+                edges(canvas, &pixels, &polygons)?;
                 outlines(canvas, &pixels, problem)?;
             }
             colour_bar(canvas, &layout, &colours, &self.label)
@@ -192,22 +192,31 @@ impl Layout {
     }
 }
 
-fn triangles(problem: &Problem<2>) -> Vec<[usize; 3]> {
-    let corners = |(_, mut nodes): (usize, _)| {
-        let nodes: &mut dyn Iterator<Item = usize> = &mut nodes;
-        [(); 3].map(|()| nodes.next().unwrap_or_default())
-    };
-    cells(problem).map(corners).collect()
+/// The nodes around each cell.
+fn polygons(problem: &Problem<2>) -> Vec<Vec<usize>> {
+    let around = |(_, nodes)| around(&Iterator::collect::<Vec<usize>>(nodes));
+    cells(problem).map(around).collect()
+}
+
+/// A triangle's corners with the middle nodes, if there are any, between them: 0, 3, 1, 4, 2, 5.
+fn around(nodes: &[usize]) -> Vec<usize> {
+    let (corners, middles) = nodes.split_at(3);
+    let sides = corners.iter().enumerate();
+    sides
+        .flat_map(|(k, &corner)| [Some(corner), middles.get(k).copied()])
+        .flatten()
+        .collect()
 }
 
 fn fill(
     canvas: &Canvas<'_>,
     pixels: &[(i32, i32)],
-    triangles: &[[usize; 3]],
+    polygons: &[Vec<usize>],
     colours: impl Iterator<Item = RGBColor>,
 ) -> Result<(), DrawError> {
-    for (triangle, colour) in triangles.iter().zip(colours) {
-        canvas.draw(&Polygon::new(triangle.map(|a| pixels[a]), colour.filled()))?;
+    for (polygon, colour) in polygons.iter().zip(colours) {
+        let corners: Vec<_> = polygon.iter().map(|&a| pixels[a]).collect();
+        canvas.draw(&Polygon::new(corners, colour.filled()))?;
     }
     Ok(())
 }
@@ -215,11 +224,11 @@ fn fill(
 fn edges(
     canvas: &Canvas<'_>,
     pixels: &[(i32, i32)],
-    triangles: &[[usize; 3]],
+    polygons: &[Vec<usize>],
 ) -> Result<(), DrawError> {
     // a grey that can be seen on all colours
     let thin = ShapeStyle::from(&RGBColor(150, 150, 150)).stroke_width(1);
-    for trail in trails(triangles) {
+    for trail in trails(polygons) {
         let line: Vec<_> = trail.into_iter().map(|a| pixels[a]).collect();
         canvas.draw(&PathElement::new(line, thin))?;
     }
@@ -236,8 +245,11 @@ fn outlines(
     for (k, body) in problem.scene().bodies().iter().enumerate() {
         let first = problem.first_node(k);
         for facet in body.mesh().exterior() {
-            let ends = facet.map(|a| pixels[first + a]);
-            canvas.draw(&PathElement::new(ends, line))?;
+            // a side's ends with the middle node between them
+            let [start, end] = [facet[0], facet[1]];
+            let nodes = [&[start], &facet[2..], &[end]].concat();
+            let points: Vec<_> = nodes.iter().map(|a| pixels[first + a]).collect();
+            canvas.draw(&PathElement::new(points, line))?;
         }
     }
     Ok(())

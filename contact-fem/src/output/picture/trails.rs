@@ -2,13 +2,14 @@
 
 use std::collections::{HashMap, HashSet};
 
-/// The edges of cells, each once, joined to trails: every edge is in exactly one trail.
-pub(super) fn trails(cells: &[[usize; 3]]) -> Vec<Vec<usize>> {
+/// The edges of cells, given by the nodes around them, each once, joined to trails: every edge is in exactly one trail.
+pub(super) fn trails(cells: &[Vec<usize>]) -> Vec<Vec<usize>> {
     let mut seen = HashSet::new();
     let mut neighbours: HashMap<usize, Vec<usize>> = HashMap::new();
     let mut starts = Vec::new();
-    for [a, b, c] in cells {
-        for (&p, &q) in [(a, b), (b, c), (c, a)] {
+    for cell in cells {
+        let next = cell.iter().cycle().skip(1);
+        for (&p, &q) in cell.iter().zip(next) {
             if seen.insert((p.min(q), p.max(q))) {
                 neighbours.entry(p).or_default().push(q);
                 neighbours.entry(q).or_default().push(p);
@@ -43,7 +44,7 @@ mod tests {
 
     #[test]
     fn every_edge_once() {
-        let cells = [[0, 1, 2], [0, 2, 3], [2, 4, 3], [5, 6, 7]];
+        let cells = [[0, 1, 2], [0, 2, 3], [2, 4, 3], [5, 6, 7]].map(Vec::from);
         let trails = trails(&cells);
         let mut edges: Vec<(usize, usize)> = trails
             .iter()

@@ -1,4 +1,4 @@
-//! Quadrature on slave facets.
+//! Quadrature on facets.
 
 use crate::tensor::Vector;
 

@@ -1,0 +1,182 @@
+//! Meshes of quadratic cells: the nodes in the middle of the edges.
+
+use std::collections::HashMap;
+
+use super::Mesh;
+use crate::element::p2::{self, CELL_EDGES};
+use crate::element::{Order, facet_edge};
+use crate::error::Error;
+use crate::tensor::{Matrix, Vector, determinant};
+
+impl<const D: usize> Mesh<D> {
+    /// The mesh with a node in the middle of every edge. Boundaries keep their names; a mesh that
+    /// is quadratic already stays as it is.
+    pub fn quadratic(mut self) -> Self {
+        if self.order == Order::Quadratic {
+            return self;
+        }
+        let mut middles = HashMap::new();
+        let nodes = &mut self.nodes;
+        let mut middle = |a: usize, b: usize| {
+            *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                nodes.push((nodes[a] + nodes[b]) * 0.5);
+                nodes.len() - 1
+            })
+        };
+        let mut cells = Vec::new();
+        for cell in self.cells.chunks_exact(D + 1) {
+            cells.extend_from_slice(cell);
+            let edges = CELL_EDGES[..D * (D + 1) / 2].iter();
+            cells.extend(edges.map(|&[a, b]| middle(cell[a], cell[b])));
+        }
+        let mut facets = Vec::new();
+        for facet in self.facets.chunks_exact(D) {
+            facets.extend_from_slice(facet);
+            let edges = (0..D * (D - 1) / 2).map(facet_edge::<D>);
+            facets.extend(edges.map(|[a, b]| middle(facet[a], facet[b])));
+        }
+        Mesh {
+            order: Order::Quadratic,
+            cells,
+            facets,
+            ..self
+        }
+    }
+
+    /// Curves a boundary: every middle node on it moves to `onto(X)`, usually the closest point of
+    /// the curve or surface that the corners lie on. Does nothing to a linear mesh.
+    ///
+    /// # Errors
+    /// An unknown boundary, a point that is not finite, a cell that the curved edge inverts.
+    pub fn curved(
+        mut self,
+        boundary: &str,
+        onto: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<Self, Error> {
+        let facets = self.boundary(boundary)?;
+        let mut middles: Vec<usize> = facets.iter().flat_map(|f| f[D..].to_vec()).collect();
+        middles.sort_unstable();
+        middles.dedup();
+        for node in middles {
+            let moved = onto(&self.nodes[node]);
+            Error::check_finite("curved boundary point", moved.iter())?;
+            self.nodes[node] = moved;
+        }
+        self.check_cells()?;
+        Ok(self)
+    }
+
+    /// Two cells at an edge share the node in its middle, which is no corner and on no other edge.
+    pub(super) fn check_edges(&self) -> Result<(), Error> {
+        if self.order == Order::Linear {
+            return Ok(());
+        }
+        let mut middles = HashMap::new();
+        let mut edges = HashMap::new();
+        let corners: std::collections::HashSet<usize> = (0..self.len())
+            .flat_map(|k| self.corners(k).to_vec())
+            .collect();
+        for (cell, nodes) in self.cells().enumerate() {
+            for (&node, [a, b]) in nodes[D + 1..].iter().zip(CELL_EDGES) {
+                let edge = [nodes[a].min(nodes[b]), nodes[a].max(nodes[b])];
+                let same = *middles.entry(edge).or_insert(node) == node
+                    && *edges.entry(node).or_insert(edge) == edge;
+                if !same || corners.contains(&node) {
+                    return Err(Error::EdgeNode { cell, edge, node });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The volume of the straight simplex with the derivatives that the cell has at ξ.
+    pub(super) fn tangent_volume(&self, cell: usize, xi: &Vector<D>) -> f64 {
+        let nodes = self.cell(cell);
+        let mut gradients = [Vector::zeros(); 10];
+        let gradients = &mut gradients[..nodes.len()];
+        p2::shape_gradients(xi, gradients);
+        let mut dX = Matrix::<D>::zeros();
+        for (&a, dN) in nodes.iter().zip(gradients) {
+            dX.ger(1.0, &self.nodes[a], dN, 1.0);
+        }
+        determinant(&dX) / (1..=D).product::<usize>() as f64
+    }
+
+    /// The tangent volumes of a curved cell at its nodes; none of a linear one.
+    pub(super) fn node_volumes(&self, cell: usize) -> impl Iterator<Item = f64> {
+        let middles = &CELL_EDGES[..self.cell(cell).len() - D - 1];
+        let corner = |a: usize| Vector::<D>::from_fn(|i, _| f64::from(u8::from(i + 1 == a)));
+        let corners = (0..=D).filter(|_| !middles.is_empty()).map(corner);
+        let middles = middles.iter();
+        let middles = middles.map(move |&[a, b]| (corner(a) + corner(b)) * 0.5);
+        corners
+            .chain(middles)
+            .map(move |xi| self.tangent_volume(cell, &xi))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::generators::disc;
+
+    #[test]
+    fn a_curved_disc_has_nearly_the_area_of_the_circle() {
+        let error = |sectors: usize| {
+            let mesh = disc(2.0, sectors, sectors / 4, 0.0)
+                .expect("a disc")
+                .quadratic();
+            let onto = |X: &Vector<2>| X * (2.0 / X.norm());
+            let mesh = mesh.curved("boundary", onto).expect("curved");
+            let area: f64 = (0..mesh.len()).map(|k| mesh.volume(k)).sum();
+            (area - 4.0 * std::f64::consts::PI).abs()
+        };
+        let (coarse, fine) = (error(16), error(32));
+        assert!(fine < 1e-4, "{fine}");
+        assert!(coarse / fine > 14.0, "fourth order: {coarse} to {fine}");
+    }
+
+    #[test]
+    fn middle_nodes_keep_the_names_and_the_area() {
+        let mesh = disc(1.0, 12, 2, 0.0).expect("a disc");
+        let before: f64 = (0..mesh.len()).map(|k| mesh.volume(k)).sum();
+        let mesh = mesh.quadratic();
+        let after: f64 = (0..mesh.len()).map(|k| mesh.volume(k)).sum();
+        assert!((before - after).abs() < 1e-14);
+        assert_eq!(mesh.boundary("boundary").expect("named").len(), 12);
+        assert_eq!(mesh.boundary_nodes("boundary").expect("named").len(), 24);
+    }
+
+    fn two_triangles(second: [usize; 3]) -> Result<Mesh<2>, Error> {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let middles = [[0.5, 0.0], [1.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 0.5]];
+        let mut nodes = corners.to_vec();
+        nodes.extend(middles);
+        let mut cells = vec![0, 1, 2, 4, 5, 6, 0, 2, 3];
+        cells.extend(second);
+        Mesh::of_order(Order::Quadratic, nodes, cells)
+    }
+
+    #[test]
+    fn edges_share_their_middle_node() {
+        let mesh = two_triangles([6, 7, 8]).expect("valid");
+        assert_eq!(mesh.exterior().len(), 4);
+        for bad in [[7, 6, 8], [6, 7, 3], [6, 8, 7]] {
+            let error = two_triangles(bad).expect_err("not the middle");
+            let expected = matches!(
+                error,
+                Error::EdgeNode { .. } | Error::InvertedCell { .. } | Error::OrphanNode { .. }
+            );
+            assert!(expected, "{error}");
+        }
+    }
+
+    #[test]
+    fn an_edge_bent_too_far_inverts_its_cell() {
+        let mesh = two_triangles([6, 7, 8]).expect("valid");
+        let mut mesh = mesh;
+        mesh.name_boundary("bottom", |X| X[1] == 0.0);
+        let bent = mesh.curved("bottom", |X| Vector::<2>::new(X[0], 0.9));
+        assert!(matches!(bent, Err(Error::InvertedCell { .. })));
+    }
+}
