@@ -116,12 +116,6 @@ pub enum Error {
         /// Its boundary.
         boundary: String,
     },
-    /// Two surfaces of one body.
-    #[error("body {body} is paired with itself: contact of a body with itself is not supported")]
-    SelfContact {
-        /// Which body.
-        body: usize,
-    },
     /// Nothing is left to solve for.
     #[error("every displacement of every body is prescribed: leave something free to solve for")]
     NothingFree,

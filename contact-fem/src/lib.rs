@@ -14,6 +14,7 @@ pub mod assembly;
 pub mod contact;
 pub mod element;
 pub mod error;
+pub mod left_out;
 pub mod material;
 pub mod mesh;
 pub mod output;
@@ -22,6 +23,7 @@ pub mod simulation;
 pub mod tensor;
 
 pub use error::Error;
+pub use left_out::LeftOut;
 pub use material::{LinearElastic, Material, NeoHookean};
 pub use mesh::Mesh;
 pub use scene::{Body, Scene};

@@ -25,6 +25,8 @@ pub struct StepRecord<const D: usize> {
     pub contact_forces: Vec<Vector<D>>,
     /// The smallest volume ratio of all assembled cells; `+∞` for small-strain laws.
     pub min_j: f64,
+    /// Rows of the weak non-penetration constraints.
+    pub rows: usize,
     /// The deepest contact node inside another surface (UL).
     pub penetration: f64,
     /// The most negative weak gap c_i, as a depth (UL).
@@ -118,6 +120,7 @@ impl<const D: usize> StepRecord<D> {
                 .map(|body| problem.nodes(body).map(|a| forces[a]).sum())
                 .collect(),
             min_j: step.attempt.min_domain,
+            rows: solution.gaps.len(),
             penetration: problem.penetration(u),
             weak_penetration: c.iter().fold(0.0, |depth: f64, c| depth.max(-c)),
             attempt: step.attempt.clone(),

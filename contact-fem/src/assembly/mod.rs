@@ -3,11 +3,13 @@
 mod dofs;
 mod extension;
 mod loads;
+mod quadratic;
 mod scatter;
 mod strain_energy;
 
 pub use dofs::{Dof, DofMap};
 pub use loads::{add_body_force, add_traction};
+pub use quadratic::QuadraticEnergy;
 pub use strain_energy::StrainEnergy;
 
 use contact_core::Energy;
@@ -21,13 +23,11 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     fn set_load(&mut self, factor: f64);
     /// The prescribed unknowns at the present load (UL), in the order of [`DofMap`].
     fn prescribed(&self) -> &[f64];
-    /// The prescribed unknowns at load factor `factor` (UL).
-    fn prescribed_at(&self, factor: f64) -> Vec<f64>;
     /// Adds ∂E/∂U, internal minus external forces, at ALL dofs to `forces` (full, UF).
     fn add_residual(&self, u: &[f64], forces: &mut [f64]);
-    /// The harmonic extension of `increments` of the prescribed unknowns (UL) to the free ones:
-    /// Δv = 0 in the reference configuration, component by component.
-    fn extend(&self, increments: &[f64]) -> Vec<f64>;
+    /// The harmonic extension of `increments` (UL) of the dofs that `supports` prescribes to all
+    /// dofs: Δv = 0 in the reference configuration, component by component.
+    fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64>;
     /// Stress and volume ratio in the middle of every cell, those that were not assembled included;
     /// `U` is the displacement of every node.
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>>;

@@ -34,6 +34,7 @@ pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     pattern: Pattern,
     slots: SlotMap<D>,
     typical_stiffness: f64,
+    hessian_is_constant: bool,
 }
 
 impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
@@ -65,9 +66,18 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             slots,
             dofs,
             typical_stiffness: 0.0,
+            hessian_is_constant: M::QUADRATIC,
         };
         energy.typical_stiffness = energy.median_diagonal();
         energy
+    }
+
+    /// The same energy, which does not tell that its Hessian is constant if it is.
+    pub fn with_changing_hessian(self) -> Self {
+        StrainEnergy {
+            hessian_is_constant: false,
+            ..self
+        }
     }
 
     /// The median of the Hessian's diagonal at u = 0 and the present load; 0 without free dofs.
@@ -238,7 +248,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     }
 
     fn is_quadratic(&self) -> bool {
-        M::QUADRATIC
+        self.hessian_is_constant
     }
 
     fn domain_len(&self) -> usize {
@@ -265,18 +275,12 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
 impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEnergy<D, E, M> {
     fn set_load(&mut self, factor: f64) {
         self.factor = factor;
-        self.prescribed = self.prescribed_at(factor);
+        let full = self.full_prescribed.iter();
+        self.prescribed = full.map(|full| factor * full).collect();
     }
 
     fn prescribed(&self) -> &[f64] {
         &self.prescribed
-    }
-
-    fn prescribed_at(&self, factor: f64) -> Vec<f64> {
-        self.full_prescribed
-            .iter()
-            .map(|full| factor * full)
-            .collect()
     }
 
     fn add_residual(&self, u: &[f64], forces: &mut [f64]) {
@@ -287,10 +291,10 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
     }
 
     // K_ab = Σ_q w_q ∇N_a·∇N_b, the same for every component
-    fn extend(&self, increments: &[f64]) -> Vec<f64> {
-        let mut free = vec![0.0; self.dofs.free()];
+    fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64> {
+        let mut free = vec![0.0; supports.free()];
         if increments.iter().all(|d| *d == 0.0) {
-            return free;
+            return vec![0.0; supports.len()];
         }
         let mut entries = Vec::new();
         for (cell, points) in self.assembled() {
@@ -303,9 +307,9 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
             }
         }
         for i in 0..D {
-            harmonic(&entries, &self.dofs, (i, D), increments, &mut free);
+            harmonic(&entries, supports, (i, D), increments, &mut free);
         }
-        free
+        supports.expand(&free, increments)
     }
 
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {

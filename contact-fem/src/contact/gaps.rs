@@ -48,7 +48,7 @@ impl<const D: usize> PassRows<D> {
     ) -> Self {
         let mut rows = vec![NodalRow::default(); slave.nodes().len()];
         let mut points = (0, 0);
-        let to_itself = std::ptr::eq(slave, master.surface());
+        let same_body = slave.body() == master.surface().body();
         let positions = slave.gather(x);
         let facets = slave.facets_at(&positions);
         for ((nodes, facet), reference) in slave.facets().zip(facets).zip(slave.reference()) {
@@ -58,7 +58,8 @@ impl<const D: usize> PassRows<D> {
                     x: facet.point(lambda),
                     facing: facet.normal(lambda),
                     reach,
-                    own: to_itself.then(|| Own {
+                    own: same_body.then(|| Own {
+                        surface: slave,
                         nodes,
                         X: reference.point(lambda),
                     }),
@@ -169,14 +170,15 @@ pub fn deepest_node<const D: usize>(
             .zip(facet.nodes())
             .for_each(|(&a, at)| X[a] = *at);
     }
-    let to_itself = std::ptr::eq(slave, master.surface());
+    let same_body = slave.body() == master.surface().body();
     let gap = |(k, facing): (usize, &Vector<D>)| {
         let node = slave.nodes()[k];
         let p = master.find(&Seeker {
             x: x[node],
             facing: *facing,
             reach: f64::INFINITY,
-            own: to_itself.then_some(Own {
+            own: same_body.then_some(Own {
+                surface: slave,
                 nodes: &[k],
                 X: X[k],
             }),

@@ -42,14 +42,16 @@ pub struct Seeker<'a, const D: usize> {
     pub facing: Vector<D>,
     /// How far it looks (UL).
     pub reach: f64,
-    /// What is its own when the master is the slave itself.
+    /// What is its own when the master belongs to the same body.
     pub own: Option<Own<'a, D>>,
 }
 
-/// A slave point's place on its own surface, which it may touch elsewhere.
+/// A slave point's place on its own body, which it may touch elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub struct Own<'a, const D: usize> {
-    /// The nodes (positions in [`Surface::nodes`]) whose facets are its neighbourhood.
+    /// The slave surface.
+    pub surface: &'a Surface<D>,
+    /// Those of its nodes (positions in [`Surface::nodes`]) whose facets are the neighbourhood.
     pub nodes: &'a [usize],
     /// Its reference position (UL).
     pub X: Vector<D>,
@@ -92,7 +94,7 @@ impl<'a, const D: usize> Master<'a, D> {
 
     /// The point that `seeker` must not penetrate, if there is one: the closest one, which counts
     /// if it is within reach, not off the master's end, and faces the seeker. On the seeker's own
-    /// surface it is the closest one that counts, is on no facet of its neighbourhood and not the
+    /// body it is the closest one that counts, is on no facet of its neighbourhood and not the
     /// other side of the material.
     pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<Projection<D>> {
         let x: [f64; D] = seeker.x.into();
@@ -106,9 +108,10 @@ impl<'a, const D: usize> Master<'a, D> {
         let Some(own) = seeker.own else {
             return self.project(&seeker.x).filter(counts);
         };
+        let is_own = |node: usize| own.nodes.iter().any(|&a| own.surface.nodes()[a] == node);
         let neighbour = |facet: usize| {
-            let nodes = self.surface.facet(facet);
-            nodes.iter().any(|node| own.nodes.contains(node))
+            let nodes = self.surface.facet(facet).iter();
+            nodes.map(|&b| self.surface.nodes()[b]).any(is_own)
         };
         let material = |p: &Projection<D>| {
             let X = self.surface.reference()[p.facet].point(&p.lambda);

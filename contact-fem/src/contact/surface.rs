@@ -109,6 +109,16 @@ impl<const D: usize> Surface<D> {
         facet_shapes(self.test_order(), lambda)
     }
 
+    /// How many of its nodes have a test function.
+    pub fn test_functions_len(&self) -> usize {
+        let per_facet = self.test_nodes();
+        let mut has_test = vec![false; self.nodes.len()];
+        for facet in self.facets() {
+            facet[..per_facet].iter().for_each(|&a| has_test[a] = true);
+        }
+        has_test.iter().filter(|has| **has).count()
+    }
+
     /// How many nodes of a facet, from the first, have a test function.
     pub fn test_nodes(&self) -> usize {
         self.test_order().facet_nodes::<D>()

@@ -306,6 +306,7 @@ mod tests {
             reactions: vec![Vector::<2>::new(1e-7, -3.5)],
             contact_forces: vec![Vector::<2>::new(0.0, 4.5)],
             min_j: 0.75,
+            rows: 7,
             penetration: 0.0,
             weak_penetration: 1e-12,
             attempt: attempt(to, Outcome::Converged),

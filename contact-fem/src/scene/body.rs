@@ -1,6 +1,8 @@
 //! One body: mesh, law, supports, loads.
 
-use crate::assembly::{BodyEnergy, DofMap, StrainEnergy, add_body_force, add_traction};
+use crate::assembly::{
+    BodyEnergy, DofMap, QuadraticEnergy, StrainEnergy, add_body_force, add_traction,
+};
 use crate::element::{Element, Order, P1, P2};
 use crate::error::Error;
 use crate::material::Material;
@@ -146,31 +148,41 @@ impl<const D: usize> Body<D> {
         self.prescribed.iter().map(Option::is_some).collect()
     }
 
-    /// Its energy over its free dofs, at no load.
-    pub(super) fn energy(&self) -> Box<dyn BodyEnergy<D>> {
-        self.law.energy(self)
+    /// The displacements prescribed at full load (UL), in the order of the dofs.
+    pub(super) fn prescribed_values(&self) -> Vec<f64> {
+        self.prescribed.iter().flatten().copied().collect()
+    }
+
+    /// Its energy over its free dofs, at no load; over all dofs, and without use of a constant
+    /// stiffness, if everything is kept.
+    pub(super) fn energy(&self, keep_everything: bool) -> Box<dyn BodyEnergy<D>> {
+        self.law.energy(self, keep_everything)
     }
 }
 
 /// Hides the types of element and material behind the body.
 trait Law<const D: usize>: Send + Sync {
-    fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>>;
+    fn energy(&self, body: &Body<D>, keep_everything: bool) -> Box<dyn BodyEnergy<D>>;
     fn add_body_force(&self, mesh: &Mesh<D>, force: &Vector<D>, forces: &mut [f64]);
 }
 
 struct ElasticLaw<E, M>(E, M);
 
 impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> {
-    fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
-        let dofs = DofMap::new(&body.is_prescribed());
-        let prescribed = body.prescribed.iter().flatten().copied().collect();
-        Box::new(StrainEnergy::<D, E, M>::new(
-            &body.mesh,
-            self.1.clone(),
-            dofs,
-            prescribed,
-            body.forces.clone(),
-        ))
+    fn energy(&self, body: &Body<D>, keep_everything: bool) -> Box<dyn BodyEnergy<D>> {
+        let (is_prescribed, prescribed) = match keep_everything {
+            true => (vec![false; body.prescribed.len()], Vec::new()),
+            false => (body.is_prescribed(), body.prescribed_values()),
+        };
+        let dofs = DofMap::new(&is_prescribed);
+        let forces = body.forces.clone();
+        let law = self.1.clone();
+        let energy = StrainEnergy::<D, E, M>::new(&body.mesh, law, dofs, prescribed, forces);
+        match (keep_everything, M::QUADRATIC) {
+            (true, _) => Box::new(energy.with_changing_hessian()),
+            (false, true) => Box::new(QuadraticEnergy::new(energy)),
+            (false, false) => Box::new(energy),
+        }
     }
 
     fn add_body_force(&self, mesh: &Mesh<D>, force: &Vector<D>, forces: &mut [f64]) {

@@ -46,6 +46,7 @@ pub struct Pair {
 pub struct Scene<const D: usize> {
     bodies: Vec<Body<D>>,
     pairs: Vec<Pair>,
+    surfaces: Vec<SurfaceName>,
     /// Gauss points per facet and direction, 4 by default.
     pub gauss_points: usize,
     /// How far an integration point looks for the other surface (UL). By default a tenth of the
@@ -54,6 +55,11 @@ pub struct Scene<const D: usize> {
     /// How deep bodies may overlap before any load, as a share of the facet size; polygons of
     /// touching curves overlap by a little. 0.05 by default.
     pub overlap_tolerance: f64,
+    /// Does what could be left out, for comparison: prescribed dofs stay as fixed unknowns, cells
+    /// that cannot deform are assembled, no row is out of reach, stiffness is evaluated in every
+    /// iteration, and the fixed point goes on until exact rows are seen not to change. `false` by
+    /// default; the result is the same.
+    pub keep_everything: bool,
 }
 
 impl<const D: usize> Scene<D> {
@@ -62,9 +68,11 @@ impl<const D: usize> Scene<D> {
         Scene {
             bodies,
             pairs: Vec::new(),
+            surfaces: Vec::new(),
             gauss_points: 4,
             reach: None,
             overlap_tolerance: 0.05,
+            keep_everything: false,
         }
     }
 
@@ -79,10 +87,10 @@ impl<const D: usize> Scene<D> {
     }
 
     /// Declares that two boundaries, each given as (body, boundary name), may touch. Neither is
-    /// slave or master: swapping them changes nothing.
+    /// slave or master: swapping them changes nothing. Both may belong to one body.
     ///
     /// # Errors
-    /// A body or boundary that does not exist, a boundary without facets, two surfaces of one body.
+    /// A body or boundary that does not exist, a boundary without facets.
     pub fn contact(&mut self, first: (usize, &str), second: (usize, &str)) -> Result<(), Error> {
         self.contact_in_passes(first, second, Passes::Both)
     }
@@ -97,9 +105,6 @@ impl<const D: usize> Scene<D> {
         second: (usize, &str),
         passes: Passes,
     ) -> Result<(), Error> {
-        if first.0 == second.0 {
-            return Err(Error::SelfContact { body: first.0 });
-        }
         let pair = Pair {
             first: self.surface_name(first)?,
             second: self.surface_name(second)?,
@@ -107,6 +112,44 @@ impl<const D: usize> Scene<D> {
         };
         self.pairs.push(pair);
         Ok(())
+    }
+
+    /// Declares that a boundary may touch itself, as a strip that closes on itself does.
+    ///
+    /// # Errors
+    /// As [`Scene::contact`].
+    pub fn self_contact(&mut self, body: usize, boundary: &str) -> Result<(), Error> {
+        self.contact((body, boundary), (body, boundary))
+    }
+
+    /// Declares that a boundary may touch any other body's. In a scene that names no pair of
+    /// bodies, every two of these surfaces that belong to different bodies become a pair.
+    ///
+    /// # Errors
+    /// As [`Scene::contact`].
+    pub fn contact_surface(&mut self, body: usize, boundary: &str) -> Result<(), Error> {
+        let surface = self.surface_name((body, boundary))?;
+        if !self.surfaces.contains(&surface) {
+            self.surfaces.push(surface);
+        }
+        Ok(())
+    }
+
+    /// Pairs of the declared surfaces, if no pair of bodies was named.
+    fn pair_surfaces(&mut self) {
+        let between_bodies = |pair: &Pair| pair.first.body != pair.second.body;
+        if self.pairs.iter().any(between_bodies) {
+            return;
+        }
+        for (k, second) in self.surfaces.iter().enumerate() {
+            let others = self.surfaces[..k].iter();
+            let others = others.filter(|first| first.body != second.body);
+            self.pairs.extend(others.map(|first| Pair {
+                first: first.clone(),
+                second: second.clone(),
+                passes: Passes::Both,
+            }));
+        }
     }
 
     fn surface_name(&self, (body, boundary): (usize, &str)) -> Result<SurfaceName, Error> {
@@ -131,7 +174,8 @@ impl<const D: usize> Scene<D> {
     /// # Errors
     /// Everything that can be known to be wrong before a solve: bodies that nothing holds, bodies
     /// that overlap, settings out of range.
-    pub fn problem(self) -> Result<Problem<D>, Error> {
+    pub fn problem(mut self) -> Result<Problem<D>, Error> {
+        self.pair_surfaces();
         check::settings(&self)?;
         check::loads(&self)?;
         check::supports(&self)?;

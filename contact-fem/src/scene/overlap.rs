@@ -31,7 +31,11 @@ fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
         let (slave, master) = (&problem.surfaces()[pass.slave], &masters[pass.master]);
         let normals = masters[pass.slave].normals();
         let facing = deepest_node(slave, normals, master, x);
-        let swallowed = || swallowed_node(problem, slave, master.surface().body());
+        let other = master.surface().body();
+        let swallowed = || match slave.body() == other {
+            true => None,
+            false => swallowed_node(problem, slave, other),
+        };
         let Some((node, gap)) = facing.or_else(swallowed) else {
             continue;
         };
@@ -86,19 +90,23 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
     let facets = flat_facets(b_mesh);
     let tree = RTree::bulk_load(
         facets
-            .map(|x| GeomWithData::new(Rectangle::from_aabb(bounding_box(&x)), x))
+            .map(|(nodes, x)| GeomWithData::new(Rectangle::from_aabb(bounding_box(&x)), (nodes, x)))
             .collect(),
     );
-    for x in flat_facets(a_mesh) {
+    // facets of one body that share a node touch there
+    let neighbours = |f: &[usize], g: &[usize]| a == b && f.iter().any(|node| g.contains(node));
+    for (nodes, x) in flat_facets(a_mesh) {
         let edges = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
         for (i, j) in edges {
             let edge = [x[i], x[j]];
             for other in tree.locate_in_envelope_intersecting(&bounding_box(&edge)) {
-                let size = (edge[1] - edge[0])
-                    .norm()
-                    .max((other.data[1] - other.data[0]).norm());
+                let (other_nodes, other) = &other.data;
+                if neighbours(nodes, other_nodes) {
+                    continue;
+                }
+                let size = (edge[1] - edge[0]).norm().max((other[1] - other[0]).norm());
                 let tolerance = problem.scene().overlap_tolerance * size;
-                let crossed = pierce(&edge, &other.data).filter(|(_, depth)| *depth > tolerance);
+                let crossed = pierce(&edge, other).filter(|(_, depth)| *depth > tolerance);
                 if let Some((point, depth)) = crossed {
                     return Err(Error::Crossing {
                         first: a,
@@ -114,13 +122,13 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
     Ok(())
 }
 
-/// The corners of the flat pieces of all exterior facets.
-fn flat_facets<const D: usize>(mesh: &Mesh<D>) -> impl Iterator<Item = [Vector<D>; D]> {
+/// The corners of the flat pieces of all exterior facets, and the facets' nodes.
+fn flat_facets<const D: usize>(mesh: &Mesh<D>) -> impl Iterator<Item = (&[usize], [Vector<D>; D])> {
     mesh.exterior().flat_map(|nodes| {
         let facet = Facet::gather(mesh.order(), nodes, mesh.nodes());
         let corner = move |lambda: &[f64; 3]| facet.point(&Vector::from_fn(|i, _| lambda[i]));
         let pieces = facet.pieces().iter();
-        pieces.map(move |piece| std::array::from_fn(|k| corner(&piece[k])))
+        pieces.map(move |piece| (nodes, std::array::from_fn(|k| corner(&piece[k]))))
     })
 }
 

@@ -4,8 +4,8 @@ use contact_core::gaps::LinearGaps;
 use contact_core::nlp::Bounds;
 use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale};
 
-use super::{Passes, Scene, SurfaceName};
-use crate::assembly::{BodyEnergy, DofMap};
+use super::{Body, Passes, Scene, SurfaceName};
+use crate::assembly::{BodyEnergy, Dof, DofMap};
 use crate::contact::gaps::{PassRows, deepest_node};
 use crate::contact::{Master, Pass, Surface, pressure};
 use crate::element::FacetRule;
@@ -20,6 +20,9 @@ pub struct Problem<const D: usize> {
     energy: DirectSum<Box<dyn BodyEnergy<D>>>,
     dofs: DofMap,
     prescribed: Vec<f64>,
+    /// What each body's supports prescribe, and the present load factor.
+    supports: Vec<DofMap>,
+    factor: f64,
     /// X of all nodes, and where each body's nodes start.
     X: Vec<Vector<D>>,
     first_node: Vec<usize>,
@@ -39,11 +42,18 @@ impl<const D: usize> Problem<D> {
     const FINER: f64 = 0.03;
 
     pub(super) fn new(scene: Scene<D>) -> Self {
-        let energies: Vec<_> = scene.bodies.iter().map(|body| body.energy()).collect();
+        let energies: Vec<_> = {
+            let keep = scene.keep_everything;
+            scene.bodies.iter().map(|body| body.energy(keep)).collect()
+        };
+        let supports: Vec<Vec<bool>> = scene.bodies.iter().map(Body::is_prescribed).collect();
         let mut dofs = DofMap::default();
         let (mut X, mut first_node) = (Vec::new(), vec![0]);
-        for body in &scene.bodies {
-            dofs.extend(&body.is_prescribed());
+        for (body, is_prescribed) in scene.bodies.iter().zip(&supports) {
+            match scene.keep_everything {
+                true => dofs.extend(&vec![false; is_prescribed.len()]),
+                false => dofs.extend(is_prescribed),
+            }
             X.extend_from_slice(body.mesh().nodes());
             first_node.push(X.len());
         }
@@ -61,14 +71,20 @@ impl<const D: usize> Problem<D> {
         Problem {
             small_strain,
             prescribed: vec![0.0; dofs.prescribed()],
+            supports: supports.iter().map(|flags| DofMap::new(flags)).collect(),
+            factor: 0.0,
             energy: DirectSum::new(energies),
             rule: FacetRule::gauss(scene.gauss_points),
-            bounds: Bounds::default(),
-            reach: scene.reach.unwrap_or(if small_strain {
-                length
-            } else {
-                Self::REACH * length
-            }),
+            bounds: match scene.keep_everything {
+                true => Bounds::free(dofs.free()),
+                false => Bounds::default(),
+            },
+            reach: match scene.reach {
+                _ if scene.keep_everything => f64::INFINITY,
+                Some(reach) => reach,
+                None if small_strain => length,
+                None => Self::REACH * length,
+            },
             scale: Scale {
                 length: strain * length,
                 resolution: strain * facet * if small_strain { Self::FINER } else { 1.0 },
@@ -112,6 +128,17 @@ impl<const D: usize> Problem<D> {
     /// The passes: every pair once or in both roles.
     pub fn passes(&self) -> &[Pass] {
         &self.passes
+    }
+
+    /// How many nodes of slave surfaces may have a row, over all passes.
+    pub fn contact_nodes(&self) -> usize {
+        let slaves = self.passes.iter().map(|pass| &self.surfaces[pass.slave]);
+        slaves.map(Surface::test_functions_len).sum()
+    }
+
+    /// Whether the rows are linear by definition: one solve, no fixed point.
+    pub fn is_exact(&self) -> bool {
+        !self.scene.keep_everything && (self.small_strain || self.passes.is_empty())
     }
 
     /// Free and prescribed dofs of all bodies.
@@ -276,6 +303,7 @@ fn surfaces_and_passes<const D: usize>(
             },
         );
         match pair.passes {
+            _ if a == b => passes.push(forth),
             Passes::Both => passes.extend([forth, back]),
             Passes::FirstIsSlave => passes.push(forth),
             Passes::SecondIsSlave => passes.push(back),
@@ -311,8 +339,7 @@ impl<const D: usize> ContactProblem for Problem<D> {
     }
 
     fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
-        let exact = self.small_strain || self.passes.is_empty();
-        let mut gaps = LinearGaps::new(exact);
+        let mut gaps = LinearGaps::new(self.is_exact());
         if self.passes.is_empty() {
             return Ok(gaps);
         }
@@ -339,13 +366,24 @@ impl<const D: usize> ContactProblem for Problem<D> {
 
 impl<const D: usize> LoadStepped for Problem<D> {
     fn set_load(&mut self, factor: f64) -> Result<(), Error> {
+        self.factor = factor;
         self.prescribed.clear();
         for energy in self.energy.parts_mut() {
             energy.set_load(factor);
             self.prescribed.extend_from_slice(energy.prescribed());
         }
+        if self.scene.keep_everything {
+            let values = self.scene.bodies.iter().flat_map(Body::prescribed);
+            for (dof, value) in values.enumerate() {
+                if let Some(value) = value {
+                    self.bounds.lower[dof] = factor * value;
+                    self.bounds.upper[dof] = factor * value;
+                }
+            }
+        }
         Ok(())
     }
+
     fn tunnels(&self, u: &[f64]) -> Option<f64> {
         let facet = self
             .surfaces
@@ -359,13 +397,14 @@ impl<const D: usize> LoadStepped for Problem<D> {
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
         let mut lifted = u.to_vec();
         for (body, energy) in self.energy.parts().iter().enumerate() {
-            let now = energy.prescribed();
-            let before = energy.prescribed_at(from);
-            let increments: Vec<f64> = now.iter().zip(before).map(|(a, b)| a - b).collect();
-            let free = &mut lifted[self.energy.range(body)];
-            free.iter_mut()
-                .zip(energy.extend(&increments))
-                .for_each(|(u, d)| *u += d);
+            let full = self.scene.bodies[body].prescribed_values();
+            let increments: Vec<f64> = full.iter().map(|p| p * (self.factor - from)).collect();
+            let extension = energy.extend(&self.supports[body], &increments);
+            for (dof, increment) in (D * self.first_node[body]..).zip(extension) {
+                if let Dof::Free(i) = self.dofs.get(dof) {
+                    lifted[i] += increment;
+                }
+            }
         }
         lifted
     }

@@ -1,0 +1,63 @@
+//! What a run did not need, and so did not do.
+
+use std::fmt;
+
+use crate::scene::Problem;
+use crate::simulation::History;
+
+/// Work that a scene made unnecessary. [`Scene::keep_everything`](crate::Scene::keep_everything)
+/// does it all the same, with the same result.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Prescribed dofs, eliminated before the optimiser sees them.
+    pub dofs: usize,
+    /// Cells all of whose dofs are prescribed, which are not assembled.
+    pub cells: usize,
+    /// Contact nodes without a row in the last step: all their integration points are out of reach,
+    /// off the end of the other surface or face away from it.
+    pub rows: usize,
+    /// Solves that the fixed point would have taken to see that rows that are exact do not change:
+    /// one for each attempt at a load step.
+    pub solves: usize,
+    /// Iterations of the optimiser that needed no new Hessian, the stiffness being constant.
+    pub hessians: usize,
+}
+
+impl LeftOut {
+    /// Of the run of a problem.
+    pub fn new<const D: usize>(problem: &Problem<D>, history: &History<D>) -> Self {
+        let bodies = problem.scene().bodies();
+        let is_prescribed = bodies.iter().flat_map(|body| body.prescribed());
+        let prescribed = is_prescribed.filter(|value| value.is_some()).count();
+        let cells: usize = bodies.iter().map(|body| body.mesh().len()).sum();
+        let energies = problem.body_energies().iter();
+        let assembled: usize = energies.map(|energy| energy.assembled_cells()).sum();
+        let last = history.steps.last();
+        let efforts = history.run.attempts.iter().map(|attempt| attempt.effort());
+        LeftOut {
+            dofs: match problem.scene().keep_everything {
+                true => 0,
+                false => prescribed,
+            },
+            cells: cells - assembled,
+            rows: last.map_or(0, |step| problem.contact_nodes() - step.rows),
+            solves: match problem.is_exact() {
+                true => history.run.attempts.len(),
+                false => 0,
+            },
+            hessians: efforts
+                .map(|effort| effort.iterations.saturating_sub(effort.hessians))
+                .sum(),
+        }
+    }
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} dofs, {} cells, {} rows, {} solves, {} Hessians",
+            self.dofs, self.cells, self.rows, self.solves, self.hessians
+        )
+    }
+}
