@@ -2,7 +2,7 @@
 
 mod plane;
 
-pub use plane::{Diagonals, annulus, disc, half_disc, quarter_disc, rectangle};
+pub use plane::{Diagonals, annulus, disc, equilateral_disc, half_disc, quarter_disc, rectangle};
 
 use crate::error::Error;
 
@@ -80,6 +80,18 @@ fn positive(name: &'static str, value: Option<f64>) -> Result<(), Error> {
             remedy: "must be positive and finite",
         }),
     }
+}
+
+/// Refuses meshes that would fill the memory and outgrow the solver's 32-bit indices.
+fn affordable(cells: f64) -> Result<(), Error> {
+    if cells > 1e8 {
+        return Err(Error::Setting {
+            name: "cells",
+            value: cells,
+            remedy: "ask for a coarser mesh, with at most 10⁸ triangles or tetrahedra",
+        });
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@ use std::f64::consts::{PI, TAU};
 use super::rectangle::{Diagonals, split};
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::mesh::generators::{ascending, linspace, positive};
+use crate::mesh::generators::{affordable, ascending, linspace, positive};
+use crate::tensor::Vector;
 
 /// A ring with nodes at `radii` (ascending, UL) and angles 2πi/`segments`.
 /// Boundaries: `inner`, `outer`.
@@ -35,6 +36,43 @@ pub fn disc(radius: f64, segments: usize, rings: usize, phase: f64) -> Result<Me
     )?;
     let outer = mesh.boundaries.remove("outer").unwrap_or_default();
     mesh.boundaries.insert("boundary".into(), outer);
+    Ok(mesh)
+}
+
+/// A disc of the given radius (UL) around the origin in 6 `rings`² nearly equilateral triangles: the
+/// k-th of `rings` equidistant rings has 6k nodes. Boundary: `boundary`.
+///
+/// # Errors
+/// A radius that is not positive and finite, no rings, more than 10⁸ triangles.
+pub fn equilateral_disc(radius: f64, rings: usize) -> Result<Mesh<2>, Error> {
+    positive("radius", Some(radius))?;
+    positive("rings", Some(rings as f64))?;
+    affordable(6.0 * (rings as f64).powi(2))?;
+    let mut nodes = vec![[0.0, 0.0]];
+    for ring in 1..=rings {
+        let r = radius * ring as f64 / rings as f64;
+        let angle = |i: usize| TAU * i as f64 / (6 * ring) as f64;
+        nodes.extend((0..6 * ring).map(|i| on_circle(r, angle(i))));
+    }
+    let node = |ring: usize, i: usize| match ring {
+        0 => 0,
+        _ => 1 + 3 * ring * (ring - 1) + i % (6 * ring),
+    };
+    let mut cells = Vec::new();
+    for ring in 0..rings {
+        for sixth in 0..6 {
+            for i in 0..=ring {
+                let inner = [i, i + 1].map(|i| node(ring, sixth * ring + i));
+                let outer = [i, i + 1].map(|i| node(ring + 1, sixth * (ring + 1) + i));
+                cells.extend([inner[0], outer[0], outer[1]]);
+                if i < ring {
+                    cells.extend([inner[0], outer[1], inner[1]]);
+                }
+            }
+        }
+    }
+    let mut mesh = Mesh::new(nodes, cells)?;
+    mesh.name_boundary("boundary", |X| on_radius(X, radius));
     Ok(mesh)
 }
 
@@ -105,19 +143,8 @@ fn polar(
         nodes.push([0.0, 0.0]);
     }
     let rings = &radii[usize::from(collapsed)..];
-    let on_axes = |r: f64, angle: f64| {
-        // nodes that should lie on an axis lie there exactly
-        let (s, c) = angle.sin_cos();
-        [c, s].map(|v| {
-            if v.abs() < 1e-15 * angle.max(1.0) {
-                0.0
-            } else {
-                r * v
-            }
-        })
-    };
     for &r in rings {
-        nodes.extend(angles.iter().map(|&angle| on_axes(r, angle)));
+        nodes.extend(angles.iter().map(|&angle| on_circle(r, angle)));
     }
     let node = |ring: usize, i: usize| usize::from(collapsed) + ring * columns + i % columns;
     let steps = if closed { columns } else { columns - 1 };
@@ -137,13 +164,28 @@ fn polar(
         }
     }
     let mut mesh = Mesh::new(nodes, cells)?;
-    let reach = |X: &crate::tensor::Vector<2>, r: f64| (X.norm() - r).abs() < 1e-12 * r;
     let outer = radii[radii.len() - 1];
-    mesh.name_boundary("outer", |X| reach(X, outer));
+    mesh.name_boundary("outer", |X| on_radius(X, outer));
     if !collapsed {
-        mesh.name_boundary("inner", |X| reach(X, radii[0]));
+        mesh.name_boundary("inner", |X| on_radius(X, radii[0]));
     }
     Ok(mesh)
+}
+
+/// The point at this radius and angle; one that should lie on an axis lies there exactly.
+fn on_circle(r: f64, angle: f64) -> [f64; 2] {
+    let (s, c) = angle.sin_cos();
+    [c, s].map(|v| {
+        if v.abs() < 1e-15 * angle.max(1.0) {
+            0.0
+        } else {
+            r * v
+        }
+    })
+}
+
+fn on_radius(X: &Vector<2>, r: f64) -> bool {
+    (X.norm() - r).abs() < 1e-12 * r
 }
 
 fn full_circle(segments: usize, phase: f64) -> Result<Vec<f64>, Error> {

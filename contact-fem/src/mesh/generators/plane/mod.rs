@@ -3,7 +3,7 @@
 mod disc;
 mod rectangle;
 
-pub use disc::{annulus, disc, half_disc, quarter_disc};
+pub use disc::{annulus, disc, equilateral_disc, half_disc, quarter_disc};
 pub use rectangle::{Diagonals, rectangle};
 
 #[cfg(test)]
@@ -45,6 +45,11 @@ mod tests {
         assert!((area(&mesh) - polygon(52, 0.6)).abs() < 1e-12);
         assert_eq!(mesh.boundary("boundary").expect("named").len(), 52);
         assert_eq!(mesh.len(), 52 * 5);
+
+        let mesh = equilateral_disc(0.6, 7).expect("mesh");
+        assert!((area(&mesh) - polygon(42, 0.6)).abs() < 1e-12);
+        assert_eq!(mesh.boundary("boundary").expect("named").len(), 42);
+        assert_eq!((mesh.len(), mesh.exterior().len()), (6 * 49, 42));
 
         let mesh = half_disc(
             &linspace(0.0, 1.0, 3),
