@@ -34,9 +34,11 @@ pub fn cuboid(low: [f64; 3], size: [f64; 3], divisions: [usize; 3]) -> Result<Me
 ///
 /// The price is that not all nodes have the same surroundings: inside, those with all indices even
 /// or all odd touch 48 tetrahedra, the others 16. Pressures of linear elements alternate with them,
-/// as with [`Diagonals::Alternating`].
+/// as with [`Diagonals::Alternating`]; the top of an [`extruded`](super::extrude) rectangle that is
+/// cut along [`Diagonals::Rising`] has nodes of one kind.
 ///
 /// [`Diagonals::Alternating`]: crate::mesh::generators::Diagonals::Alternating
+/// [`Diagonals::Rising`]: crate::mesh::generators::Diagonals::Rising
 ///
 /// # Errors
 /// As [`Mesh::new`], for values that do not ascend or are fewer than two, and for more than 10⁸

@@ -3,8 +3,10 @@
 #[cfg(test)]
 mod battery;
 mod cuboid;
+mod extrusion;
 
 pub use cuboid::{cuboid, cuboid_graded};
+pub use extrusion::{cylinder, extrude};
 
 use crate::error::Error;
 use crate::mesh::Mesh;
