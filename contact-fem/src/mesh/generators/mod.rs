@@ -4,7 +4,7 @@ mod plane;
 mod space;
 
 pub use plane::{Diagonals, annulus, disc, equilateral_disc, half_disc, quarter_disc, rectangle};
-pub use space::{cuboid, cuboid_graded, cylinder, extrude};
+pub use space::{cuboid, cuboid_graded, cylinder, eighth_sphere, extrude, hemisphere, sphere};
 
 use crate::error::Error;
 

@@ -1,10 +1,12 @@
 //! Tetrahedra.
 
+mod ball;
 #[cfg(test)]
 mod battery;
 mod cuboid;
 mod extrusion;
 
+pub use ball::{eighth_sphere, hemisphere, sphere};
 pub use cuboid::{cuboid, cuboid_graded};
 pub use extrusion::{cylinder, extrude};
 
