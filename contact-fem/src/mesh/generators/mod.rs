@@ -1,8 +1,10 @@
 //! Structured meshes of simple shapes with named boundaries.
 
+mod curves;
 mod plane;
 mod space;
 
+pub use curves::{onto_cylinder, onto_sphere};
 pub use plane::{Diagonals, annulus, disc, equilateral_disc, half_disc, quarter_disc, rectangle};
 pub use space::{cuboid, cuboid_graded, cylinder, eighth_sphere, extrude, hemisphere, sphere};
 
