@@ -60,7 +60,8 @@ pub mod prelude {
     pub use contact_core::load_steps::RunOutcome;
     pub use contact_core::{Acceleration, FixedPoint, InteriorPoint, LoadSteps, Method};
     pub use contact_fem::mesh::generators::{
-        Diagonals, annulus, disc, graded, half_disc, linspace, quarter_disc, rectangle,
+        Diagonals, annulus, cuboid, cuboid_graded, cylinder, disc, eighth_sphere, equilateral_disc,
+        extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,
     };
     pub use contact_fem::scene::{Passes, Problem};
     pub use contact_fem::simulation::{History, StepView};

@@ -74,6 +74,12 @@ pub enum Error {
         /// The names there are.
         known: Vec<String>,
     },
+    /// A boundary name that is taken.
+    #[error("a boundary is called `{name}` already: choose another name")]
+    BoundaryExists {
+        /// The name asked for.
+        name: String,
+    },
     /// A body that the scene does not have.
     #[error("body {body} does not exist: the scene has {bodies} bodies numbered from 0")]
     UnknownBody {
