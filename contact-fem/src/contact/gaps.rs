@@ -17,6 +17,24 @@ pub struct Pass {
     pub master: usize,
 }
 
+/// The dofs of all bodies as rows see them.
+#[derive(Clone, Copy, Debug)]
+pub struct Unknowns<'a> {
+    /// Which dofs are unknowns of the optimiser, and which were eliminated.
+    pub dofs: &'a DofMap,
+    /// Which dofs the supports prescribe, eliminated or not.
+    pub supports: &'a DofMap,
+    /// The values of those eliminated (UL).
+    pub prescribed: &'a [f64],
+}
+
+impl Unknowns<'_> {
+    /// Whether all these dofs are prescribed.
+    fn holds(&self, mut dofs: std::ops::Range<usize>) -> bool {
+        dofs.all(|dof| matches!(self.supports.get(dof), Dof::Prescribed(_)))
+    }
+}
+
 /// One constraint while it is being summed, over nodes: c = Σ_a coefficient_a · (X_a + u_a).
 #[derive(Clone, Debug, Default)]
 struct NodalRow<const D: usize> {
@@ -96,19 +114,20 @@ impl<const D: usize> PassRows<D> {
         self.points
     }
 
-    /// Appends the rows that have support to `gaps`, split into free and prescribed unknowns.
+    /// Appends the rows that have support and can move to `gaps`, split into free and prescribed
+    /// unknowns.
     pub fn append(
         &self,
         pass: u32,
         slave: &Surface<D>,
         X: &[Vector<D>],
-        dofs: &DofMap,
-        prescribed: &[f64],
+        unknowns: &Unknowns<'_>,
         gaps: &mut LinearGaps,
     ) {
         let mut row = Row::default();
         for (&node, nodal) in slave.nodes().iter().zip(&self.rows) {
-            if !nodal.has_support() {
+            let held = |(a, _): &(usize, _)| unknowns.holds(D * a..D * (a + 1));
+            if !nodal.has_support() || nodal.terms.iter().all(held) {
                 continue;
             }
             row.free.clear();
@@ -117,10 +136,10 @@ impl<const D: usize> PassRows<D> {
             for (a, coefficient) in &nodal.terms {
                 row.constant += coefficient.dot(&X[*a]);
                 for (i, &c) in coefficient.iter().enumerate() {
-                    match dofs.get(D * a + i) {
+                    match unknowns.dofs.get(D * a + i) {
                         Dof::Free(j) => row.free.push((j, c)),
                         Dof::Prescribed(j) => {
-                            row.constant += c * prescribed[j];
+                            row.constant += c * unknowns.prescribed[j];
                             row.prescribed.push((j, c));
                         }
                     }

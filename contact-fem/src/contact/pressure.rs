@@ -5,12 +5,13 @@ use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 
 use super::surface::Surface;
-use crate::element::{FacetRule, facet_shapes};
+use crate::element::{FacetRule, facet_edge};
 use crate::error::Error;
 use crate::tensor::Vector;
 
 /// The nodal tractions t (reference area, UF/UL or UF/UL²) of a surface, in the order of its nodes,
-/// from the nodal contact forces Cᵀλ at those nodes: Σ_b ∫ N_a N_b ds t_b = f_a.
+/// from the nodal contact forces f = Cᵀλ at those nodes: Σ_j ∫ φ_i φ_j ds t_j = Σ_a φ_i(X_a) f_a
+/// with the test functions φ of the constraints, which the shape functions contain.
 ///
 /// The forces, unlike the multipliers, are unique when both passes constrain the same contact.
 ///
@@ -21,16 +22,23 @@ pub fn tractions<const D: usize>(
     surface: &Surface<D>,
     forces: &[Vector<D>],
 ) -> Result<Vec<Vector<D>>, Error> {
-    let n = surface.nodes().len();
+    // the nodes without a test function are in the middle of edges, which `ends` knows
+    let (tests, ends) = test_nodes(surface);
+    let n = tests.iter().flatten().count();
+    let numbers = |facet: &[usize]| -> Vec<usize> {
+        let facet = facet[..surface.test_nodes()].iter();
+        facet.filter_map(|&a| tests[a]).collect()
+    };
     let rule = FacetRule::<D>::gauss(3);
     let mut mass = Vec::new();
-    for (nodes, facet) in surface.facets().zip(surface.reference()) {
+    for (facet, reference) in surface.facets().zip(surface.reference()) {
+        let numbers = numbers(facet);
         for (w, lambda) in rule.points() {
-            let w = w * facet.normal(lambda).norm();
-            let N = facet_shapes(surface.order(), lambda);
-            for (&row, N_a) in nodes.iter().zip(N) {
-                for (&col, N_b) in nodes.iter().zip(N) {
-                    mass.push(Triplet::new(row, col, w * N_a * N_b));
+            let w = w * reference.normal(lambda).norm();
+            let phi = surface.test_functions(lambda);
+            for (&row, phi_i) in numbers.iter().zip(phi) {
+                for (&col, phi_j) in numbers.iter().zip(phi) {
+                    mass.push(Triplet::new(row, col, w * phi_i * phi_j));
                 }
             }
         }
@@ -43,11 +51,51 @@ pub fn tractions<const D: usize>(
     let mass = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &mass);
     let mass = mass.map_err(|_| singular(()))?;
     let factor = mass.sp_cholesky(Side::Lower).map_err(|_| singular(()))?;
-    let rhs = Mat::from_fn(n, D, |a, i| forces[a][i]);
-    let solution = factor.solve(&rhs);
-    Ok((0..n)
-        .map(|a| Vector::from_fn(|i, _| solution[(a, i)]))
-        .collect())
+    let mut rhs = Mat::<f64>::zeros(n, D);
+    for (a, force) in forces.iter().enumerate() {
+        for (row, share) in shares(&tests, &ends, a) {
+            (0..D).for_each(|i| rhs[(row, i)] += share * force[i]);
+        }
+    }
+    let t = factor.solve(&rhs);
+    let at_node = |a: usize| {
+        let mut traction = Vector::zeros();
+        for (row, share) in shares(&tests, &ends, a) {
+            (0..D).for_each(|i| traction[i] += share * t[(row, i)]);
+        }
+        traction
+    };
+    Ok((0..forces.len()).map(at_node).collect())
+}
+
+/// The number of each node's test function, if it has one, and for those without the nodes at the
+/// ends of the edge that they are in the middle of.
+fn test_nodes<const D: usize>(surface: &Surface<D>) -> (Vec<Option<usize>>, Vec<[usize; 2]>) {
+    let mut has_test = vec![false; surface.nodes().len()];
+    let mut ends = vec![[0; 2]; surface.nodes().len()];
+    for facet in surface.facets() {
+        let (with, without) = facet.split_at(surface.test_nodes());
+        with.iter().for_each(|&a| has_test[a] = true);
+        for (e, &a) in without.iter().enumerate() {
+            ends[a] = facet_edge::<D>(e).map(|corner| facet[corner]);
+        }
+    }
+    let mut count = 0..;
+    let number = |has: bool| if has { count.next() } else { None };
+    (has_test.into_iter().map(number).collect(), ends)
+}
+
+/// The test functions that are not zero at node `a`, with their values there.
+fn shares(
+    tests: &[Option<usize>],
+    ends: &[[usize; 2]],
+    a: usize,
+) -> impl Iterator<Item = (usize, f64)> {
+    let corners = match tests[a] {
+        Some(own) => [Some((own, 1.0)), None],
+        None => ends[a].map(|end| tests[end].map(|number| (number, 0.5))),
+    };
+    corners.into_iter().flatten()
 }
 
 #[cfg(test)]
@@ -76,6 +124,35 @@ mod tests {
             .zip(&x)
         {
             assert!((t - traction(x[0])).norm() < 1e-13);
+        }
+    }
+
+    /// A linear traction on one quadratic triangle, by its consistent nodal forces: the corner
+    /// functions of a quadratic triangle have no mean.
+    #[test]
+    fn quadratic_triangles_use_the_functions_of_the_corners() {
+        let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector::<3>::from);
+        let middle = |a: usize, b: usize| (corners[a] + corners[b]) * 0.5;
+        let mut x = corners.to_vec();
+        x.extend([middle(0, 1), middle(1, 2), middle(2, 0)]);
+        let facets = [[0, 1, 2, 3, 4, 5]];
+        let facets = facets.iter().map(|f| &f[..]);
+        let surface = Surface::new(0, Order::Quadratic, facets, &x);
+        let traction = |X: &Vector<3>| Vector::<3>::new(0.0, 1.0 + X[0], 5.0 - X[0] + 2.0 * X[1]);
+        let mut forces = vec![Vector::<3>::zeros(); 6];
+        for (w, lambda) in FacetRule::<3>::gauss(4).points() {
+            let X = surface.reference()[0].point(lambda);
+            let N = crate::element::facet_shapes(Order::Quadratic, lambda);
+            for (f, N) in forces.iter_mut().zip(N) {
+                *f += traction(&X) * (w * N); // the triangle's area is 1
+            }
+        }
+        for (t, X) in tractions(&surface, &forces)
+            .expect("regular")
+            .iter()
+            .zip(&x)
+        {
+            assert!((t - traction(X)).norm() < 1e-13);
         }
     }
 }

@@ -6,7 +6,7 @@ use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale}
 
 use super::{Body, Passes, Scene, SurfaceName};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
-use crate::contact::gaps::{PassRows, deepest_node};
+use crate::contact::gaps::{PassRows, Unknowns, deepest_node};
 use crate::contact::{Master, Pass, Surface, pressure};
 use crate::element::FacetRule;
 use crate::tensor::Vector;
@@ -20,8 +20,8 @@ pub struct Problem<const D: usize> {
     energy: DirectSum<Box<dyn BodyEnergy<D>>>,
     dofs: DofMap,
     prescribed: Vec<f64>,
-    /// What each body's supports prescribe, and the present load factor.
-    supports: Vec<DofMap>,
+    /// What the supports prescribe, eliminated or not, and the present load factor.
+    supports: DofMap,
     factor: f64,
     /// X of all nodes, and where each body's nodes start.
     X: Vec<Vector<D>>,
@@ -46,17 +46,17 @@ impl<const D: usize> Problem<D> {
             let keep = scene.keep_everything;
             scene.bodies.iter().map(|body| body.energy(keep)).collect()
         };
-        let supports: Vec<Vec<bool>> = scene.bodies.iter().map(Body::is_prescribed).collect();
-        let mut dofs = DofMap::default();
+        let mut supports = DofMap::default();
         let (mut X, mut first_node) = (Vec::new(), vec![0]);
-        for (body, is_prescribed) in scene.bodies.iter().zip(&supports) {
-            match scene.keep_everything {
-                true => dofs.extend(&vec![false; is_prescribed.len()]),
-                false => dofs.extend(is_prescribed),
-            }
+        for body in &scene.bodies {
+            supports.extend(&body.is_prescribed());
             X.extend_from_slice(body.mesh().nodes());
             first_node.push(X.len());
         }
+        let dofs = match scene.keep_everything {
+            true => DofMap::new(&vec![false; supports.len()]),
+            false => supports.clone(),
+        };
         let (surfaces, passes) = surfaces_and_passes(&scene, &X, &first_node);
         let low = X.iter().fold(X[0], |m, x| m.inf(x));
         let high = X.iter().fold(X[0], |m, x| m.sup(x));
@@ -71,7 +71,7 @@ impl<const D: usize> Problem<D> {
         Problem {
             small_strain,
             prescribed: vec![0.0; dofs.prescribed()],
-            supports: supports.iter().map(|flags| DofMap::new(flags)).collect(),
+            supports,
             factor: 0.0,
             energy: DirectSum::new(energies),
             rule: FacetRule::gauss(scene.gauss_points),
@@ -223,7 +223,7 @@ impl<const D: usize> Problem<D> {
             let all_forces = self.contact_forces(gaps, &own.collect::<Vec<_>>());
             let forces: Vec<_> = surface.nodes().iter().map(|&a| all_forces[a]).collect();
             let tractions = pressure::tractions(surface, &forces)?;
-            let normals = crate::contact::normals::averaged(surface, &x);
+            let normals = crate::contact::normals::averaged(surface, &surface.gather(&x));
             let pairs = tractions.iter().zip(&normals);
             Ok(pairs.map(|(t, n)| -t.dot(n)).collect())
         };
@@ -355,8 +355,11 @@ impl<const D: usize> ContactProblem for Problem<D> {
                 k as u32,
                 slave,
                 &self.X,
-                &self.dofs,
-                &self.prescribed,
+                &Unknowns {
+                    dofs: &self.dofs,
+                    supports: &self.supports,
+                    prescribed: &self.prescribed,
+                },
                 &mut gaps,
             );
         }
@@ -397,9 +400,10 @@ impl<const D: usize> LoadStepped for Problem<D> {
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
         let mut lifted = u.to_vec();
         for (body, energy) in self.energy.parts().iter().enumerate() {
-            let full = self.scene.bodies[body].prescribed_values();
-            let increments: Vec<f64> = full.iter().map(|p| p * (self.factor - from)).collect();
-            let extension = energy.extend(&self.supports[body], &increments);
+            let owner = &self.scene.bodies[body];
+            let full = owner.prescribed_values().into_iter();
+            let increments: Vec<f64> = full.map(|p| p * (self.factor - from)).collect();
+            let extension = energy.extend(&DofMap::new(&owner.is_prescribed()), &increments);
             for (dof, increment) in (D * self.first_node[body]..).zip(extension) {
                 if let Dof::Free(i) = self.dofs.get(dof) {
                     lifted[i] += increment;

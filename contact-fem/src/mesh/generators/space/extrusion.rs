@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::tetrahedra;
+use crate::element::Order;
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::mesh::generators::{affordable, ascending, equilateral_disc, linspace, positive};
@@ -26,13 +27,20 @@ use crate::mesh::generators::{affordable, ascending, equilateral_disc, linspace,
 /// ```
 ///
 /// # Errors
-/// Values of `z` that do not ascend or are fewer than two, a cap named as a boundary of the plane
+/// A quadratic mesh, values of `z` that do not ascend or are fewer than two, a cap named as a boundary of the plane
 /// mesh is, more than 10⁸ tetrahedra; else as [`Mesh::new`].
 pub fn extrude(plane: &Mesh<2>, z: &[f64], caps: [&str; 2]) -> Result<Mesh<3>, Error> {
     ascending("z", z)?;
     if let Some(name) = caps.iter().find(|&&cap| plane.boundaries.contains_key(cap)) {
         return Err(Error::BoundaryExists {
             name: name.to_string(),
+        });
+    }
+    if plane.order() != Order::Linear {
+        return Err(Error::Setting {
+            name: "plane.order()",
+            value: 2.0,
+            remedy: "extrude the linear mesh and make the result quadratic",
         });
     }
     let layers = z.len() - 1;
@@ -69,16 +77,22 @@ fn prism(triangle: &[usize], layer: usize, nodes: usize) -> impl Iterator<Item =
 
 /// Gives the sides of an extruded mesh the names of the edges that they stand on.
 fn name_sides(mesh: &mut Mesh<3>, plane: &Mesh<2>) {
-    let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
-    let edges = plane.facets.iter().enumerate();
-    let edge_at: HashMap<[usize; 2], usize> = edges.map(|(k, &edge)| (sorted(edge), k)).collect();
-    let mut sides = vec![Vec::new(); plane.facets.len()];
-    for (f, facet) in mesh.facets.iter().enumerate() {
-        let [a, b, c] = facet.map(|node| node % plane.nodes.len());
+    let sorted = |a: usize, b: usize| [a.min(b), a.max(b)];
+    let edges = plane.exterior().enumerate();
+    let edge_at: HashMap<_, _> = edges
+        .map(|(k, edge)| (sorted(edge[0], edge[1]), k))
+        .collect();
+    let mut sides = vec![Vec::new(); edge_at.len()];
+    for (f, facet) in mesh.exterior().enumerate() {
+        let [a, b, c] = [0, 1, 2].map(|k| facet[k] % plane.nodes.len());
         // of a side's three nodes two stand above each other; those of a cap never do
-        let edge = if a == b || a == c { [b, c] } else { [a, b] };
+        let edge = if a == b || a == c {
+            sorted(b, c)
+        } else {
+            sorted(a, b)
+        };
         let upright = a == b || b == c || c == a;
-        if let Some(&k) = edge_at.get(&sorted(edge)).filter(|_| upright) {
+        if let Some(&k) = edge_at.get(&edge).filter(|_| upright) {
             sides[k].push(f);
         }
     }
