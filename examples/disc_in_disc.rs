@@ -17,18 +17,15 @@ mod discs;
 mod support;
 
 use std::process::ExitCode;
-use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
 use discs::{Fineness, Roles};
 use ipopt_contact::contact_fem::output::picture::{Curve, Curves, MeshPicture, Panel};
 use ipopt_contact::prelude::*;
+use support::Failure;
 use support::options::{Options, positive};
 use support::recorder::Recorder;
-use support::summary::{Ending, Summary};
-use support::{Failure, stop};
-
-const NAME: &str = "disc_in_disc";
+use support::run::{Run, exit};
 
 /// A disc is pushed down inside a hollow disc (section 6.1 of the paper)
 #[derive(Parser, Debug)]
@@ -55,58 +52,21 @@ enum Slaves {
 }
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit(run(Arguments::parse()))
 }
 
-fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let clock = Instant::now();
-    let options = &arguments.options;
-    let stop = stop::on_ctrl_c()?;
-
+fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     let roles = arguments.roles();
-    let mut problem = discs::scene(arguments.mesh, roles)?.problem()?;
+    let problem = discs::scene(arguments.mesh, roles)?.problem()?;
     let force = |record: &StepRecord<2>| record.reactions[roles.ring()][1];
-
-    let mut method = options.method(stop.clone())?;
-    let folder = options.folder(NAME);
-    let mut recorder = Recorder::new(&folder, NAME, &problem, options, stop)?;
-    let result = options.simulation().run(&mut problem, &mut method, |step| {
-        let message = message(step.record, force(step.record));
-        recorder.observe(step, message)
-    });
-    let ending = match &result {
-        Ok(history) => Ending::History(history),
-        Err(error) => Ending::Failure(error),
+    let run = Run {
+        name: "disc_in_disc",
+        reaction: &force,
+        message: &|step| message(step.record, force(step.record)),
+        draw: &|problem, recorder| draw(problem, recorder, force),
+        report: &|_, _| String::new(),
     };
-    let written = recorder.finish(result.as_ref().ok());
-    draw(&problem, &recorder, force)?;
-
-    let seconds = clock.elapsed().as_secs_f64();
-    let increments = options.increments;
-    let summary = Summary::new(
-        NAME, &problem, &recorder, increments, &ending, seconds, force,
-    );
-    summary.save(&folder)?;
-    written?;
-    if !options.quiet {
-        println!(
-            "{}\n  files              {}",
-            summary.table(),
-            folder.display()
-        );
-    }
-    Ok(match ending {
-        Ending::Failure(error) => return Err(error.to_string().into()),
-        _ if ending.is_complete() => ExitCode::SUCCESS,
-        _ if ending.is_interrupted() => ExitCode::from(stop::INTERRUPTED),
-        _ => ExitCode::FAILURE,
-    })
+    run.go(problem, &arguments.options.default_increments(100))
 }
 
 /// What is shown of a step.

@@ -2,6 +2,7 @@
 
 use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::element::Order;
+use ipopt_contact::contact_fem::tensor::Vector;
 use ipopt_contact::prelude::*;
 
 /// The length of the beams (UL).
@@ -89,23 +90,43 @@ impl Beams {
 }
 
 /// The displacement of the middle of a beam's end (UL): the mean over the corners of its section.
-pub fn tip(
-    problem: &Problem<3>,
-    displacements: &[contact_fem::tensor::Vector<3>],
-    beam: usize,
-) -> [f64; 3] {
-    let corners: Vec<usize> = problem
-        .nodes(beam)
-        .filter(|&a| {
-            let X = problem.reference()[a];
-            let height = X[2] - beam as f64 * SIDE;
-            X[0] == LENGTH
-                && (X[1] == 0.0 || X[1] == SIDE)
-                && (height.abs() < 1e-9 || (height - SIDE).abs() < 1e-9)
-        })
-        .collect();
-    let sum = corners.iter().fold([0.0; 3], |sum, &a| {
-        [0, 1, 2].map(|i| sum[i] + displacements[a][i])
-    });
-    sum.map(|s| s / corners.len() as f64)
+pub fn tip(problem: &Problem<3>, u: &[Vector<3>], beam: usize) -> [f64; 3] {
+    let [bottom, top] = [0.0, 1.0].map(|level| end_edge(problem, u, beam, level));
+    ((bottom + top) * 0.5).into()
+}
+
+/// How far the end of beam `below` has slid on that of the next one (UL), along the beams.
+pub fn slip(problem: &Problem<3>, u: &[Vector<3>], below: usize) -> f64 {
+    let under = end_edge(problem, u, below, 1.0);
+    let over = end_edge(problem, u, below + 1, 0.0);
+    // tangent to the interface at the tip, as the lower beam's section has turned
+    let section = under - end_edge(problem, u, below, 0.0);
+    let normal = (section + Vector::<3>::new(0.0, 0.0, SIDE)).normalize();
+    let offset = over - under;
+    (offset - normal * offset.dot(&normal)).norm()
+}
+
+/// The mean displacement of the two corners at the end of a beam, at `level` 0 (bottom) or 1 (top).
+fn end_edge(problem: &Problem<3>, u: &[Vector<3>], beam: usize, level: f64) -> Vector<3> {
+    let height = (beam as f64 + level) * SIDE;
+    let is_corner = |&a: &usize| {
+        let X = problem.reference()[a];
+        let at = |x: f64, value: f64| (x - value).abs() < 1e-9;
+        at(X[0], LENGTH) && (at(X[1], 0.0) || at(X[1], SIDE)) && at(X[2], height)
+    };
+    let corners: Vec<usize> = problem.nodes(beam).filter(is_corner).collect();
+    let sum: Vector<3> = corners.iter().map(|&a| u[a]).sum();
+    sum / corners.len() as f64
+}
+
+/// The mean contact pressure (UF/UL²) on the middle fifth of the top of beam `below`, over its
+/// nodes.
+pub fn mid_span_pressure(problem: &Problem<3>, pressures: &[f64], below: usize) -> f64 {
+    let height = (below + 1) as f64 * SIDE;
+    let is_near = |&a: &usize| {
+        let X = problem.reference()[a];
+        (X[0] / LENGTH - 0.5).abs() <= 0.1 + 1e-9 && (X[2] - height).abs() < 1e-9
+    };
+    let near: Vec<usize> = problem.nodes(below).filter(is_near).collect();
+    near.iter().map(|&a| pressures[a]).sum::<f64>() / near.len() as f64
 }

@@ -5,6 +5,7 @@ pub mod machine;
 pub mod options;
 pub mod progress;
 pub mod recorder;
+pub mod run;
 pub mod stop;
 pub mod summary;
 

@@ -13,9 +13,9 @@ use super::Failure;
 /// How to solve, and what to write where.
 #[derive(clap::Args, Debug)]
 pub struct Options {
-    /// Load increments
-    #[arg(long, default_value_t = 100, value_parser = positive)]
-    pub increments: usize,
+    /// Load increments; every example has its own default
+    #[arg(long, value_parser = positive)]
+    pub increments: Option<usize>,
     /// Relative change of the displacement at which a fixed point has converged, in (0, 1)
     #[arg(long, default_value_t = 1e-6, value_parser = tolerance)]
     pub tolerance: f64,
@@ -49,9 +49,20 @@ pub enum Combine {
 }
 
 impl Options {
+    /// The number of load increments, 1 unless it was set.
+    pub fn increments(&self) -> usize {
+        self.increments.unwrap_or(1)
+    }
+
+    /// Sets the number of load increments if none was asked for.
+    pub fn default_increments(mut self, default: usize) -> Self {
+        self.increments.get_or_insert(default);
+        self
+    }
+
     /// The load steps and fixed point asked for.
     pub fn simulation(&self) -> Simulation {
-        let mut simulation = Simulation::with_increments(self.increments);
+        let mut simulation = Simulation::with_increments(self.increments());
         let fixed_point = &mut simulation.load_steps.fixed_point;
         fixed_point.tolerance = self.tolerance;
         fixed_point.acceleration = match self.acceleration {

@@ -55,11 +55,11 @@ impl<const D: usize> Recorder<D> {
         let bodies = problem.scene().bodies().len();
         let mut recorder = Recorder {
             folder: folder.to_path_buf(),
-            increments: options.increments,
+            increments: options.increments(),
             vtu_every: options.vtu_every,
             series: Series::create(folder, name)?,
             tables: Tables::create::<D>(folder, name, bodies)?,
-            progress: Progress::new(options.increments, options.quiet),
+            progress: Progress::new(options.increments(), options.quiet),
             stop,
             records: Vec::new(),
             stages: Vec::new(),

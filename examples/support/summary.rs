@@ -33,6 +33,8 @@ pub struct Summary {
     pub ipopt_iterations: usize,
     pub factorisations: usize,
     pub cold_retries: usize,
+    /// What the scene did not need.
+    pub left_out: Option<Unneeded>,
     pub wall_seconds: f64,
     pub seconds: Seconds,
     pub peak_memory_bytes: Option<u64>,
@@ -48,6 +50,16 @@ pub struct MeshSize {
     pub free_dofs: usize,
     /// Of each body.
     pub contact_facets: Vec<usize>,
+}
+
+/// Work that was not done, see [`LeftOut`].
+#[derive(Debug, Serialize)]
+pub struct Unneeded {
+    pub dofs: usize,
+    pub cells: usize,
+    pub rows: usize,
+    pub solves: usize,
+    pub hessians: usize,
 }
 
 /// Wall time by phase.
@@ -127,6 +139,7 @@ impl Summary {
             ipopt_iterations: cost.effort.iterations,
             factorisations: cost.effort.factorizations,
             cold_retries: cost.effort.cold_retries,
+            left_out: ending.left_out(problem),
             wall_seconds,
             seconds: cost.seconds(recorder.seconds, wall_seconds),
             peak_memory_bytes: machine::peak_memory(),
@@ -167,6 +180,12 @@ impl Summary {
             self.factor
                 .as_ref()
                 .map_or(String::new(), |f| format!("\n  factor             {f}")),
+            self.left_out.as_ref().map_or(String::new(), |left| {
+                format!(
+                    "\n  left out           {:>10} dofs, {} cells, {} rows, {} solves, {} Hessians",
+                    left.dofs, left.cells, left.rows, left.solves, left.hessians
+                )
+            }),
             format!("\n  wall time          {:>10.2} s", self.wall_seconds),
             share("  projection", times.projection),
             share("  callbacks", times.callbacks),
@@ -244,6 +263,20 @@ impl<const D: usize> Ending<'_, D> {
     /// Ctrl-C.
     pub fn is_interrupted(&self) -> bool {
         matches!(self, Ending::History(h) if matches!(h.run.outcome, RunOutcome::Interrupted { .. }))
+    }
+
+    fn left_out(&self, problem: &Problem<D>) -> Option<Unneeded> {
+        let Ending::History(history) = self else {
+            return None;
+        };
+        let left_out = LeftOut::new(problem, history);
+        Some(Unneeded {
+            dofs: left_out.dofs,
+            cells: left_out.cells,
+            rows: left_out.rows,
+            solves: left_out.solves,
+            hessians: left_out.hessians,
+        })
     }
 
     fn cuts(&self) -> usize {

@@ -7,25 +7,26 @@ use crate::element::{Order, facet_edge};
 use crate::error::Error;
 
 /// The nodes of the facets that belong to one cell only, oriented outward, in the order of their
-/// cells: [`Order::facet_nodes`] each, flat.
+/// cells: [`Order::facet_nodes`] each, flat; and the cell of each.
 ///
 /// Facet k of a simplex leaves out corner k. Taking the other corners in order gives the outward
 /// orientation for even k; for odd k two corners are swapped.
 pub(super) fn exterior_facets<const D: usize>(
     order: Order,
     cells: &[usize],
-) -> Result<Vec<usize>, Error> {
+) -> Result<(Vec<usize>, Vec<usize>), Error> {
     let mut count: HashMap<[usize; D], usize> = HashMap::new();
     let facets = || {
         let cells = cells.chunks_exact(order.cell_nodes::<D>());
-        cells.flat_map(|cell| (0..=D).map(move |k| (cell, local_facet::<D>(k))))
+        let cells = cells.enumerate();
+        cells.flat_map(|(owner, cell)| (0..=D).map(move |k| (owner, cell, local_facet::<D>(k))))
     };
     let sorted = |cell: &[usize], facet: [usize; D]| {
         let mut corners = facet.map(|a| cell[a]);
         corners.sort_unstable();
         corners
     };
-    for (cell, facet) in facets() {
+    for (_, cell, facet) in facets() {
         *count.entry(sorted(cell, facet)).or_insert(0) += 1;
     }
     if let Some((nodes, &cells)) = count.iter().filter(|(_, c)| **c > 2).min() {
@@ -34,8 +35,12 @@ pub(super) fn exterior_facets<const D: usize>(
             cells,
         });
     }
-    let mut nodes = Vec::new();
-    for (cell, facet) in facets().filter(|(cell, facet)| count[&sorted(cell, *facet)] == 1) {
+    let (mut nodes, mut owners) = (Vec::new(), Vec::new());
+    for (owner, cell, facet) in facets() {
+        if count[&sorted(cell, facet)] > 1 {
+            continue;
+        }
+        owners.push(owner);
         nodes.extend(facet.map(|a| cell[a]));
         for e in 0..order.facet_nodes::<D>() - D {
             let [a, b] = facet_edge::<D>(e).map(|k| facet[k]);
@@ -45,7 +50,7 @@ pub(super) fn exterior_facets<const D: usize>(
             nodes.extend(edge.map(|edge| cell[D + 1 + edge]));
         }
     }
-    Ok(nodes)
+    Ok((nodes, owners))
 }
 
 /// The corners, numbered within the cell, of the facet that leaves out one of them.
@@ -65,7 +70,7 @@ mod tests {
     fn outward<const D: usize>(corners: &[Vector<D>]) {
         let cell: Vec<usize> = (0..=D).collect();
         let centre = corners.iter().sum::<Vector<D>>() / (D + 1) as f64;
-        let facets = exterior_facets::<D>(Order::Linear, &cell).expect("one cell");
+        let (facets, _) = exterior_facets::<D>(Order::Linear, &cell).expect("one cell");
         assert_eq!(facets.len(), D * (D + 1));
         for facet in facets.chunks_exact(D) {
             let x: [Vector<D>; D] = std::array::from_fn(|k| corners[facet[k]]);
@@ -93,7 +98,7 @@ mod tests {
             4 + edge.expect("an edge")
         };
         let cell: Vec<usize> = (0..10).collect();
-        let facets = exterior_facets::<3>(Order::Quadratic, &cell).expect("one cell");
+        let (facets, _) = exterior_facets::<3>(Order::Quadratic, &cell).expect("one cell");
         assert_eq!(facets.len(), 4 * 6);
         for facet in facets.chunks_exact(6) {
             let [a, b, c] = [facet[0], facet[1], facet[2]];
@@ -104,7 +109,10 @@ mod tests {
     #[test]
     fn shared_facets_are_interior() {
         let facets = exterior_facets::<2>(Order::Linear, &[0, 1, 2, 0, 2, 3]).expect("two cells");
-        assert_eq!(facets, [1, 2, 0, 1, 2, 3, 3, 0]);
+        assert_eq!(
+            facets,
+            ([1, 2, 0, 1, 2, 3, 3, 0].into(), [0, 0, 1, 1].into())
+        );
     }
 
     #[test]

@@ -24,6 +24,8 @@ pub struct Mesh<const D: usize> {
     cells: Vec<usize>,
     /// The exterior facets: flat, [`Order::facet_nodes`] a facet.
     facets: Vec<usize>,
+    /// The cell that each of them belongs to.
+    owners: Vec<usize>,
     /// Named sets of exterior facets.
     boundaries: BTreeMap<String, Vec<usize>>,
 }
@@ -72,12 +74,13 @@ impl<const D: usize> Mesh<D> {
         if let Some(node) = used.iter().position(|u| !u) {
             return Err(Error::OrphanNode { node });
         }
-        let facets = boundary::exterior_facets::<D>(order, &cells)?;
+        let (facets, owners) = boundary::exterior_facets::<D>(order, &cells)?;
         let mesh = Mesh {
             order,
             nodes,
             cells,
             facets,
+            owners,
             boundaries: BTreeMap::new(),
         };
         mesh.check_edges()?;
@@ -203,6 +206,11 @@ impl<const D: usize> Mesh<D> {
     /// The nodes of all exterior facets.
     pub fn exterior(&self) -> impl ExactSizeIterator<Item = &[usize]> {
         self.facets.chunks_exact(self.order.facet_nodes::<D>())
+    }
+
+    /// The cells that the exterior facets belong to.
+    pub fn exterior_cells(&self) -> &[usize] {
+        &self.owners
     }
 
     fn facet(&self, f: usize) -> &[usize] {

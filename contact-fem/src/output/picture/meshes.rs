@@ -11,36 +11,38 @@ use plotters::style::{
 
 use super::colours::Colours;
 use super::trails::trails;
+use super::view::{Patch, patches, project};
 use super::{Canvas, DrawError, save};
 use crate::assembly::CellState;
 use crate::error::Error;
-use crate::output::snapshot::{Snapshot, cells};
+use crate::output::snapshot::Snapshot;
 use crate::scene::Problem;
 use crate::tensor::Vector;
 
 /// One state in a picture.
 #[derive(Clone, Debug)]
-pub struct Panel<'a> {
+pub struct Panel<'a, const D: usize> {
     /// What stands above it.
     pub title: String,
     /// What it shows.
-    pub snapshot: &'a Snapshot<2>,
+    pub snapshot: &'a Snapshot<D>,
 }
 
-/// A row of deformed meshes at one scale, with one colour bar for all.
+/// A row of deformed meshes at one scale, with one colour bar for all. Bodies in space are seen
+/// from the front, the right and above; patches that are farther away are drawn first.
 #[derive(Clone, Debug)]
-pub struct MeshPicture<'a> {
+pub struct MeshPicture<'a, const D: usize> {
     /// From left to right.
-    pub panels: Vec<Panel<'a>>,
+    pub panels: Vec<Panel<'a, D>>,
     /// The field that gives the colour.
-    pub field: fn(&CellState<2>) -> f64,
+    pub field: fn(&CellState<D>) -> f64,
     /// Its name and units, beside the colour bar.
     pub label: String,
 }
 
-impl<'a> MeshPicture<'a> {
+impl<'a, const D: usize> MeshPicture<'a, D> {
     /// The von Mises stress (UF/UL²) in these panels.
-    pub fn von_mises(panels: Vec<Panel<'a>>) -> Self {
+    pub fn von_mises(panels: Vec<Panel<'a, D>>) -> Self {
         MeshPicture {
             panels,
             field: CellState::von_mises,
@@ -55,19 +57,18 @@ impl<'a> MeshPicture<'a> {
     ///
     /// # Errors
     /// [`Error::Write`].
-    pub fn save(&self, path: impl AsRef<Path>, problem: &Problem<2>) -> Result<(), Error> {
+    pub fn save(&self, path: impl AsRef<Path>, problem: &Problem<D>) -> Result<(), Error> {
         let layout = Layout::new(problem, &self.panels);
         let colours = self.colours(problem);
-        let polygons = polygons(problem);
         save(path.as_ref(), layout.size(), |canvas| {
             for (k, panel) in self.panels.iter().enumerate() {
                 let title = Text::new(panel.title.as_str(), layout.title(k), centred(TITLE));
                 canvas.draw(&title)?;
                 let pixels = layout.pixels(k, problem, panel.snapshot);
                 let values = panel.snapshot.cells.iter().map(self.field);
-                let fills = values.map(|value| colours.of(value));
-                fill(canvas, &pixels, &polygons, fills)?;
-                edges(canvas, &pixels, &polygons)?;
+                let fills: Vec<_> = values.map(|value| colours.of(value)).collect();
+                let patches = patches(problem, panel.snapshot);
+                paint::<D>(canvas, &pixels, &patches, &fills)?;
                 outlines(canvas, &pixels, problem)?;
             }
             colour_bar(canvas, &layout, &colours, &self.label)
@@ -77,7 +78,7 @@ impl<'a> MeshPicture<'a> {
     /// Of the reference area in one panel, the part whose values the colours can tell apart.
     pub const SHARE: f64 = 0.98;
 
-    fn colours(&self, problem: &Problem<2>) -> Colours {
+    fn colours(&self, problem: &Problem<D>) -> Colours {
         let bodies = problem.scene().bodies().iter();
         let meshes = bodies.map(|body| body.mesh());
         let areas: Vec<f64> = meshes
@@ -130,7 +131,7 @@ impl Layout {
     const RIGHT: u32 = 210;
 
     /// A view that holds the bodies in all panels.
-    fn new(problem: &Problem<2>, panels: &[Panel<'_>]) -> Self {
+    fn new<const D: usize>(problem: &Problem<D>, panels: &[Panel<'_, D>]) -> Self {
         let start: (Vector<2>, Vector<2>) = (
             Vector::repeat(f64::INFINITY),
             Vector::repeat(f64::NEG_INFINITY),
@@ -143,7 +144,7 @@ impl Layout {
                     .iter()
                     .zip(&panel.snapshot.displacements)
             })
-            .map(|(X, u)| X + u)
+            .map(|(X, u)| Vector::from(project(&(X + u))))
             .fold(start, |(low, high), x| (low.inf(&x), high.sup(&x)));
         let extent = if panels.is_empty() {
             Vector::repeat(1.0)
@@ -174,16 +175,16 @@ impl Layout {
     }
 
     /// Where the nodes are drawn.
-    fn pixels(
+    fn pixels<const D: usize>(
         &self,
         panel: usize,
-        problem: &Problem<2>,
-        snapshot: &Snapshot<2>,
+        problem: &Problem<D>,
+        snapshot: &Snapshot<D>,
     ) -> Vec<(i32, i32)> {
         let (left, top) = (f64::from(self.left(panel)), f64::from(Self::TOP));
         let nodes = problem.reference().iter().zip(&snapshot.displacements);
-        let pixel = |(X, u): (&Vector<2>, &Vector<2>)| {
-            let from_corner = (X + u - self.corner) * self.scale;
+        let pixel = |(X, u): (&Vector<D>, &Vector<D>)| {
+            let from_corner = (Vector::from(project(&(X + u))) - self.corner) * self.scale;
             let x = left + from_corner[0];
             let y = top - from_corner[1];
             (x.round() as i32, y.round() as i32)
@@ -192,55 +193,44 @@ impl Layout {
     }
 }
 
-/// The nodes around each cell.
-fn polygons(problem: &Problem<2>) -> Vec<Vec<usize>> {
-    let around = |(_, nodes)| around(&Iterator::collect::<Vec<usize>>(nodes));
-    cells(problem).map(around).collect()
-}
-
-/// A triangle's corners with the middle nodes, if there are any, between them: 0, 3, 1, 4, 2, 5.
-fn around(nodes: &[usize]) -> Vec<usize> {
-    let (corners, middles) = nodes.split_at(3);
-    let sides = corners.iter().enumerate();
-    sides
-        .flat_map(|(k, &corner)| [Some(corner), middles.get(k).copied()])
-        .flatten()
-        .collect()
-}
-
-fn fill(
+/// The patches over each other, and in the plane the edges between them and the bodies' outlines;
+/// in space every patch has its own edges, which the nearer ones hide.
+fn paint<const D: usize>(
     canvas: &Canvas<'_>,
     pixels: &[(i32, i32)],
-    polygons: &[Vec<usize>],
-    colours: impl Iterator<Item = RGBColor>,
-) -> Result<(), DrawError> {
-    for (polygon, colour) in polygons.iter().zip(colours) {
-        let corners: Vec<_> = polygon.iter().map(|&a| pixels[a]).collect();
-        canvas.draw(&Polygon::new(corners, colour.filled()))?;
-    }
-    Ok(())
-}
-
-fn edges(
-    canvas: &Canvas<'_>,
-    pixels: &[(i32, i32)],
-    polygons: &[Vec<usize>],
+    patches: &[Patch],
+    colours: &[RGBColor],
 ) -> Result<(), DrawError> {
     // a grey that can be seen on all colours
     let thin = ShapeStyle::from(&RGBColor(150, 150, 150)).stroke_width(1);
-    for trail in trails(polygons) {
-        let line: Vec<_> = trail.into_iter().map(|a| pixels[a]).collect();
-        canvas.draw(&PathElement::new(line, thin))?;
+    let points = |nodes: &[usize]| nodes.iter().map(|&a| pixels[a]).collect::<Vec<_>>();
+    for patch in patches {
+        let colour = colours[patch.cell].filled();
+        let mut around = points(&patch.nodes);
+        canvas.draw(&Polygon::new(around.clone(), colour))?;
+        if D > 2 {
+            around.push(around[0]);
+            canvas.draw(&PathElement::new(around, thin))?;
+        }
+    }
+    if D == 2 {
+        let polygons: Vec<&[usize]> = patches.iter().map(|p| p.nodes.as_slice()).collect();
+        for trail in trails(&polygons) {
+            canvas.draw(&PathElement::new(points(&trail), thin))?;
+        }
     }
     Ok(())
 }
 
-/// The bodies' boundaries.
-fn outlines(
+/// The bodies' boundaries, in the plane.
+fn outlines<const D: usize>(
     canvas: &Canvas<'_>,
     pixels: &[(i32, i32)],
-    problem: &Problem<2>,
+    problem: &Problem<D>,
 ) -> Result<(), DrawError> {
+    if D > 2 {
+        return Ok(());
+    }
     let line = ShapeStyle::from(&BLACK).stroke_width(2);
     for (k, body) in problem.scene().bodies().iter().enumerate() {
         let first = problem.first_node(k);

@@ -1,9 +1,10 @@
-//! Pictures as SVG: deformed meshes in the plane, and curves.
+//! Pictures as SVG: deformed meshes, and curves.
 
 mod colours;
 mod curves;
 mod meshes;
 mod trails;
+mod view;
 
 pub use curves::{Curve, Curves};
 pub use meshes::{MeshPicture, Panel};

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 /// The edges of cells, given by the nodes around them, each once, joined to trails: every edge is in exactly one trail.
-pub(super) fn trails(cells: &[Vec<usize>]) -> Vec<Vec<usize>> {
+pub(super) fn trails(cells: &[&[usize]]) -> Vec<Vec<usize>> {
     let mut seen = HashSet::new();
     let mut neighbours: HashMap<usize, Vec<usize>> = HashMap::new();
     let mut starts = Vec::new();
@@ -44,7 +44,8 @@ mod tests {
 
     #[test]
     fn every_edge_once() {
-        let cells = [[0, 1, 2], [0, 2, 3], [2, 4, 3], [5, 6, 7]].map(Vec::from);
+        let cells = [[0, 1, 2], [0, 2, 3], [2, 4, 3], [5, 6, 7]];
+        let cells: Vec<&[usize]> = cells.iter().map(|c| &c[..]).collect();
         let trails = trails(&cells);
         let mut edges: Vec<(usize, usize)> = trails
             .iter()

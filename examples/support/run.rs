@@ -1,0 +1,79 @@
+//! From a scene to its files and an exit code, the same for every example.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use ipopt_contact::prelude::*;
+
+use super::options::Options;
+use super::recorder::Recorder;
+use super::summary::{Ending, Summary};
+use super::{Failure, stop};
+
+/// What is an example's own.
+pub struct Run<'a, const D: usize> {
+    /// Its name, of folder and files too.
+    pub name: &'a str,
+    /// The force (UF) that it is about.
+    pub reaction: &'a dyn Fn(&StepRecord<D>) -> f64,
+    /// What progress shows of a step.
+    pub message: &'a dyn Fn(&StepView<'_, D>) -> String,
+    /// Pictures, after the run.
+    pub draw: &'a dyn Fn(&Problem<D>, &Recorder<D>) -> Result<(), Failure>,
+    /// What else there is to say.
+    pub report: &'a dyn Fn(&Problem<D>, &Recorder<D>) -> String,
+}
+
+impl<const D: usize> Run<'_, D> {
+    /// Solves the problem, with everything on disk up to wherever it comes: code 0 at full load, 1
+    /// if some increment does not converge, 130 on Ctrl-C.
+    pub fn go(&self, mut problem: Problem<D>, options: &Options) -> Result<ExitCode, Failure> {
+        let clock = Instant::now();
+        let stop = stop::on_ctrl_c()?;
+        let mut method = options.method(stop.clone())?;
+        let folder = options.folder(self.name);
+        let mut recorder = Recorder::new(&folder, self.name, &problem, options, stop)?;
+        let result = options.simulation().run(&mut problem, &mut method, |step| {
+            let message = (self.message)(step);
+            recorder.observe(step, message)
+        });
+        let ending = match &result {
+            Ok(history) => Ending::History(history),
+            Err(error) => Ending::Failure(error),
+        };
+        let written = recorder.finish(result.as_ref().ok());
+        (self.draw)(&problem, &recorder)?;
+
+        let seconds = clock.elapsed().as_secs_f64();
+        let summary = Summary::new(
+            self.name,
+            &problem,
+            &recorder,
+            options.increments(),
+            &ending,
+            seconds,
+            self.reaction,
+        );
+        summary.save(&folder)?;
+        written?;
+        if !options.quiet {
+            let report = (self.report)(&problem, &recorder);
+            let files = folder.display();
+            println!("{}\n  files              {files}{report}", summary.table());
+        }
+        Ok(match ending {
+            Ending::Failure(error) => return Err(error.to_string().into()),
+            _ if ending.is_complete() => ExitCode::SUCCESS,
+            _ if ending.is_interrupted() => ExitCode::from(stop::INTERRUPTED),
+            _ => ExitCode::FAILURE,
+        })
+    }
+}
+
+/// For `main`: the code, or 2 with the error on stderr.
+pub fn exit(result: Result<ExitCode, Failure>) -> ExitCode {
+    result.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        ExitCode::from(2)
+    })
+}
