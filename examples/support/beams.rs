@@ -119,14 +119,23 @@ fn end_edge(problem: &Problem<3>, u: &[Vector<3>], beam: usize, level: f64) -> V
     sum / corners.len() as f64
 }
 
-/// The mean contact pressure (UF/UL²) on the middle fifth of the top of beam `below`, over its
-/// nodes.
+/// The mean contact pressure (UF/UL²) over the middle third of the top of beam `below`.
 pub fn mid_span_pressure(problem: &Problem<3>, pressures: &[f64], below: usize) -> f64 {
     let height = (below + 1) as f64 * SIDE;
-    let is_near = |&a: &usize| {
-        let X = problem.reference()[a];
-        (X[0] / LENGTH - 0.5).abs() <= 0.1 + 1e-9 && (X[2] - height).abs() < 1e-9
-    };
-    let near: Vec<usize> = problem.nodes(below).filter(is_near).collect();
-    near.iter().map(|&a| pressures[a]).sum::<f64>() / near.len() as f64
+    let X = problem.reference();
+    let is_near =
+        |a: usize| (X[a][0] / LENGTH - 0.5).abs() <= 1.0 / 6.0 && (X[a][2] - height).abs() < 1e-9;
+    let centre = Vector::<3>::repeat(1.0 / 3.0);
+    let (mut force, mut area) = (0.0, 0.0);
+    for surface in problem.surfaces().iter().filter(|s| s.body() == below) {
+        for (facet, reference) in surface.facets().zip(surface.reference()) {
+            let corners = [0, 1, 2].map(|k| surface.nodes()[facet[k]]);
+            if corners.into_iter().all(is_near) {
+                let measure = reference.normal(&centre).norm();
+                force += measure * corners.map(|a| pressures[a]).iter().sum::<f64>() / 3.0;
+                area += measure;
+            }
+        }
+    }
+    force / area
 }

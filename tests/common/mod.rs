@@ -48,12 +48,25 @@ pub fn run<const D: usize>(
     increments: usize,
     tolerance: f64,
 ) -> History<D> {
+    run_with(
+        &mut InteriorPoint::default(),
+        problem,
+        increments,
+        tolerance,
+    )
+}
+
+/// As [`run`], by a method of one's own.
+pub fn run_with<const D: usize>(
+    method: &mut InteriorPoint,
+    problem: &mut Problem<D>,
+    increments: usize,
+    tolerance: f64,
+) -> History<D> {
     let mut simulation = Simulation::with_increments(increments);
     simulation.load_steps.fixed_point.tolerance = tolerance;
     simulation
-        .run(problem, &mut InteriorPoint::default(), |_| {
-            ControlFlow::Continue(())
-        })
+        .run(problem, method, |_| ControlFlow::Continue(()))
         .expect("no misuse")
 }
 

@@ -127,10 +127,23 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// An offset that is not finite, or so large that cells degenerate by round-off.
-    pub fn translated(mut self, offset: [f64; D]) -> Result<Self, Error> {
+    pub fn translated(self, offset: [f64; D]) -> Result<Self, Error> {
         Error::check_finite("offset", &offset)?;
         let offset = Vector::from(offset);
-        self.nodes.iter_mut().for_each(|X| *X += offset);
+        self.mapped(|X| X + offset)
+    }
+
+    /// Moves every node X to `map(X)` (UL); boundaries keep their names.
+    ///
+    /// # Errors
+    /// A node that goes to a point that is not finite, a cell that degenerates or is inverted, as
+    /// by a reflection.
+    pub fn mapped(mut self, map: impl Fn(&Vector<D>) -> Vector<D>) -> Result<Self, Error> {
+        self.nodes.iter_mut().for_each(|X| *X = map(X));
+        Error::check_finite(
+            "mapped coordinate",
+            self.nodes.iter().flat_map(|X| X.iter()),
+        )?;
         self.check_cells()?;
         Ok(self)
     }
