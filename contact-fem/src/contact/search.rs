@@ -60,8 +60,9 @@ pub struct Own<'a, const D: usize> {
 impl<'a, const D: usize> Master<'a, D> {
     /// A tangential offset beyond this share of the facet's size is off the end.
     const OFF_THE_END: f64 = 1e-9;
-    /// The other side of the material: deeper than this share of the distance in the reference
-    /// configuration. A penetration is much less, material is not compressed that far.
+    /// The other side of the material: behind its surface by more than this share of the distance
+    /// in the reference configuration. A penetration is much less deep, and material is not
+    /// compressed that far.
     const MATERIAL: f64 = 0.2;
 
     /// Builds tree and normals for positions `x` of all scene nodes.
@@ -115,7 +116,7 @@ impl<'a, const D: usize> Master<'a, D> {
         };
         let material = |p: &Projection<D>| {
             let X = self.surface.reference()[p.facet].point(&p.lambda);
-            p.gap < -Self::MATERIAL * (own.X - X).norm()
+            p.gap < 0.0 && p.distance > Self::MATERIAL * (own.X - X).norm()
         };
         let nearest = self.tree.nearest_neighbor_iter_with_distance_2(&x);
         nearest
