@@ -78,7 +78,7 @@ impl<const D: usize> Mesh<D> {
                 others.map(move |&b| (self.nodes[a] - self.nodes[b]).norm())
             });
             let size = edges.fold(0.0, f64::max);
-            if volume.abs() <= Self::DEGENERATE * size.powi(D as i32) {
+            if !(volume.abs() > Self::DEGENERATE * size.powi(D as i32)) {
                 return Err(Error::DegenerateCell { cell, volume, size });
             }
             if volume < 0.0 {
