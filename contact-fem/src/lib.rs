@@ -24,5 +24,6 @@ pub mod tensor;
 pub use error::Error;
 pub use material::{LinearElastic, Material, NeoHookean};
 pub use mesh::Mesh;
+pub use mesh::read::MeshFile;
 pub use scene::{Body, Scene};
 pub use simulation::{Simulation, StepRecord};

@@ -2,6 +2,7 @@
 
 mod boundary;
 pub mod generators;
+pub mod read;
 
 use std::collections::BTreeMap;
 

@@ -1,0 +1,183 @@
+//! From a file's contents to the meshes of bodies.
+
+use std::collections::HashMap;
+
+use super::parts::{Corners, Part, sorted};
+use super::{MeshFile, Place, Problem};
+use crate::error::Error;
+use crate::mesh::Mesh;
+use crate::tensor::{Matrix, determinant};
+
+/// A facet with a label.
+struct Labelled<'a> {
+    corners: &'a [usize],
+    /// Its groups, as indices; some may be of one name.
+    groups: Vec<usize>,
+    /// Whether a body has it on its boundary.
+    met: bool,
+}
+
+impl MeshFile {
+    /// The bodies in ℝᴰ by name: one for each group of cells, ascending by the groups' numbers, or
+    /// one called `body` if no cell is in a group. Groups of one name are one.
+    ///
+    /// Cells are the elements of dimension D; those of negative orientation are turned around.
+    /// Facets of dimension D − 1 that are in groups become the boundaries of the bodies they bound,
+    /// under the names of their groups; a facet between two bodies becomes one of each. Facets with
+    /// label 0 may lie anywhere, since that is how many programs say that there is no label.
+    /// Vertices of no cell are dropped.
+    ///
+    /// # Errors
+    /// [`Error::MeshFile`]: the mesh is of another dimension, is to be plane and is not, has cells
+    /// in two bodies or twice in one, cells in no group beside cells in one, a labelled facet that
+    /// bounds no body, or a body that is no [`Mesh`].
+    pub fn bodies<const D: usize>(&self) -> Result<Vec<(String, Mesh<D>)>, Error> {
+        self.all_bodies().map_err(|problem| self.error(problem))
+    }
+
+    /// The body of that name alone, which may share cells with others and have labelled facets
+    /// inside; these are left out.
+    ///
+    /// # Errors
+    /// As [`MeshFile::bodies`]; for a name that there is not.
+    pub fn body<const D: usize>(&self, name: &str) -> Result<Mesh<D>, Error> {
+        self.one_body(name).map_err(|problem| self.error(problem))
+    }
+
+    fn error(&self, problem: Problem) -> Error {
+        let (path, place) = (self.path.clone(), Place::File);
+        Error::MeshFile {
+            path,
+            place,
+            problem,
+        }
+    }
+
+    fn all_bodies<const D: usize>(&self) -> Result<Vec<(String, Mesh<D>)>, Problem> {
+        let parts = self.parts(D)?;
+        self.check_all_in_parts(D)?;
+        self.check_cells_differ(&parts)?;
+        let mut labelled = self.labelled_facets(D);
+        let mut bodies = Vec::new();
+        for part in &parts {
+            let mesh = self.mesh(part, &mut labelled)?;
+            bodies.push((part.name.to_string(), mesh));
+        }
+        self.check_met(&labelled)?;
+        Ok(bodies)
+    }
+
+    fn one_body<const D: usize>(&self, name: &str) -> Result<Mesh<D>, Problem> {
+        let mut parts = self.parts(D)?;
+        let Some(index) = parts.iter().position(|part| part.name == name) else {
+            return Err(Problem::UnknownBody {
+                name: name.to_string(),
+                known: parts.iter().map(|part| part.name.to_string()).collect(),
+            });
+        };
+        let part = parts.swap_remove(index);
+        self.check_cells_differ(std::slice::from_ref(&part))?;
+        self.mesh(&part, &mut self.labelled_facets(D))
+    }
+
+    /// The facets in groups.
+    fn labelled_facets(&self, dimension: usize) -> HashMap<Corners, Labelled<'_>> {
+        let mut labelled: HashMap<Corners, Labelled> = HashMap::new();
+        let blocks = self.of_dimension(dimension - 1);
+        for block in blocks.filter(|block| !block.groups.is_empty()) {
+            for facet in block.iter() {
+                let corners = &facet[..dimension];
+                let new = || Labelled {
+                    corners,
+                    groups: Vec::new(),
+                    met: false,
+                };
+                let entry = labelled.entry(sorted(corners)).or_insert_with(new);
+                entry.groups.extend(&block.groups);
+            }
+        }
+        labelled
+    }
+
+    /// Checks that every labelled facet bounds some body.
+    fn check_met(&self, labelled: &HashMap<Corners, Labelled>) -> Result<(), Problem> {
+        let meant = |facet: &&Labelled| {
+            let group = facet.groups.iter().find(|&&g| self.groups[g].number != 0);
+            !facet.met && group.is_some()
+        };
+        let loose = labelled.values().filter(meant);
+        let Some(facet) = loose.min_by_key(|facet| (&facet.groups, facet.corners)) else {
+            return Ok(());
+        };
+        let n = facet.corners.len() as f64;
+        let centre = |i: usize| facet.corners.iter().map(|&v| self.vertices[v][i] / n).sum();
+        Err(Problem::LooseFacet {
+            vertices: facet.corners.to_vec(),
+            at: std::array::from_fn(centre),
+            boundary: self.groups[facet.groups[0]].name.clone(),
+        })
+    }
+
+    /// The mesh of a body with its boundaries.
+    fn mesh<const D: usize>(
+        &self,
+        part: &Part,
+        labelled: &mut HashMap<Corners, Labelled>,
+    ) -> Result<Mesh<D>, Problem> {
+        let mut cells = self.cell_nodes::<D>(part)?;
+        let mut used = cells.clone();
+        used.sort_unstable();
+        used.dedup();
+        for node in &mut cells {
+            *node = used.partition_point(|v| v < node);
+        }
+        let nodes = used.iter().map(|&v| self.coordinates(v)).collect();
+        let mut mesh = Mesh::<D>::new(nodes, cells).map_err(|source| Problem::Body {
+            body: part.name.to_string(),
+            source: Box::new(source),
+        })?;
+        for (f, facet) in mesh.facets.iter().enumerate() {
+            let Some(labelled) = labelled.get_mut(&sorted(&facet.map(|a| used[a]))) else {
+                continue;
+            };
+            labelled.met = true;
+            for &g in &labelled.groups {
+                let name = &self.groups[g].name;
+                mesh.boundaries.entry(name.clone()).or_default().push(f);
+            }
+        }
+        mesh.boundaries.values_mut().for_each(Vec::dedup);
+        Ok(mesh)
+    }
+
+    /// The nodes of a body's cells, flat, as [`Mesh::new`] takes them: its cells are linear. This
+    /// is where cells of order 2 will come in, with all their nodes.
+    fn cell_nodes<const D: usize>(&self, part: &Part) -> Result<Vec<usize>, Problem> {
+        let mut nodes = Vec::new();
+        for block in part.blocks.iter().map(|&b| &self.elements[b]) {
+            if block.kind.nodes() != D + 1 {
+                return Err(Problem::CellOrder {
+                    body: part.name.to_string(),
+                    kind: block.kind,
+                });
+            }
+            for cell in block.iter() {
+                match self.volume::<D>(cell) < 0.0 {
+                    true => nodes.extend(block.kind.mirrored().iter().map(|&k| cell[k])),
+                    false => nodes.extend(cell),
+                }
+            }
+        }
+        Ok(nodes)
+    }
+
+    /// The signed volume of a cell, times D!.
+    fn volume<const D: usize>(&self, cell: &[usize]) -> f64 {
+        let x: Vec<[f64; D]> = cell[..=D].iter().map(|&v| self.coordinates(v)).collect();
+        determinant(&Matrix::<D>::from_fn(|i, j| x[j + 1][i] - x[0][i]))
+    }
+
+    fn coordinates<const D: usize>(&self, vertex: usize) -> [f64; D] {
+        std::array::from_fn(|i| self.vertices[vertex][i])
+    }
+}
