@@ -1,9 +1,9 @@
 //! From a file's contents to the meshes of bodies.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::parts::{Corners, Part, sorted};
-use super::{MeshFile, Place, Problem};
+use super::{Group, MeshFile, Place, Problem};
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::tensor::{Matrix, determinant};
@@ -101,21 +101,27 @@ impl MeshFile {
 
     /// Checks that every labelled facet bounds some body.
     fn check_met(&self, labelled: &HashMap<Corners, Labelled>) -> Result<(), Problem> {
-        let meant = |facet: &&Labelled| {
-            let group = facet.groups.iter().find(|&&g| self.groups[g].number != 0);
-            !facet.met && group.is_some()
-        };
+        let meant = |facet: &&Labelled| !facet.met && self.true_group(facet).is_some();
         let loose = labelled.values().filter(meant);
-        let Some(facet) = loose.min_by_key(|facet| (&facet.groups, facet.corners)) else {
+        let first = loose.min_by_key(|facet| (&facet.groups, facet.corners));
+        let Some((facet, group)) = first.and_then(|f| Some((f, self.true_group(f)?))) else {
             return Ok(());
         };
         let n = facet.corners.len() as f64;
         let centre = |i: usize| facet.corners.iter().map(|&v| self.vertices[v][i] / n).sum();
         Err(Problem::LooseFacet {
-            vertices: facet.corners.to_vec(),
+            vertices: facet.corners.into(),
             at: std::array::from_fn(centre),
-            boundary: self.groups[facet.groups[0]].name.clone(),
+            boundary: group.name.clone(),
         })
+    }
+
+    /// The facet's first group that is more than a label 0.
+    fn true_group(&self, facet: &Labelled) -> Option<&Group> {
+        let groups = facet.groups.iter().map(|&g| &self.groups[g]);
+        groups
+            .filter(|group| group.number != 0)
+            .min_by_key(|group| group.number)
     }
 
     /// The mesh of a body with its boundaries.
@@ -132,21 +138,30 @@ impl MeshFile {
             *node = used.partition_point(|v| v < node);
         }
         let nodes = used.iter().map(|&v| self.coordinates(v)).collect();
-        let mut mesh = Mesh::<D>::new(nodes, cells).map_err(|source| Problem::Body {
-            body: part.name.to_string(),
-            source: Box::new(source),
+        let mut mesh = Mesh::<D>::new(nodes, cells).map_err(|mut source| {
+            if let Error::NonManifoldFacet { nodes, .. } = &mut source {
+                nodes.iter_mut().for_each(|node| *node = used[*node]);
+            }
+            let (body, source) = (part.name.to_string(), Box::new(source));
+            Problem::Body { body, source }
         })?;
-        for (f, facet) in mesh.facets.iter().enumerate() {
+        let mut by_group: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (f, facet) in mesh.exterior().iter().enumerate() {
             let Some(labelled) = labelled.get_mut(&sorted(&facet.map(|a| used[a]))) else {
                 continue;
             };
             labelled.met = true;
-            for &g in &labelled.groups {
-                let name = &self.groups[g].name;
-                mesh.boundaries.entry(name.clone()).or_default().push(f);
+            for &group in &labelled.groups {
+                by_group.entry(group).or_default().push(f);
             }
         }
-        mesh.boundaries.values_mut().for_each(Vec::dedup);
+        for (group, facets) in by_group {
+            let name = self.groups[group].name.clone();
+            let boundary = mesh.boundaries.entry(name).or_default();
+            boundary.extend(facets);
+            boundary.sort_unstable();
+            boundary.dedup();
+        }
         Ok(mesh)
     }
 
@@ -173,8 +188,8 @@ impl MeshFile {
 
     /// The signed volume of a cell, times D!.
     fn volume<const D: usize>(&self, cell: &[usize]) -> f64 {
-        let x: Vec<[f64; D]> = cell[..=D].iter().map(|&v| self.coordinates(v)).collect();
-        determinant(&Matrix::<D>::from_fn(|i, j| x[j + 1][i] - x[0][i]))
+        let x = |k: usize| self.vertices[cell[k]];
+        determinant(&Matrix::<D>::from_fn(|i, j| x(j + 1)[i] - x(0)[i]))
     }
 
     fn coordinates<const D: usize>(&self, vertex: usize) -> [f64; D] {

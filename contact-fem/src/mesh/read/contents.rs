@@ -91,8 +91,8 @@ pub(super) fn counted_from_one(number: i64, vertices: usize) -> Result<usize, Pr
     let vertex = number.checked_sub(1).and_then(|v| usize::try_from(v).ok());
     vertex
         .filter(|&v| v < vertices)
-        .ok_or(Problem::UnknownNode {
-            number: number.into(),
+        .ok_or_else(|| Problem::UnknownNode {
+            number: number.to_string(),
             nodes: vertices,
         })
 }

@@ -186,6 +186,7 @@ impl<'a> Cursor<'a> {
             let rest = &self.bytes[start..];
             let found = rest.windows(mark.len()).position(|w| w == mark.as_bytes());
             let Some(found) = found else {
+                let mark = excerpt(mark.as_bytes());
                 return Err(self.unexpected(&format!("`{mark}`"), None));
             };
             start += found + mark.len();

@@ -122,7 +122,7 @@ impl MeshFile {
                         }
                         Entry::Occupied(old) => *old.get(),
                     };
-                    let vertices = corners.to_vec();
+                    let vertices = corners.into();
                     return Err(match before == p {
                         true => Problem::RepeatedCell {
                             vertices,

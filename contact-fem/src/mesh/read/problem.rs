@@ -125,8 +125,8 @@ pub enum Problem {
     /// An element names a node that the file does not have.
     #[error("an element names node {number}, which is not among the {nodes} nodes of the file")]
     UnknownNode {
-        /// The number.
-        number: i128,
+        /// The number, as the file has it.
+        number: String,
         /// How many nodes there are.
         nodes: usize,
     },
@@ -139,6 +139,19 @@ pub enum Problem {
         dimension: usize,
         /// Its number.
         entity: i64,
+    },
+    /// Too many groups to be meant.
+    #[error(
+        "entity {entity} of dimension {dimension} is in more than {most} physical groups: put it \
+         in fewer"
+    )]
+    Groups {
+        /// Its dimension.
+        dimension: usize,
+        /// Its number.
+        entity: i64,
+        /// How many would be accepted.
+        most: usize,
     },
     /// A coordinate that is NaN or infinite.
     #[error("a coordinate of node {number} is {value}: it must be finite")]
@@ -190,7 +203,7 @@ pub enum Problem {
     )]
     SharedCell {
         /// The corners.
-        vertices: Vec<usize>,
+        vertices: Box<[usize]>,
         /// One body.
         first: String,
         /// The other.
@@ -200,7 +213,7 @@ pub enum Problem {
     #[error("`{body}` has the cell with vertices {vertices:?} twice: remove one")]
     RepeatedCell {
         /// The corners.
-        vertices: Vec<usize>,
+        vertices: Box<[usize]>,
         /// The body.
         body: String,
     },
@@ -212,7 +225,7 @@ pub enum Problem {
     )]
     LooseFacet {
         /// The corners.
-        vertices: Vec<usize>,
+        vertices: Box<[usize]>,
         /// The centre (UL).
         at: [f64; 3],
         /// The group.

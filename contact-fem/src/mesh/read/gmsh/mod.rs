@@ -164,7 +164,7 @@ impl Reader<'_> {
         for (vertex, number) in vertices.iter_mut().zip(numbers) {
             *vertex = *self.numbers.get(number).ok_or_else(|| {
                 self.fault(Problem::UnknownNode {
-                    number: (*number).into(),
+                    number: number.to_string(),
                     nodes: self.contents.vertices.len(),
                 })
             })?;

@@ -49,7 +49,7 @@ fn nodes(reader: &mut Reader, parametric: bool, end: &str) -> Result<(), Fault> 
 fn elements(reader: &mut Reader) -> Result<(), Fault> {
     let count = reader.file.text_size("the number of elements")?;
     reader.begin()?;
-    let mut left = reader.file.room("elements", count, 4, 12)? as u64;
+    let mut left = reader.file.room("elements", count, 4, 8)? as u64;
     while left > 0 {
         if reader.file.binary {
             let kind = element_kind(reader)?;

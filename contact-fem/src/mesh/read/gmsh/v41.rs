@@ -8,6 +8,10 @@ use crate::mesh::read::problem::{Fault, Problem};
 /// The groups of geometrical entities, by dimension and number. None if the file lists no entities.
 type Entities = Option<HashMap<(usize, i64), BTreeSet<usize>>>;
 
+/// Each facet of an entity is stored once for each of its groups, of which a file of a few bytes
+/// could have any number.
+const MOST_GROUPS: usize = 64;
+
 /// Reads all sections behind the header.
 pub(super) fn sections(reader: &mut Reader) -> Result<(), Fault> {
     let mut entities: Entities = None;
@@ -47,6 +51,13 @@ fn read_entities(reader: &mut Reader, entities: &mut Entities) -> Result<(), Fau
                 // a negative number turns the elements around, which does not matter here
                 let number = number.saturating_abs();
                 set.insert(reader.contents.group(dimension, number));
+                if set.len() > MOST_GROUPS {
+                    return Err(reader.fault(Problem::Groups {
+                        dimension,
+                        entity,
+                        most: MOST_GROUPS,
+                    }));
+                }
             }
             if dimension > 0 {
                 for _ in 0..reader.file.size("the number of bounding entities")? {
@@ -110,15 +121,12 @@ fn elements(reader: &mut Reader, entities: &Entities) -> Result<(), Fault> {
             let expected = format!("elements of dimension {dimension}");
             return Err(reader.file.wrong(&expected, kind));
         }
-        let groups: Vec<usize> = match entities {
-            None => Vec::new(),
-            Some(entities) => match entities.get(&(kind.dimension(), entity)) {
-                Some(groups) => groups.iter().copied().collect(),
-                None => {
-                    let dimension = kind.dimension();
-                    return Err(reader.fault(Problem::UnknownEntity { dimension, entity }));
-                }
-            },
+        let groups = match entities {
+            None => None,
+            Some(entities) => Some(entities.get(&(kind.dimension(), entity)).ok_or_else(|| {
+                let dimension = kind.dimension();
+                reader.fault(Problem::UnknownEntity { dimension, entity })
+            })?),
         };
         let count = reader.file.size("the number of elements")?;
         let per_element = 1 + kind.nodes();
@@ -137,7 +145,8 @@ fn elements(reader: &mut Reader, entities: &Entities) -> Result<(), Fault> {
         }
         if count > 0 {
             let contents = &mut reader.contents;
-            contents.nodes_of(kind, entity, |_| groups).extend(nodes);
+            let groups = |_: &mut _| groups.into_iter().flatten().copied().collect();
+            contents.nodes_of(kind, entity, groups).extend(nodes);
         }
         found += count as u64;
     }
