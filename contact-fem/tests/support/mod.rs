@@ -34,15 +34,24 @@ pub fn mesh_files() -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// Does with a file all that there is to do: reads it, makes bodies in the plane and in space, all
-/// together and one by one, and says what is wrong.
-pub fn read_fully(bytes: &[u8]) -> Result<MeshFile, Error> {
-    let file = MeshFile::parse(bytes).inspect_err(|error| drop(error.to_string()))?;
-    let say = |error: Error| drop(error.to_string());
-    file.bodies::<2>().map_or_else(say, drop);
-    file.bodies::<3>().map_or_else(say, drop);
-    for group in file.groups().iter().take(3) {
-        file.body::<2>(&group.name).map_or_else(say, drop);
-        file.body::<3>(&group.name).map_or_else(say, drop);
+/// together and one by one, and says what is wrong. Gives whether it could be read, and what was
+/// wrong.
+pub fn read_fully(bytes: &[u8]) -> (bool, Vec<Error>) {
+    let mut errors = Vec::new();
+    let read = MeshFile::parse(bytes).map_err(|error| errors.push(error));
+    if let Ok(file) = &read {
+        errors.extend(file.bodies::<2>().err());
+        errors.extend(file.bodies::<3>().err());
+        for group in file.groups().iter().filter(|g| g.dimension > 1).take(3) {
+            errors.extend(file.body::<2>(&group.name).err());
+            errors.extend(file.body::<3>(&group.name).err());
+        }
     }
-    Ok(file)
+    errors.iter().for_each(|error| drop(error.to_string()));
+    (read.is_ok(), errors)
+}
+
+/// The memory that reading a file fully may take (bytes).
+pub fn allowance(bytes: &[u8]) -> usize {
+    100 * bytes.len() + (64 << 10)
 }
