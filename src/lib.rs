@@ -65,7 +65,7 @@ pub mod prelude {
     pub use contact_fem::scene::{Passes, Problem};
     pub use contact_fem::simulation::{History, StepView};
     pub use contact_fem::{
-        Body, LinearElastic, Material, Mesh, NeoHookean, Scene, Simulation, StepRecord,
+        Body, LinearElastic, Material, Mesh, MeshFile, NeoHookean, Scene, Simulation, StepRecord,
     };
 }
 
