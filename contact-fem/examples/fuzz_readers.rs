@@ -50,14 +50,11 @@ fn watch(current: Current) {
 /// What is wrong, without numbers and what stands in quotes, for files that differ here are worth keeping.
 fn outline(error: &contact_fem::Error) -> String {
     let mut text = format!("{error:?}");
-    for mark in [
-        "$End",
-        "found: \"",
-        "start: \"",
-        "name: \"",
-        "body: \"",
-        "kind: \"",
-    ] {
+    let quoted = [
+        "found", "start", "name", "body", "kind", "first", "boundary",
+    ];
+    let marks = quoted.map(|field| format!("{field}: \""));
+    for mark in marks.iter().map(String::as_str).chain(["$End"]) {
         if let Some(at) = text.find(mark) {
             text.truncate(at);
         }
