@@ -2,7 +2,10 @@
 
 CARGO ?= cargo
 
-.PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead msrv bindings
+# How long to look for mesh files that the readers fail on.
+SECONDS ?= 60
+
+.PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead msrv bindings fuzz-readers
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -13,6 +16,7 @@ help:
 	@echo "make bench             times the disc-in-disc"
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
+	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
 	@echo "make bindings          renews the bindings to Ipopt kept in the source"
 
 install:
@@ -56,3 +60,7 @@ msrv: install
 
 bindings: install
 	@./scripts/bindings.sh
+
+# The dev profile again, for its checks for overflow.
+fuzz-readers:
+	$(CARGO) run -p contact-fem --example fuzz_readers -- $(SECONDS) $(SEED)

@@ -66,7 +66,8 @@ pub mod prelude {
     pub use contact_fem::scene::{Passes, Problem};
     pub use contact_fem::simulation::{History, StepView};
     pub use contact_fem::{
-        Body, LeftOut, LinearElastic, Material, Mesh, NeoHookean, Scene, Simulation, StepRecord,
+        Body, LeftOut, LinearElastic, Material, Mesh, MeshFile, NeoHookean, Scene, Simulation,
+        StepRecord,
     };
 }
 

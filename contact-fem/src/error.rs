@@ -1,5 +1,7 @@
 //! What is wrong with a scene, said before any solve.
 
+use crate::mesh::read::{Place, Problem};
+
 /// Errors of meshes, materials and scenes. Each names the thing, its value and the remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -207,6 +209,24 @@ pub enum Error {
     /// From the optimisation layer.
     #[error(transparent)]
     Core(contact_core::Error),
+    /// A file could not be read.
+    #[error("cannot read {path}: {source}")]
+    Read {
+        /// Which file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A mesh file that no mesh can be made of.
+    #[error("{}{place}: {problem}", path.as_ref().map_or("mesh file".into(), |p| p.display().to_string()))]
+    MeshFile {
+        /// Which file, unless it was read from memory.
+        path: Option<std::path::PathBuf>,
+        /// Where in it.
+        place: Place,
+        /// What is wrong, what was expected and the remedy.
+        problem: Problem,
+    },
     /// A file could not be written.
     #[error("cannot write {path}: {source}")]
     Write {

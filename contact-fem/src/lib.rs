@@ -26,5 +26,6 @@ pub use error::Error;
 pub use left_out::LeftOut;
 pub use material::{LinearElastic, Material, NeoHookean};
 pub use mesh::Mesh;
+pub use mesh::read::MeshFile;
 pub use scene::{Body, Scene};
 pub use simulation::{Simulation, StepRecord};

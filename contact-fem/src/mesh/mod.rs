@@ -3,6 +3,7 @@
 mod boundary;
 pub mod generators;
 mod quadratic;
+pub mod read;
 
 use std::collections::BTreeMap;
 
@@ -97,7 +98,7 @@ impl<const D: usize> Mesh<D> {
                 others.map(move |&b| (self.nodes[a] - self.nodes[b]).norm())
             });
             let size = edges.fold(0.0, f64::max);
-            if volume.abs() <= Self::DEGENERATE * size.powi(D as i32) {
+            if !(volume.abs() > Self::DEGENERATE * size.powi(D as i32)) {
                 return Err(Error::DegenerateCell { cell, volume, size });
             }
             // of a curved cell the smallest of its nodes' tangent volumes

@@ -1,0 +1,152 @@
+//! Medit's `.mesh` files in text, which FreeFEM, Gmsh, Mmg and others write.
+//!
+//! Keywords, each followed by a number of things and, mostly, as many lines of numbers. What is not
+//! read is passed over to the next keyword.
+
+use super::ElementKind;
+use super::contents::Contents;
+use super::cursor::Cursor;
+use super::freefem::labelled;
+use super::problem::{Fault, Problem, excerpt};
+
+const FIRST: &[u8] = b"MeshVersionFormatted";
+
+/// Whether the file begins as Medit's do: with the keyword, maybe after comments.
+pub(super) fn recognised(start: &[u8]) -> bool {
+    let first = Cursor::new(start, Some(b'#')).word();
+    first.is_some_and(|word| word == FIRST)
+}
+
+/// Whether these are the first numbers, 1 and a version, of a binary file of either endianness.
+pub(super) fn binary(start: &[u8]) -> bool {
+    matches!(
+        start,
+        [1, 0, 0, 0, 1..=4, 0, 0, 0, ..] | [0, 0, 0, 1, 0, 0, 0, 1..=4, ..]
+    )
+}
+
+/// Reads the whole file.
+pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
+    let mut file = Cursor::new(bytes, Some(b'#'));
+    file.word();
+    let version = file.integer("the version")?;
+    if !(0..=4).contains(&version) {
+        let found = format!("Medit's format in version {version}");
+        let remedy = "write version 1 to 4";
+        return Err(file.fault(Problem::Unsupported { found, remedy }));
+    }
+    let mut dimension = None;
+    let mut contents = Contents::default();
+    while let Some(keyword) = file.word() {
+        match keyword {
+            b"End" => break,
+            b"Dimension" => match file.integer("the dimension")? {
+                d @ 2..=3 => dimension = Some(d as usize),
+                d => return Err(file.wrong("dimension 2 or 3", d)),
+            },
+            b"Vertices" => vertices(&mut file, &mut contents, dimension)?,
+            word if !is_keyword(word) => return Err(file.unexpected("a keyword", Some(word))),
+            word => match kind(word) {
+                Some(kind) => elements(&mut file, &mut contents, kind, word)?,
+                None if names_elements(word) => refuse(&mut file, word)?,
+                None => {
+                    while file.peek().is_some_and(|w| !is_keyword(w)) {
+                        file.word();
+                    }
+                }
+            },
+        }
+    }
+    contents.check("`Vertices`", "`Triangles` or `Tetrahedra`")?;
+    Ok(contents)
+}
+
+/// The elements that are read.
+fn kind(keyword: &[u8]) -> Option<ElementKind> {
+    Some(match keyword {
+        b"Edges" => ElementKind::Segment,
+        b"EdgesP2" => ElementKind::Segment3,
+        b"Triangles" => ElementKind::Triangle,
+        b"TrianglesP2" => ElementKind::Triangle6,
+        b"Tetrahedra" => ElementKind::Tetrahedron,
+        b"TetrahedraP2" => ElementKind::Tetrahedron10,
+        _ => return None,
+    })
+}
+
+/// Whether the keyword is about elements that a mesh is incomplete or wrong without.
+fn names_elements(keyword: &[u8]) -> bool {
+    const NAMES: [&str; 8] = [
+        "Edges",
+        "Triangles",
+        "Quadrilaterals",
+        "Tetrahedra",
+        "Pyramids",
+        "Prisms",
+        "Pentahedra",
+        "Hexahedra",
+    ];
+    NAMES
+        .iter()
+        .any(|name| keyword.starts_with(name.as_bytes()))
+}
+
+/// Keywords begin with a letter; so do NaN and infinity.
+fn is_keyword(word: &[u8]) -> bool {
+    let text = std::str::from_utf8(word).unwrap_or_default();
+    word.first().is_some_and(u8::is_ascii_alphabetic) && text.parse::<f64>().is_err()
+}
+
+fn vertices(
+    file: &mut Cursor,
+    contents: &mut Contents,
+    dimension: Option<usize>,
+) -> Result<(), Fault> {
+    let out_of_place = |remedy| Problem::Order {
+        section: "Vertices".to_string(),
+        remedy,
+    };
+    if !contents.vertices.is_empty() {
+        return Err(file.fault(out_of_place("a file has this section once")));
+    }
+    let remedy = "`Dimension` has to come first";
+    let dimension = dimension.ok_or_else(|| file.fault(out_of_place(remedy)))?;
+    let count = file.size("the number of vertices")?;
+    for number in 1..=file.room("vertices", count, dimension + 1, 0)? {
+        let mut point = [0.0; 3];
+        for x in &mut point[..dimension] {
+            *x = file.real("a coordinate")?;
+        }
+        file.integer("the label of a vertex")?;
+        let added = contents.add_vertex(number as u64, point);
+        added.map_err(|problem| file.fault(problem))?;
+    }
+    Ok(())
+}
+
+fn elements(
+    file: &mut Cursor,
+    contents: &mut Contents,
+    kind: ElementKind,
+    keyword: &[u8],
+) -> Result<(), Fault> {
+    let count = file.size("the number of elements")?;
+    if count > 0 && contents.vertices.is_empty() {
+        return Err(file.fault(Problem::Order {
+            section: excerpt(keyword),
+            remedy: "`Vertices` have to come first",
+        }));
+    }
+    let count = file.room("elements", count, kind.nodes() + 1, 0)?;
+    labelled(file, contents, kind, count)
+}
+
+/// Refuses elements that are not read, unless there are none of them.
+fn refuse(file: &mut Cursor, keyword: &[u8]) -> Result<(), Fault> {
+    match file.size("the number of elements")? {
+        0 => Ok(()),
+        _ => Err(file.fault(Problem::UnsupportedElement {
+            kind: format!("`{}`", excerpt(keyword)),
+        })),
+    }
+}

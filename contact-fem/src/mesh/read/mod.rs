@@ -1,0 +1,186 @@
+//! Mesh files of Gmsh (MSH 4.1 and 2.2, text and binary), Medit (`.mesh`, text; FreeFEM writes it
+//! too) and FreeFEM (`.msh` in the plane).
+//!
+//! A [`MeshFile`] holds what any of them holds; [`MeshFile::bodies`] makes meshes of it. What makes
+//! no sense is refused as [`Error::MeshFile`] with the line and the remedy. Sizes are believed only
+//! as far as the file has room for them, so that no file can ask for much more memory than it has
+//! itself.
+//! ```
+//! use contact_fem::mesh::read::MeshFile;
+//!
+//! // two triangles in region 7; a bottom edge with label 1
+//! let file = MeshFile::parse(b"4 2 1  0 0 0  1 0 0  1 1 0  0 1 0  1 2 3 7  1 3 4 7  1 2 1")?;
+//! let bodies = file.bodies::<2>()?;
+//! let (name, mesh) = &bodies[0];
+//! assert_eq!((name.as_str(), mesh.len()), ("7", 2));
+//! assert_eq!(mesh.boundary("1")?, [[0, 1]]);
+//! # Ok::<(), contact_fem::Error>(())
+//! ```
+
+mod bodies;
+mod contents;
+mod cursor;
+mod freefem;
+mod gmsh;
+mod kind;
+mod medit;
+mod parts;
+mod problem;
+
+use std::path::{Path, PathBuf};
+
+use crate::error::Error;
+use contents::Contents;
+pub use kind::ElementKind;
+use problem::{Fault, excerpt};
+pub use problem::{Place, Problem};
+
+/// What a mesh file holds, whatever its format.
+#[derive(Clone, Debug)]
+pub struct MeshFile {
+    path: Option<PathBuf>,
+    format: Format,
+    vertices: Vec<[f64; 3]>,
+    groups: Vec<Group>,
+    elements: Vec<Elements>,
+}
+
+/// The formats that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Gmsh's MSH 4.1, text or binary.
+    Gmsh41,
+    /// Gmsh's MSH 2.2, text or binary.
+    Gmsh22,
+    /// Medit's `.mesh`, text.
+    Medit,
+    /// FreeFEM's `.msh` in the plane.
+    FreeFem,
+}
+
+/// Elements that belong together: a physical group of Gmsh, or all of one label.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Group {
+    /// The dimension of its elements.
+    pub dimension: usize,
+    /// The number of the physical group, or the label.
+    pub number: i64,
+    /// The name; the number in words of digits where the file has none.
+    pub name: String,
+}
+
+/// Elements of one kind that are in the same groups.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Elements {
+    /// What they are.
+    pub kind: ElementKind,
+    /// Indices into [`MeshFile::groups`], ascending; there may be none.
+    pub groups: Vec<usize>,
+    /// Indices into [`MeshFile::vertices`], flat, [`ElementKind::nodes`] of them an element in the
+    /// order told there.
+    pub nodes: Vec<usize>,
+}
+
+impl Elements {
+    /// The nodes of each element.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[usize]> {
+        self.nodes.chunks_exact(self.kind.nodes())
+    }
+
+    /// How many elements.
+    pub fn len(&self) -> usize {
+        self.nodes.len() / self.kind.nodes()
+    }
+
+    /// Whether there is no element.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+}
+
+impl MeshFile {
+    /// Reads the file at `path`; its format is told from its contents, not from its name.
+    ///
+    /// # Errors
+    /// [`Error::Read`] if it cannot be read at all; [`Error::MeshFile`] with the line or byte, what
+    /// was found there and what to do.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|source| Error::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        Self::from_bytes(&bytes, Some(path.to_path_buf()))
+    }
+
+    /// Reads a file from memory.
+    ///
+    /// # Errors
+    /// As [`MeshFile::read`].
+    pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
+        Self::from_bytes(bytes, None)
+    }
+
+    fn from_bytes(bytes: &[u8], path: Option<PathBuf>) -> Result<Self, Error> {
+        match contents(bytes) {
+            Ok((format, contents)) => Ok(MeshFile {
+                path,
+                format,
+                vertices: contents.vertices,
+                groups: contents.groups,
+                elements: contents.elements,
+            }),
+            Err(Fault { place, problem }) => Err(Error::MeshFile {
+                path,
+                place,
+                problem,
+            }),
+        }
+    }
+
+    /// Which format it was.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// Coordinates of all vertices (UL), those of nodes amid edges included; the third is 0 where
+    /// the file has two.
+    pub fn vertices(&self) -> &[[f64; 3]] {
+        &self.vertices
+    }
+
+    /// All groups that the file names or uses.
+    pub fn groups(&self) -> &[Group] {
+        &self.groups
+    }
+
+    /// All elements, cells and facets alike.
+    pub fn elements(&self) -> &[Elements] {
+        &self.elements
+    }
+}
+
+/// Tells the format from how the file begins, and reads it.
+fn contents(bytes: &[u8]) -> Result<(Format, Contents), Fault> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let start = bytes.trim_ascii_start();
+    if start.is_empty() {
+        return Err(Problem::Empty.into());
+    }
+    if start.starts_with(b"$") {
+        return gmsh::read(bytes);
+    }
+    if medit::recognised(start) {
+        return Ok((Format::Medit, medit::read(bytes)?));
+    }
+    if medit::binary(start) {
+        let found = "a binary Medit file".to_string();
+        let remedy = "write it as text, with the ending .mesh instead of .meshb";
+        return Err(Problem::Unsupported { found, remedy }.into());
+    }
+    if freefem::recognised(start) {
+        return Ok((Format::FreeFem, freefem::read(bytes)?));
+    }
+    let start = excerpt(start);
+    Err(Problem::UnknownFormat { start }.into())
+}
