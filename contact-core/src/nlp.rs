@@ -5,9 +5,15 @@
 //! L = σ f + λᵀ g − z_Lᵀ (x − x_L) + z_Uᵀ (x − x_U), hence z_L, z_U ≥ 0, while λᵢ ≤ 0 where gᵢ is at its **lower** bound
 //! and λᵢ ≥ 0 at its upper: a gap constraint g ≥ 0 has the contact pressure −λ.
 
-use std::{cell::OnceCell, fmt, ops::ControlFlow};
+mod iterate;
+
+use std::ops::ControlFlow;
 
 use thiserror::Error;
+
+pub use self::iterate::{
+    Iterate, IterateSource, IterationRecord, Multipliers, Phase, Slacks, Violations,
+};
 
 /// Why a [`Structure`] was refused. Each names the culprit and the way out.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -509,127 +515,5 @@ pub trait Nlp {
     fn iterate(&mut self, iterate: &Iterate<'_>) -> ControlFlow<()> {
         let _ = iterate;
         ControlFlow::Continue(())
-    }
-}
-
-/// Lagrange multipliers in the signs of the [module](self).
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Multipliers {
-    /// λ, m of them: ≤ 0 where a constraint is at its lower bound, ≥ 0 at its upper.
-    pub constraints: Vec<f64>,
-    /// z_L ≥ 0, n of them.
-    pub lower: Vec<f64>,
-    /// z_U ≥ 0, n of them.
-    pub upper: Vec<f64>,
-}
-
-/// What a solver is doing in an iteration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Phase {
-    /// Minimising f.
-    Regular,
-    /// Looking for a less infeasible point, because the line search found no acceptable step.
-    Restoration,
-}
-
-impl fmt::Display for Phase {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Regular => "regular",
-            Self::Restoration => "restoration",
-        })
-    }
-}
-
-/// One line of a solver's history.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct IterationRecord {
-    /// Counted from 0, the starting point.
-    pub iteration: usize,
-    /// In the restoration phase, some of the values below are those of its own problem.
-    pub phase: Phase,
-    /// f, unscaled.
-    pub objective: f64,
-    /// Constraint violation, max-norm.
-    pub primal_infeasibility: f64,
-    /// ∇L, max-norm, of the scaled problem.
-    pub dual_infeasibility: f64,
-    /// Barrier parameter μ.
-    pub mu: f64,
-    /// Max-norm of the step that led here (0 at the start).
-    pub step_norm: f64,
-    /// Multiple of the identity added to the Hessian for a descent direction; 0 for none.
-    pub regularization: f64,
-    /// Step length in the dual variables.
-    pub alpha_dual: f64,
-    /// Step length in the primal variables.
-    pub alpha_primal: f64,
-    /// Trial points of the line search; 0 at the start.
-    pub line_search_trials: usize,
-}
-
-/// Where an [`Iterate`] gets its vectors from, when it is asked. `None` where the solver has none.
-pub trait IterateSource {
-    /// x.
-    fn x(&self) -> Option<Vec<f64>>;
-    /// g(x).
-    fn constraints(&self) -> Option<Vec<f64>>;
-    /// λ, z_L, z_U.
-    fn multipliers(&self) -> Option<Multipliers>;
-}
-
-/// The iterate of a solve under way: its [`IterationRecord`], and its vectors for whoever asks.
-///
-/// Nothing is copied before it is asked for, and then once.
-pub struct Iterate<'a> {
-    record: IterationRecord,
-    source: &'a dyn IterateSource,
-    x: OnceCell<Option<Vec<f64>>>,
-    constraints: OnceCell<Option<Vec<f64>>>,
-    multipliers: OnceCell<Option<Multipliers>>,
-}
-
-impl<'a> Iterate<'a> {
-    /// For solvers, and for tests of an [`Nlp`].
-    pub fn new(record: IterationRecord, source: &'a dyn IterateSource) -> Self {
-        Self {
-            record,
-            source,
-            x: OnceCell::new(),
-            constraints: OnceCell::new(),
-            multipliers: OnceCell::new(),
-        }
-    }
-
-    /// What the solver says of it.
-    pub fn record(&self) -> &IterationRecord {
-        &self.record
-    }
-
-    /// x, fixed variables included; in the restoration phase, its present trial for x.
-    pub fn x(&self) -> Option<&[f64]> {
-        self.x.get_or_init(|| self.source.x()).as_deref()
-    }
-
-    /// g(x); `None` in the restoration phase.
-    pub fn constraints(&self) -> Option<&[f64]> {
-        self.constraints
-            .get_or_init(|| self.source.constraints())
-            .as_deref()
-    }
-
-    /// The multipliers, 0 for the bounds of fixed variables; `None` in the restoration phase, whose problem has others.
-    pub fn multipliers(&self) -> Option<&Multipliers> {
-        self.multipliers
-            .get_or_init(|| self.source.multipliers())
-            .as_ref()
-    }
-}
-
-impl fmt::Debug for Iterate<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Iterate")
-            .field("record", &self.record)
-            .finish_non_exhaustive()
     }
 }

@@ -3,6 +3,8 @@
 #include "IpoptConfig.h"
 
 #include "IpCompoundVector.hpp"
+#include "IpDenseVector.hpp"
+#include "IpExpansionMatrix.hpp"
 #include "IpIpoptApplication.hpp"
 #include "IpIpoptCalculatedQuantities.hpp"
 #include "IpIpoptData.hpp"
@@ -22,6 +24,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <limits>
 #include <new>
 #include <sstream>
 #include <string>
@@ -400,6 +403,47 @@ SmartPtr<const Vector> unscaled(const SmartPtr<Vector> &scaled, Number factor) {
     return ConstPtr(scaled);
 }
 
+/** Distances from bounds, which Ipopt keeps for those that there are, in the vector `all` of what they bound; infinity
+ *  where there is none. Null if Ipopt keeps them in another form. */
+SmartPtr<const Vector> spread(const SmartPtr<const Matrix> &places, const SmartPtr<const Vector> &distances,
+                              const Vector &all) {
+    const ExpansionMatrix *expansion = dynamic_cast<const ExpansionMatrix *>(GetRawPtr(places));
+    const DenseVector *dense = dynamic_cast<const DenseVector *>(GetRawPtr(distances));
+    SmartPtr<Vector> out = all.MakeNew();
+    DenseVector *written = dynamic_cast<DenseVector *>(GetRawPtr(out));
+    if (expansion == nullptr || dense == nullptr || written == nullptr) {
+        return nullptr;
+    }
+    out->Set(std::numeric_limits<Number>::infinity());
+    if (dense->Dim() > 0) {
+        const Number *values = dense->ExpandedValues();
+        const Index *positions = expansion->ExpandedPosIndices();
+        Number *to = written->Values();
+        for (Index i = 0; i < dense->Dim(); ++i) {
+            to[positions[i]] = values[i];
+        }
+    }
+    return ConstPtr(out);
+}
+
+/** What belongs to the variables, which is unscaled already, in the caller's places; 0 for fixed variables that are
+ *  none to Ipopt. */
+void resort_x(const ipopt_shim &shim, TNLPAdapter &adapter, const Vector &values, double *out) {
+    adapter.ResortX(values, out);
+    for (size_t i = 0; values.Dim() < shim.n && i < shim.x_lower.size(); ++i) {
+        if (shim.x_lower[i] == shim.x_upper[i]) {
+            out[i] = 0.0;
+        }
+    }
+}
+
+/** What belongs to the inequalities, which is unscaled already, in the caller's places; 0 for equalities. */
+void resort_d(TNLPAdapter &adapter, const Vector &equalities, const Vector &values, double *out) {
+    const SmartPtr<Vector> zero = equalities.MakeNew();
+    zero->Set(0.0);
+    adapter.ResortG(*zero, values, out);
+}
+
 std::string range_of(const RegisteredOption &option) {
     std::ostringstream text;
     if (option.Type() == OT_String) {
@@ -732,6 +776,50 @@ int ipopt_shim_current_multipliers(const ipopt_shim *shim, double *z_lower, doub
             z_lower,
             *unscaled(scaling->apply_vector_scaling_x_LU_NonConst(*view.nlp->Px_U(), curr->z_U(), *space), factor),
             z_upper);
+        return 1;
+    });
+}
+
+int ipopt_shim_current_slacks(const ipopt_shim *shim, double *x_lower, double *x_upper, double *s, double *s_lower,
+                              double *s_upper) {
+    return guarded(0, [&] {
+        const View view(*shim);
+        if (!view.valid() || shim->current.restoration) {
+            return 0;
+        }
+        IpoptCalculatedQuantities &cq = *shim->current.cq;
+        const auto curr = shim->current.data->curr();
+        const auto scaling = view.nlp->NLP_scaling();
+        const auto lower = spread(view.nlp->Px_L(), cq.curr_slack_x_L(), *curr->x());
+        const auto upper = spread(view.nlp->Px_U(), cq.curr_slack_x_U(), *curr->x());
+        const auto above = spread(view.nlp->Pd_L(), cq.curr_slack_s_L(), *curr->s());
+        const auto below = spread(view.nlp->Pd_U(), cq.curr_slack_s_U(), *curr->s());
+        if (IsNull(lower) || IsNull(upper) || IsNull(above) || IsNull(below)) {
+            return 0;
+        }
+        resort_x(*shim, *view.adapter, *scaling->unapply_vector_scaling_x(lower), x_lower);
+        resort_x(*shim, *view.adapter, *scaling->unapply_vector_scaling_x(upper), x_upper);
+        resort_d(*view.adapter, *curr->y_c(), *scaling->unapply_vector_scaling_d(curr->s()), s);
+        resort_d(*view.adapter, *curr->y_c(), *scaling->unapply_vector_scaling_d(above), s_lower);
+        resort_d(*view.adapter, *curr->y_c(), *scaling->unapply_vector_scaling_d(below), s_upper);
+        for (size_t i = 0; i < shim->g_lower.size(); ++i) {
+            if (shim->g_lower[i] == shim->g_upper[i]) {
+                s[i] = shim->g_lower[i];
+            }
+        }
+        return 1;
+    });
+}
+
+int ipopt_shim_current_lagrangian(const ipopt_shim *shim, double *gradient) {
+    return guarded(0, [&] {
+        const View view(*shim);
+        if (!view.valid() || shim->current.restoration) {
+            return 0;
+        }
+        const auto scaling = view.nlp->NLP_scaling();
+        const auto lagrangian = scaling->apply_vector_scaling_x_NonConst(shim->current.cq->curr_grad_lag_x());
+        resort_x(*shim, *view.adapter, *unscaled(lagrangian, scaling->unapply_obj_scaling(1.0)), gradient);
         return 1;
     });
 }

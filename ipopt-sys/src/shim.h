@@ -142,6 +142,13 @@ int ipopt_shim_current_g(const ipopt_shim *shim, double *g);
 /** The multipliers at the iterate, 0 for fixed variables that are not variables to Ipopt.
  *  Returns 0 outside `intermediate` and in the restoration phase, which has others. */
 int ipopt_shim_current_multipliers(const ipopt_shim *shim, double *z_lower, double *z_upper, double *lambda);
+/** Ipopt's slack variables s of the inequalities g (an equality's right-hand side), and the distances of x and s from
+ *  their bounds: unscaled, infinite where Ipopt has no bound, 0 for fixed variables that are none to Ipopt and for
+ *  equalities. Returns 0 as above. */
+int ipopt_shim_current_slacks(const ipopt_shim *shim, double *x_lower, double *x_upper, double *s, double *s_lower,
+                              double *s_upper);
+/** The gradient of the Lagrangian in x, unscaled, 0 for fixed variables that are none to Ipopt. Returns 0 as above. */
+int ipopt_shim_current_lagrangian(const ipopt_shim *shim, double *gradient);
 
 /** Writes major, minor and release of the Ipopt in use; 0 if it has not told yet. Since 3.14.18 Ipopt always tells,
  *  before it does in the course of a solve. */
