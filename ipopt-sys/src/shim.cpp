@@ -62,8 +62,7 @@ extern "C" void GetIpoptVersion(int *major, int *minor, int *release);
 
 namespace {
 
-/** Where an iterate is read from; set while Ipopt is in the intermediate callback. No other callback is made
- *  meanwhile, even if Ipopt should want a value again for an iterate: the caller is in the middle of one. */
+/** Where an iterate is read from; set while Ipopt is in the intermediate callback. */
 struct Current {
     bool restoration = false;
     const IpoptData *data = nullptr;
@@ -93,11 +92,13 @@ class LogJournal : public Journal {
 public:
     typedef void (*Sink)(void *user, const char *text, size_t length);
 
-    LogJournal(const char *name, EJournalLevel level, Sink sink, void *user, const Current &current)
-        : Journal(name, level), sink_(sink), user_(user), current_(current) {}
+    LogJournal(const char *name, EJournalLevel level, Sink sink, void *user)
+        : Journal(name, level), sink_(sink), user_(user) {}
 
 protected:
-    void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override { send(text, std::strlen(text)); }
+    void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override {
+        sink_(user_, text, std::strlen(text));
+    }
     void PrintfImpl(EJournalCategory, EJournalLevel, const char *format, va_list arguments) override {
         char text[1024];
         va_list again;
@@ -106,24 +107,17 @@ protected:
         if (length >= static_cast<int>(sizeof text)) {
             std::vector<char> longer(static_cast<size_t>(length) + 1);
             std::vsnprintf(longer.data(), longer.size(), format, again);
-            send(longer.data(), static_cast<size_t>(length));
+            sink_(user_, longer.data(), static_cast<size_t>(length));
         } else if (length > 0) {
-            send(text, static_cast<size_t>(length));
+            sink_(user_, text, static_cast<size_t>(length));
         }
         va_end(again);
     }
     void FlushBufferImpl() override {}
 
 private:
-    void send(const char *text, size_t length) {
-        if (!current_.set()) {
-            sink_(user_, text, length);
-        }
-    }
-
     const Sink sink_;
     void *const user_;
-    const Current &current_;
 };
 
 /** Bytes this process has allocated at present, -1 where nobody says. */
@@ -312,15 +306,15 @@ public:
     }
 
     bool eval_f(Index, const Number *x, bool new_x, Number &value) override {
-        return ready() && callbacks_.objective(callbacks_.user, x, new_x, &value) != 0;
+        return callbacks_.objective(callbacks_.user, x, new_x, &value) != 0;
     }
 
     bool eval_grad_f(Index, const Number *x, bool new_x, Number *gradient) override {
-        return ready() && callbacks_.gradient(callbacks_.user, x, new_x, gradient) != 0;
+        return callbacks_.gradient(callbacks_.user, x, new_x, gradient) != 0;
     }
 
     bool eval_g(Index, const Number *x, bool new_x, Index m, Number *g) override {
-        return m == 0 || (ready() && callbacks_.constraints(callbacks_.user, x, new_x, g) != 0);
+        return m == 0 || callbacks_.constraints(callbacks_.user, x, new_x, g) != 0;
     }
 
     bool eval_jac_g(Index, const Number *x, bool new_x, Index, Index entries, Index *rows, Index *cols,
@@ -330,7 +324,7 @@ public:
             std::copy(shim_.jacobian_cols.begin(), shim_.jacobian_cols.end(), cols);
             return true;
         }
-        return entries == 0 || (ready() && callbacks_.jacobian(callbacks_.user, x, new_x, values) != 0);
+        return entries == 0 || callbacks_.jacobian(callbacks_.user, x, new_x, values) != 0;
     }
 
     bool eval_h(Index, const Number *x, bool new_x, Number objective_factor, Index, const Number *lambda,
@@ -340,8 +334,8 @@ public:
             std::copy(shim_.hessian_cols.begin(), shim_.hessian_cols.end(), cols);
             return true;
         }
-        return entries == 0 || (ready() && callbacks_.hessian(callbacks_.user, x, new_x, objective_factor, lambda,
-                                                              new_lambda, values) != 0);
+        return entries == 0 || callbacks_.hessian(callbacks_.user, x, new_x, objective_factor, lambda, new_lambda,
+                                                  values) != 0;
     }
 
     void finalize_solution(SolverReturn, Index n, const Number *x, const Number *z_L, const Number *z_U, Index m,
@@ -371,8 +365,6 @@ public:
     }
 
 private:
-    bool ready() const { return !shim_.current.set(); }
-
     ipopt_shim &shim_;
     const ipopt_shim_callbacks &callbacks_;
     ipopt_shim_point &point_;
@@ -529,11 +521,11 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
         Index level = 0;
         shim.options->Options()->GetIntegerValue("print_level", level, "");
         journalist->AddJournal(new LogJournal("ipopt_shim_log", static_cast<EJournalLevel>(level), callbacks.log,
-                                              callbacks.user, shim.current));
+                                              callbacks.user));
     }
     if (callbacks.derivative_check != nullptr) {
         SmartPtr<Journal> checker = new LogJournal("ipopt_shim_derivative_check", J_NONE, callbacks.derivative_check,
-                                                   callbacks.user, shim.current);
+                                                   callbacks.user);
         checker->SetPrintLevel(J_NLP, J_WARNING);
         journalist->AddJournal(checker);
     }

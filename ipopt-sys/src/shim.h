@@ -31,7 +31,8 @@ typedef struct ipopt_shim_iteration {
 } ipopt_shim_iteration;
 
 /** The problem's functions. Each returns 0 when it fails; `intermediate` returns 0 to stop.
- *  None may unwind, and none is called while another runs. `log` may be NULL: then no text is made at all.
+ *  None may unwind. Should Ipopt want a value, or log, while `intermediate` reads an iterate, that is a call inside
+ *  `intermediate`; versions up to 3.14.19 have all values by then. `log` may be NULL: then no text is made at all.
  *  `derivative_check` gets what Ipopt's derivative checker says, whatever `print_level` is; it may be NULL too. */
 typedef struct ipopt_shim_callbacks {
     void *user;

@@ -2,6 +2,7 @@
 
 use std::{
     any::Any,
+    cell::{Cell, UnsafeCell},
     ffi::{c_char, c_int, c_void},
     ops::ControlFlow,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -21,6 +22,46 @@ use crate::nlp::{Iterate, IterationRecord, Nlp, Structure};
 
 /// What looks at every iterate beside the problem itself.
 pub(super) type Watch<'a> = &'a mut (dyn FnMut(&Iterate<'_>) -> ControlFlow<()> + 'a);
+
+/// Lets one callback of a solve in at a time: an iterate that is looked at inside [`intermediate`] may make Ipopt
+/// want a value, or log.
+pub(super) struct Gate<'a> {
+    busy: Cell<bool>,
+    context: UnsafeCell<Context<'a>>,
+}
+
+impl<'a> Gate<'a> {
+    pub(super) fn new(context: Context<'a>) -> Self {
+        Self {
+            busy: Cell::new(false),
+            context: UnsafeCell::new(context),
+        }
+    }
+
+    pub(super) fn into_context(self) -> Context<'a> {
+        self.context.into_inner()
+    }
+
+    /// The table for the shim; valid as long as `self` stays where it is.
+    pub(super) fn table(&mut self) -> sys::ipopt_shim_callbacks {
+        type Text = unsafe extern "C" fn(*mut c_void, *const c_char, usize);
+        let context = self.context.get_mut();
+        sys::ipopt_shim_callbacks {
+            log: context.log.is_open().then_some(log as Text),
+            derivative_check: context
+                .derivatives
+                .as_ref()
+                .map(|_| derivative_check as Text),
+            user: std::ptr::from_mut(self).cast(),
+            objective: Some(objective),
+            gradient: Some(gradient),
+            constraints: Some(constraints),
+            jacobian: Some(jacobian),
+            hessian: Some(hessian),
+            intermediate: Some(intermediate),
+        }
+    }
+}
 
 /// What the callbacks of one solve share.
 pub(super) struct Context<'a> {
@@ -58,22 +99,6 @@ impl<'a> Context<'a> {
             statistics,
             log,
             derivatives,
-        }
-    }
-
-    /// The table for the shim; valid as long as `self` stays where it is.
-    pub(super) fn table(&mut self) -> sys::ipopt_shim_callbacks {
-        type Text = unsafe extern "C" fn(*mut c_void, *const c_char, usize);
-        sys::ipopt_shim_callbacks {
-            user: std::ptr::from_mut(self).cast(),
-            objective: Some(objective),
-            gradient: Some(gradient),
-            constraints: Some(constraints),
-            jacobian: Some(jacobian),
-            hessian: Some(hessian),
-            intermediate: Some(intermediate),
-            log: self.log.is_open().then_some(log as Text),
-            derivative_check: self.derivatives.as_ref().map(|_| derivative_check as Text),
         }
     }
 
@@ -115,11 +140,20 @@ fn timed<T>(statistics: &mut CallbackStatistics, body: impl FnOnce() -> T) -> T 
     value
 }
 
+/// Runs `body` unless another callback is running, or one panicked before; 0 then, and if it fails or panics.
+///
 /// # Safety
-/// `user` must come from [`Context::table`].
-unsafe fn context<'a>(user: *mut c_void) -> &'a mut Context<'a> {
-    // SAFETY: the solver keeps the context in place during the solve and touches it through the shim only.
-    unsafe { &mut *user.cast::<Context<'a>>() }
+/// `user` must come from [`Gate::table`].
+unsafe fn enter(user: *mut c_void, body: impl FnOnce(&mut Context<'_>) -> bool) -> c_int {
+    // SAFETY: the solver keeps the gate in place during the solve and touches it through the shim only.
+    let gate = unsafe { &*user.cast::<Gate<'_>>() };
+    if gate.busy.replace(true) {
+        return 0;
+    }
+    // SAFETY: `busy` says that nobody else has it.
+    let result = unsafe { &mut *gate.context.get() }.guarded(body);
+    gate.busy.set(false);
+    result
 }
 
 /// # Safety
@@ -148,9 +182,8 @@ unsafe extern "C" fn objective(
     new_x: c_int,
     value: *mut f64,
 ) -> c_int {
-    // SAFETY: the shim hands on `user` and arrays of the problem's sizes, here and in the functions below.
-    unsafe { context(user) }.guarded(|this| {
-        // SAFETY: as above.
+    let body = |this: &mut Context<'_>| {
+        // SAFETY: the shim hands on arrays of the problem's sizes, here and in the functions below.
         let x = unsafe { input(x, this.structure.variables()) };
         let f = timed(&mut this.statistics.objective, || {
             this.nlp.objective(x, new_x != 0)
@@ -158,7 +191,9 @@ unsafe extern "C" fn objective(
         // SAFETY: as above.
         unsafe { value.write(f) };
         f.is_finite()
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn gradient(
@@ -167,8 +202,7 @@ unsafe extern "C" fn gradient(
     new_x: c_int,
     gradient: *mut f64,
 ) -> c_int {
-    // SAFETY: see `objective`.
-    unsafe { context(user) }.guarded(|this| {
+    let body = |this: &mut Context<'_>| {
         let n = this.structure.variables();
         // SAFETY: see `objective`.
         let (x, gradient) = unsafe { (input(x, n), output(gradient, n)) };
@@ -177,7 +211,9 @@ unsafe extern "C" fn gradient(
             this.nlp.gradient(x, new_x != 0, gradient)
         });
         all_finite(gradient)
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn constraints(
@@ -186,8 +222,7 @@ unsafe extern "C" fn constraints(
     new_x: c_int,
     g: *mut f64,
 ) -> c_int {
-    // SAFETY: see `objective`.
-    unsafe { context(user) }.guarded(|this| {
+    let body = |this: &mut Context<'_>| {
         // SAFETY: see `objective`.
         let (x, g) = unsafe {
             (
@@ -200,7 +235,9 @@ unsafe extern "C" fn constraints(
             this.nlp.constraints(x, new_x != 0, g)
         });
         all_finite(g)
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn jacobian(
@@ -209,8 +246,7 @@ unsafe extern "C" fn jacobian(
     new_x: c_int,
     values: *mut f64,
 ) -> c_int {
-    // SAFETY: see `objective`.
-    unsafe { context(user) }.guarded(|this| {
+    let body = |this: &mut Context<'_>| {
         // SAFETY: see `objective`.
         let (x, values) = unsafe {
             (
@@ -223,7 +259,9 @@ unsafe extern "C" fn jacobian(
             this.nlp.jacobian(x, new_x != 0, values)
         });
         all_finite(values)
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn hessian(
@@ -235,8 +273,7 @@ unsafe extern "C" fn hessian(
     _new_lambda: c_int,
     values: *mut f64,
 ) -> c_int {
-    // SAFETY: see `objective`.
-    unsafe { context(user) }.guarded(|this| {
+    let body = |this: &mut Context<'_>| {
         let (n, m) = (this.structure.variables(), this.structure.constraints());
         let entries = this.structure.hessian().map_or(0, |pattern| pattern.len());
         // SAFETY: see `objective`.
@@ -251,16 +288,18 @@ unsafe extern "C" fn hessian(
                 .hessian(x, new_x != 0, objective_factor, lambda, values)
         });
         all_finite(values)
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn intermediate(
     user: *mut c_void,
     raw: *const sys::ipopt_shim_iteration,
 ) -> c_int {
-    // SAFETY: see `objective`; `raw` is valid during the call.
-    let (this, raw) = unsafe { (context(user), &*raw) };
-    this.guarded(|this| {
+    // SAFETY: it is valid during the call.
+    let raw = unsafe { &*raw };
+    let body = |this: &mut Context<'_>| {
         let record = record(raw);
         this.history.push(record);
         let source = Source {
@@ -274,27 +313,33 @@ unsafe extern "C" fn intermediate(
             None => ControlFlow::Continue(()),
         };
         problem.is_continue() && watch.is_continue()
-    })
+    };
+    // SAFETY: see `objective`.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn log(user: *mut c_void, text: *const c_char, length: usize) {
-    // SAFETY: see `objective`; `text` has `length` bytes, here and below.
-    let (this, text) = unsafe { (context(user), bytes(text, length)) };
-    this.guarded(|this| {
+    // SAFETY: it has `length` bytes, here and below.
+    let text = unsafe { bytes(text, length) };
+    let body = |this: &mut Context<'_>| {
         this.log.write(text);
         true
-    });
+    };
+    // SAFETY: see `objective`.
+    unsafe { enter(user, body) };
 }
 
 unsafe extern "C" fn derivative_check(user: *mut c_void, text: *const c_char, length: usize) {
     // SAFETY: see `log`.
-    let (this, text) = unsafe { (context(user), bytes(text, length)) };
-    this.guarded(|this| {
+    let text = unsafe { bytes(text, length) };
+    let body = |this: &mut Context<'_>| {
         if let Some(reader) = &mut this.derivatives {
             reader.write(text);
         }
         true
-    });
+    };
+    // SAFETY: see `objective`.
+    unsafe { enter(user, body) };
 }
 
 /// # Safety
@@ -302,4 +347,104 @@ unsafe extern "C" fn derivative_check(user: *mut c_void, text: *const c_char, le
 unsafe fn bytes<'a>(text: *const c_char, length: usize) -> &'a [u8] {
     // SAFETY: the caller's promise.
     unsafe { slice::from_raw_parts(text.cast::<u8>(), length) }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{cell::RefCell, ptr, rc::Rc};
+
+    use super::*;
+    use crate::{
+        ipopt::Log,
+        nlp::{Bounds, Pattern},
+    };
+
+    /// Calls all functions of the table while it looks at an iterate.
+    struct Nested {
+        table: Rc<RefCell<Option<sys::ipopt_shim_callbacks>>>,
+        calls: usize,
+    }
+
+    impl Nlp for Nested {
+        fn objective(&mut self, x: &[f64], _: bool) -> f64 {
+            self.calls += 1;
+            x[0]
+        }
+        fn gradient(&mut self, _: &[f64], _: bool, _: &mut [f64]) {
+            self.calls += 1;
+        }
+        fn constraints(&mut self, _: &[f64], _: bool, _: &mut [f64]) {
+            self.calls += 1;
+        }
+        fn jacobian(&mut self, _: &[f64], _: bool, _: &mut [f64]) {
+            self.calls += 1;
+        }
+        fn hessian(&mut self, _: &[f64], _: bool, _: f64, _: &[f64], _: &mut [f64]) {
+            self.calls += 1;
+        }
+        fn iterate(&mut self, _: &Iterate<'_>) -> ControlFlow<()> {
+            let table = self.table.borrow().expect("set before the call");
+            assert_eq!(call_all(&table), [0; 5]);
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// What the five functions of the problem return; logs a line, too.
+    fn call_all(table: &sys::ipopt_shim_callbacks) -> [c_int; 5] {
+        let (user, x, mut out) = (table.user, [1.0], [0.0]);
+        let (x, out, text) = (x.as_ptr(), out.as_mut_ptr(), c"line\n");
+        // SAFETY: all arrays have the one value that all of this problem's have, and the text five.
+        unsafe {
+            (table.log.expect("a writer"))(user, text.as_ptr(), 5);
+            [
+                (table.objective.expect("set"))(user, x, 1, out),
+                (table.gradient.expect("set"))(user, x, 1, out),
+                (table.constraints.expect("set"))(user, x, 1, out),
+                (table.jacobian.expect("set"))(user, x, 1, out),
+                (table.hessian.expect("set"))(user, x, 1, 1.0, x, 1, out),
+            ]
+        }
+    }
+
+    #[derive(Clone, Default)]
+    struct Text(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+
+    impl std::io::Write for Text {
+        fn write(&mut self, text: &[u8]) -> std::io::Result<usize> {
+            self.0.lock().expect("no panics").extend(text);
+            Ok(text.len())
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn no_callback_while_another_runs() {
+        let (one, diagonal) = (Bounds::free(1), Pattern::diagonal(1));
+        let structure = Structure::new(one.clone(), one, diagonal.clone(), Some(diagonal)).unwrap();
+        let text = Text::default();
+        let mut log = Log::writer(text.clone());
+        let shared = Rc::default();
+        let mut nlp = Nested {
+            table: Rc::clone(&shared),
+            calls: 0,
+        };
+        let sink = Sink::new(&mut log);
+        let context = Context::new(&mut nlp, &structure, ptr::null(), None, sink, None);
+        let mut gate = Gate::new(context);
+        let table = gate.table();
+        shared.replace(Some(table));
+        let iteration = sys::ipopt_shim_iteration::default();
+        // SAFETY: the iteration is valid, and the gate stays where it is.
+        let go_on = unsafe { (table.intermediate.expect("set"))(table.user, &iteration) };
+        assert_eq!(go_on, 1, "the iterate was looked at");
+        assert!(text.0.lock().unwrap().is_empty(), "nothing was logged");
+        // Afterwards they are let in again.
+        assert_eq!(call_all(&table), [1; 5]);
+        assert_eq!(*text.0.lock().unwrap(), b"line\n");
+        let context = gate.into_context();
+        assert!(context.panic.is_none() && context.history.len() == 1);
+        assert_eq!(nlp.calls, 5);
+    }
 }

@@ -6,7 +6,7 @@ use ipopt_sys as sys;
 
 use super::{
     Error, Log, OptionValue, Options, Solution, Start, Status,
-    callbacks::{Context, Watch},
+    callbacks::{Context, Gate, Watch},
     derivatives::Reader,
     library,
     lock::Exclusive,
@@ -176,16 +176,18 @@ impl Solver {
             .filter(|&test| *test != "none".into())
             .map(|_| Reader::default());
         let watch = watch.map(|watch| watch as Watch<'_>);
-        let mut context = Context::new(nlp, &self.structure, shim, watch, sink, reader);
+        let context = Context::new(nlp, &self.structure, shim, watch, sink, reader);
+        let mut gate = Gate::new(context);
         let mut raw_point = point.raw(start.multipliers.is_some());
         let mut raw_statistics = sys::ipopt_shim_statistics::default();
         let clock = Instant::now();
-        let table = context.table();
+        let table = gate.table();
         // SAFETY: the shim is valid and Ipopt locked; table, point and statistics outlive the call; the callbacks
-        // reach nothing but the context, and that is not touched meanwhile.
+        // reach nothing but the gate, and that is not touched meanwhile.
         let code =
             unsafe { sys::ipopt_shim_solve(shim, &table, &mut raw_point, &mut raw_statistics) };
         let wall = clock.elapsed();
+        let mut context = gate.into_context();
         context.finish_log();
         library::warn_of_another();
         let Context {
