@@ -482,6 +482,25 @@ fn validate_bounds(variables: &Bounds, constraints: &Bounds) -> Result<(), NlpEr
 /// A **non-finite** objective or constraint means that this trial point is inadmissible: the line search shortens its
 /// step. There is no such way back from a non-finite derivative, which is asked for at accepted points only: the solve
 /// ends with an invalid number. `new_x` is false where `x` is the one of the call before, whichever function that was.
+///
+/// Slices to write to **arrive filled with zeros**: only what is not 0 need be written, and sums can be added up in
+/// place. What a problem has no use for can be left out: [`constraints`](Self::constraints) and
+/// [`jacobian`](Self::jacobian) without constraints, [`hessian`](Self::hessian) where it is approximated.
+///
+/// ```
+/// # use contact_core::nlp::Nlp;
+/// /// min Σ (xᵢ − 1)², by its gradient alone.
+/// struct Sphere;
+///
+/// impl Nlp for Sphere {
+///     fn objective(&mut self, x: &[f64], _new_x: bool) -> f64 {
+///         x.iter().map(|x| (x - 1.0).powi(2)).sum()
+///     }
+///     fn gradient(&mut self, x: &[f64], _new_x: bool, gradient: &mut [f64]) {
+///         gradient.iter_mut().zip(x).for_each(|(value, x)| *value += 2.0 * (x - 1.0));
+///     }
+/// }
+/// ```
 pub trait Nlp {
     /// Called first in every solve, with the x it was given to start from.
     fn begin(&mut self, x: &[f64]) {
@@ -495,13 +514,28 @@ pub trait Nlp {
     fn gradient(&mut self, x: &[f64], new_x: bool, gradient: &mut [f64]);
 
     /// g(x), m values; not called if m = 0.
-    fn constraints(&mut self, x: &[f64], new_x: bool, g: &mut [f64]);
+    ///
+    /// # Panics
+    /// Unless it is implemented.
+    fn constraints(&mut self, x: &[f64], new_x: bool, g: &mut [f64]) {
+        let _ = (x, new_x);
+        missing("constraints", "constraints", g.len());
+    }
 
     /// ∂g/∂x, one value for each entry of the pattern; not called if it has none.
-    fn jacobian(&mut self, x: &[f64], new_x: bool, values: &mut [f64]);
+    ///
+    /// # Panics
+    /// Unless it is implemented.
+    fn jacobian(&mut self, x: &[f64], new_x: bool, values: &mut [f64]) {
+        let _ = (x, new_x);
+        missing("jacobian", "entries of the Jacobian", values.len());
+    }
 
     /// σ ∇²f(x) + Σ λᵢ ∇²gᵢ(x) with σ = `objective_factor` and λ = `multipliers`: one value for each entry of the
     /// pattern; not called if it has none or is left to approximation. σ may be 0.
+    ///
+    /// # Panics
+    /// Unless it is implemented.
     fn hessian(
         &mut self,
         x: &[f64],
@@ -509,11 +543,22 @@ pub trait Nlp {
         objective_factor: f64,
         multipliers: &[f64],
         values: &mut [f64],
-    );
+    ) {
+        let _ = (x, new_x, objective_factor, multipliers);
+        missing("hessian", "entries of the Hessian", values.len());
+    }
 
     /// Called once an iteration, the starting point (iteration 0) included. [`ControlFlow::Break`] ends the solve.
     fn iterate(&mut self, iterate: &Iterate<'_>) -> ControlFlow<()> {
         let _ = iterate;
         ControlFlow::Continue(())
     }
+}
+
+fn missing(function: &str, what: &str, count: usize) -> ! {
+    let or = match function {
+        "hessian" => ", or give no pattern of it (`None`) to have it approximated",
+        _ => "",
+    };
+    panic!("the structure has {count} {what}: implement `Nlp::{function}`{or}")
 }
