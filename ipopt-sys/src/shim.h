@@ -1,7 +1,8 @@
 /* What Ipopt's C interface leaves out, behind a C interface of its own.
  *
  * All functions catch every C++ exception. Indices count from 0. A handle may move between threads, but Ipopt with
- * MUMPS is not reentrant: at most one ipopt_shim_solve at a time in a process.
+ * MUMPS is not reentrant: at most one ipopt_shim_solve at a time in a process. The other functions share nothing
+ * between handles, and may run meanwhile.
  */
 #ifndef IPOPT_SHIM_H
 #define IPOPT_SHIM_H

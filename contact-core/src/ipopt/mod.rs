@@ -107,9 +107,10 @@
 //!
 //! # What to expect
 //! - **A status is not an error.** `Err` is misuse only. Whatever Ipopt ends with is [`Solution::status`].
-//! - **One solve at a time in a process.** Ipopt's linear solvers are not reentrant, so solves of other threads wait.
-//!   A solve from inside a callback is [`Error::Reentrant`]. A callback that waits for another thread's solve never
-//!   returns. A [`Solver`] is [`Send`] and not [`Sync`]:
+//! - **One solve at a time in a process.** Ipopt's linear solvers are not reentrant, so solves of other threads wait,
+//!   those of [`doctor::inspect`] and [`diagnose`] included. Nothing else does: solvers are made, set and dropped
+//!   while another solves. A solve from inside a callback is [`Error::Reentrant`]. A callback that waits for another
+//!   thread's solve never returns. A [`Solver`] is [`Send`] and not [`Sync`]:
 //!
 //!   ```compile_fail,E0277
 //!   fn shared<T: Sync>() {}

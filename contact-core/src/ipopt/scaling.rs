@@ -2,7 +2,7 @@
 
 use ipopt_sys as sys;
 
-use super::{Error, Options, lock::Exclusive, solver::Solver, start::check_finite};
+use super::{Error, Options, solver::Solver, start::check_finite};
 use crate::nlp::{NlpError, Structure};
 
 /// Factors by which Ipopt multiplies f, x and g before it solves: see [`Solver::set_scaling`](super::Solver::set_scaling).
@@ -54,7 +54,6 @@ impl Solver {
         let (x, g) = (scaling.variables.as_deref(), scaling.constraints.as_deref());
         self.copy_scaling(scaling.objective, x, g)?;
         self.scaled = true;
-        let _exclusive = Exclusive::wait();
         self.apply_one("nlp_scaling_method", &USER_SCALING.into())
     }
 

@@ -51,7 +51,7 @@ fn ordering(structure: &Structure) -> Ordering {
 /// Sets the defaults Ipopt knows, then `options`, from a clean slate.
 ///
 /// # Safety
-/// `shim` must be valid, and Ipopt this thread's alone.
+/// `shim` must be valid, and this thread's alone.
 pub(in crate::ipopt) unsafe fn apply(
     shim: *mut sys::ipopt_shim,
     structure: &Structure,
