@@ -566,6 +566,20 @@ fn a_missing_linear_solver_is_a_status() {
 #[test]
 fn bad_starts_are_refused() {
     let mut solver = hs071_solver();
+/// It takes MC19; Ipopt 3.11 ends the process where HSL is not installed.
+#[test]
+fn a_scaling_that_needs_hsl_is_a_status() {
+    for method in ["equilibration-based", "Equilibration-Based"] {
+        let options = Options::new().with("nlp_scaling_method", method);
+        let mut solver = Solver::new(hs071_structure(), &options).unwrap();
+        let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
+        if solution.status != Status::Solved {
+            assert_eq!(solution.status, Status::InvalidOption);
+            assert_eq!(solution.x, HS071_START);
+        }
+    }
+}
+
     let mut solve = |start: &Start<'_>| solver.solve(&mut Hs071, start);
     assert!(matches!(
         solve(&Start::at(&[1.0; 3])),

@@ -463,10 +463,15 @@ void read_statistics(IpoptApplication &application, ipopt_shim_statistics &out) 
     }
 }
 
-/** Before 3.14, Ipopt ends the process if it is asked for MA97 and HSL, which it loads when it is needed, is not there.
- *  The other solvers of HSL fail as they should. */
-bool would_end_the_process(const std::string &linear_solver) {
-    if (SHIM_IPOPT_3_14 || linear_solver != "ma97" || dlsym(RTLD_DEFAULT, "LSL_loadHSL") == nullptr) {
+std::string word(const ipopt_shim &shim, const char *option) {
+    std::string value;
+    shim.options->Options()->GetStringValue(option, value, "");
+    return value;
+}
+
+/** Whether HSL lacks a function that Ipopt before 3.14 ends the process without. Ipopt loads HSL when it is needed. */
+bool misses_in_hsl(const char *function) {
+    if (SHIM_IPOPT_3_14 || dlsym(RTLD_DEFAULT, "LSL_loadHSL") == nullptr) {
         return false;
     }
 #ifdef __APPLE__
@@ -474,7 +479,13 @@ bool would_end_the_process(const std::string &linear_solver) {
 #else
     void *hsl = dlopen("libhsl.so", RTLD_LAZY);
 #endif
-    return hsl == nullptr || dlsym(hsl, "ma97_default_control_d") == nullptr;
+    return hsl == nullptr || dlsym(hsl, function) == nullptr;
+}
+
+/** Two options need HSL and do not fail as others do where it is missing: MA97, and MC19 for the scaling. */
+bool would_end_the_process(const ipopt_shim &shim) {
+    return (word(shim, "linear_solver") == "ma97" && misses_in_hsl("ma97_default_control_d")) ||
+           (word(shim, "nlp_scaling_method") == "equilibration-based" && misses_in_hsl("mc19ad_"));
 }
 
 int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point,
@@ -494,13 +505,11 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
         journalist->AddJournal(checker);
     }
     journalist->AddJournal(new VersionJournal());
-    std::string linear_solver;
-    shim.options->Options()->GetStringValue("linear_solver", linear_solver, "");
-    if (would_end_the_process(linear_solver)) {
+    if (would_end_the_process(shim)) {
         return Invalid_Option;
     }
     SmartPtr<MumpsJournal> mumps;
-    if (linear_solver == "mumps") {
+    if (word(shim, "linear_solver") == "mumps") {
         mumps = new MumpsJournal();
         journalist->AddJournal(GetRawPtr(mumps));
     }
