@@ -248,6 +248,8 @@ fn limits_and_stops_are_statuses() {
         solution.multipliers, None,
         "Ipopt's zeros are no multipliers"
     );
+    assert!(solution.objective.is_nan() && solution.g.iter().all(|g| g.is_nan()));
+    assert!(solution.history.last().unwrap().objective > 0.0);
 
     solver.set_options(&Options::new()).unwrap();
     let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();

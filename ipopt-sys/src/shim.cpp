@@ -341,15 +341,17 @@ public:
                                                               new_lambda, values) != 0);
     }
 
-    void finalize_solution(SolverReturn, Index n, const Number *x, const Number *z_L, const Number *z_U, Index m,
+    void finalize_solution(SolverReturn status, Index n, const Number *x, const Number *z_L, const Number *z_U, Index m,
                            const Number *g, const Number *lambda, Number objective, const IpoptData *,
                            IpoptCalculatedQuantities *) override {
         std::copy(x, x + n, point_.x);
         std::copy(z_L, z_L + n, point_.z_lower);
         std::copy(z_U, z_U + n, point_.z_upper);
-        std::copy(g, g + m, point_.g);
         std::copy(lambda, lambda + m, point_.lambda);
-        point_.objective = objective;
+        if (has_values(status)) {
+            std::copy(g, g + m, point_.g);
+            point_.objective = objective;
+        }
         point_.finalized = 1;
     }
 
@@ -368,6 +370,26 @@ public:
     }
 
 private:
+    /** Whether Ipopt ends with f(x) and g(x). After a time limit, an invalid number or an exception it has zeros in
+     *  their place. */
+    static bool has_values(SolverReturn status) {
+        switch (status) {
+        case SUCCESS:
+        case MAXITER_EXCEEDED:
+        case STOP_AT_TINY_STEP:
+        case STOP_AT_ACCEPTABLE_POINT:
+        case LOCAL_INFEASIBILITY:
+        case USER_REQUESTED_STOP:
+        case FEASIBLE_POINT_FOUND:
+        case DIVERGING_ITERATES:
+        case RESTORATION_FAILURE:
+        case ERROR_IN_STEP_COMPUTATION:
+            return true;
+        default:
+            return false;
+        }
+    }
+
     bool ready() const { return !shim_.current.set(); }
 
     ipopt_shim &shim_;

@@ -47,7 +47,8 @@ typedef struct ipopt_shim_callbacks {
     void (*derivative_check)(void *user, const char *text, size_t length);
 } ipopt_shim_callbacks;
 
-/** In: the starting point, with multipliers where `have_multipliers`. Out: the final point, where `finalized`. */
+/** In: the starting point, with multipliers where `have_multipliers`. Out: the final point, where `finalized`; f and g
+ *  stay as they were where Ipopt ends without them, as after a time limit or an invalid number. */
 typedef struct ipopt_shim_point {
     double *x;
     double *z_lower;

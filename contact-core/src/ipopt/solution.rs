@@ -13,9 +13,10 @@ pub struct Solution {
     pub status: Status,
     /// x; the start if Ipopt ended without a final point.
     pub x: Vec<f64>,
-    /// f(x), unscaled; NaN if Ipopt ended without a final point.
+    /// f(x), unscaled; NaN if Ipopt ended without it: without a final point, after an invalid number, a time limit (the
+    /// last of `history` has it then) or an exception.
     pub objective: f64,
-    /// g(x); NaN if Ipopt ended without a final point.
+    /// g(x); NaN as above.
     pub g: Vec<f64>,
     /// The multipliers at x, `None` where Ipopt has none worth the name: after an invalid number, a time limit, in
     /// the restoration phase, or with nothing to iterate because all variables are fixed. For fixed variables among
