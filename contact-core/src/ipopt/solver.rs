@@ -13,7 +13,7 @@ use super::{
     log::Sink,
     options,
     scaling::{USER_SCALING, scaling_is_used},
-    start::Point,
+    start::{Point, are_finite},
 };
 use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Phase, Structure};
 
@@ -213,7 +213,8 @@ impl Solver {
             objective: if finalized { objective } else { f64::NAN },
             g: point.g,
             multipliers: (finalized && regular && status.keeps_multipliers())
-                .then_some(point.multipliers),
+                .then_some(point.multipliers)
+                .filter(are_finite),
             statistics,
             history,
             derivative_check: derivatives.map(Reader::finish),

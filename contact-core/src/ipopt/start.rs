@@ -71,6 +71,18 @@ pub(super) fn check_finite(
     expected: usize,
 ) -> Result<(), NlpError> {
     if values.len() != expected {
+/// Whether another solve may start from them.
+pub(super) fn are_finite(multipliers: &Multipliers) -> bool {
+    let Multipliers {
+        constraints,
+        lower,
+        upper,
+    } = multipliers;
+    [constraints, lower, upper]
+        .iter()
+        .all(|values| values.iter().all(|value| value.is_finite()))
+}
+
         return Err(NlpError::Length {
             what,
             found: values.len(),

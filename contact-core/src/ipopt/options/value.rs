@@ -69,8 +69,8 @@ impl fmt::Display for OptionValue {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum OptionError {
-    /// No such name.
-    #[error("Ipopt {} has no option `{name}` (set to {value}): {}", version(), remedy(*.since))]
+    /// No such name, or one with a prefix that Ipopt looks for nowhere.
+    #[error("Ipopt {} has no option `{name}` (set to {value}): {}", version(), remedy(.name, *.since))]
     Unknown {
         /// The name.
         name: String,
@@ -108,9 +108,12 @@ fn version() -> String {
     format!("{major}.{minor}.{release}")
 }
 
-fn remedy(since: Option<&str>) -> String {
+fn remedy(name: &str, since: Option<&str>) -> String {
     match since {
         Some(version) => format!("it exists since {version}"),
+        None if name.contains('.') => {
+            "the only prefix is `resto.`, for the restoration phase".to_owned()
+        }
         None => "check the name; `KNOWN_OPTIONS` and Ipopt's manual list them".to_owned(),
     }
 }
