@@ -6,7 +6,7 @@ mod common;
 use common::*;
 use contact_core::{
     ipopt::*,
-    nlp::Structure,
+    nlp::{Bounds, Pattern, Structure},
 };
 
 fn set(name: &str, value: impl Into<OptionValue>) -> Result<Solver, Error> {
@@ -277,4 +277,53 @@ fn the_only_prefix_is_that_of_the_restoration_phase() {
         let error = Solver::new(without_hessian(), &options).unwrap_err();
         assert!(error.to_string().contains("has no Hessian"), "{error}");
     }
+}
+
+fn with_jacobian(jacobian: Pattern) -> Structure {
+    let hessian = Some(Pattern::diagonal(2));
+    let constraints = Bounds::uniform(1, -1.0, 1.0);
+    Structure::new(Bounds::free(2), constraints, jacobian, hessian).unwrap()
+}
+
+#[test]
+fn differences_need_a_jacobian_with_each_place_once() {
+    let differences =
+        Options::new().jacobian_approximation(JacobianApproximation::FiniteDifferences);
+    let error = Solver::new(with_jacobian(Pattern::empty()), &differences).unwrap_err();
+    let expected = "takes [\"exact\"], as the structure's Jacobian has no entries";
+    assert!(error.to_string().contains(expected), "{error}");
+
+    let repeating = Pattern::new(vec![0, 0, 0], vec![1, 0, 1]);
+    let error = Solver::new(with_jacobian(repeating.clone()), &differences).unwrap_err();
+    let Error::Option(OptionError::RepeatedEntry {
+        name,
+        entry,
+        row,
+        col,
+        ..
+    }) = &error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!(name, "jacobian_approximation");
+    assert_eq!((*entry, *row, *col), (2, 0, 1));
+    assert!(error.to_string().contains("repeats (0, 1)"), "{error}");
+
+    // Neither matters to exact derivatives, nor where there are no constraints.
+    for jacobian in [Pattern::empty(), repeating] {
+        let exact = Options::new().jacobian_approximation(JacobianApproximation::Exact);
+        Solver::new(with_jacobian(jacobian), &exact).unwrap();
+    }
+    let free = Separable::structure(Bounds::free(2));
+    let solution = Solver::new(free, &differences)
+        .unwrap()
+        .solve(&mut Separable::new(&[1.0, 2.0]), &Start::at(&[0.0; 2]))
+        .unwrap();
+    assert_close(&solution.x, &[1.0, 2.0], 1e-7);
+    let solution = Solver::new(hs071_structure(), &differences)
+        .unwrap()
+        .solve(&mut Hs071, &Start::at(&HS071_START))
+        .unwrap();
+    assert_eq!(solution.statistics.jacobian.calls, 0);
+    assert_close(&solution.x, &HS071_X, 1e-5);
 }

@@ -59,12 +59,13 @@ pub(super) fn unusable(name: &str, number: f64) -> Option<String> {
     }
 }
 
-/// What Ipopt would take without a word, though it does not go with the structure.
+/// What Ipopt would take without a word, or crash with, because it does not go with the structure.
 pub(super) fn fits(
     structure: &Structure,
     name: &str,
     value: &OptionValue,
 ) -> Result<(), OptionError> {
+    let jacobian = structure.jacobian();
     let (fitting, reason): (&[&str], _) = match bare(name) {
         // Ipopt would take the Hessian for zero, in the solve and in its derivative checker.
         "hessian_approximation" if structure.hessian().is_none() => {
@@ -72,6 +73,22 @@ pub(super) fn fits(
         }
         "derivative_test" if structure.hessian().is_none() => {
             (&["none", "first-order"], "the structure has no Hessian")
+        }
+        // Ipopt would write to an array that it does not have.
+        "jacobian_approximation" if structure.constraints() > 0 && jacobian.is_empty() => {
+            (&["exact"], "the structure's Jacobian has no entries")
+        }
+        "jacobian_approximation" if *value != "exact".into() => {
+            return match structure.repeated_jacobian_entry() {
+                Some(entry) => Err(OptionError::RepeatedEntry {
+                    name: name.to_owned(),
+                    value: value.clone(),
+                    entry,
+                    row: jacobian.rows()[entry],
+                    col: jacobian.cols()[entry],
+                }),
+                None => Ok(()),
+            };
         }
         _ => return Ok(()),
     };

@@ -101,6 +101,23 @@ pub enum OptionError {
         /// What it takes instead.
         expected: String,
     },
+    /// Finite differences of a Jacobian that names a place twice.
+    #[error(
+        "Ipopt's option `{name}` was set to {value}, which needs a Jacobian with each place once: its entry {entry} \
+         repeats ({row}, {col}); add the values up in one entry, or leave the option out"
+    )]
+    RepeatedEntry {
+        /// The name.
+        name: String,
+        /// The value refused.
+        value: OptionValue,
+        /// The second entry.
+        entry: usize,
+        /// Its row.
+        row: usize,
+        /// Its column.
+        col: usize,
+    },
 }
 
 fn version() -> String {

@@ -183,7 +183,8 @@ words! {
     JacobianApproximation {
         /// From [`Nlp::jacobian`](crate::nlp::Nlp::jacobian).
         Exact = "exact",
-        /// By finite differences of g at the places of the pattern; n evaluations each.
+        /// By finite differences of g at the places of the pattern, n evaluations each. There must be some, unless
+        /// there are no constraints, and each once.
         FiniteDifferences = "finite-difference-values",
     }
     /// What becomes of variables with equal bounds.
