@@ -279,6 +279,21 @@ fn the_only_prefix_is_that_of_the_restoration_phase() {
     }
 }
 
+#[test]
+fn options_that_are_refused_leave_the_others_as_they_were() {
+    let mut solver = Solver::new(hs071_structure(), &Options::new().max_iter(3)).unwrap();
+    let bad = Options::new()
+        .max_iter(1)
+        .derivative_test(DerivativeTest::FirstOrder)
+        .with("warm_start_init_point", "yes")
+        .tol(-1.0);
+    assert!(solver.set_options(&bad).is_err());
+    let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
+    assert_eq!(solution.status, Status::IterationLimit);
+    assert_eq!(solution.statistics.iterations, 3);
+    assert_eq!(solution.derivative_check, None);
+}
+
 fn with_jacobian(jacobian: Pattern) -> Structure {
     let hessian = Some(Pattern::diagonal(2));
     let constraints = Bounds::uniform(1, -1.0, 1.0);

@@ -71,6 +71,8 @@ fn a_scaling_that_would_be_ignored_is_an_error() {
     assert_close(&[first_gradient(&mut late)], &[24.0], 1e-12);
     late.clear_scaling().unwrap();
     late.set_options(&other).unwrap();
+    assert!(late.set_options(&Options::new().tol(-1.0)).is_err());
+    assert_close(&[first_gradient(&mut late)], &[24.0], 1e-12);
     assert_close(&[first_gradient(&mut late)], &[4.0], 1e-12);
 }
 

@@ -77,13 +77,22 @@ impl Solver {
     /// Replaces all options.
     ///
     /// # Errors
-    /// [`Error::Option`] names the option Ipopt refuses; the ones before it are set then. [`Error::UnusedScaling`]
-    /// if the solver has a [`Scaling`](super::Scaling) and `nlp_scaling_method` is set to something else.
+    /// [`Error::Option`] names the option Ipopt refuses. [`Error::UnusedScaling`] if the solver has a
+    /// [`Scaling`](super::Scaling) and `nlp_scaling_method` is set to something else. The options then stay as they
+    /// were.
     pub fn set_options(&mut self, options: &Options) -> Result<(), Error> {
         if self.scaled {
             scaling_is_used(options)?;
         }
+        if let Err(error) = self.apply(options) {
+            self.apply(&self.options.clone())?;
+            return Err(error);
+        }
         self.options = options.clone();
+        Ok(())
+    }
+
+    fn apply(&mut self, options: &Options) -> Result<(), Error> {
         // SAFETY: the shim is valid.
         unsafe { options::apply(self.shim.as_ptr(), &self.structure, options) }?;
         if self.scaled {
