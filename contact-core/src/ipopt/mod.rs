@@ -142,6 +142,7 @@ mod solver;
 mod start;
 mod statistics;
 mod status;
+mod totals;
 
 use thiserror::Error;
 
@@ -152,12 +153,13 @@ pub use self::{
     log::{Log, LogError},
     options::*,
     scaling::Scaling,
-    sequence::{Retried, Run, Sequence, Settings as SequenceSettings, Totals},
+    sequence::{Retried, Run, Sequence, Settings as SequenceSettings},
     solution::Solution,
     solver::Solver,
     start::Start,
     statistics::{CallbackStatistics, MumpsUse, Ordering, Statistics, Time},
     status::Status,
+    totals::Totals,
 };
 use crate::nlp::NlpError;
 

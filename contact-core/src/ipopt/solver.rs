@@ -115,6 +115,10 @@ impl Solver {
         self.log = log;
     }
 
+    pub(super) fn take_log(&mut self) -> Log {
+        std::mem::take(&mut self.log)
+    }
+
     /// Ipopt's own default of an option; `None` if this version has no such option. What the driver sets instead is
     /// in the table of [`Options`].
     pub fn ipopt_default(&self, name: &str) -> Option<OptionValue> {
