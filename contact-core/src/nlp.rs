@@ -525,7 +525,8 @@ pub trait Nlp {
     }
 }
 
-/// Lagrange multipliers in the signs of the [module](self).
+/// Lagrange multipliers in the signs of the [module](self), for a minimum of f. A solver told to maximise f by a
+/// negative scaling reverses them all.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Multipliers {
     /// λ, m of them: ≤ 0 where a constraint is at its lower bound, ≥ 0 at its upper.

@@ -9,6 +9,10 @@ use crate::nlp::{NlpError, Structure};
 /// They change the path and what `tol` means, not the problem: a [`Solution`](super::Solution) is unscaled. Choose them
 /// so that the derivatives become about 1.
 ///
+/// **A negative factor of f maximises, and reverses the signs of all [`Multipliers`](crate::nlp::Multipliers)**, those
+/// of iterates and of warm starts included: ∇L = 0 with the L of [`nlp`](crate::nlp) as ever, but z_L, z_U ≤ 0, λ ≥ 0
+/// where g is at its lower bound and λ ≤ 0 at its upper. Minimise −f to have them as usual.
+///
 /// ```
 /// # use contact_core::ipopt::Scaling;
 /// let scaling = Scaling {
