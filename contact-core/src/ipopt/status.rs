@@ -50,7 +50,7 @@ pub enum Status {
     CpuTimeLimit,
     /// `max_wall_time`.
     WallTimeLimit,
-    /// More equalities than free variables.
+    /// More equalities than variables.
     TooFewDegreesOfFreedom,
     /// Ipopt refuses the problem.
     InvalidProblem,
@@ -164,7 +164,7 @@ impl fmt::Display for Status {
             Self::StepComputationFailed => "no step could be computed: the linear systems resist regularisation",
             Self::CpuTimeLimit => "the limit of processor time (max_cpu_time) was reached",
             Self::WallTimeLimit => "the limit of time (max_wall_time) was reached",
-            Self::TooFewDegreesOfFreedom => "more equality constraints than free variables",
+            Self::TooFewDegreesOfFreedom => "more equality constraints than variables",
             Self::InvalidProblem => "Ipopt refuses the problem as ill-defined",
             Self::InvalidOption => "Ipopt refuses an option, or was built without the linear solver asked for",
             Self::InvalidNumber => "a derivative, or a function at the starting point, is not finite",

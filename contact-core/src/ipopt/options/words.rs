@@ -195,7 +195,9 @@ words! {
         MakeParameterNoDual = "make_parameter_nodual" since "3.14.0",
         /// They stay, with an equality constraint each.
         MakeConstraint = "make_constraint",
-        /// They stay, with bounds relaxed by `bound_relax_factor`.
+        /// They stay, with bounds relaxed by `bound_relax_factor`, which wants to be positive for that (this driver's
+        /// default is 0). Of their multipliers only z_L − z_U means something. Where equalities outnumber the free
+        /// variables, Ipopt does this unasked.
         RelaxBounds = "relax_bounds",
     }
     /// How the problem is scaled.
