@@ -297,12 +297,24 @@ impl Pattern {
         {
             return Err(NlpError::UpperTriangle { entry, row, col });
         }
+        match self.repeated(n, n) {
+            Some(entry) => Err(NlpError::Duplicate {
+                entry,
+                row: self.rows[entry],
+                col: self.cols[entry],
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// An entry at a place that an earlier one has; every index has been checked.
+    fn repeated(&self, rows: usize, cols: usize) -> Option<usize> {
         // Entries sorted by row (counting), then one mark per column.
-        let mut start = vec![0; n + 1];
+        let mut start = vec![0; rows + 1];
         for &row in &self.rows {
             start[row + 1] += 1;
         }
-        for row in 0..n {
+        for row in 0..rows {
             start[row + 1] += start[row];
         }
         let mut order = vec![0; self.len()];
@@ -311,17 +323,11 @@ impl Pattern {
             order[next[row]] = entry;
             next[row] += 1;
         }
-        let mut seen_in_row = vec![usize::MAX; n];
-        for row in 0..n {
-            for &entry in &order[start[row]..start[row + 1]] {
-                let col = self.cols[entry];
-                if seen_in_row[col] == row {
-                    return Err(NlpError::Duplicate { entry, row, col });
-                }
-                seen_in_row[col] = row;
-            }
-        }
-        Ok(())
+        let mut seen_in_row = vec![usize::MAX; cols];
+        order.into_iter().find(|&entry| {
+            let (row, col) = (self.rows[entry], self.cols[entry]);
+            std::mem::replace(&mut seen_in_row[col], row) == row
+        })
     }
 }
 
@@ -346,8 +352,9 @@ pub struct Structure {
 impl Structure {
     /// A problem with the bounds x_L, x_U of its n `variables` and g_L, g_U of its m `constraints` (m = 0 is fine).
     ///
-    /// `jacobian` is the pattern of ∂g/∂x, m × n; entries at one place add up. `hessian` is the pattern of the lower
-    /// triangle of ∂²L/∂x², n × n, each place once; `None` leaves it to a limited-memory approximation.
+    /// `jacobian` is the pattern of ∂g/∂x, m × n; entries at one place add up (unless a solver finds it by
+    /// differences). `hessian` is the pattern of the lower triangle of ∂²L/∂x², n × n, each place once; `None` leaves
+    /// it to a limited-memory approximation.
     ///
     /// # Errors
     /// [`NlpError`], with index, value and remedy, for sizes that do not fit, bounds that are NaN, crossed or infinite
@@ -454,6 +461,12 @@ impl Structure {
     /// Pattern of ∂g/∂x, m × n.
     pub fn jacobian(&self) -> &Pattern {
         &self.jacobian
+    }
+
+    /// An entry of the Jacobian at a place that an earlier one has.
+    #[cfg(feature = "ipopt")]
+    pub(crate) fn repeated_jacobian_entry(&self) -> Option<usize> {
+        self.jacobian.repeated(self.constraints(), self.variables())
     }
 
     /// Pattern of the lower triangle of ∂²L/∂x², n × n; `None` if it is to be approximated.

@@ -70,6 +70,7 @@ fn examine(
     structure: &Structure,
     iterate: &Iterate<'_>,
     unscaled: bool,
+    sign: f64,
 ) -> bool {
     if iterate.record().phase == Phase::Restoration {
         assert!(iterate.slacks().is_none() && iterate.violations().is_none());
@@ -116,7 +117,7 @@ fn examine(
                 assert_eq!(s[i], limits.lower[i]);
                 -(g[i] - s[i]) * lambda
             }
-            false if lambda < 0.0 => times(&[-lambda], &below[i..=i])[0],
+            false if lambda * sign < 0.0 => times(&[-lambda], &below[i..=i])[0],
             false => times(&[lambda], &above[i..=i])[0],
         };
         assert_same(
@@ -161,9 +162,10 @@ fn solve<N: Nlp>(
         solver.set_scaling(scaling).unwrap();
     }
     let unscaled = options.get("nlp_scaling_method") == Some(&"none".into());
+    let sign = scaling.map_or(1.0, |scaling| scaling.objective.signum());
     let mut regular = 0;
     let solution = solver.solve_with(&mut nlp(), &Start::at(start), |iterate| {
-        regular += usize::from(examine(&mut nlp(), structure, iterate, unscaled));
+        regular += usize::from(examine(&mut nlp(), structure, iterate, unscaled, sign));
         ControlFlow::Continue(())
     });
     (solution.unwrap().status, regular)
@@ -316,4 +318,24 @@ fn a_fixed_variable_with_an_equality() {
     let last = last.expect("an iterate");
     assert_close(&last.lagrangian, &[0.0; 4], 1e-6);
     assert_close(&last.constraints, &[0.0; 2], 1e-6);
+}
+
+/// max f, as min with a negative factor, which reverses all multipliers.
+#[test]
+fn a_maximum() {
+    let structure = hs071_structure();
+    let maximise = Scaling {
+        objective: -0.5,
+        variables: None,
+        constraints: None,
+    };
+    let options = Options::new().max_iter(40);
+    let (_, iterates) = solve(
+        &structure,
+        || Hs071,
+        &HS071_START,
+        &options,
+        Some(&maximise),
+    );
+    assert!(iterates > 4, "{iterates}");
 }

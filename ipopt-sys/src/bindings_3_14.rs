@@ -565,6 +565,7 @@ unsafe extern "C" {
     pub fn ipopt_shim_current_lagrangian(
         shim: *const ipopt_shim,
         gradient: *mut f64,
+        objective_factor: *mut f64,
     ) -> ::std::os::raw::c_int;
     pub fn ipopt_shim_library_version(numbers: *mut ::std::os::raw::c_int)
     -> ::std::os::raw::c_int;

@@ -338,15 +338,17 @@ public:
                                                   values) != 0;
     }
 
-    void finalize_solution(SolverReturn, Index n, const Number *x, const Number *z_L, const Number *z_U, Index m,
+    void finalize_solution(SolverReturn status, Index n, const Number *x, const Number *z_L, const Number *z_U, Index m,
                            const Number *g, const Number *lambda, Number objective, const IpoptData *,
                            IpoptCalculatedQuantities *) override {
         std::copy(x, x + n, point_.x);
         std::copy(z_L, z_L + n, point_.z_lower);
         std::copy(z_U, z_U + n, point_.z_upper);
-        std::copy(g, g + m, point_.g);
         std::copy(lambda, lambda + m, point_.lambda);
-        point_.objective = objective;
+        if (has_values(status)) {
+            std::copy(g, g + m, point_.g);
+            point_.objective = objective;
+        }
         point_.finalized = 1;
     }
 
@@ -365,6 +367,26 @@ public:
     }
 
 private:
+    /** Whether Ipopt ends with f(x) and g(x). After a time limit, an invalid number or an exception it has zeros in
+     *  their place. */
+    static bool has_values(SolverReturn status) {
+        switch (status) {
+        case SUCCESS:
+        case MAXITER_EXCEEDED:
+        case STOP_AT_TINY_STEP:
+        case STOP_AT_ACCEPTABLE_POINT:
+        case LOCAL_INFEASIBILITY:
+        case USER_REQUESTED_STOP:
+        case FEASIBLE_POINT_FOUND:
+        case DIVERGING_ITERATES:
+        case RESTORATION_FAILURE:
+        case ERROR_IN_STEP_COMPUTATION:
+            return true;
+        default:
+            return false;
+        }
+    }
+
     ipopt_shim &shim_;
     const ipopt_shim_callbacks &callbacks_;
     ipopt_shim_point &point_;
@@ -499,10 +521,15 @@ void read_statistics(IpoptApplication &application, ipopt_shim_statistics &out) 
     }
 }
 
-/** Before 3.14, Ipopt ends the process if it is asked for MA97 and HSL, which it loads when it is needed, is not there.
- *  The other solvers of HSL fail as they should. */
-bool would_end_the_process(const std::string &linear_solver) {
-    if (SHIM_IPOPT_3_14 || linear_solver != "ma97" || dlsym(RTLD_DEFAULT, "LSL_loadHSL") == nullptr) {
+std::string word(const ipopt_shim &shim, const char *option) {
+    std::string value;
+    shim.options->Options()->GetStringValue(option, value, "");
+    return value;
+}
+
+/** Whether HSL lacks a function that Ipopt before 3.14 ends the process without. Ipopt loads HSL when it is needed. */
+bool misses_in_hsl(const char *function) {
+    if (SHIM_IPOPT_3_14 || dlsym(RTLD_DEFAULT, "LSL_loadHSL") == nullptr) {
         return false;
     }
 #ifdef __APPLE__
@@ -510,7 +537,13 @@ bool would_end_the_process(const std::string &linear_solver) {
 #else
     void *hsl = dlopen("libhsl.so", RTLD_LAZY);
 #endif
-    return hsl == nullptr || dlsym(hsl, "ma97_default_control_d") == nullptr;
+    return hsl == nullptr || dlsym(hsl, function) == nullptr;
+}
+
+/** Two options need HSL and do not fail as others do where it is missing: MA97, and MC19 for the scaling. */
+bool would_end_the_process(const ipopt_shim &shim) {
+    return (word(shim, "linear_solver") == "ma97" && misses_in_hsl("ma97_default_control_d")) ||
+           (word(shim, "nlp_scaling_method") == "equilibration-based" && misses_in_hsl("mc19ad_"));
 }
 
 int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point,
@@ -530,13 +563,11 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
         journalist->AddJournal(checker);
     }
     journalist->AddJournal(new VersionJournal());
-    std::string linear_solver;
-    shim.options->Options()->GetStringValue("linear_solver", linear_solver, "");
-    if (would_end_the_process(linear_solver)) {
+    if (would_end_the_process(shim)) {
         return Invalid_Option;
     }
     SmartPtr<MumpsJournal> mumps;
-    if (linear_solver == "mumps") {
+    if (word(shim, "linear_solver") == "mumps") {
         mumps = new MumpsJournal();
         journalist->AddJournal(GetRawPtr(mumps));
     }
@@ -803,15 +834,17 @@ int ipopt_shim_current_slacks(const ipopt_shim *shim, double *x_lower, double *x
     });
 }
 
-int ipopt_shim_current_lagrangian(const ipopt_shim *shim, double *gradient) {
+int ipopt_shim_current_lagrangian(const ipopt_shim *shim, double *gradient, double *objective_factor) {
     return guarded(0, [&] {
         const View view(*shim);
         if (!view.valid() || shim->current.restoration) {
             return 0;
         }
         const auto scaling = view.nlp->NLP_scaling();
+        const Number factor = scaling->unapply_obj_scaling(1.0);
         const auto lagrangian = scaling->apply_vector_scaling_x_NonConst(shim->current.cq->curr_grad_lag_x());
-        resort_x(*shim, *view.adapter, *unscaled(lagrangian, scaling->unapply_obj_scaling(1.0)), gradient);
+        resort_x(*shim, *view.adapter, *unscaled(lagrangian, factor), gradient);
+        *objective_factor = 1.0 / factor;
         return 1;
     });
 }

@@ -90,23 +90,25 @@ impl IterateSource for Source<'_> {
     fn violations(&self) -> Option<Violations> {
         let (x, g) = (self.x()?, self.constraints()?);
         let (multipliers, slacks) = (self.multipliers()?, self.slacks()?);
-        let mut lagrangian = vec![0.0; x.len()];
-        // SAFETY: as above, n values.
-        if unsafe { sys::ipopt_shim_current_lagrangian(self.shim, lagrangian.as_mut_ptr()) } == 0 {
+        let (mut lagrangian, mut factor) = (vec![0.0; x.len()], 1.0);
+        let (to, sign) = (lagrangian.as_mut_ptr(), &mut factor);
+        // SAFETY: as above, n values and one.
+        if unsafe { sys::ipopt_shim_current_lagrangian(self.shim, to, sign) } == 0 {
             return None;
         }
         let (below, above) = outside(self.structure.variable_bounds(), &x);
         let limits = self.structure.constraint_bounds();
         let (too_low, too_high) = outside(limits, &g);
         let worst = too_low.iter().zip(&too_high).map(|(a, b)| a.max(*b));
-        let lambda = multipliers.constraints.iter().zip(&g);
-        let complementarity =
-            lambda.enumerate().map(
-                |(i, (&lambda, &g))| match (limits.lower[i], limits.upper[i]) {
-                    (lower, upper) if lower == upper => (lower - g) * lambda,
-                    (lower, upper) => product(-lambda, g - lower) + product(lambda, upper - g),
-                },
-            );
+        let lambda = multipliers.constraints.iter().enumerate();
+        let complementarity = lambda.map(|(i, &lambda)| {
+            match (limits.lower[i], limits.upper[i]) {
+                (lower, upper) if lower == upper => (lower - g[i]) * lambda,
+                // A negative factor of f reverses the multipliers.
+                (lower, _) if lambda * factor < 0.0 => product(-lambda, g[i] - lower),
+                (_, upper) => product(lambda, upper - g[i]),
+            }
+        });
         Some(Violations {
             constraints: worst.collect(),
             lower: below,
@@ -133,9 +135,9 @@ fn outside(bounds: &Bounds, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     )
 }
 
-/// A multiplier times the distance it goes with, where there is such a bound and it pushes.
+/// A multiplier times the distance it goes with, where there is such a bound.
 fn product(multiplier: f64, distance: f64) -> f64 {
-    match distance.is_finite() && multiplier > 0.0 {
+    match distance.is_finite() {
         true => multiplier * distance,
         false => 0.0,
     }

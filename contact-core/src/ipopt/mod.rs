@@ -107,9 +107,10 @@
 //!
 //! # What to expect
 //! - **A status is not an error.** `Err` is misuse only. Whatever Ipopt ends with is [`Solution::status`].
-//! - **One solve at a time in a process.** Ipopt's linear solvers are not reentrant, so solves of other threads wait.
-//!   A solve from inside a callback is [`Error::Reentrant`]. A callback that waits for another thread's solve never
-//!   returns. A [`Solver`] is [`Send`] and not [`Sync`]:
+//! - **One solve at a time in a process.** Ipopt's linear solvers are not reentrant, so solves of other threads wait,
+//!   those of [`doctor::inspect`] and [`diagnose`] included. Nothing else does: solvers are made, set and dropped
+//!   while another solves. A solve from inside a callback is [`Error::Reentrant`]. A callback that waits for another
+//!   thread's solve never returns. A [`Solver`] is [`Send`] and not [`Sync`]:
 //!
 //!   ```compile_fail,E0277
 //!   fn shared<T: Sync>() {}
@@ -141,6 +142,7 @@ mod solver;
 mod start;
 mod statistics;
 mod status;
+mod totals;
 
 use thiserror::Error;
 
@@ -151,12 +153,13 @@ pub use self::{
     log::{Log, LogError},
     options::*,
     scaling::Scaling,
-    sequence::{Retried, Run, Sequence, Settings as SequenceSettings, Totals},
+    sequence::{Retried, Run, Sequence, Settings as SequenceSettings},
     solution::Solution,
     solver::Solver,
     start::Start,
     statistics::{CallbackStatistics, MumpsUse, Ordering, Statistics, Time},
     status::Status,
+    totals::Totals,
 };
 use crate::nlp::NlpError;
 

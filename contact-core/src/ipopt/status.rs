@@ -16,8 +16,8 @@ use std::fmt;
 /// | `IterationLimit` | −1 | `max_iter`. | Look at the history: if it still converges, allow more; if not, check the derivatives, scale, try `mu_strategy(MuStrategy::Adaptive)` or another start. |
 /// | `RestorationFailed` | −2 | No less infeasible point was found. | As for `Infeasible`; check the derivatives of g; make functions finite in a wider neighbourhood. |
 /// | `StepComputationFailed` | −3 | The linear systems resist regularisation; since 3.14 also a line search that fails almost at the solution. | Remove constraints that depend on others; check the Hessian; see `SearchDirectionTooSmall`. |
-/// | `CpuTimeLimit`, `WallTimeLimit` | −4, −5 | `max_cpu_time`, `max_wall_time`. | Allow more; the multipliers are lost. |
-/// | `TooFewDegreesOfFreedom` | −10 | More equalities than free variables. | Free variables, remove equalities, or `fixed_variable_treatment(FixedVariableTreatment::RelaxBounds)`. |
+/// | `CpuTimeLimit`, `WallTimeLimit` | −4, −5 | `max_cpu_time`, `max_wall_time`. | Allow more; g and the multipliers are lost. |
+/// | `TooFewDegreesOfFreedom` | −10 | More equalities than variables, fixed ones included: where the free ones are too few, Ipopt relaxes the others' bounds by itself. | Remove equalities; with `FixedVariableTreatment::MakeConstraint`, which adds one for each fixed variable, choose another. |
 /// | `InvalidProblem` | −11 | Ipopt refuses the problem. | See the log, at `print_level` 5. |
 /// | `InvalidOption` | −12 | The linear solver is missing, or options contradict each other. | Ask for `LinearSolver::Mumps`; see the log. |
 /// | `InvalidNumber` | −13 | A derivative was not finite, or a function at the start. | Start inside the domain, keep x there by bounds; f and g may be infinite at trial points only. |
@@ -50,7 +50,7 @@ pub enum Status {
     CpuTimeLimit,
     /// `max_wall_time`.
     WallTimeLimit,
-    /// More equalities than free variables.
+    /// More equalities than variables.
     TooFewDegreesOfFreedom,
     /// Ipopt refuses the problem.
     InvalidProblem,
@@ -164,7 +164,7 @@ impl fmt::Display for Status {
             Self::StepComputationFailed => "no step could be computed: the linear systems resist regularisation",
             Self::CpuTimeLimit => "the limit of processor time (max_cpu_time) was reached",
             Self::WallTimeLimit => "the limit of time (max_wall_time) was reached",
-            Self::TooFewDegreesOfFreedom => "more equality constraints than free variables",
+            Self::TooFewDegreesOfFreedom => "more equality constraints than variables",
             Self::InvalidProblem => "Ipopt refuses the problem as ill-defined",
             Self::InvalidOption => "Ipopt refuses an option, or was built without the linear solver asked for",
             Self::InvalidNumber => "a derivative, or a function at the starting point, is not finite",

@@ -2,7 +2,8 @@
 
 use std::{cell::OnceCell, fmt};
 
-/// Lagrange multipliers in the signs of the [module](super).
+/// Lagrange multipliers in the signs of the [module](super), for a minimum of f. A solver told to maximise f by a
+/// negative scaling reverses them all.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Multipliers {
     /// λ, m of them: ≤ 0 where a constraint is at its lower bound, ≥ 0 at its upper.
