@@ -17,7 +17,7 @@ use std::{
 
 use common::*;
 use contact_core::{
-    ipopt::{Error, OptionError, Options, Scaling, Solver, Start, Status},
+    ipopt::{Error, OptionError, Options, Scaling, Solver, Start, Status, VERSION},
     nlp::{Bounds, Multipliers, Nlp, NlpError, Pattern, Structure},
 };
 
@@ -544,7 +544,7 @@ fn an_integer_serves_as_a_number_and_the_last_value_counts() {
     assert!(solution.statistics.iterations <= 1);
 }
 
-/// One of them, MA97, makes Ipopt 3.11 end the process where HSL is not installed.
+/// One of them, MA97, makes Ipopt 3.11 end the process where HSL is not installed, and 3.14 crash.
 #[test]
 fn a_missing_linear_solver_is_a_status() {
     let mut missing = 0;
@@ -564,6 +564,26 @@ fn a_missing_linear_solver_is_a_status() {
     }
     // WSMP is part of no distribution's Ipopt.
     assert!(missing > 0);
+}
+
+/// Since 3.14 there is an option that names the library of HSL.
+#[test]
+fn a_library_that_is_not_hsl_is_a_status() {
+    for library in ["", "no-such-library.so", "/no/such/library.so", "libm.so.6"] {
+        let options = Options::new()
+            .with("linear_solver", "ma97")
+            .with("hsllib", library);
+        let Ok(mut solver) = Solver::new(hs071_structure(), &options) else {
+            assert!(VERSION < (3, 14, 0));
+            continue;
+        };
+        let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
+        let linked = solution.status == Status::Solved;
+        assert!(
+            linked || solution.status == Status::InvalidOption,
+            "{library}"
+        );
+    }
 }
 
 /// It takes MC19; Ipopt 3.11 ends the process where HSL is not installed.

@@ -50,6 +50,10 @@ static_assert(std::is_same<Number, double>::value, "ipopt-sys supports Ipopt in 
 #define SHIM_IPOPT_3_14 0
 #endif
 
+#if SHIM_IPOPT_3_14
+#include "IpLinearSolvers.h"
+#endif
+
 #if IPOPT_VERSION_MAJOR > 3 ||                                                                                         \
     (IPOPT_VERSION_MAJOR == 3 &&                                                                                       \
      (IPOPT_VERSION_MINOR > 14 || (IPOPT_VERSION_MINOR == 14 && IPOPT_VERSION_RELEASE >= 18)))
@@ -527,9 +531,25 @@ std::string word(const ipopt_shim &shim, const char *option) {
     return value;
 }
 
-/** Whether HSL lacks a function that Ipopt before 3.14 ends the process without. Ipopt loads HSL when it is needed. */
+#if SHIM_IPOPT_3_14
+/** Whether the library HSL, from which Ipopt takes what it was not linked with, lacks a function. It is opened as Ipopt
+ *  does, and stays open. */
+bool misses_in_hsl(const ipopt_shim &shim, const char *function) {
+    const std::string library = word(shim, "hsllib");
+    void *hsl = library.empty() ? nullptr : dlopen(library.c_str(), RTLD_NOW);
+    return hsl == nullptr || dlsym(hsl, function) == nullptr;
+}
+
+/** MA97 does not fail as others do where it is missing: its end crashes. */
+bool would_end_the_process(const ipopt_shim &shim) {
+    return word(shim, "linear_solver") == "ma97" &&
+           (IpoptGetAvailableLinearSolvers(1) & IPOPTLINEARSOLVER_MA97) == 0 &&
+           misses_in_hsl(shim, "ma97_default_control_d");
+}
+#else
+/** Whether HSL lacks a function that Ipopt ends the process without. Ipopt loads HSL when it is needed. */
 bool misses_in_hsl(const char *function) {
-    if (SHIM_IPOPT_3_14 || dlsym(RTLD_DEFAULT, "LSL_loadHSL") == nullptr) {
+    if (dlsym(RTLD_DEFAULT, "LSL_loadHSL") == nullptr) {
         return false;
     }
 #ifdef __APPLE__
@@ -545,6 +565,7 @@ bool would_end_the_process(const ipopt_shim &shim) {
     return (word(shim, "linear_solver") == "ma97" && misses_in_hsl("ma97_default_control_d")) ||
            (word(shim, "nlp_scaling_method") == "equilibration-based" && misses_in_hsl("mc19ad_"));
 }
+#endif
 
 int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point,
              ipopt_shim_statistics &statistics) {
