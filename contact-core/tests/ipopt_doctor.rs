@@ -47,6 +47,12 @@ fn dense_solver(n: usize, options: &Options) -> Solver {
     Solver::new(structure.expect("well formed"), options).expect("valid")
 }
 
+/// What is allocated is measured in the whole process, and solvers of other threads are made and dropped meanwhile.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 #[test]
 fn a_dense_factor_has_the_size_it_must_have() {
     let _alone = alone();
