@@ -8,12 +8,6 @@ use contact_core::{
     nlp::{Bounds, Nlp, Pattern, Structure},
 };
 
-/// One test at a time: what the others allocate counts as workspace.
-fn alone() -> MutexGuard<'static, ()> {
-    static ALONE: Mutex<()> = Mutex::new(());
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 /// ½ Σᵢⱼ xᵢ xⱼ + ½ |x|² − Σ xᵢ, whose Hessian has no zeros; called back with each objective.
 struct Dense<F>(F);
 
