@@ -82,6 +82,26 @@ fn another_structure_must_suit_the_options_of_warm_solves_too() {
     assert!(sequence.solve(&mut Hs071).unwrap().solved);
 }
 
+/// Only warm solves have multipliers, and they need not be told.
+#[test]
+fn cold_solves_have_no_multipliers_to_start_from() {
+    let settings = SequenceSettings {
+        options: Options::new().warm_start_init_point(true),
+        ..SequenceSettings::default()
+    };
+    let new = Sequence::new(hs071_structure(), settings, &HS071_START);
+    assert_eq!(new.err(), Some(Error::MissingMultipliers));
+    let settings = SequenceSettings {
+        warm: Options::new().warm_start().warm_start_init_point(true),
+        ..SequenceSettings::default()
+    };
+    let mut sequence = Sequence::new(hs071_structure(), settings, &HS071_START).unwrap();
+    for warm in [false, true] {
+        let run = sequence.solve(&mut Hs071).unwrap();
+        assert!(run.solved && run.warm == warm);
+    }
+}
+
 #[test]
 fn a_solve_that_is_refused_is_no_problem_solved_or_failed() {
     let mut inner = hs071();

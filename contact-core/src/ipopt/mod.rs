@@ -137,6 +137,7 @@ mod log;
 mod options;
 mod scaling;
 mod sequence;
+mod sequence_settings;
 mod solution;
 mod solver;
 mod start;
@@ -153,7 +154,8 @@ pub use self::{
     log::{Log, LogError},
     options::*,
     scaling::Scaling,
-    sequence::{Retried, Run, Sequence, Settings as SequenceSettings},
+    sequence::{Retried, Run, Sequence},
+    sequence_settings::SequenceSettings,
     solution::Solution,
     solver::Solver,
     start::Start,
@@ -176,7 +178,7 @@ pub enum Error {
     /// An option Ipopt does not have, or a value it refuses.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// The option `warm_start_init_point` is "yes" and the start has no multipliers.
+    /// The option `warm_start_init_point` is "yes" and the start has no multipliers, as those of cold solves.
     #[error(
         "`warm_start_init_point` is set to \"yes\", but the start has no multipliers: give it some, or leave the \
          option out (it is set to \"yes\" for a start with multipliers)"

@@ -3,41 +3,10 @@
 use std::ops::ControlFlow;
 
 use super::{
-    Error, Log, OptionValue, Options, Scaling, Solution, Solver, Start, Status, Totals,
+    Error, Log, Scaling, SequenceSettings, Solution, Solver, Start, Status, Totals,
     scaling::scaling_is_used,
 };
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Structure};
-
-/// How the solves of a [`Sequence`] start and when one is given up.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    /// Options of all solves.
-    pub options: Options,
-    /// Options of warm solves, in addition; [`Options::warm_start`] by default.
-    pub warm: Options,
-    /// A warm solve has blown up, and is repeated cold, beyond this many times the iterations of the last cold solve,
-    /// but never before [`Settings::LEAST`] iterations.
-    pub blow_up: f64,
-    /// A solve that cannot make progress any more counts as solved if Ipopt's scaled error
-    /// ([`Statistics::scaled_error`](super::Statistics::scaled_error)) is at most this; 0 by default.
-    pub attainable_error: f64,
-}
-
-impl Settings {
-    /// Iterations that every warm solve is given.
-    pub const LEAST: usize = 20;
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            options: Options::new(),
-            warm: Options::new().warm_start(),
-            blow_up: 2.0,
-            attainable_error: 0.0,
-        }
-    }
-}
 
 /// Ipopt on a run of similar problems: load steps, parameters, a path.
 ///
@@ -69,13 +38,13 @@ impl Default for Settings {
 /// ```
 #[derive(Debug)]
 pub struct Sequence {
-    settings: Settings,
+    settings: SequenceSettings,
     solver: Solver,
     scaling: Option<Scaling>,
     x: Vec<f64>,
     /// `None` where the last ones are not those of a problem with this structure.
     multipliers: Option<Multipliers>,
-    /// Iterations of the last cold solve that solved its problem.
+    /// Iterations of the last cold solve that solved a problem with this structure.
     cold_iterations: Option<usize>,
     totals: Totals,
 }
@@ -86,7 +55,7 @@ pub struct Sequence {
 pub struct Run {
     /// The last solve's.
     pub solution: Solution,
-    /// Whether that is a solution: [`Status::Solved`], or as good as [`Settings::attainable_error`] allows.
+    /// Whether that is a solution: [`Status::Solved`], or as good as [`SequenceSettings::attainable_error`] allows.
     pub solved: bool,
     /// Whether it started warm.
     pub warm: bool,
@@ -109,7 +78,8 @@ impl Sequence {
     ///
     /// # Errors
     /// An option Ipopt refuses, for cold or for warm solves, or an x that is not finite or of another size.
-    pub fn new(structure: Structure, settings: Settings, x: &[f64]) -> Result<Self, Error> {
+    /// [`Error::MissingMultipliers`] if cold solves were to start from multipliers.
+    pub fn new(structure: Structure, settings: SequenceSettings, x: &[f64]) -> Result<Self, Error> {
         Start::at(x).validate(&structure)?;
         let solver = settings.solver(structure)?;
         Ok(Self {
@@ -204,6 +174,7 @@ impl Sequence {
 
     /// Another structure for the problems to come: the next one starts at `x`, warm if `multipliers` of the new
     /// structure are given, as where constraints come and go and the caller knows which is which. Log and scaling stay.
+    /// No warm solve counts as blown up before a cold one has solved a problem of the new structure.
     ///
     /// # Errors
     /// As [`Sequence::new`] and [`Sequence::restart`]; also a scaling for other sizes, which is to be cleared before.
@@ -225,10 +196,12 @@ impl Sequence {
         }
         solver.set_log(self.solver.take_log());
         self.solver = solver;
+        self.cold_iterations = None;
         self.restart(x, multipliers)
     }
 
-    /// The next problem starts at `x`, warm if there are `multipliers`.
+    /// The next problem starts at `x`, warm if there are `multipliers`. It is still a problem of the same kind: when it
+    /// counts as blown up does not change.
     ///
     /// # Errors
     /// Values that are not finite, or of another number; the start then stays as it was.
@@ -295,39 +268,6 @@ impl Sequence {
             solved,
             warm,
             retried,
-        }
-    }
-}
-
-impl Settings {
-    /// What is wrong with any of the options is said now.
-    fn solver(&self, structure: Structure) -> Result<Solver, Error> {
-        let mut solver = Solver::new(structure, &self.options)?;
-        solver.set_options(&self.warm_options(None))?;
-        Ok(solver)
-    }
-
-    fn warm_options(&self, cold_iterations: Option<usize>) -> Options {
-        let mut options = self.options.clone();
-        if let Some(iterations) = cold_iterations {
-            let limit = ((self.blow_up * iterations as f64) as usize).max(Self::LEAST);
-            let given = match options.get("max_iter") {
-                Some(&OptionValue::Integer(given)) => usize::try_from(given).unwrap_or(limit),
-                _ => limit,
-            };
-            options.set("max_iter", limit.min(given));
-        }
-        options.and(&self.warm)
-    }
-
-    fn is_solved(&self, solution: &Solution) -> bool {
-        match solution.status {
-            Status::Solved => true,
-            Status::SolvedToAcceptableLevel | Status::SearchDirectionTooSmall => {
-                solution.multipliers.is_some()
-                    && solution.statistics.scaled_error <= self.attainable_error
-            }
-            _ => false,
         }
     }
 }
