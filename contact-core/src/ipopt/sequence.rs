@@ -55,7 +55,8 @@ pub struct Sequence {
 pub struct Run {
     /// The last solve's.
     pub solution: Solution,
-    /// Whether that is a solution: [`Status::Solved`], or as good as [`SequenceSettings::attainable_error`] allows.
+    /// Whether that is a solution: [`Status::Solved`] or [`Status::FeasiblePointFound`], or as good as
+    /// [`SequenceSettings::attainable_error`] allows.
     pub solved: bool,
     /// Whether it started warm.
     pub warm: bool,

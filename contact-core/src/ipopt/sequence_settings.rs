@@ -62,7 +62,7 @@ impl SequenceSettings {
 
     pub(super) fn is_solved(&self, solution: &Solution) -> bool {
         match solution.status {
-            Status::Solved => true,
+            Status::Solved | Status::FeasiblePointFound => true,
             Status::SolvedToAcceptableLevel | Status::SearchDirectionTooSmall => {
                 solution.multipliers.is_some()
                     && solution.statistics.scaled_error <= self.attainable_error
