@@ -203,7 +203,7 @@ fn infinite_numbers_stand_for_no_limit_and_no_bound() {
 fn an_objective_is_not_scaled_to_nothing() {
     for zero in [OptionValue::from(0), 0.0.into(), (-0.0).into()] {
         let error = refused("obj_scaling_factor", zero);
-        assert!(error.to_string().contains("but 0"), "{error}");
+        assert!(error.to_string().contains("but not 0"), "{error}");
     }
     // Unscaled, the multipliers overflow: none is better than ∞.
     let options = Options::new().obj_scaling_factor(1e-310).max_iter(3);

@@ -51,7 +51,7 @@ pub(super) fn unusable(name: &str, number: f64) -> Option<String> {
         None => (-LARGEST, LARGEST),
     };
     if name == "obj_scaling_factor" && number == 0.0 {
-        Some(", but 0".to_owned())
+        Some(", but not 0".to_owned())
     } else if (lower..=upper).contains(&number) {
         None
     } else {
