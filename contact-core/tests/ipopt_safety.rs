@@ -496,6 +496,8 @@ fn bad_options_are_refused_by_name() {
         refused("nul", set("nul\0")),
         OptionError::Unknown { .. }
     ));
+    let slip = refused("maxiter", set("maxiter")).to_string();
+    assert!(slip.ends_with("did you mean `max_iter`?"), "{slip}");
     let words = refused("mu_strategy", Options::new().with("mu_strategy", "perhaps"));
     assert!(matches!(&words, OptionError::Invalid { .. }));
     assert!(

@@ -151,7 +151,7 @@ pub use self::{
     derivatives::DerivativeCheck,
     doctor::{Diagnosis, diagnose},
     libraries::{Blas, BlasKind, Libraries},
-    log::{Log, LogError},
+    log::{Log, LogError, LogText},
     options::*,
     scaling::Scaling,
     sequence::{Retried, Run, Sequence},

@@ -2,6 +2,7 @@
 
 mod apply;
 mod check;
+mod hint;
 mod known;
 mod table;
 mod value;

@@ -4,6 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
+use super::hint::nearest;
 use crate::ipopt::VERSION;
 
 /// A value of an option.
@@ -131,6 +132,9 @@ fn remedy(name: &str, since: Option<&str>) -> String {
         None if name.contains('.') => {
             "the only prefix is `resto.`, for the restoration phase".to_owned()
         }
-        None => "check the name; `KNOWN_OPTIONS` and Ipopt's manual list them".to_owned(),
+        None => match nearest(name) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => "check the name; `KNOWN_OPTIONS` and Ipopt's manual list them".to_owned(),
+        },
     }
 }
