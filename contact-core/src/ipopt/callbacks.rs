@@ -1,11 +1,8 @@
 //! From Ipopt's callbacks to an [`Nlp`]: finite values only, and no panic across.
 
 use std::{
-    any::Any,
-    cell::{Cell, UnsafeCell},
     ffi::{c_char, c_int, c_void},
     ops::ControlFlow,
-    panic::{AssertUnwindSafe, catch_unwind},
     slice,
     time::Instant,
 };
@@ -13,39 +10,17 @@ use std::{
 use ipopt_sys as sys;
 
 use super::{
-    derivatives::Reader,
+    context::{Context, Gate, enter},
     iterate::{Source, record},
-    log::Sink,
-    statistics::{CallbackStatistics, Statistics},
+    statistics::CallbackStatistics,
 };
-use crate::nlp::{Iterate, IterationRecord, Nlp, Structure};
+use crate::nlp::Iterate;
 
-/// What looks at every iterate beside the problem itself.
-pub(super) type Watch<'a> = &'a mut (dyn FnMut(&Iterate<'_>) -> ControlFlow<()> + 'a);
-
-/// Lets one callback of a solve in at a time: an iterate that is looked at inside [`intermediate`] may make Ipopt
-/// want a value, or log.
-pub(super) struct Gate<'a> {
-    busy: Cell<bool>,
-    context: UnsafeCell<Context<'a>>,
-}
-
-impl<'a> Gate<'a> {
-    pub(super) fn new(context: Context<'a>) -> Self {
-        Self {
-            busy: Cell::new(false),
-            context: UnsafeCell::new(context),
-        }
-    }
-
-    pub(super) fn into_context(self) -> Context<'a> {
-        self.context.into_inner()
-    }
-
+impl Gate<'_> {
     /// The table for the shim; valid as long as `self` stays where it is.
     pub(super) fn table(&mut self) -> sys::ipopt_shim_callbacks {
         type Text = unsafe extern "C" fn(*mut c_void, *const c_char, usize);
-        let context = self.context.get_mut();
+        let context = self.context_mut();
         sys::ipopt_shim_callbacks {
             log: context.log.is_open().then_some(log as Text),
             derivative_check: context
@@ -63,68 +38,6 @@ impl<'a> Gate<'a> {
     }
 }
 
-/// What the callbacks of one solve share.
-pub(super) struct Context<'a> {
-    nlp: &'a mut dyn Nlp,
-    structure: &'a Structure,
-    shim: *const sys::ipopt_shim,
-    watch: Option<Watch<'a>>,
-    /// The first panic; once there is one, every callback fails.
-    pub(super) panic: Option<Box<dyn Any + Send>>,
-    pub(super) history: Vec<IterationRecord>,
-    /// Calls and times; the rest comes from Ipopt.
-    pub(super) statistics: Statistics,
-    pub(super) log: Sink<'a>,
-    /// What the derivative checker says, if it was asked.
-    pub(super) derivatives: Option<Reader>,
-}
-
-impl<'a> Context<'a> {
-    pub(super) fn new(
-        nlp: &'a mut dyn Nlp,
-        structure: &'a Structure,
-        shim: *const sys::ipopt_shim,
-        watch: Option<Watch<'a>>,
-        log: Sink<'a>,
-        derivatives: Option<Reader>,
-    ) -> Self {
-        let (panic, history, statistics) = Default::default();
-        Self {
-            nlp,
-            structure,
-            shim,
-            watch,
-            panic,
-            history,
-            statistics,
-            log,
-            derivatives,
-        }
-    }
-
-    /// Runs `body` unless a callback panicked before; false if it did, or does.
-    fn guarded(&mut self, body: impl FnOnce(&mut Self) -> bool) -> c_int {
-        if self.panic.is_some() {
-            return 0;
-        }
-        match catch_unwind(AssertUnwindSafe(|| body(self))) {
-            Ok(success) => c_int::from(success),
-            Err(payload) => {
-                self.panic = Some(payload);
-                0
-            }
-        }
-    }
-
-    /// Logs what is left.
-    pub(super) fn finish_log(&mut self) {
-        self.guarded(|this| {
-            this.log.finish();
-            true
-        });
-    }
-}
-
 /// No early exit, so that it vectorises.
 fn all_finite(values: &[f64]) -> bool {
     values
@@ -138,22 +51,6 @@ fn timed<T>(statistics: &mut CallbackStatistics, body: impl FnOnce() -> T) -> T 
     let value = body();
     statistics.time += start.elapsed();
     value
-}
-
-/// Runs `body` unless another callback is running, or one panicked before; 0 then, and if it fails or panics.
-///
-/// # Safety
-/// `user` must come from [`Gate::table`].
-unsafe fn enter(user: *mut c_void, body: impl FnOnce(&mut Context<'_>) -> bool) -> c_int {
-    // SAFETY: the solver keeps the gate in place during the solve and touches it through the shim only.
-    let gate = unsafe { &*user.cast::<Gate<'_>>() };
-    if gate.busy.replace(true) {
-        return 0;
-    }
-    // SAFETY: `busy` says that nobody else has it.
-    let result = unsafe { &mut *gate.context.get() }.guarded(body);
-    gate.busy.set(false);
-    result
 }
 
 /// # Safety
@@ -355,8 +252,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        ipopt::Log,
-        nlp::{Bounds, Pattern},
+        ipopt::{Log, log::Sink},
+        nlp::{Bounds, Nlp, Pattern, Structure},
     };
 
     /// Calls all functions of the table while it looks at an iterate.
@@ -406,25 +303,11 @@ mod tests {
         }
     }
 
-    #[derive(Clone, Default)]
-    struct Text(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
-
-    impl std::io::Write for Text {
-        fn write(&mut self, text: &[u8]) -> std::io::Result<usize> {
-            self.0.lock().expect("no panics").extend(text);
-            Ok(text.len())
-        }
-        fn flush(&mut self) -> std::io::Result<()> {
-            Ok(())
-        }
-    }
-
     #[test]
     fn no_callback_while_another_runs() {
         let (one, diagonal) = (Bounds::free(1), Pattern::diagonal(1));
         let structure = Structure::new(one.clone(), one, diagonal.clone(), Some(diagonal)).unwrap();
-        let text = Text::default();
-        let mut log = Log::writer(text.clone());
+        let (mut log, text) = Log::text();
         let shared = Rc::default();
         let mut nlp = Nested {
             table: Rc::clone(&shared),
@@ -439,10 +322,10 @@ mod tests {
         // SAFETY: the iteration is valid, and the gate stays where it is.
         let go_on = unsafe { (table.intermediate.expect("set"))(table.user, &iteration) };
         assert_eq!(go_on, 1, "the iterate was looked at");
-        assert!(text.0.lock().unwrap().is_empty(), "nothing was logged");
+        assert_eq!(text.take(), "", "nothing was logged");
         // Afterwards they are let in again.
         assert_eq!(call_all(&table), [1; 5]);
-        assert_eq!(*text.0.lock().unwrap(), b"line\n");
+        assert_eq!(text.take(), "line\n");
         let context = gate.into_context();
         assert!(context.panic.is_none() && context.history.len() == 1);
         assert_eq!(nlp.calls, 5);

@@ -127,6 +127,7 @@
 //!   [`OptionError::Unknown`] that says since when there is one.
 
 mod callbacks;
+mod context;
 mod derivatives;
 pub mod doctor;
 mod iterate;

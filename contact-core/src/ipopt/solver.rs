@@ -6,7 +6,7 @@ use ipopt_sys as sys;
 
 use super::{
     Error, Log, OptionValue, Options, Solution, Start, Status,
-    callbacks::{Context, Gate, Watch},
+    context::{Context, Gate, Watch},
     derivatives::Reader,
     library,
     lock::Exclusive,
