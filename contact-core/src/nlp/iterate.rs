@@ -128,7 +128,7 @@ pub struct Iterate<'a> {
 }
 
 impl<'a> Iterate<'a> {
-    /// For solvers, and for tests of an [`Nlp`].
+    /// For solvers, and for tests of an [`Nlp`](super::Nlp).
     pub fn new(record: IterationRecord, source: &'a dyn IterateSource) -> Self {
         Self {
             record,
