@@ -49,3 +49,8 @@ pub use method::InteriorPoint;
 pub use method::{Method, Minimum};
 pub use nlp::Bounds;
 pub use problem::{ContactProblem, Multipliers, Scale, State};
+
+/// The example of the README, as a test.
+#[cfg(all(doctest, feature = "ipopt"))]
+#[doc = include_str!("../README.md")]
+struct Readme;
