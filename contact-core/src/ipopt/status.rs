@@ -19,7 +19,7 @@ use std::fmt;
 /// | `CpuTimeLimit`, `WallTimeLimit` | −4, −5 | `max_cpu_time`, `max_wall_time`. | Allow more; g and the multipliers are lost. |
 /// | `TooFewDegreesOfFreedom` | −10 | More equalities than variables, fixed ones included: where the free ones are too few, Ipopt relaxes the others' bounds by itself. | Remove equalities; with `FixedVariableTreatment::MakeConstraint`, which adds one for each fixed variable, choose another. |
 /// | `InvalidProblem` | −11 | Ipopt refuses the problem. | See the log, at `print_level` 5. |
-/// | `InvalidOption` | −12 | The linear solver is missing, or options contradict each other. | Ask for `LinearSolver::Mumps`; see the log. |
+/// | `InvalidOption` | −12 | The linear solver is missing, or options contradict each other. | Ask for `LinearSolver::Mumps`; for HSL in a place of its own, set `hsllib` to its path (since 3.14); see the log. |
 /// | `InvalidNumber` | −13 | A derivative was not finite, or a function at the start. | Start inside the domain, keep x there by bounds; f and g may be infinite at trial points only. |
 /// | `UnrecoverableException`, `ForeignException`, `InternalError` | −100, −101, −199 | An exception, Ipopt's or another; a bug. The first too where a function fails during the derivative check. | See the log. |
 /// | `InsufficientMemory` | −102 | Out of memory. | A smaller problem, a sparser ordering (`mumps_pivot_order`), a smaller `mumps_mem_percent`. |
