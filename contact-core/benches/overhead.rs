@@ -8,7 +8,8 @@
 //!
 //! The number is how often; 9 unless given. Every solve is a process of its own, the three take turns, and all get the
 //! same options. Counted is processor time from the problem's data to its solution: set-up, solve and release. The
-//! exit status is not 0 unless all three take as many iterations to the same objective.
+//! exit status is not 0 unless all three take as many iterations to the same objective, and the driver adds less than
+//! 5 % to the fastest runs of its rivals.
 
 use std::{
     env,
@@ -28,8 +29,8 @@ const WIDTH: usize = 20;
 const M: usize = N / WIDTH;
 
 /// Those the driver sets by default, too, so that its rivals have them, as overhead.h reads them: kind, name, value.
-/// The ordering is AMD (0), as SCOTCH (the driver's 5 for large problems) has threads that wait in a loop: how long
-/// that takes is chance, and a third more processor time or less.
+/// The ordering is AMD (0), which every MUMPS has and which has no threads: those of SCOTCH wait in a loop, and how long
+/// is chance.
 const OPTIONS: [&str; 13] = [
     "s:option_file_name=",
     "i:print_level=0",
@@ -45,6 +46,8 @@ const OPTIONS: [&str; 13] = [
     "s:jac_d_constant=no",
     "s:warm_start_init_point=no",
 ];
+/// The share of a rival's fastest run that the driver may add.
+const MAY_ADD: f64 = 0.05;
 /// Since 3.14.
 const TIMING: &str = "s:timing_statistics=yes";
 
@@ -285,16 +288,23 @@ fn bench(repetitions: usize) -> Result<ExitCode> {
     compare("C++", &runs[2], "C", &runs[1]);
     let overhead = [1, 2].map(|k| compare("Rust", &runs[0], names[k], &runs[k]) - 1.0);
     let most = overhead[0].max(overhead[1]);
+    let below = most < MAY_ADD;
     println!(
-        "The driver adds {:.1} % to the fastest runs ({} the 5 % it may)",
+        "The driver adds {:.1} % to the fastest runs ({} the {:.0} % it may)",
         100.0 * most,
-        if most < 0.05 { "below" } else { "ABOVE" }
+        if below { "below" } else { "ABOVE" },
+        100.0 * MAY_ADD
     );
     if !agree {
         eprintln!("error: status, iterations or objective differ");
-        return Ok(ExitCode::FAILURE);
     }
-    Ok(ExitCode::SUCCESS)
+    if !below {
+        eprintln!("error: the driver adds more than it may");
+    }
+    Ok(match agree && below {
+        true => ExitCode::SUCCESS,
+        false => ExitCode::FAILURE,
+    })
 }
 
 fn main() -> Result<ExitCode> {

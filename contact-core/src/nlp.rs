@@ -5,9 +5,15 @@
 //! L = σ f + λᵀ g − z_Lᵀ (x − x_L) + z_Uᵀ (x − x_U), hence z_L, z_U ≥ 0, while λᵢ ≤ 0 where gᵢ is at its **lower** bound
 //! and λᵢ ≥ 0 at its upper: a gap constraint g ≥ 0 has the contact pressure −λ.
 
-use std::{cell::OnceCell, fmt, ops::ControlFlow};
+mod iterate;
+
+use std::ops::ControlFlow;
 
 use thiserror::Error;
+
+pub use self::iterate::{
+    Iterate, IterateSource, IterationRecord, Multipliers, Phase, Slacks, Violations,
+};
 
 /// Why a [`Structure`] was refused. Each names the culprit and the way out.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -291,12 +297,24 @@ impl Pattern {
         {
             return Err(NlpError::UpperTriangle { entry, row, col });
         }
+        match self.repeated(n, n) {
+            Some(entry) => Err(NlpError::Duplicate {
+                entry,
+                row: self.rows[entry],
+                col: self.cols[entry],
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// An entry at a place that an earlier one has; every index has been checked.
+    fn repeated(&self, rows: usize, cols: usize) -> Option<usize> {
         // Entries sorted by row (counting), then one mark per column.
-        let mut start = vec![0; n + 1];
+        let mut start = vec![0; rows + 1];
         for &row in &self.rows {
             start[row + 1] += 1;
         }
-        for row in 0..n {
+        for row in 0..rows {
             start[row + 1] += start[row];
         }
         let mut order = vec![0; self.len()];
@@ -305,17 +323,11 @@ impl Pattern {
             order[next[row]] = entry;
             next[row] += 1;
         }
-        let mut seen_in_row = vec![usize::MAX; n];
-        for row in 0..n {
-            for &entry in &order[start[row]..start[row + 1]] {
-                let col = self.cols[entry];
-                if seen_in_row[col] == row {
-                    return Err(NlpError::Duplicate { entry, row, col });
-                }
-                seen_in_row[col] = row;
-            }
-        }
-        Ok(())
+        let mut seen_in_row = vec![usize::MAX; cols];
+        order.into_iter().find(|&entry| {
+            let (row, col) = (self.rows[entry], self.cols[entry]);
+            std::mem::replace(&mut seen_in_row[col], row) == row
+        })
     }
 }
 
@@ -340,8 +352,9 @@ pub struct Structure {
 impl Structure {
     /// A problem with the bounds x_L, x_U of its n `variables` and g_L, g_U of its m `constraints` (m = 0 is fine).
     ///
-    /// `jacobian` is the pattern of ∂g/∂x, m × n; entries at one place add up. `hessian` is the pattern of the lower
-    /// triangle of ∂²L/∂x², n × n, each place once; `None` leaves it to a limited-memory approximation.
+    /// `jacobian` is the pattern of ∂g/∂x, m × n; entries at one place add up (unless a solver finds it by
+    /// differences). `hessian` is the pattern of the lower triangle of ∂²L/∂x², n × n, each place once; `None` leaves
+    /// it to a limited-memory approximation.
     ///
     /// # Errors
     /// [`NlpError`], with index, value and remedy, for sizes that do not fit, bounds that are NaN, crossed or infinite
@@ -450,6 +463,12 @@ impl Structure {
         &self.jacobian
     }
 
+    /// An entry of the Jacobian at a place that an earlier one has.
+    #[cfg(feature = "ipopt")]
+    pub(crate) fn repeated_jacobian_entry(&self) -> Option<usize> {
+        self.jacobian.repeated(self.constraints(), self.variables())
+    }
+
     /// Pattern of the lower triangle of ∂²L/∂x², n × n; `None` if it is to be approximated.
     pub fn hessian(&self) -> Option<&Pattern> {
         self.hessian.as_ref()
@@ -476,6 +495,25 @@ fn validate_bounds(variables: &Bounds, constraints: &Bounds) -> Result<(), NlpEr
 /// A **non-finite** objective or constraint means that this trial point is inadmissible: the line search shortens its
 /// step. There is no such way back from a non-finite derivative, which is asked for at accepted points only: the solve
 /// ends with an invalid number. `new_x` is false where `x` is the one of the call before, whichever function that was.
+///
+/// Slices to write to **arrive filled with zeros**: only what is not 0 need be written, and sums can be added up in
+/// place. What a problem has no use for can be left out: [`constraints`](Self::constraints) and
+/// [`jacobian`](Self::jacobian) without constraints, [`hessian`](Self::hessian) where it is approximated.
+///
+/// ```
+/// # use contact_core::nlp::Nlp;
+/// /// min Σ (xᵢ − 1)², by its gradient alone.
+/// struct Sphere;
+///
+/// impl Nlp for Sphere {
+///     fn objective(&mut self, x: &[f64], _new_x: bool) -> f64 {
+///         x.iter().map(|x| (x - 1.0).powi(2)).sum()
+///     }
+///     fn gradient(&mut self, x: &[f64], _new_x: bool, gradient: &mut [f64]) {
+///         gradient.iter_mut().zip(x).for_each(|(value, x)| *value += 2.0 * (x - 1.0));
+///     }
+/// }
+/// ```
 pub trait Nlp {
     /// Called first in every solve, with the x it was given to start from.
     fn begin(&mut self, x: &[f64]) {
@@ -489,13 +527,28 @@ pub trait Nlp {
     fn gradient(&mut self, x: &[f64], new_x: bool, gradient: &mut [f64]);
 
     /// g(x), m values; not called if m = 0.
-    fn constraints(&mut self, x: &[f64], new_x: bool, g: &mut [f64]);
+    ///
+    /// # Panics
+    /// Unless it is implemented.
+    fn constraints(&mut self, x: &[f64], new_x: bool, g: &mut [f64]) {
+        let _ = (x, new_x);
+        missing("constraints", "constraints", g.len());
+    }
 
     /// ∂g/∂x, one value for each entry of the pattern; not called if it has none.
-    fn jacobian(&mut self, x: &[f64], new_x: bool, values: &mut [f64]);
+    ///
+    /// # Panics
+    /// Unless it is implemented.
+    fn jacobian(&mut self, x: &[f64], new_x: bool, values: &mut [f64]) {
+        let _ = (x, new_x);
+        missing("jacobian", "entries of the Jacobian", values.len());
+    }
 
     /// σ ∇²f(x) + Σ λᵢ ∇²gᵢ(x) with σ = `objective_factor` and λ = `multipliers`: one value for each entry of the
     /// pattern; not called if it has none or is left to approximation. σ may be 0.
+    ///
+    /// # Panics
+    /// Unless it is implemented.
     fn hessian(
         &mut self,
         x: &[f64],
@@ -503,7 +556,10 @@ pub trait Nlp {
         objective_factor: f64,
         multipliers: &[f64],
         values: &mut [f64],
-    );
+    ) {
+        let _ = (x, new_x, objective_factor, multipliers);
+        missing("hessian", "entries of the Hessian", values.len());
+    }
 
     /// Called once an iteration, the starting point (iteration 0) included. [`ControlFlow::Break`] ends the solve.
     fn iterate(&mut self, iterate: &Iterate<'_>) -> ControlFlow<()> {
@@ -512,124 +568,10 @@ pub trait Nlp {
     }
 }
 
-/// Lagrange multipliers in the signs of the [module](self).
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Multipliers {
-    /// λ, m of them: ≤ 0 where a constraint is at its lower bound, ≥ 0 at its upper.
-    pub constraints: Vec<f64>,
-    /// z_L ≥ 0, n of them.
-    pub lower: Vec<f64>,
-    /// z_U ≥ 0, n of them.
-    pub upper: Vec<f64>,
-}
-
-/// What a solver is doing in an iteration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Phase {
-    /// Minimising f.
-    Regular,
-    /// Looking for a less infeasible point, because the line search found no acceptable step.
-    Restoration,
-}
-
-impl fmt::Display for Phase {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Regular => "regular",
-            Self::Restoration => "restoration",
-        })
-    }
-}
-
-/// One line of a solver's history.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct IterationRecord {
-    /// Counted from 0, the starting point.
-    pub iteration: usize,
-    /// In the restoration phase, some of the values below are those of its own problem.
-    pub phase: Phase,
-    /// f, unscaled.
-    pub objective: f64,
-    /// Constraint violation, max-norm.
-    pub primal_infeasibility: f64,
-    /// ∇L, max-norm, of the scaled problem.
-    pub dual_infeasibility: f64,
-    /// Barrier parameter μ.
-    pub mu: f64,
-    /// Max-norm of the step that led here (0 at the start).
-    pub step_norm: f64,
-    /// Multiple of the identity added to the Hessian for a descent direction; 0 for none.
-    pub regularization: f64,
-    /// Step length in the dual variables.
-    pub alpha_dual: f64,
-    /// Step length in the primal variables.
-    pub alpha_primal: f64,
-    /// Trial points of the line search; 0 at the start.
-    pub line_search_trials: usize,
-}
-
-/// Where an [`Iterate`] gets its vectors from, when it is asked. `None` where the solver has none.
-pub trait IterateSource {
-    /// x.
-    fn x(&self) -> Option<Vec<f64>>;
-    /// g(x).
-    fn constraints(&self) -> Option<Vec<f64>>;
-    /// λ, z_L, z_U.
-    fn multipliers(&self) -> Option<Multipliers>;
-}
-
-/// The iterate of a solve under way: its [`IterationRecord`], and its vectors for whoever asks.
-///
-/// Nothing is copied before it is asked for, and then once.
-pub struct Iterate<'a> {
-    record: IterationRecord,
-    source: &'a dyn IterateSource,
-    x: OnceCell<Option<Vec<f64>>>,
-    constraints: OnceCell<Option<Vec<f64>>>,
-    multipliers: OnceCell<Option<Multipliers>>,
-}
-
-impl<'a> Iterate<'a> {
-    /// For solvers, and for tests of an [`Nlp`].
-    pub fn new(record: IterationRecord, source: &'a dyn IterateSource) -> Self {
-        Self {
-            record,
-            source,
-            x: OnceCell::new(),
-            constraints: OnceCell::new(),
-            multipliers: OnceCell::new(),
-        }
-    }
-
-    /// What the solver says of it.
-    pub fn record(&self) -> &IterationRecord {
-        &self.record
-    }
-
-    /// x, fixed variables included; in the restoration phase, its present trial for x.
-    pub fn x(&self) -> Option<&[f64]> {
-        self.x.get_or_init(|| self.source.x()).as_deref()
-    }
-
-    /// g(x); `None` in the restoration phase.
-    pub fn constraints(&self) -> Option<&[f64]> {
-        self.constraints
-            .get_or_init(|| self.source.constraints())
-            .as_deref()
-    }
-
-    /// The multipliers, 0 for the bounds of fixed variables; `None` in the restoration phase, whose problem has others.
-    pub fn multipliers(&self) -> Option<&Multipliers> {
-        self.multipliers
-            .get_or_init(|| self.source.multipliers())
-            .as_ref()
-    }
-}
-
-impl fmt::Debug for Iterate<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Iterate")
-            .field("record", &self.record)
-            .finish_non_exhaustive()
-    }
+fn missing(function: &str, what: &str, count: usize) -> ! {
+    let or = match function {
+        "hessian" => ", or give no pattern of it (`None`) to have it approximated",
+        _ => "",
+    };
+    panic!("the structure has {count} {what}: implement `Nlp::{function}`{or}")
 }

@@ -92,6 +92,22 @@ fn a_writer_gets_a_line_an_iteration_unless_told_otherwise() {
 }
 
 #[test]
+fn a_text_has_the_log_since_the_last_time() {
+    let (log, text) = Log::text();
+    let mut solver = hs071_solver();
+    solver.set_log(log);
+    assert_eq!(text.take(), "");
+    let solution = solve(&mut solver);
+    let first = text.take();
+    assert_eq!(rows(&first).len(), solution.history.len(), "{first}");
+    assert_eq!(text.take(), "");
+    solve(&mut solver);
+    assert_eq!(rows(&text.clone().take()), rows(&first));
+    drop(solver);
+    assert_eq!(text.take(), "");
+}
+
+#[test]
 fn a_writer_that_fails_is_reported_and_stops_nothing() {
     let kept = Kept::new(|| Err(io::Error::new(io::ErrorKind::StorageFull, "disk full")));
     let mut solver = hs071_solver();

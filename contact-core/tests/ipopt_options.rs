@@ -4,7 +4,10 @@
 mod common;
 
 use common::*;
-use contact_core::ipopt::*;
+use contact_core::{
+    ipopt::*,
+    nlp::{Bounds, Pattern, Structure},
+};
 
 fn set(name: &str, value: impl Into<OptionValue>) -> Result<Solver, Error> {
     Solver::new(hs071_structure(), &Options::new().with(name, value))
@@ -125,4 +128,217 @@ fn a_value_out_of_range_names_option_and_range() {
         error.to_string().contains("a number > 0 and < 1"),
         "{error}"
     );
+}
+
+#[track_caller]
+fn refused(name: &str, value: impl Into<OptionValue>) -> OptionError {
+    match set(name, value) {
+        Err(Error::Option(error)) => {
+            assert!(error.to_string().contains(name), "{error}");
+            error
+        }
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+/// Up to 1e30; beyond, Ipopt would overflow, crash, or iterate without end and without a look at its limits.
+#[test]
+fn numbers_are_finite_and_of_a_reasonable_size() {
+    let ends = [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e308, -1e308];
+    let open = ["max_cpu_time", "max_wall_time", "nlp_lower_bound_inf"];
+    let numbers = KNOWN_OPTIONS
+        .iter()
+        .filter(|option| matches!(option.default, DefaultValue::Number(_)))
+        .filter(|option| option.is_in(VERSION));
+    for name in numbers.map(|option| option.name) {
+        for end in ends {
+            if !open.contains(&name) && name != "nlp_upper_bound_inf" {
+                let error = refused(name, end);
+                assert!(matches!(error, OptionError::Invalid { .. }), "{error}");
+            }
+        }
+        for value in [1e30, 1e-300, -1e30] {
+            for structure in [hs071_structure(), without_hessian()] {
+                let options = Options::new().max_iter(5).with(name, value);
+                if let Ok(mut solver) = Solver::new(structure, &options) {
+                    solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
+                }
+            }
+        }
+    }
+    let error = refused("tol", f64::INFINITY).to_string();
+    assert!(
+        error.contains("a number > 0, from -1e30 to 1e30"),
+        "{error}"
+    );
+    // By name and without a setter, too.
+    refused("resto.bound_push", 1e308);
+    refused("warm_start_target_mu", f64::INFINITY);
+}
+
+#[test]
+fn infinite_numbers_stand_for_no_limit_and_no_bound() {
+    let mut options = Options::new()
+        .max_cpu_time(f64::INFINITY)
+        .nlp_lower_bound_inf(f64::NEG_INFINITY)
+        .nlp_upper_bound_inf(f64::INFINITY);
+    if KnownOption::named("max_wall_time").unwrap().is_in(VERSION) {
+        options = options.max_wall_time(f64::INFINITY);
+    }
+    let mut solver = Solver::new(hs071_structure(), &options).unwrap();
+    let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert_close(&solution.x, &HS071_X, 1e-6);
+    for (name, value) in [
+        ("max_cpu_time", f64::NAN),
+        ("max_cpu_time", f64::NEG_INFINITY),
+        ("nlp_lower_bound_inf", f64::INFINITY),
+        ("nlp_upper_bound_inf", f64::NEG_INFINITY),
+    ] {
+        refused(name, value);
+    }
+}
+
+#[test]
+fn an_objective_is_not_scaled_to_nothing() {
+    for zero in [OptionValue::from(0), 0.0.into(), (-0.0).into()] {
+        let error = refused("obj_scaling_factor", zero);
+        assert!(error.to_string().contains("but not 0"), "{error}");
+    }
+    // Unscaled, the multipliers overflow: none is better than ∞.
+    let options = Options::new().obj_scaling_factor(1e-310).max_iter(3);
+    let mut solver = Solver::new(hs071_structure(), &options).unwrap();
+    let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
+    assert_eq!(solution.multipliers, None, "{solution:?}");
+}
+
+fn without_hessian() -> Structure {
+    let s = hs071_structure();
+    let bounds = (s.variable_bounds().clone(), s.constraint_bounds().clone());
+    Structure::new(bounds.0, bounds.1, s.jacobian().clone(), None).unwrap()
+}
+
+#[test]
+fn words_are_taken_in_any_case() {
+    let options = Options::new()
+        .with("mu_strategy", "ADAPTIVE")
+        .with("resto.mu_strategy", "Monotone")
+        .with("option_file_name", "Some.Name");
+    assert_eq!(options.get("mu_strategy"), Some(&"adaptive".into()));
+    assert_eq!(options.get("resto.mu_strategy"), Some(&"monotone".into()));
+    assert_eq!(options.get("option_file_name"), Some(&"Some.Name".into()));
+
+    let solve = |name: &str, word: &str| {
+        let mut solver = set(name, word).unwrap();
+        solver.solve(&mut Hs071, &Start::at(&HS071_START))
+    };
+    for yes in ["yes", "Yes", "YES"] {
+        let outcome = solve("warm_start_init_point", yes);
+        assert_eq!(outcome, Err(Error::MissingMultipliers), "{yes}");
+    }
+    let none = solve("derivative_test", "NONE").unwrap();
+    assert_eq!(none.derivative_check, None);
+    let first = solve("derivative_test", "First-Order").unwrap();
+    assert!(first.derivative_check.unwrap().is_clean());
+    let scaling = Scaling {
+        objective: 2.0,
+        variables: None,
+        constraints: None,
+    };
+    let mut scaled = set("nlp_scaling_method", "User-Scaling").unwrap();
+    scaled.set_scaling(&scaling).unwrap();
+    let options = Options::new().with("hessian_approximation", "Limited-Memory");
+    Solver::new(without_hessian(), &options).unwrap();
+}
+
+#[test]
+fn the_only_prefix_is_that_of_the_restoration_phase() {
+    for name in [
+        ".tol",
+        "x.tol",
+        "resto..tol",
+        "resto.resto.tol",
+        "tol.",
+        "Resto.tol",
+    ] {
+        let error = refused(name, 1e-3);
+        assert!(matches!(error, OptionError::Unknown { .. }), "{error}");
+        if !name.ends_with('.') {
+            assert!(error.to_string().contains("`resto.`"), "{error}");
+        }
+        assert_eq!(hs071_solver().ipopt_default(name), None);
+    }
+    refused("x.warm_start_init_point", "yes");
+    set("resto.tol", 1e-3).unwrap();
+    refused("resto.tol", -1.0);
+    refused("resto.toll", 1.0);
+    for word in ["exact", "Exact"] {
+        let options = Options::new().with("resto.hessian_approximation", word);
+        let error = Solver::new(without_hessian(), &options).unwrap_err();
+        assert!(error.to_string().contains("has no Hessian"), "{error}");
+    }
+}
+
+#[test]
+fn options_that_are_refused_leave_the_others_as_they_were() {
+    let mut solver = Solver::new(hs071_structure(), &Options::new().max_iter(3)).unwrap();
+    let bad = Options::new()
+        .max_iter(1)
+        .derivative_test(DerivativeTest::FirstOrder)
+        .with("warm_start_init_point", "yes")
+        .tol(-1.0);
+    assert!(solver.set_options(&bad).is_err());
+    let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
+    assert_eq!(solution.status, Status::IterationLimit);
+    assert_eq!(solution.statistics.iterations, 3);
+    assert_eq!(solution.derivative_check, None);
+}
+
+fn with_jacobian(jacobian: Pattern) -> Structure {
+    let hessian = Some(Pattern::diagonal(2));
+    let constraints = Bounds::uniform(1, -1.0, 1.0);
+    Structure::new(Bounds::free(2), constraints, jacobian, hessian).unwrap()
+}
+
+#[test]
+fn differences_need_a_jacobian_with_each_place_once() {
+    let differences =
+        Options::new().jacobian_approximation(JacobianApproximation::FiniteDifferences);
+    let error = Solver::new(with_jacobian(Pattern::empty()), &differences).unwrap_err();
+    let expected = "takes [\"exact\"], as the structure's Jacobian has no entries";
+    assert!(error.to_string().contains(expected), "{error}");
+
+    let repeating = Pattern::new(vec![0, 0, 0], vec![1, 0, 1]);
+    let error = Solver::new(with_jacobian(repeating.clone()), &differences).unwrap_err();
+    let Error::Option(OptionError::RepeatedEntry {
+        name,
+        entry,
+        row,
+        col,
+        ..
+    }) = &error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!(name, "jacobian_approximation");
+    assert_eq!((*entry, *row, *col), (2, 0, 1));
+    assert!(error.to_string().contains("repeats (0, 1)"), "{error}");
+
+    // Neither matters to exact derivatives, nor where there are no constraints.
+    for jacobian in [Pattern::empty(), repeating] {
+        let exact = Options::new().jacobian_approximation(JacobianApproximation::Exact);
+        Solver::new(with_jacobian(jacobian), &exact).unwrap();
+    }
+    let free = Separable::structure(Bounds::free(2));
+    let solution = Solver::new(free, &differences)
+        .unwrap()
+        .solve(&mut Separable::new(&[1.0, 2.0]), &Start::at(&[0.0; 2]))
+        .unwrap();
+    assert_close(&solution.x, &[1.0, 2.0], 1e-7);
+    let solution = Solver::new(hs071_structure(), &differences)
+        .unwrap()
+        .solve(&mut Hs071, &Start::at(&HS071_START))
+        .unwrap();
+    assert_eq!(solution.statistics.jacobian.calls, 0);
+    assert_close(&solution.x, &HS071_X, 1e-5);
 }

@@ -6,13 +6,18 @@ mod common;
 use std::{
     ops::ControlFlow,
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::Barrier,
+    sync::{
+        Barrier,
+        atomic::{AtomicBool, Ordering},
+        mpsc,
+    },
     thread,
+    time::Duration,
 };
 
 use common::*;
 use contact_core::{
-    ipopt::{Error, OptionError, Options, Scaling, Solver, Start, Status},
+    ipopt::{Error, OptionError, Options, Scaling, Solver, Start, Status, VERSION},
     nlp::{Bounds, Multipliers, Nlp, NlpError, Pattern, Structure},
 };
 
@@ -55,6 +60,79 @@ fn eight_threads_at_once() {
             .sum()
     });
     assert_eq!(solved, threads * rounds * 2);
+}
+
+/// Makes a solver, sets it, asks it and drops it, and one that is refused.
+fn all_but_a_solve(tol: f64) {
+    let mut solver = hs071_solver();
+    solver
+        .set_options(&Options::new().tol(tol).max_iter(7))
+        .unwrap();
+    assert_eq!(solver.ipopt_default("tol"), Some(1e-8.into()));
+    assert!(solver.set_options(&Options::new().tol(-tol)).is_err());
+    let scaling = Scaling {
+        objective: 2.0,
+        variables: None,
+        constraints: None,
+    };
+    solver.set_scaling(&scaling).unwrap();
+    solver.clear_scaling().unwrap();
+    assert!(Solver::new(hs071_structure(), &Options::new().with("toll", 1)).is_err());
+}
+
+#[test]
+fn only_a_solve_waits_for_a_solve() {
+    let (sender, done) = mpsc::channel();
+    let mut solver = hs071_solver();
+    let mut moved = Some(hs071_solver());
+    let mut waited = 0;
+    let solution = solver.solve_with(&mut Hs071, &Start::at(&HS071_START), |_| {
+        let (sender, other) = (sender.clone(), moved.take());
+        thread::spawn(move || {
+            drop(other);
+            all_but_a_solve(1e-7);
+            sender.send(()).unwrap();
+        });
+        done.recv_timeout(Duration::from_secs(30))
+            .expect("it does not wait for the end of this solve");
+        waited += 1;
+        ControlFlow::Continue(())
+    });
+    assert_eq!(solution.unwrap().status, Status::Solved);
+    assert!(waited > 5);
+}
+
+#[test]
+fn solvers_come_and_go_while_another_solves() {
+    let over = AtomicBool::new(false);
+    let rounds: usize = thread::scope(|scope| {
+        let workers: Vec<_> = (1..=8)
+            .map(|k| {
+                let over = &over;
+                scope.spawn(move || {
+                    let mut rounds = 0;
+                    while rounds < 3 || (rounds < 500 && !over.load(Ordering::Relaxed)) {
+                        all_but_a_solve(1e-9 * f64::from(k));
+                        rounds += 1;
+                    }
+                    rounds
+                })
+            })
+            .collect();
+        for _ in 0..20 {
+            let solution = hs071_solver()
+                .solve(&mut Hs071, &Start::at(&HS071_START))
+                .unwrap();
+            assert_eq!(solution.status, Status::Solved);
+            assert_close(&solution.x, &HS071_X, 1e-6);
+        }
+        over.store(true, Ordering::Relaxed);
+        workers
+            .into_iter()
+            .map(|worker| worker.join().unwrap())
+            .sum()
+    });
+    assert!(rounds >= 24);
 }
 
 #[test]
@@ -126,6 +204,9 @@ fn nan_everywhere_is_an_invalid_number() {
         let solution = solver.solve(&mut nlp, &Start::at(&HS071_START)).unwrap();
         assert_eq!(solution.status, Status::InvalidNumber, "{spoil:?}");
         assert_eq!(solution.multipliers, None, "{spoil:?}");
+        // Ipopt has zeros for what it has not evaluated.
+        assert!(solution.objective.is_nan(), "{spoil:?}: {solution:?}");
+        assert!(solution.g.iter().all(|g| g.is_nan()), "{spoil:?}");
         let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
         assert_eq!(solution.status, Status::Solved);
     }
@@ -415,6 +496,8 @@ fn bad_options_are_refused_by_name() {
         refused("nul", set("nul\0")),
         OptionError::Unknown { .. }
     ));
+    let slip = refused("maxiter", set("maxiter")).to_string();
+    assert!(slip.ends_with("did you mean `max_iter`?"), "{slip}");
     let words = refused("mu_strategy", Options::new().with("mu_strategy", "perhaps"));
     assert!(matches!(&words, OptionError::Invalid { .. }));
     assert!(
@@ -463,7 +546,7 @@ fn an_integer_serves_as_a_number_and_the_last_value_counts() {
     assert!(solution.statistics.iterations <= 1);
 }
 
-/// One of them, MA97, makes Ipopt 3.11 end the process where HSL is not installed.
+/// One of them, MA97, makes Ipopt 3.11 end the process where HSL is not installed, and 3.14 crash.
 #[test]
 fn a_missing_linear_solver_is_a_status() {
     let mut missing = 0;
@@ -483,6 +566,40 @@ fn a_missing_linear_solver_is_a_status() {
     }
     // WSMP is part of no distribution's Ipopt.
     assert!(missing > 0);
+}
+
+/// Since 3.14 there is an option that names the library of HSL.
+#[test]
+fn a_library_that_is_not_hsl_is_a_status() {
+    for library in ["", "no-such-library.so", "/no/such/library.so", "libm.so.6"] {
+        let options = Options::new()
+            .with("linear_solver", "ma97")
+            .with("hsllib", library);
+        let Ok(mut solver) = Solver::new(hs071_structure(), &options) else {
+            assert!(VERSION < (3, 14, 0));
+            continue;
+        };
+        let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
+        let linked = solution.status == Status::Solved;
+        assert!(
+            linked || solution.status == Status::InvalidOption,
+            "{library}"
+        );
+    }
+}
+
+/// It takes MC19; Ipopt 3.11 ends the process where HSL is not installed.
+#[test]
+fn a_scaling_that_needs_hsl_is_a_status() {
+    for method in ["equilibration-based", "Equilibration-Based"] {
+        let options = Options::new().with("nlp_scaling_method", method);
+        let mut solver = Solver::new(hs071_structure(), &options).unwrap();
+        let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
+        if solution.status != Status::Solved {
+            assert_eq!(solution.status, Status::InvalidOption);
+            assert_eq!(solution.x, HS071_START);
+        }
+    }
 }
 
 #[test]

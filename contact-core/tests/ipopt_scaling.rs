@@ -3,10 +3,12 @@
 
 mod common;
 
+use std::ops::ControlFlow;
+
 use common::*;
 use contact_core::{
     ipopt::{Error, NlpScalingMethod, Options, Scaling, Solver, Start, Status},
-    nlp::{Bounds, NlpError},
+    nlp::{Bounds, Multipliers, Nlp, NlpError},
 };
 
 const FACTORS: Scaling = Scaling {
@@ -69,6 +71,8 @@ fn a_scaling_that_would_be_ignored_is_an_error() {
     late.set_scaling(&FACTORS).unwrap();
     assert_eq!(late.set_options(&other), Err(expected));
     assert_close(&[first_gradient(&mut late)], &[24.0], 1e-12);
+    assert!(late.set_options(&Options::new().tol(-1.0)).is_err());
+    assert_close(&[first_gradient(&mut late)], &[24.0], 1e-12);
     late.clear_scaling().unwrap();
     late.set_options(&other).unwrap();
     assert_close(&[first_gradient(&mut late)], &[4.0], 1e-12);
@@ -115,17 +119,73 @@ fn factors_are_checked() {
         ),
         "{error}"
     );
-    // A negative factor of f maximises: no error, and another solution.
+}
+
+/// ∇f + λᵀ∂g/∂x − z_L + z_U.
+fn stationarity(x: &[f64], multipliers: &Multipliers) -> Vec<f64> {
+    let mut residual = vec![0.0; 4];
+    let mut jacobian = vec![0.0; 8];
+    Hs071.gradient(x, true, &mut residual);
+    Hs071.jacobian(x, true, &mut jacobian);
+    for (i, value) in residual.iter_mut().enumerate() {
+        *value += multipliers.constraints[0] * jacobian[i];
+        *value += multipliers.constraints[1] * jacobian[4 + i];
+        *value += multipliers.upper[i] - multipliers.lower[i];
+    }
+    residual
+}
+
+/// Maximised with x₀ ≤ 3.5 instead of 5, so that a bound is active, and with x₀x₁x₂x₃ ≥ 80.
+#[test]
+fn maximising_reverses_the_signs_of_multipliers() {
+    let mut variables = Bounds::uniform(4, 1.0, 5.0);
+    variables.upper[0] = 3.5;
+    let constraints = Bounds {
+        lower: vec![80.0, 40.0],
+        upper: vec![f64::INFINITY, 40.0],
+    };
     let maximise = Scaling {
         objective: -1.0,
         ..FACTORS
     };
-    solver.set_scaling(&maximise).unwrap();
-    let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
-    assert!(solution.status.is_acceptable());
-    assert!(
-        solution.objective > HS071_OBJECTIVE + 1.0,
-        "{}",
-        solution.objective
-    );
+    let option = Options::new().obj_scaling_factor(-1.0);
+    for (options, scaling) in [(Options::new(), Some(maximise)), (option, None)] {
+        let mut solver = Solver::new(hs071_structure(), &options).unwrap();
+        solver
+            .set_bounds(variables.clone(), constraints.clone())
+            .unwrap();
+        if let Some(scaling) = &scaling {
+            solver.set_scaling(scaling).unwrap();
+        }
+        let mut last = None;
+        let solution = solver
+            .solve_with(&mut Hs071, &Start::at(&HS071_START), |iterate| {
+                last = iterate.multipliers().cloned();
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert_eq!(solution.status, Status::Solved);
+        assert!(solution.objective > HS071_OBJECTIVE + 1.0);
+        assert_close(&solution.g, &[80.0, 40.0], 1e-5);
+        assert_close(&solution.x[..1], &[3.5], 1e-5);
+
+        let multipliers = solution.multipliers.unwrap();
+        assert_close(&stationarity(&solution.x, &multipliers), &[0.0; 4], 1e-5);
+        assert!(multipliers.constraints[0] > 0.05, "{multipliers:?}");
+        assert!(multipliers.upper[0] < -0.1, "{multipliers:?}");
+        let z = multipliers.lower.iter().chain(&multipliers.upper);
+        assert!(z.copied().all(|z| z <= 0.0), "{multipliers:?}");
+        let last = last.unwrap();
+        assert_close(&last.constraints, &multipliers.constraints, 1e-12);
+        assert_close(&last.upper, &multipliers.upper, 1e-12);
+
+        solver.set_options(&options.clone().warm_start()).unwrap();
+        let again = Start {
+            x: &solution.x,
+            multipliers: Some(&multipliers),
+        };
+        let warm = solver.solve(&mut Hs071, &again).unwrap();
+        assert_eq!(warm.status, Status::Solved);
+        assert!(warm.statistics.iterations <= 3, "{:?}", warm.history);
+    }
 }

@@ -4,12 +4,12 @@
 use std::ops::ControlFlow;
 
 use contact_core::{
-    ipopt::{Options, Sequence, SequenceSettings, Solution, Solver, Start, Status},
+    ipopt::{Options, Run, Sequence, SequenceSettings, Solution, Solver, Start, Status},
     nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure},
 };
 
 mod common;
-use common::{HS071_START, Hs071, assert_close, hs071_solver, hs071_structure};
+use common::{HS071_START, Hs071, Obstacle, assert_close, hs071_solver, hs071_structure};
 
 /// Young's modulus, so large that the forces of the problem are about 1, as tolerances expect.
 const E: f64 = 1e3;
@@ -387,19 +387,75 @@ fn failures_leave_no_trace_in_the_memory() {
     assert!(second.solved && !second.warm && second.retried.is_none());
 }
 
-/// A warm start from multipliers that are far off takes longer than a cold start ever did: it is given up.
+/// A string above a floor, and multipliers so far off that a warm start from them takes more than twice the
+/// iterations of a cold one.
+fn lost() -> (Obstacle, Structure, Vec<f64>, Multipliers) {
+    let n = 40;
+    let far_off = Multipliers {
+        constraints: vec![1e4; n],
+        lower: vec![0.0; n],
+        upper: vec![0.0; n],
+    };
+    let obstacle = Obstacle { n, load: 4.0 };
+    (
+        obstacle,
+        Obstacle::structure(n, -0.1),
+        vec![1.0; n],
+        far_off,
+    )
+}
+
 #[test]
 fn iterations_that_blow_up_are_cut_short() {
-    let settings = SequenceSettings {
-        warm: Options::new().warm_start().with("max_iter", 0),
+    let (mut obstacle, structure, x, far_off) = lost();
+    let zeros = vec![0.0; x.len()];
+    let mut outcome = |settings: SequenceSettings| {
+        let mut sequence = Sequence::new(structure.clone(), settings, &zeros).unwrap();
+        let cold = sequence.solve(&mut obstacle).unwrap().solution;
+        // The sequence goes on with problems of the same kind, so that this solve can be too long.
+        sequence.restart(&x, Some(far_off.clone())).unwrap();
+        let run = sequence.solve(&mut obstacle).unwrap();
+        assert!(run.solved && run.warm == run.retried.is_none(), "{run:?}");
+        assert_close(&run.solution.x, &cold.x, 1e-6);
+        assert_eq!(sequence.totals().cold_retries, usize::from(!run.warm));
+        (cold.statistics.iterations, run)
+    };
+    let blow_up = |blow_up| SequenceSettings {
+        blow_up,
         ..SequenceSettings::default()
     };
-    let mut sequence = Sequence::new(hs071_structure(), settings, &HS071_START).unwrap();
-    sequence.solve(&mut Hs071).unwrap();
-    let run = sequence.solve(&mut Hs071).unwrap();
-    let retried = run.retried.expect("no iterations are not enough");
-    assert_eq!(retried.status, Status::IterationLimit);
-    assert!(run.solved && !run.warm);
+
+    let (cold, run) = outcome(SequenceSettings::default());
+    assert!(2 * cold < SequenceSettings::LEAST, "{cold}");
+    let least = Some((Status::IterationLimit, SequenceSettings::LEAST));
+    let retried = |run: &Run| {
+        run.retried
+            .map(|retried| (retried.status, retried.iterations))
+    };
+    assert_eq!(retried(&run), least);
+    // A little more is not enough, three times a cold solve is.
+    let factor = (SequenceSettings::LEAST + 2) as f64 / cold as f64;
+    let (_, run) = outcome(blow_up(factor + 1e-6));
+    assert_eq!(
+        retried(&run),
+        Some((Status::IterationLimit, SequenceSettings::LEAST + 2))
+    );
+    let (_, run) = outcome(blow_up(3.0));
+    assert!(run.warm && run.solution.statistics.iterations > SequenceSettings::LEAST + 2);
+}
+
+/// How long solves of another structure take says nothing.
+#[test]
+fn what_blows_up_is_forgotten_with_the_structure() {
+    let (mut obstacle, structure, x, far_off) = lost();
+    let mut sequence = Sequence::new(one_variable(), SequenceSettings::default(), &[0.0]).unwrap();
+    assert!(sequence.solve(&mut follow(|_| false)).unwrap().solved);
+    sequence
+        .set_structure(structure, &x, Some(far_off))
+        .unwrap();
+    let run = sequence.solve(&mut obstacle).unwrap();
+    assert!(run.solved && run.warm && run.retried.is_none(), "{run:?}");
+    assert!(run.solution.statistics.iterations > SequenceSettings::LEAST);
 }
 
 #[test]

@@ -105,7 +105,8 @@ fn a_solve_inside_the_closure_is_refused() {
     assert_eq!(refused, 1);
 }
 
-/// Compiles for a type that is not `Sync` only: for others the second implementation makes the path ambiguous.
+/// Compiles for a type that is not `Sync` only, which a doctest that must not compile would not tell from any other
+/// error: for others the second implementation makes the path ambiguous.
 trait UnlessSync<A> {
     fn check() {}
 }

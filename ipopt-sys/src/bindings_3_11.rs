@@ -527,6 +527,19 @@ unsafe extern "C" {
         z_upper: *mut f64,
         lambda: *mut f64,
     ) -> ::std::os::raw::c_int;
+    pub fn ipopt_shim_current_slacks(
+        shim: *const ipopt_shim,
+        x_lower: *mut f64,
+        x_upper: *mut f64,
+        s: *mut f64,
+        s_lower: *mut f64,
+        s_upper: *mut f64,
+    ) -> ::std::os::raw::c_int;
+    pub fn ipopt_shim_current_lagrangian(
+        shim: *const ipopt_shim,
+        gradient: *mut f64,
+        objective_factor: *mut f64,
+    ) -> ::std::os::raw::c_int;
     pub fn ipopt_shim_library_version(numbers: *mut ::std::os::raw::c_int)
     -> ::std::os::raw::c_int;
 }

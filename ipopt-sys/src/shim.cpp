@@ -3,6 +3,8 @@
 #include "IpoptConfig.h"
 
 #include "IpCompoundVector.hpp"
+#include "IpDenseVector.hpp"
+#include "IpExpansionMatrix.hpp"
 #include "IpIpoptApplication.hpp"
 #include "IpIpoptCalculatedQuantities.hpp"
 #include "IpIpoptData.hpp"
@@ -22,6 +24,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <limits>
 #include <new>
 #include <sstream>
 #include <string>
@@ -47,6 +50,10 @@ static_assert(std::is_same<Number, double>::value, "ipopt-sys supports Ipopt in 
 #define SHIM_IPOPT_3_14 0
 #endif
 
+#if SHIM_IPOPT_3_14
+#include "IpLinearSolvers.h"
+#endif
+
 #if IPOPT_VERSION_MAJOR > 3 ||                                                                                         \
     (IPOPT_VERSION_MAJOR == 3 &&                                                                                       \
      (IPOPT_VERSION_MINOR > 14 || (IPOPT_VERSION_MINOR == 14 && IPOPT_VERSION_RELEASE >= 18)))
@@ -59,8 +66,7 @@ extern "C" void GetIpoptVersion(int *major, int *minor, int *release);
 
 namespace {
 
-/** Where an iterate is read from; set while Ipopt is in the intermediate callback. No other callback is made
- *  meanwhile, even if Ipopt should want a value again for an iterate: the caller is in the middle of one. */
+/** Where an iterate is read from; set while Ipopt is in the intermediate callback. */
 struct Current {
     bool restoration = false;
     const IpoptData *data = nullptr;
@@ -90,11 +96,13 @@ class LogJournal : public Journal {
 public:
     typedef void (*Sink)(void *user, const char *text, size_t length);
 
-    LogJournal(const char *name, EJournalLevel level, Sink sink, void *user, const Current &current)
-        : Journal(name, level), sink_(sink), user_(user), current_(current) {}
+    LogJournal(const char *name, EJournalLevel level, Sink sink, void *user)
+        : Journal(name, level), sink_(sink), user_(user) {}
 
 protected:
-    void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override { send(text, std::strlen(text)); }
+    void PrintImpl(EJournalCategory, EJournalLevel, const char *text) override {
+        sink_(user_, text, std::strlen(text));
+    }
     void PrintfImpl(EJournalCategory, EJournalLevel, const char *format, va_list arguments) override {
         char text[1024];
         va_list again;
@@ -103,24 +111,17 @@ protected:
         if (length >= static_cast<int>(sizeof text)) {
             std::vector<char> longer(static_cast<size_t>(length) + 1);
             std::vsnprintf(longer.data(), longer.size(), format, again);
-            send(longer.data(), static_cast<size_t>(length));
+            sink_(user_, longer.data(), static_cast<size_t>(length));
         } else if (length > 0) {
-            send(text, static_cast<size_t>(length));
+            sink_(user_, text, static_cast<size_t>(length));
         }
         va_end(again);
     }
     void FlushBufferImpl() override {}
 
 private:
-    void send(const char *text, size_t length) {
-        if (!current_.set()) {
-            sink_(user_, text, length);
-        }
-    }
-
     const Sink sink_;
     void *const user_;
-    const Current &current_;
 };
 
 /** Bytes this process has allocated at present, -1 where nobody says. */
@@ -309,15 +310,15 @@ public:
     }
 
     bool eval_f(Index, const Number *x, bool new_x, Number &value) override {
-        return ready() && callbacks_.objective(callbacks_.user, x, new_x, &value) != 0;
+        return callbacks_.objective(callbacks_.user, x, new_x, &value) != 0;
     }
 
     bool eval_grad_f(Index, const Number *x, bool new_x, Number *gradient) override {
-        return ready() && callbacks_.gradient(callbacks_.user, x, new_x, gradient) != 0;
+        return callbacks_.gradient(callbacks_.user, x, new_x, gradient) != 0;
     }
 
     bool eval_g(Index, const Number *x, bool new_x, Index m, Number *g) override {
-        return m == 0 || (ready() && callbacks_.constraints(callbacks_.user, x, new_x, g) != 0);
+        return m == 0 || callbacks_.constraints(callbacks_.user, x, new_x, g) != 0;
     }
 
     bool eval_jac_g(Index, const Number *x, bool new_x, Index, Index entries, Index *rows, Index *cols,
@@ -327,7 +328,7 @@ public:
             std::copy(shim_.jacobian_cols.begin(), shim_.jacobian_cols.end(), cols);
             return true;
         }
-        return entries == 0 || (ready() && callbacks_.jacobian(callbacks_.user, x, new_x, values) != 0);
+        return entries == 0 || callbacks_.jacobian(callbacks_.user, x, new_x, values) != 0;
     }
 
     bool eval_h(Index, const Number *x, bool new_x, Number objective_factor, Index, const Number *lambda,
@@ -337,19 +338,21 @@ public:
             std::copy(shim_.hessian_cols.begin(), shim_.hessian_cols.end(), cols);
             return true;
         }
-        return entries == 0 || (ready() && callbacks_.hessian(callbacks_.user, x, new_x, objective_factor, lambda,
-                                                              new_lambda, values) != 0);
+        return entries == 0 || callbacks_.hessian(callbacks_.user, x, new_x, objective_factor, lambda, new_lambda,
+                                                  values) != 0;
     }
 
-    void finalize_solution(SolverReturn, Index n, const Number *x, const Number *z_L, const Number *z_U, Index m,
+    void finalize_solution(SolverReturn status, Index n, const Number *x, const Number *z_L, const Number *z_U, Index m,
                            const Number *g, const Number *lambda, Number objective, const IpoptData *,
                            IpoptCalculatedQuantities *) override {
         std::copy(x, x + n, point_.x);
         std::copy(z_L, z_L + n, point_.z_lower);
         std::copy(z_U, z_U + n, point_.z_upper);
-        std::copy(g, g + m, point_.g);
         std::copy(lambda, lambda + m, point_.lambda);
-        point_.objective = objective;
+        if (has_values(status)) {
+            std::copy(g, g + m, point_.g);
+            point_.objective = objective;
+        }
         point_.finalized = 1;
     }
 
@@ -368,7 +371,25 @@ public:
     }
 
 private:
-    bool ready() const { return !shim_.current.set(); }
+    /** Whether Ipopt ends with f(x) and g(x). After a time limit, an invalid number or an exception it has zeros in
+     *  their place. */
+    static bool has_values(SolverReturn status) {
+        switch (status) {
+        case SUCCESS:
+        case MAXITER_EXCEEDED:
+        case STOP_AT_TINY_STEP:
+        case STOP_AT_ACCEPTABLE_POINT:
+        case LOCAL_INFEASIBILITY:
+        case USER_REQUESTED_STOP:
+        case FEASIBLE_POINT_FOUND:
+        case DIVERGING_ITERATES:
+        case RESTORATION_FAILURE:
+        case ERROR_IN_STEP_COMPUTATION:
+            return true;
+        default:
+            return false;
+        }
+    }
 
     ipopt_shim &shim_;
     const ipopt_shim_callbacks &callbacks_;
@@ -398,6 +419,47 @@ SmartPtr<const Vector> unscaled(const SmartPtr<Vector> &scaled, Number factor) {
         scaled->Scal(factor);
     }
     return ConstPtr(scaled);
+}
+
+/** Distances from bounds, which Ipopt keeps for those that there are, in the vector `all` of what they bound; infinity
+ *  where there is none. Null if Ipopt keeps them in another form. */
+SmartPtr<const Vector> spread(const SmartPtr<const Matrix> &places, const SmartPtr<const Vector> &distances,
+                              const Vector &all) {
+    const ExpansionMatrix *expansion = dynamic_cast<const ExpansionMatrix *>(GetRawPtr(places));
+    const DenseVector *dense = dynamic_cast<const DenseVector *>(GetRawPtr(distances));
+    SmartPtr<Vector> out = all.MakeNew();
+    DenseVector *written = dynamic_cast<DenseVector *>(GetRawPtr(out));
+    if (expansion == nullptr || dense == nullptr || written == nullptr) {
+        return nullptr;
+    }
+    out->Set(std::numeric_limits<Number>::infinity());
+    if (dense->Dim() > 0) {
+        const Number *values = dense->ExpandedValues();
+        const Index *positions = expansion->ExpandedPosIndices();
+        Number *to = written->Values();
+        for (Index i = 0; i < dense->Dim(); ++i) {
+            to[positions[i]] = values[i];
+        }
+    }
+    return ConstPtr(out);
+}
+
+/** What belongs to the variables, which is unscaled already, in the caller's places; 0 for fixed variables that are
+ *  none to Ipopt. */
+void resort_x(const ipopt_shim &shim, TNLPAdapter &adapter, const Vector &values, double *out) {
+    adapter.ResortX(values, out);
+    for (size_t i = 0; values.Dim() < shim.n && i < shim.x_lower.size(); ++i) {
+        if (shim.x_lower[i] == shim.x_upper[i]) {
+            out[i] = 0.0;
+        }
+    }
+}
+
+/** What belongs to the inequalities, which is unscaled already, in the caller's places; 0 for equalities. */
+void resort_d(TNLPAdapter &adapter, const Vector &equalities, const Vector &values, double *out) {
+    const SmartPtr<Vector> zero = equalities.MakeNew();
+    zero->Set(0.0);
+    adapter.ResortG(*zero, values, out);
 }
 
 std::string range_of(const RegisteredOption &option) {
@@ -463,10 +525,31 @@ void read_statistics(IpoptApplication &application, ipopt_shim_statistics &out) 
     }
 }
 
-/** Before 3.14, Ipopt ends the process if it is asked for MA97 and HSL, which it loads when it is needed, is not there.
- *  The other solvers of HSL fail as they should. */
-bool would_end_the_process(const std::string &linear_solver) {
-    if (SHIM_IPOPT_3_14 || linear_solver != "ma97" || dlsym(RTLD_DEFAULT, "LSL_loadHSL") == nullptr) {
+std::string word(const ipopt_shim &shim, const char *option) {
+    std::string value;
+    shim.options->Options()->GetStringValue(option, value, "");
+    return value;
+}
+
+#if SHIM_IPOPT_3_14
+/** Whether the library HSL, from which Ipopt takes what it was not linked with, lacks a function. It is opened as Ipopt
+ *  does, and stays open. */
+bool misses_in_hsl(const ipopt_shim &shim, const char *function) {
+    const std::string library = word(shim, "hsllib");
+    void *hsl = library.empty() ? nullptr : dlopen(library.c_str(), RTLD_NOW);
+    return hsl == nullptr || dlsym(hsl, function) == nullptr;
+}
+
+/** MA97 does not fail as others do where it is missing: its end crashes. */
+bool would_end_the_process(const ipopt_shim &shim) {
+    return word(shim, "linear_solver") == "ma97" &&
+           (IpoptGetAvailableLinearSolvers(1) & IPOPTLINEARSOLVER_MA97) == 0 &&
+           misses_in_hsl(shim, "ma97_default_control_d");
+}
+#else
+/** Whether HSL lacks a function that Ipopt ends the process without. Ipopt loads HSL when it is needed. */
+bool misses_in_hsl(const char *function) {
+    if (dlsym(RTLD_DEFAULT, "LSL_loadHSL") == nullptr) {
         return false;
     }
 #ifdef __APPLE__
@@ -474,8 +557,15 @@ bool would_end_the_process(const std::string &linear_solver) {
 #else
     void *hsl = dlopen("libhsl.so", RTLD_LAZY);
 #endif
-    return hsl == nullptr || dlsym(hsl, "ma97_default_control_d") == nullptr;
+    return hsl == nullptr || dlsym(hsl, function) == nullptr;
 }
+
+/** Two options need HSL and do not fail as others do where it is missing: MA97, and MC19 for the scaling. */
+bool would_end_the_process(const ipopt_shim &shim) {
+    return (word(shim, "linear_solver") == "ma97" && misses_in_hsl("ma97_default_control_d")) ||
+           (word(shim, "nlp_scaling_method") == "equilibration-based" && misses_in_hsl("mc19ad_"));
+}
+#endif
 
 int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point,
              ipopt_shim_statistics &statistics) {
@@ -485,22 +575,20 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
         Index level = 0;
         shim.options->Options()->GetIntegerValue("print_level", level, "");
         journalist->AddJournal(new LogJournal("ipopt_shim_log", static_cast<EJournalLevel>(level), callbacks.log,
-                                              callbacks.user, shim.current));
+                                              callbacks.user));
     }
     if (callbacks.derivative_check != nullptr) {
         SmartPtr<Journal> checker = new LogJournal("ipopt_shim_derivative_check", J_NONE, callbacks.derivative_check,
-                                                   callbacks.user, shim.current);
+                                                   callbacks.user);
         checker->SetPrintLevel(J_NLP, J_WARNING);
         journalist->AddJournal(checker);
     }
     journalist->AddJournal(new VersionJournal());
-    std::string linear_solver;
-    shim.options->Options()->GetStringValue("linear_solver", linear_solver, "");
-    if (would_end_the_process(linear_solver)) {
+    if (would_end_the_process(shim)) {
         return Invalid_Option;
     }
     SmartPtr<MumpsJournal> mumps;
-    if (linear_solver == "mumps") {
+    if (word(shim, "linear_solver") == "mumps") {
         mumps = new MumpsJournal();
         journalist->AddJournal(GetRawPtr(mumps));
     }
@@ -732,6 +820,52 @@ int ipopt_shim_current_multipliers(const ipopt_shim *shim, double *z_lower, doub
             z_lower,
             *unscaled(scaling->apply_vector_scaling_x_LU_NonConst(*view.nlp->Px_U(), curr->z_U(), *space), factor),
             z_upper);
+        return 1;
+    });
+}
+
+int ipopt_shim_current_slacks(const ipopt_shim *shim, double *x_lower, double *x_upper, double *s, double *s_lower,
+                              double *s_upper) {
+    return guarded(0, [&] {
+        const View view(*shim);
+        if (!view.valid() || shim->current.restoration) {
+            return 0;
+        }
+        IpoptCalculatedQuantities &cq = *shim->current.cq;
+        const auto curr = shim->current.data->curr();
+        const auto scaling = view.nlp->NLP_scaling();
+        const auto lower = spread(view.nlp->Px_L(), cq.curr_slack_x_L(), *curr->x());
+        const auto upper = spread(view.nlp->Px_U(), cq.curr_slack_x_U(), *curr->x());
+        const auto above = spread(view.nlp->Pd_L(), cq.curr_slack_s_L(), *curr->s());
+        const auto below = spread(view.nlp->Pd_U(), cq.curr_slack_s_U(), *curr->s());
+        if (IsNull(lower) || IsNull(upper) || IsNull(above) || IsNull(below)) {
+            return 0;
+        }
+        resort_x(*shim, *view.adapter, *scaling->unapply_vector_scaling_x(lower), x_lower);
+        resort_x(*shim, *view.adapter, *scaling->unapply_vector_scaling_x(upper), x_upper);
+        resort_d(*view.adapter, *curr->y_c(), *scaling->unapply_vector_scaling_d(curr->s()), s);
+        resort_d(*view.adapter, *curr->y_c(), *scaling->unapply_vector_scaling_d(above), s_lower);
+        resort_d(*view.adapter, *curr->y_c(), *scaling->unapply_vector_scaling_d(below), s_upper);
+        for (size_t i = 0; i < shim->g_lower.size(); ++i) {
+            if (shim->g_lower[i] == shim->g_upper[i]) {
+                s[i] = shim->g_lower[i];
+            }
+        }
+        return 1;
+    });
+}
+
+int ipopt_shim_current_lagrangian(const ipopt_shim *shim, double *gradient, double *objective_factor) {
+    return guarded(0, [&] {
+        const View view(*shim);
+        if (!view.valid() || shim->current.restoration) {
+            return 0;
+        }
+        const auto scaling = view.nlp->NLP_scaling();
+        const Number factor = scaling->unapply_obj_scaling(1.0);
+        const auto lagrangian = scaling->apply_vector_scaling_x_NonConst(shim->current.cq->curr_grad_lag_x());
+        resort_x(*shim, *view.adapter, *unscaled(lagrangian, factor), gradient);
+        *objective_factor = 1.0 / factor;
         return 1;
     });
 }

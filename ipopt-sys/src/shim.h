@@ -1,7 +1,8 @@
 /* What Ipopt's C interface leaves out, behind a C interface of its own.
  *
  * All functions catch every C++ exception. Indices count from 0. A handle may move between threads, but Ipopt with
- * MUMPS is not reentrant: at most one ipopt_shim_solve at a time in a process.
+ * MUMPS is not reentrant: at most one ipopt_shim_solve at a time in a process. The other functions share nothing
+ * between handles, and may run meanwhile.
  */
 #ifndef IPOPT_SHIM_H
 #define IPOPT_SHIM_H
@@ -31,7 +32,8 @@ typedef struct ipopt_shim_iteration {
 } ipopt_shim_iteration;
 
 /** The problem's functions. Each returns 0 when it fails; `intermediate` returns 0 to stop.
- *  None may unwind, and none is called while another runs. `log` may be NULL: then no text is made at all.
+ *  None may unwind. Should Ipopt want a value, or log, while `intermediate` reads an iterate, that is a call inside
+ *  `intermediate`; versions up to 3.14.19 have all values by then. `log` may be NULL: then no text is made at all.
  *  `derivative_check` gets what Ipopt's derivative checker says, whatever `print_level` is; it may be NULL too. */
 typedef struct ipopt_shim_callbacks {
     void *user;
@@ -46,7 +48,8 @@ typedef struct ipopt_shim_callbacks {
     void (*derivative_check)(void *user, const char *text, size_t length);
 } ipopt_shim_callbacks;
 
-/** In: the starting point, with multipliers where `have_multipliers`. Out: the final point, where `finalized`. */
+/** In: the starting point, with multipliers where `have_multipliers`. Out: the final point, where `finalized`; f and g
+ *  stay as they were where Ipopt ends without them, as after a time limit or an invalid number. */
 typedef struct ipopt_shim_point {
     double *x;
     double *z_lower;
@@ -142,6 +145,15 @@ int ipopt_shim_current_g(const ipopt_shim *shim, double *g);
 /** The multipliers at the iterate, 0 for fixed variables that are not variables to Ipopt.
  *  Returns 0 outside `intermediate` and in the restoration phase, which has others. */
 int ipopt_shim_current_multipliers(const ipopt_shim *shim, double *z_lower, double *z_upper, double *lambda);
+/** Ipopt's slack variables s of the inequalities g (an equality's right-hand side), and the distances of x and s from
+ *  their bounds: unscaled, infinite where Ipopt has no bound, 0 for fixed variables that are none to Ipopt and for
+ *  equalities. Returns 0 as above. */
+int ipopt_shim_current_slacks(const ipopt_shim *shim, double *x_lower, double *x_upper, double *s, double *s_lower,
+                              double *s_upper);
+/** The gradient of the Lagrangian in x, unscaled, 0 for fixed variables that are none to Ipopt; and what Ipopt
+ *  multiplies f by, which is negative if it maximises and all multipliers have their signs reversed. Returns 0 as
+ *  above. */
+int ipopt_shim_current_lagrangian(const ipopt_shim *shim, double *gradient, double *objective_factor);
 
 /** Writes major, minor and release of the Ipopt in use; 0 if it has not told yet. Since 3.14.18 Ipopt always tells,
  *  before it does in the course of a solve. */

@@ -1,10 +1,8 @@
 //! From Ipopt's callbacks to an [`Nlp`]: finite values only, and no panic across.
 
 use std::{
-    any::Any,
     ffi::{c_char, c_int, c_void},
     ops::ControlFlow,
-    panic::{AssertUnwindSafe, catch_unwind},
     slice,
     time::Instant,
 };
@@ -12,59 +10,23 @@ use std::{
 use ipopt_sys as sys;
 
 use super::{
-    derivatives::Reader,
+    context::{Context, Gate, enter},
     iterate::{Source, record},
-    log::Sink,
-    statistics::{CallbackStatistics, Statistics},
+    statistics::CallbackStatistics,
 };
-use crate::nlp::{Iterate, IterationRecord, Nlp, Structure};
+use crate::nlp::Iterate;
 
-/// What looks at every iterate beside the problem itself.
-pub(super) type Watch<'a> = &'a mut (dyn FnMut(&Iterate<'_>) -> ControlFlow<()> + 'a);
-
-/// What the callbacks of one solve share.
-pub(super) struct Context<'a> {
-    nlp: &'a mut dyn Nlp,
-    structure: &'a Structure,
-    shim: *const sys::ipopt_shim,
-    watch: Option<Watch<'a>>,
-    /// The first panic; once there is one, every callback fails.
-    pub(super) panic: Option<Box<dyn Any + Send>>,
-    pub(super) history: Vec<IterationRecord>,
-    /// Calls and times; the rest comes from Ipopt.
-    pub(super) statistics: Statistics,
-    pub(super) log: Sink<'a>,
-    /// What the derivative checker says, if it was asked.
-    pub(super) derivatives: Option<Reader>,
-}
-
-impl<'a> Context<'a> {
-    pub(super) fn new(
-        nlp: &'a mut dyn Nlp,
-        structure: &'a Structure,
-        shim: *const sys::ipopt_shim,
-        watch: Option<Watch<'a>>,
-        log: Sink<'a>,
-        derivatives: Option<Reader>,
-    ) -> Self {
-        let (panic, history, statistics) = Default::default();
-        Self {
-            nlp,
-            structure,
-            shim,
-            watch,
-            panic,
-            history,
-            statistics,
-            log,
-            derivatives,
-        }
-    }
-
+impl Gate<'_> {
     /// The table for the shim; valid as long as `self` stays where it is.
     pub(super) fn table(&mut self) -> sys::ipopt_shim_callbacks {
         type Text = unsafe extern "C" fn(*mut c_void, *const c_char, usize);
+        let context = self.context_mut();
         sys::ipopt_shim_callbacks {
+            log: context.log.is_open().then_some(log as Text),
+            derivative_check: context
+                .derivatives
+                .as_ref()
+                .map(|_| derivative_check as Text),
             user: std::ptr::from_mut(self).cast(),
             objective: Some(objective),
             gradient: Some(gradient),
@@ -72,31 +34,7 @@ impl<'a> Context<'a> {
             jacobian: Some(jacobian),
             hessian: Some(hessian),
             intermediate: Some(intermediate),
-            log: self.log.is_open().then_some(log as Text),
-            derivative_check: self.derivatives.as_ref().map(|_| derivative_check as Text),
         }
-    }
-
-    /// Runs `body` unless a callback panicked before; false if it did, or does.
-    fn guarded(&mut self, body: impl FnOnce(&mut Self) -> bool) -> c_int {
-        if self.panic.is_some() {
-            return 0;
-        }
-        match catch_unwind(AssertUnwindSafe(|| body(self))) {
-            Ok(success) => c_int::from(success),
-            Err(payload) => {
-                self.panic = Some(payload);
-                0
-            }
-        }
-    }
-
-    /// Logs what is left.
-    pub(super) fn finish_log(&mut self) {
-        self.guarded(|this| {
-            this.log.finish();
-            true
-        });
     }
 }
 
@@ -113,13 +51,6 @@ fn timed<T>(statistics: &mut CallbackStatistics, body: impl FnOnce() -> T) -> T 
     let value = body();
     statistics.time += start.elapsed();
     value
-}
-
-/// # Safety
-/// `user` must come from [`Context::table`].
-unsafe fn context<'a>(user: *mut c_void) -> &'a mut Context<'a> {
-    // SAFETY: the solver keeps the context in place during the solve and touches it through the shim only.
-    unsafe { &mut *user.cast::<Context<'a>>() }
 }
 
 /// # Safety
@@ -148,9 +79,8 @@ unsafe extern "C" fn objective(
     new_x: c_int,
     value: *mut f64,
 ) -> c_int {
-    // SAFETY: the shim hands on `user` and arrays of the problem's sizes, here and in the functions below.
-    unsafe { context(user) }.guarded(|this| {
-        // SAFETY: as above.
+    let body = |this: &mut Context<'_>| {
+        // SAFETY: the shim hands on arrays of the problem's sizes, here and in the functions below.
         let x = unsafe { input(x, this.structure.variables()) };
         let f = timed(&mut this.statistics.objective, || {
             this.nlp.objective(x, new_x != 0)
@@ -158,7 +88,9 @@ unsafe extern "C" fn objective(
         // SAFETY: as above.
         unsafe { value.write(f) };
         f.is_finite()
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn gradient(
@@ -167,8 +99,7 @@ unsafe extern "C" fn gradient(
     new_x: c_int,
     gradient: *mut f64,
 ) -> c_int {
-    // SAFETY: see `objective`.
-    unsafe { context(user) }.guarded(|this| {
+    let body = |this: &mut Context<'_>| {
         let n = this.structure.variables();
         // SAFETY: see `objective`.
         let (x, gradient) = unsafe { (input(x, n), output(gradient, n)) };
@@ -177,7 +108,9 @@ unsafe extern "C" fn gradient(
             this.nlp.gradient(x, new_x != 0, gradient)
         });
         all_finite(gradient)
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn constraints(
@@ -186,8 +119,7 @@ unsafe extern "C" fn constraints(
     new_x: c_int,
     g: *mut f64,
 ) -> c_int {
-    // SAFETY: see `objective`.
-    unsafe { context(user) }.guarded(|this| {
+    let body = |this: &mut Context<'_>| {
         // SAFETY: see `objective`.
         let (x, g) = unsafe {
             (
@@ -200,7 +132,9 @@ unsafe extern "C" fn constraints(
             this.nlp.constraints(x, new_x != 0, g)
         });
         all_finite(g)
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn jacobian(
@@ -209,8 +143,7 @@ unsafe extern "C" fn jacobian(
     new_x: c_int,
     values: *mut f64,
 ) -> c_int {
-    // SAFETY: see `objective`.
-    unsafe { context(user) }.guarded(|this| {
+    let body = |this: &mut Context<'_>| {
         // SAFETY: see `objective`.
         let (x, values) = unsafe {
             (
@@ -223,7 +156,9 @@ unsafe extern "C" fn jacobian(
             this.nlp.jacobian(x, new_x != 0, values)
         });
         all_finite(values)
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn hessian(
@@ -235,8 +170,7 @@ unsafe extern "C" fn hessian(
     _new_lambda: c_int,
     values: *mut f64,
 ) -> c_int {
-    // SAFETY: see `objective`.
-    unsafe { context(user) }.guarded(|this| {
+    let body = |this: &mut Context<'_>| {
         let (n, m) = (this.structure.variables(), this.structure.constraints());
         let entries = this.structure.hessian().map_or(0, |pattern| pattern.len());
         // SAFETY: see `objective`.
@@ -251,16 +185,18 @@ unsafe extern "C" fn hessian(
                 .hessian(x, new_x != 0, objective_factor, lambda, values)
         });
         all_finite(values)
-    })
+    };
+    // SAFETY: `user` is as the shim was given it.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn intermediate(
     user: *mut c_void,
     raw: *const sys::ipopt_shim_iteration,
 ) -> c_int {
-    // SAFETY: see `objective`; `raw` is valid during the call.
-    let (this, raw) = unsafe { (context(user), &*raw) };
-    this.guarded(|this| {
+    // SAFETY: it is valid during the call.
+    let raw = unsafe { &*raw };
+    let body = |this: &mut Context<'_>| {
         let record = record(raw);
         this.history.push(record);
         let source = Source {
@@ -274,27 +210,33 @@ unsafe extern "C" fn intermediate(
             None => ControlFlow::Continue(()),
         };
         problem.is_continue() && watch.is_continue()
-    })
+    };
+    // SAFETY: see `objective`.
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn log(user: *mut c_void, text: *const c_char, length: usize) {
-    // SAFETY: see `objective`; `text` has `length` bytes, here and below.
-    let (this, text) = unsafe { (context(user), bytes(text, length)) };
-    this.guarded(|this| {
+    // SAFETY: it has `length` bytes, here and below.
+    let text = unsafe { bytes(text, length) };
+    let body = |this: &mut Context<'_>| {
         this.log.write(text);
         true
-    });
+    };
+    // SAFETY: see `objective`.
+    unsafe { enter(user, body) };
 }
 
 unsafe extern "C" fn derivative_check(user: *mut c_void, text: *const c_char, length: usize) {
     // SAFETY: see `log`.
-    let (this, text) = unsafe { (context(user), bytes(text, length)) };
-    this.guarded(|this| {
+    let text = unsafe { bytes(text, length) };
+    let body = |this: &mut Context<'_>| {
         if let Some(reader) = &mut this.derivatives {
             reader.write(text);
         }
         true
-    });
+    };
+    // SAFETY: see `objective`.
+    unsafe { enter(user, body) };
 }
 
 /// # Safety
@@ -302,4 +244,90 @@ unsafe extern "C" fn derivative_check(user: *mut c_void, text: *const c_char, le
 unsafe fn bytes<'a>(text: *const c_char, length: usize) -> &'a [u8] {
     // SAFETY: the caller's promise.
     unsafe { slice::from_raw_parts(text.cast::<u8>(), length) }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{cell::RefCell, ptr, rc::Rc};
+
+    use super::*;
+    use crate::{
+        ipopt::{Log, log::Sink},
+        nlp::{Bounds, Nlp, Pattern, Structure},
+    };
+
+    /// Calls all functions of the table while it looks at an iterate.
+    struct Nested {
+        table: Rc<RefCell<Option<sys::ipopt_shim_callbacks>>>,
+        calls: usize,
+    }
+
+    impl Nlp for Nested {
+        fn objective(&mut self, x: &[f64], _: bool) -> f64 {
+            self.calls += 1;
+            x[0]
+        }
+        fn gradient(&mut self, _: &[f64], _: bool, _: &mut [f64]) {
+            self.calls += 1;
+        }
+        fn constraints(&mut self, _: &[f64], _: bool, _: &mut [f64]) {
+            self.calls += 1;
+        }
+        fn jacobian(&mut self, _: &[f64], _: bool, _: &mut [f64]) {
+            self.calls += 1;
+        }
+        fn hessian(&mut self, _: &[f64], _: bool, _: f64, _: &[f64], _: &mut [f64]) {
+            self.calls += 1;
+        }
+        fn iterate(&mut self, _: &Iterate<'_>) -> ControlFlow<()> {
+            let table = self.table.borrow().expect("set before the call");
+            assert_eq!(call_all(&table), [0; 5]);
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// What the five functions of the problem return; logs a line, too.
+    fn call_all(table: &sys::ipopt_shim_callbacks) -> [c_int; 5] {
+        let (user, x, mut out) = (table.user, [1.0], [0.0]);
+        let (x, out, text) = (x.as_ptr(), out.as_mut_ptr(), c"line\n");
+        // SAFETY: all arrays have the one value that all of this problem's have, and the text five.
+        unsafe {
+            (table.log.expect("a writer"))(user, text.as_ptr(), 5);
+            [
+                (table.objective.expect("set"))(user, x, 1, out),
+                (table.gradient.expect("set"))(user, x, 1, out),
+                (table.constraints.expect("set"))(user, x, 1, out),
+                (table.jacobian.expect("set"))(user, x, 1, out),
+                (table.hessian.expect("set"))(user, x, 1, 1.0, x, 1, out),
+            ]
+        }
+    }
+
+    #[test]
+    fn no_callback_while_another_runs() {
+        let (one, diagonal) = (Bounds::free(1), Pattern::diagonal(1));
+        let structure = Structure::new(one.clone(), one, diagonal.clone(), Some(diagonal)).unwrap();
+        let (mut log, text) = Log::text();
+        let shared = Rc::default();
+        let mut nlp = Nested {
+            table: Rc::clone(&shared),
+            calls: 0,
+        };
+        let sink = Sink::new(&mut log);
+        let context = Context::new(&mut nlp, &structure, ptr::null(), None, sink, None);
+        let mut gate = Gate::new(context);
+        let table = gate.table();
+        shared.replace(Some(table));
+        let iteration = sys::ipopt_shim_iteration::default();
+        // SAFETY: the iteration is valid, and the gate stays where it is.
+        let go_on = unsafe { (table.intermediate.expect("set"))(table.user, &iteration) };
+        assert_eq!(go_on, 1, "the iterate was looked at");
+        assert_eq!(text.take(), "", "nothing was logged");
+        // Afterwards they are let in again.
+        assert_eq!(call_all(&table), [1; 5]);
+        assert_eq!(text.take(), "line\n");
+        let context = gate.into_context();
+        assert!(context.panic.is_none() && context.history.len() == 1);
+        assert_eq!(nlp.calls, 5);
+    }
 }

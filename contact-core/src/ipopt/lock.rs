@@ -1,4 +1,7 @@
 //! One solve at a time: Ipopt's MUMPS ends the process when two threads are in it.
+//!
+//! Nothing else needs the lock. Each solver has an application of its own with its options, and the linear solver is
+//! made and freed within a solve; what Ipopt 3.11 to 3.14 share besides is constant, or of a thread.
 
 use std::{
     cell::Cell,
@@ -11,23 +14,13 @@ thread_local! {
     static HELD: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Ipopt, for this thread alone.
+/// A solve, for this thread alone.
 pub(super) struct Exclusive {
-    /// `None` inside a callback, where this thread holds the lock already.
-    _guard: Option<MutexGuard<'static, ()>>,
-    outermost: bool,
+    _guard: MutexGuard<'static, ()>,
 }
 
 impl Exclusive {
-    /// Waits for other threads. Inside a callback the lock is held already: creating and freeing are fine there.
-    pub(super) fn wait() -> Self {
-        Self::unless_held().unwrap_or(Self {
-            _guard: None,
-            outermost: false,
-        })
-    }
-
-    /// Waits for other threads; `None` inside a callback.
+    /// Waits for the solves of other threads; `None` inside a callback, where this thread holds the lock already.
     pub(super) fn unless_held() -> Option<Self> {
         if HELD.get() {
             return None;
@@ -35,17 +28,12 @@ impl Exclusive {
         // The lock guards no data, so a panic under it spoils nothing.
         let guard = IPOPT.lock().unwrap_or_else(PoisonError::into_inner);
         HELD.set(true);
-        Some(Self {
-            _guard: Some(guard),
-            outermost: true,
-        })
+        Some(Self { _guard: guard })
     }
 }
 
 impl Drop for Exclusive {
     fn drop(&mut self) {
-        if self.outermost {
-            HELD.set(false);
-        }
+        HELD.set(false);
     }
 }

@@ -3,6 +3,8 @@
 use std::{
     fmt,
     io::{self, Write},
+    mem,
+    sync::{Arc, Mutex, PoisonError},
 };
 
 use thiserror::Error;
@@ -28,6 +30,53 @@ impl Log {
     /// To this writer.
     pub fn writer(writer: impl Write + Send + 'static) -> Self {
         Self::Writer(Box::new(writer))
+    }
+
+    /// To a text, which the [`LogText`] gives.
+    ///
+    /// ```
+    /// # use contact_core::ipopt::{Log, Options, Solver, Start};
+    /// # use contact_core::nlp::{Bounds, Nlp, Pattern, Structure};
+    /// # struct Parabola;
+    /// # impl Nlp for Parabola {
+    /// #     fn objective(&mut self, x: &[f64], _: bool) -> f64 { x[0] * x[0] }
+    /// #     fn gradient(&mut self, x: &[f64], _: bool, g: &mut [f64]) { g[0] = 2.0 * x[0]; }
+    /// # }
+    /// # let structure = Structure::new(Bounds::free(1), Bounds::default(), Pattern::empty(), None)?;
+    /// # let mut solver = Solver::new(structure, &Options::new())?;
+    /// let (log, text) = Log::text();
+    /// solver.set_log(log);
+    /// solver.solve(&mut Parabola, &Start::at(&[1.0]))?;
+    /// assert!(text.take().contains("Optimal Solution Found"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn text() -> (Self, LogText) {
+        let text = LogText::default();
+        (Self::writer(text.clone()), text)
+    }
+}
+
+/// What Ipopt has logged: see [`Log::text`]. Clones share it.
+#[derive(Debug, Clone, Default)]
+pub struct LogText(Arc<Mutex<Vec<u8>>>);
+
+impl LogText {
+    /// The text since the last time, or since the beginning.
+    pub fn take(&self) -> String {
+        let bytes = mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+impl Write for LogText {
+    fn write(&mut self, text: &[u8]) -> io::Result<usize> {
+        let mut bytes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        bytes.extend_from_slice(text);
+        Ok(text.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 
@@ -85,7 +134,7 @@ impl<'a> Sink<'a> {
                 for piece in text.split_inclusive(|&byte| byte == b'\n') {
                     self.line.extend_from_slice(piece);
                     if piece.ends_with(b"\n") {
-                        emit(&std::mem::take(&mut self.line));
+                        emit(&mem::take(&mut self.line));
                     }
                 }
             }
@@ -99,7 +148,7 @@ impl<'a> Sink<'a> {
     /// Whatever is held back.
     pub(super) fn finish(&mut self) {
         if !self.line.is_empty() {
-            emit(&std::mem::take(&mut self.line));
+            emit(&mem::take(&mut self.line));
         }
         if let (Log::Writer(writer), None) = (&mut *self.log, &self.error) {
             self.error = writer.flush().err().map(LogError::from);

@@ -100,32 +100,32 @@
 //!   nowhere, repeats it cold.
 //! - **Which Ipopt is this?** [`diagnose`] says which linear solvers it really has, how MUMPS orders, whether the BLAS
 //!   is a slow one: `cargo run --release -p contact-core --example doctor`.
-//! - **Watching and stopping**: [`Solver::solve_with`], or [`Nlp::iterate`](crate::nlp::Nlp::iterate).
-//! - **The log**: [`Solver::set_log`].
+//! - **Watching and stopping**: [`Solver::solve_with`], or [`Nlp::iterate`](crate::nlp::Nlp::iterate). An
+//!   [`Iterate`](crate::nlp::Iterate) has x, g, multipliers, slacks and violations.
+//! - **The log**: [`Solver::set_log`], to a writer or, by [`Log::text`], to a text.
 //! - **Scaling**: [`Solver::set_scaling`]. Ipopt's own only makes gradients smaller. Choose units so that x, f and g
 //!   are about 1.
 //!
 //! # What to expect
 //! - **A status is not an error.** `Err` is misuse only. Whatever Ipopt ends with is [`Solution::status`].
-//! - **One solve at a time in a process.** Ipopt's linear solvers are not reentrant, so solves of other threads wait.
-//!   A solve from inside a callback is [`Error::Reentrant`]. A callback that waits for another thread's solve never
-//!   returns. A [`Solver`] is [`Send`] and not [`Sync`]:
-//!
-//!   ```compile_fail,E0277
-//!   fn shared<T: Sync>() {}
-//!   shared::<contact_core::ipopt::Solver>();
-//!   ```
+//! - **One solve at a time in a process.** Ipopt's linear solvers are not reentrant, so solves of other threads wait,
+//!   those of [`doctor::inspect`] and [`diagnose`] included. Nothing else does: solvers are made, set and dropped
+//!   while another solves. A solve from inside a callback is [`Error::Reentrant`]. A callback that waits for another
+//!   thread's solve never returns. A [`Solver`] is [`Send`] and not [`Sync`]. Beside the lock, a process shares the
+//!   version that its Ipopt has told in a log, and that a warning of another than was compiled with has been given.
 //! - **Dependent equalities** make multipliers that are not unique, and Ipopt divides its errors by their size: it may
 //!   then call something solved that is not, unless `dual_inf_tol` (1 by default, unscaled) is set to what counts.
 //! - **Panics** in a callback, a watching closure or a log's writer stop the solve and then go on in the caller.
-//! - **Silence.** Nothing is printed. The log goes to the `log` crate, target `ipopt`, level debug, unless
-//!   [`Solver::set_log`] says otherwise. A file `ipopt.opt` in the working directory is not read.
+//! - **Silence.** Nothing is printed, and `print_level` is 0. With [`print_level(5)`](Options::print_level) the log goes
+//!   to the `log` crate, target `ipopt`, level debug, or to where [`Solver::set_log`] says. A file `ipopt.opt` in the
+//!   working directory is not read.
 //! - **Signs**: see [`nlp`](crate::nlp). Bounds are not relaxed (`bound_relax_factor` 0): x may
 //!   leave them by round-off at most.
 //! - **Versions**: 3.11 to 3.14. [`VERSION`] is the one compiled with; an option it lacks is an
 //!   [`OptionError::Unknown`] that says since when there is one.
 
 mod callbacks;
+mod context;
 mod derivatives;
 pub mod doctor;
 mod iterate;
@@ -136,11 +136,13 @@ mod log;
 mod options;
 mod scaling;
 mod sequence;
+mod sequence_settings;
 mod solution;
 mod solver;
 mod start;
 mod statistics;
 mod status;
+mod totals;
 
 use thiserror::Error;
 
@@ -148,15 +150,17 @@ pub use self::{
     derivatives::DerivativeCheck,
     doctor::{Diagnosis, diagnose},
     libraries::{Blas, BlasKind, Libraries},
-    log::{Log, LogError},
+    log::{Log, LogError, LogText},
     options::*,
     scaling::Scaling,
-    sequence::{Retried, Run, Sequence, Settings as SequenceSettings, Totals},
+    sequence::{Retried, Run, Sequence},
+    sequence_settings::SequenceSettings,
     solution::Solution,
     solver::Solver,
     start::Start,
     statistics::{CallbackStatistics, MumpsUse, Ordering, Statistics, Time},
     status::Status,
+    totals::Totals,
 };
 use crate::nlp::NlpError;
 
@@ -173,7 +177,7 @@ pub enum Error {
     /// An option Ipopt does not have, or a value it refuses.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// The option `warm_start_init_point` is "yes" and the start has no multipliers.
+    /// The option `warm_start_init_point` is "yes" and the start has no multipliers, as those of cold solves.
     #[error(
         "`warm_start_init_point` is set to \"yes\", but the start has no multipliers: give it some, or leave the \
          option out (it is set to \"yes\" for a start with multipliers)"

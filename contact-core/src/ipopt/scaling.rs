@@ -2,12 +2,16 @@
 
 use ipopt_sys as sys;
 
-use super::{Error, Options, lock::Exclusive, solver::Solver, start::check_finite};
+use super::{Error, Options, solver::Solver, start::check_finite};
 use crate::nlp::{NlpError, Structure};
 
 /// Factors by which Ipopt multiplies f, x and g before it solves: see [`Solver::set_scaling`](super::Solver::set_scaling).
 /// They change the path and what `tol` means, not the problem: a [`Solution`](super::Solution) is unscaled. Choose them
 /// so that the derivatives become about 1.
+///
+/// **A negative factor of f maximises, and reverses the signs of all [`Multipliers`](crate::nlp::Multipliers)**, those
+/// of iterates and of warm starts included: ∇L = 0 with the L of [`nlp`](crate::nlp) as ever, but z_L, z_U ≤ 0, λ ≥ 0
+/// where g is at its lower bound and λ ≤ 0 at its upper. Minimise −f to have them as usual.
 ///
 /// ```
 /// # use contact_core::ipopt::Scaling;
@@ -54,7 +58,6 @@ impl Solver {
         let (x, g) = (scaling.variables.as_deref(), scaling.constraints.as_deref());
         self.copy_scaling(scaling.objective, x, g)?;
         self.scaled = true;
-        let _exclusive = Exclusive::wait();
         self.apply_one("nlp_scaling_method", &USER_SCALING.into())
     }
 

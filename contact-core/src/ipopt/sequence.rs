@@ -1,40 +1,12 @@
 //! Runs of similar problems, each started from the solution of the one before.
 
-use std::fmt;
+use std::ops::ControlFlow;
 
-use super::{Error, OptionValue, Options, Solution, Solver, Start, Statistics, Status};
-use crate::nlp::{Bounds, Multipliers, Nlp, Structure};
-
-/// How the solves of a [`Sequence`] start and when one is given up.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    /// Options of all solves.
-    pub options: Options,
-    /// Options of warm solves, in addition; [`Options::warm_start`] by default.
-    pub warm: Options,
-    /// A warm solve has blown up, and is repeated cold, beyond this many times the iterations of the last cold solve,
-    /// but never before [`Settings::LEAST`] iterations.
-    pub blow_up: f64,
-    /// A solve that cannot make progress any more counts as solved if Ipopt's scaled error
-    /// ([`Statistics::scaled_error`]) is at most this; 0 by default.
-    pub attainable_error: f64,
-}
-
-impl Settings {
-    /// Iterations that every warm solve is given.
-    pub const LEAST: usize = 20;
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            options: Options::new(),
-            warm: Options::new().warm_start(),
-            blow_up: 2.0,
-            attainable_error: 0.0,
-        }
-    }
-}
+use super::{
+    Error, Log, Scaling, SequenceSettings, Solution, Solver, Start, Status, Totals,
+    scaling::scaling_is_used,
+};
+use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Structure};
 
 /// Ipopt on a run of similar problems: load steps, parameters, a path.
 ///
@@ -66,12 +38,13 @@ impl Default for Settings {
 /// ```
 #[derive(Debug)]
 pub struct Sequence {
-    settings: Settings,
+    settings: SequenceSettings,
     solver: Solver,
+    scaling: Option<Scaling>,
     x: Vec<f64>,
     /// `None` where the last ones are not those of a problem with this structure.
     multipliers: Option<Multipliers>,
-    /// Iterations of the last cold solve that solved its problem.
+    /// Iterations of the last cold solve that solved a problem with this structure.
     cold_iterations: Option<usize>,
     totals: Totals,
 }
@@ -82,7 +55,8 @@ pub struct Sequence {
 pub struct Run {
     /// The last solve's.
     pub solution: Solution,
-    /// Whether that is a solution: [`Status::Solved`], or as good as [`Settings::attainable_error`] allows.
+    /// Whether that is a solution: [`Status::Solved`] or [`Status::FeasiblePointFound`], or as good as
+    /// [`SequenceSettings::attainable_error`] allows.
     pub solved: bool,
     /// Whether it started warm.
     pub warm: bool,
@@ -100,41 +74,19 @@ pub struct Retried {
     pub iterations: usize,
 }
 
-/// What all solves of a [`Sequence`] cost together; its `Display` form is one line.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[non_exhaustive]
-pub struct Totals {
-    /// Problems.
-    pub problems: usize,
-    /// Problems that were not solved.
-    pub failures: usize,
-    /// Solves that started warm.
-    pub warm: usize,
-    /// Solves that started cold, retries included.
-    pub cold: usize,
-    /// Warm solves that were repeated cold.
-    pub cold_retries: usize,
-    /// Iterations of all solves.
-    pub iterations: usize,
-    /// Calls of all functions.
-    pub evaluations: usize,
-    /// Factorisations; 0 where the linear solver does not tell.
-    pub factorizations: usize,
-    /// Wall seconds.
-    pub seconds: f64,
-}
-
 impl Sequence {
     /// A sequence of problems of this structure; the first is started cold at `x` (n).
     ///
     /// # Errors
-    /// An option Ipopt refuses.
-    pub fn new(structure: Structure, settings: Settings, x: &[f64]) -> Result<Self, Error> {
-        let mut solver = Solver::new(structure, &settings.options)?;
-        solver.set_options(&settings.warm_options(None))?; // what is wrong with them is said now
+    /// An option Ipopt refuses, for cold or for warm solves, or an x that is not finite or of another size.
+    /// [`Error::MissingMultipliers`] if cold solves were to start from multipliers.
+    pub fn new(structure: Structure, settings: SequenceSettings, x: &[f64]) -> Result<Self, Error> {
+        Start::at(x).validate(&structure)?;
+        let solver = settings.solver(structure)?;
         Ok(Self {
             settings,
             solver,
+            scaling: None,
             x: x.to_vec(),
             multipliers: None,
             cold_iterations: None,
@@ -145,15 +97,30 @@ impl Sequence {
     /// Solves the next problem.
     ///
     /// # Errors
-    /// As [`Solver::solve`].
+    /// As [`Solver::solve`]. The problem does not count then.
     ///
     /// # Panics
     /// As [`Solver::solve`]; the memory then is what it was before.
     pub fn solve(&mut self, nlp: &mut dyn Nlp) -> Result<Run, Error> {
-        self.totals.problems += 1;
+        self.solve_with(nlp, |_| ControlFlow::Continue(()))
+    }
+
+    /// Solves the next problem and shows every iterate of each of its solves to `watch`, as [`Solver::solve_with`].
+    /// One that is stopped is not repeated.
+    ///
+    /// # Errors
+    /// As [`Sequence::solve`].
+    ///
+    /// # Panics
+    /// As [`Sequence::solve`].
+    pub fn solve_with(
+        &mut self,
+        nlp: &mut dyn Nlp,
+        mut watch: impl FnMut(&Iterate<'_>) -> ControlFlow<()>,
+    ) -> Result<Run, Error> {
         let mut retried = None;
         if self.multipliers.is_some() {
-            let solution = self.attempt(nlp, true)?;
+            let solution = self.attempt(nlp, true, &mut watch)?;
             let solved = self.settings.is_solved(&solution);
             if solved || solution.status == Status::StoppedByUser {
                 return Ok(self.remember(solution, solved, true, None));
@@ -164,12 +131,38 @@ impl Sequence {
                 iterations: solution.statistics.iterations,
             });
         }
-        let solution = self.attempt(nlp, false)?;
+        let solution = self.attempt(nlp, false, &mut watch)?;
         let solved = self.settings.is_solved(&solution);
         if solved {
             self.cold_iterations = Some(solution.statistics.iterations);
         }
         Ok(self.remember(solution, solved, false, retried))
+    }
+
+    /// Says where Ipopt's log goes, as [`Solver::set_log`].
+    pub fn set_log(&mut self, log: Log) {
+        self.solver.set_log(log);
+    }
+
+    /// Scales the problems to come, as [`Solver::set_scaling`].
+    ///
+    /// # Errors
+    /// As [`Solver::set_scaling`], whether the options of cold or of warm solves set something else.
+    pub fn set_scaling(&mut self, scaling: &Scaling) -> Result<(), Error> {
+        scaling_is_used(&self.settings.warm_options(None))?;
+        scaling_is_used(&self.settings.options)?;
+        self.solver.set_scaling(scaling)?;
+        self.scaling = Some(scaling.clone());
+        Ok(())
+    }
+
+    /// Scales no more, as [`Solver::clear_scaling`].
+    ///
+    /// # Errors
+    /// As [`Solver::clear_scaling`].
+    pub fn clear_scaling(&mut self) -> Result<(), Error> {
+        self.scaling = None;
+        self.solver.clear_scaling()
     }
 
     /// Other bounds for the problems to come; x and the multipliers stay.
@@ -181,25 +174,47 @@ impl Sequence {
     }
 
     /// Another structure for the problems to come: the next one starts at `x`, warm if `multipliers` of the new
-    /// structure are given, as where constraints come and go and the caller knows which is which.
+    /// structure are given, as where constraints come and go and the caller knows which is which. Log and scaling stay.
+    /// No warm solve counts as blown up before a cold one has solved a problem of the new structure.
     ///
     /// # Errors
-    /// As [`Sequence::new`]; everything then stays as it was.
+    /// As [`Sequence::new`] and [`Sequence::restart`]; also a scaling for other sizes, which is to be cleared before.
+    /// Everything then stays as it was.
     pub fn set_structure(
         &mut self,
         structure: Structure,
         x: &[f64],
         multipliers: Option<Multipliers>,
     ) -> Result<(), Error> {
-        self.solver = Solver::new(structure, &self.settings.options)?;
-        self.restart(x, multipliers);
-        Ok(())
+        let start = Start {
+            x,
+            multipliers: multipliers.as_ref(),
+        };
+        start.validate(&structure)?;
+        let mut solver = self.settings.solver(structure)?;
+        if let Some(scaling) = &self.scaling {
+            solver.set_scaling(scaling)?;
+        }
+        solver.set_log(self.solver.take_log());
+        self.solver = solver;
+        self.cold_iterations = None;
+        self.restart(x, multipliers)
     }
 
-    /// The next problem starts at `x`, warm if there are `multipliers`.
-    pub fn restart(&mut self, x: &[f64], multipliers: Option<Multipliers>) {
+    /// The next problem starts at `x`, warm if there are `multipliers`. It is still a problem of the same kind: when it
+    /// counts as blown up does not change.
+    ///
+    /// # Errors
+    /// Values that are not finite, or of another number; the start then stays as it was.
+    pub fn restart(&mut self, x: &[f64], multipliers: Option<Multipliers>) -> Result<(), Error> {
+        let start = Start {
+            x,
+            multipliers: multipliers.as_ref(),
+        };
+        start.validate(self.solver.structure())?;
         self.x = x.to_vec();
         self.multipliers = multipliers;
+        Ok(())
     }
 
     /// Where the next problem starts.
@@ -215,7 +230,12 @@ impl Sequence {
         &self.totals
     }
 
-    fn attempt(&mut self, nlp: &mut dyn Nlp, warm: bool) -> Result<Solution, Error> {
+    fn attempt(
+        &mut self,
+        nlp: &mut dyn Nlp,
+        warm: bool,
+        watch: impl FnMut(&Iterate<'_>) -> ControlFlow<()>,
+    ) -> Result<Solution, Error> {
         let options = match warm {
             true => self.settings.warm_options(self.cold_iterations),
             false => self.settings.options.clone(),
@@ -225,7 +245,7 @@ impl Sequence {
             x: &self.x,
             multipliers: self.multipliers.as_ref().filter(|_| warm),
         };
-        let solution = self.solver.solve(nlp, &start)?;
+        let solution = self.solver.solve_with(nlp, &start, watch)?;
         self.totals.count(&solution.statistics, warm);
         Ok(solution)
     }
@@ -237,9 +257,12 @@ impl Sequence {
         warm: bool,
         retried: Option<Retried>,
     ) -> Run {
-        match solved {
-            true => self.restart(&solution.x, solution.multipliers.clone()),
-            false => self.totals.failures += 1,
+        self.totals.problems += 1;
+        if solved {
+            self.x.clone_from(&solution.x);
+            self.multipliers.clone_from(&solution.multipliers);
+        } else {
+            self.totals.failures += 1;
         }
         Run {
             solution,
@@ -247,71 +270,5 @@ impl Sequence {
             warm,
             retried,
         }
-    }
-}
-
-impl Settings {
-    fn warm_options(&self, cold_iterations: Option<usize>) -> Options {
-        let mut options = self.options.clone();
-        if let Some(iterations) = cold_iterations {
-            let limit = ((self.blow_up * iterations as f64) as usize).max(Self::LEAST);
-            let given = match options.get("max_iter") {
-                Some(&OptionValue::Integer(given)) => usize::try_from(given).unwrap_or(limit),
-                _ => limit,
-            };
-            options.set("max_iter", limit.min(given));
-        }
-        options.and(&self.warm)
-    }
-
-    fn is_solved(&self, solution: &Solution) -> bool {
-        match solution.status {
-            Status::Solved => true,
-            Status::SolvedToAcceptableLevel | Status::SearchDirectionTooSmall => {
-                solution.multipliers.is_some()
-                    && solution.statistics.scaled_error <= self.attainable_error
-            }
-            _ => false,
-        }
-    }
-}
-
-impl Totals {
-    fn count(&mut self, statistics: &Statistics, warm: bool) {
-        match warm {
-            true => self.warm += 1,
-            false => self.cold += 1,
-        }
-        self.iterations += statistics.iterations;
-        self.factorizations += statistics.factorizations.unwrap_or(0);
-        self.seconds += statistics.total.wall;
-        self.evaluations += [
-            &statistics.objective,
-            &statistics.gradient,
-            &statistics.constraints,
-            &statistics.jacobian,
-            &statistics.hessian,
-        ]
-        .iter()
-        .map(|function| function.calls)
-        .sum::<usize>();
-    }
-}
-
-impl fmt::Display for Totals {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} problems ({} not solved), {} warm and {} cold solves ({} of them retries), {} iterations, \
-             {} factorisations, {:.3} s",
-            self.problems,
-            self.failures,
-            self.warm,
-            self.cold,
-            self.cold_retries,
-            self.iterations,
-            self.factorizations,
-            self.seconds
-        )
     }
 }

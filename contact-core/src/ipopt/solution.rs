@@ -13,13 +13,15 @@ pub struct Solution {
     pub status: Status,
     /// x; the start if Ipopt ended without a final point.
     pub x: Vec<f64>,
-    /// f(x), unscaled; NaN if Ipopt ended without a final point.
+    /// f(x), unscaled; NaN if Ipopt ended without it: without a final point, after an invalid number, a time limit (the
+    /// last of `history` has it then) or an exception.
     pub objective: f64,
-    /// g(x); NaN if Ipopt ended without a final point.
+    /// g(x); NaN as above.
     pub g: Vec<f64>,
     /// The multipliers at x, `None` where Ipopt has none worth the name: after an invalid number, a time limit, in
-    /// the restoration phase, or with nothing to iterate because all variables are fixed. For fixed variables among
-    /// others Ipopt has them since 3.14, and zeros before.
+    /// the restoration phase, where one is not finite, or with nothing to iterate because all variables are fixed.
+    /// For fixed variables among others Ipopt has them since 3.14, and zeros before. Signs are those of
+    /// [`nlp`](crate::nlp), reversed where f is [maximised](super::Scaling).
     pub multipliers: Option<Multipliers>,
     /// What it cost.
     pub statistics: Statistics,

@@ -6,21 +6,21 @@ use ipopt_sys as sys;
 
 use super::{
     Error, Log, OptionValue, Options, Solution, Start, Status,
-    callbacks::{Context, Watch},
+    context::{Context, Gate, Watch},
     derivatives::Reader,
     library,
     lock::Exclusive,
     log::Sink,
     options,
     scaling::{USER_SCALING, scaling_is_used},
-    start::Point,
+    start::{Point, are_finite},
 };
 use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Phase, Structure};
 
 /// Ipopt for one [`Structure`], for as many solves as wanted.
 ///
-/// It may move between threads; solves of the whole process run one after the other. Between solves it holds the
-/// pattern and the options, not the memory of the linear solver.
+/// It may move between threads; solves of the whole process run one after the other, and nothing else waits for them.
+/// Between solves it holds the pattern and the options, not the memory of the linear solver.
 pub struct Solver {
     pub(super) shim: NonNull<sys::ipopt_shim>,
     pub(super) structure: Structure,
@@ -31,8 +31,8 @@ pub struct Solver {
     pub(super) scaled: bool,
 }
 
-// SAFETY: the shim has no ties to a thread, and whatever it shares with others of its kind is used under the
-// process-wide lock only.
+// SAFETY: the shim has no ties to a thread, and shares with others of its kind only the linear solver's global state,
+// which solves alone touch, under the process-wide lock.
 unsafe impl Send for Solver {}
 
 impl Solver {
@@ -43,21 +43,18 @@ impl Solver {
     pub fn new(structure: Structure, options: &Options) -> Result<Self, Error> {
         let (rows, cols) = indices(structure.jacobian());
         let (h_rows, h_cols) = structure.hessian().map(indices).unwrap_or_default();
-        let shim = {
-            let _exclusive = Exclusive::wait();
-            // SAFETY: the structure is valid: indices in range, counts within 32 bits.
-            unsafe {
-                sys::ipopt_shim_create(
-                    count(structure.variables()),
-                    count(structure.constraints()),
-                    count(rows.len()),
-                    rows.as_ptr(),
-                    cols.as_ptr(),
-                    count(h_rows.len()),
-                    h_rows.as_ptr(),
-                    h_cols.as_ptr(),
-                )
-            }
+        // SAFETY: the structure is valid: indices in range, counts within 32 bits.
+        let shim = unsafe {
+            sys::ipopt_shim_create(
+                count(structure.variables()),
+                count(structure.constraints()),
+                count(rows.len()),
+                rows.as_ptr(),
+                cols.as_ptr(),
+                count(h_rows.len()),
+                h_rows.as_ptr(),
+                h_cols.as_ptr(),
+            )
         };
         let shim = NonNull::new(shim).ok_or(Error::OutOfMemory)?;
         let mut solver = Self {
@@ -80,15 +77,23 @@ impl Solver {
     /// Replaces all options.
     ///
     /// # Errors
-    /// [`Error::Option`] names the option Ipopt refuses; the ones before it are set then. [`Error::UnusedScaling`]
-    /// if the solver has a [`Scaling`](super::Scaling) and `nlp_scaling_method` is set to something else.
+    /// [`Error::Option`] names the option Ipopt refuses. [`Error::UnusedScaling`] if the solver has a
+    /// [`Scaling`](super::Scaling) and `nlp_scaling_method` is set to something else. The options then stay as they
+    /// were.
     pub fn set_options(&mut self, options: &Options) -> Result<(), Error> {
         if self.scaled {
             scaling_is_used(options)?;
         }
+        if let Err(error) = self.apply(options) {
+            self.apply(&self.options.clone())?;
+            return Err(error);
+        }
         self.options = options.clone();
-        let _exclusive = Exclusive::wait();
-        // SAFETY: the shim is valid, and Ipopt locked.
+        Ok(())
+    }
+
+    fn apply(&mut self, options: &Options) -> Result<(), Error> {
+        // SAFETY: the shim is valid.
         unsafe { options::apply(self.shim.as_ptr(), &self.structure, options) }?;
         if self.scaled {
             self.apply_one("nlp_scaling_method", &USER_SCALING.into())?;
@@ -110,11 +115,14 @@ impl Solver {
         self.log = log;
     }
 
+    pub(super) fn take_log(&mut self) -> Log {
+        std::mem::take(&mut self.log)
+    }
+
     /// Ipopt's own default of an option; `None` if this version has no such option. What the driver sets instead is
     /// in the table of [`Options`].
     pub fn ipopt_default(&self, name: &str) -> Option<OptionValue> {
-        let _exclusive = Exclusive::wait();
-        // SAFETY: the shim is valid, and Ipopt locked.
+        // SAFETY: the shim is valid.
         unsafe { options::default_of(self.shim.as_ptr(), name) }
     }
 
@@ -176,16 +184,18 @@ impl Solver {
             .filter(|&test| *test != "none".into())
             .map(|_| Reader::default());
         let watch = watch.map(|watch| watch as Watch<'_>);
-        let mut context = Context::new(nlp, &self.structure, shim, watch, sink, reader);
+        let context = Context::new(nlp, &self.structure, shim, watch, sink, reader);
+        let mut gate = Gate::new(context);
         let mut raw_point = point.raw(start.multipliers.is_some());
         let mut raw_statistics = sys::ipopt_shim_statistics::default();
         let clock = Instant::now();
-        let table = context.table();
+        let table = gate.table();
         // SAFETY: the shim is valid and Ipopt locked; table, point and statistics outlive the call; the callbacks
-        // reach nothing but the context, and that is not touched meanwhile.
+        // reach nothing but the gate, and that is not touched meanwhile.
         let code =
             unsafe { sys::ipopt_shim_solve(shim, &table, &mut raw_point, &mut raw_statistics) };
         let wall = clock.elapsed();
+        let mut context = gate.into_context();
         context.finish_log();
         library::warn_of_another();
         let Context {
@@ -218,7 +228,8 @@ impl Solver {
             objective: if finalized { objective } else { f64::NAN },
             g: point.g,
             multipliers: (finalized && regular && status.keeps_multipliers())
-                .then_some(point.multipliers),
+                .then_some(point.multipliers)
+                .filter(are_finite),
             statistics,
             history,
             derivative_check: derivatives.map(Reader::finish),
@@ -226,9 +237,8 @@ impl Solver {
         })
     }
 
-    /// The caller has locked Ipopt.
     pub(super) fn apply_one(&mut self, name: &str, value: &OptionValue) -> Result<(), Error> {
-        // SAFETY: the shim is valid, and Ipopt locked.
+        // SAFETY: the shim is valid.
         Ok(unsafe { options::apply_one(self.shim.as_ptr(), name, value) }?)
     }
 
@@ -276,7 +286,6 @@ impl Solver {
 
 impl Drop for Solver {
     fn drop(&mut self) {
-        let _exclusive = Exclusive::wait();
         // SAFETY: the shim is valid, and nobody uses it after this.
         unsafe { sys::ipopt_shim_free(self.shim.as_ptr()) };
     }

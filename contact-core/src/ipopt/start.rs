@@ -21,6 +21,17 @@ impl<'a> Start<'a> {
             multipliers: None,
         }
     }
+
+    pub(super) fn validate(&self, structure: &Structure) -> Result<(), NlpError> {
+        let (n, m) = (structure.variables(), structure.constraints());
+        check_finite("the starting x", self.x, n)?;
+        if let Some(multipliers) = self.multipliers {
+            check_finite("the starting λ", &multipliers.constraints, m)?;
+            check_finite("the starting z_L", &multipliers.lower, n)?;
+            check_finite("the starting z_U", &multipliers.upper, n)?;
+        }
+        Ok(())
+    }
 }
 
 /// The arrays Ipopt starts from and ends in.
@@ -32,13 +43,8 @@ pub(super) struct Point {
 
 impl Point {
     pub(super) fn new(structure: &Structure, start: &Start<'_>) -> Result<Self, NlpError> {
+        start.validate(structure)?;
         let (n, m) = (structure.variables(), structure.constraints());
-        check_finite("the starting x", start.x, n)?;
-        if let Some(multipliers) = start.multipliers {
-            check_finite("the starting λ", &multipliers.constraints, m)?;
-            check_finite("the starting z_L", &multipliers.lower, n)?;
-            check_finite("the starting z_U", &multipliers.upper, n)?;
-        }
         let multipliers = start.multipliers.cloned().unwrap_or_else(|| Multipliers {
             constraints: vec![0.0; m],
             lower: vec![0.0; n],
@@ -63,6 +69,18 @@ impl Point {
             finalized: 0,
         }
     }
+}
+
+/// Whether another solve may start from them.
+pub(super) fn are_finite(multipliers: &Multipliers) -> bool {
+    let Multipliers {
+        constraints,
+        lower,
+        upper,
+    } = multipliers;
+    [constraints, lower, upper]
+        .iter()
+        .all(|values| values.iter().all(|value| value.is_finite()))
 }
 
 pub(super) fn check_finite(

@@ -12,14 +12,14 @@ use std::fmt;
 /// | `SearchDirectionTooSmall` | 3 | Steps vanish in round-off, close to a solution in general. | Look at the errors in the [`Statistics`](super::Statistics); scale; ask for a larger `tol`. |
 /// | `Diverging` | 4 | x grows beyond `diverging_iterates_tol`. | The problem may be unbounded: add bounds, or check the sign of f. |
 /// | `StoppedByUser` | 5 | [`Nlp::iterate`](crate::nlp::Nlp::iterate) or the closure of [`Solver::solve_with`](super::Solver::solve_with) asked for it. | Use x, or go on from it. |
-/// | `FeasiblePointFound` | 6 | A solution of a square system, which has no multipliers. | Nothing. |
+/// | `FeasiblePointFound` | 6 | The restoration phase has solved the constraints of a square problem, with as many equalities as free variables: there is nothing left to minimise. A square problem that never needs that phase ends as `Solved`. | Nothing; there are no multipliers. |
 /// | `IterationLimit` | −1 | `max_iter`. | Look at the history: if it still converges, allow more; if not, check the derivatives, scale, try `mu_strategy(MuStrategy::Adaptive)` or another start. |
 /// | `RestorationFailed` | −2 | No less infeasible point was found. | As for `Infeasible`; check the derivatives of g; make functions finite in a wider neighbourhood. |
 /// | `StepComputationFailed` | −3 | The linear systems resist regularisation; since 3.14 also a line search that fails almost at the solution. | Remove constraints that depend on others; check the Hessian; see `SearchDirectionTooSmall`. |
-/// | `CpuTimeLimit`, `WallTimeLimit` | −4, −5 | `max_cpu_time`, `max_wall_time`. | Allow more; the multipliers are lost. |
-/// | `TooFewDegreesOfFreedom` | −10 | More equalities than free variables. | Free variables, remove equalities, or `fixed_variable_treatment(FixedVariableTreatment::RelaxBounds)`. |
+/// | `CpuTimeLimit`, `WallTimeLimit` | −4, −5 | `max_cpu_time`, `max_wall_time`. | Allow more; g and the multipliers are lost. |
+/// | `TooFewDegreesOfFreedom` | −10 | More equalities than variables, fixed ones included: where the free ones are too few, Ipopt relaxes the others' bounds by itself. | Remove equalities; with `FixedVariableTreatment::MakeConstraint`, which adds one for each fixed variable, choose another. |
 /// | `InvalidProblem` | −11 | Ipopt refuses the problem. | See the log, at `print_level` 5. |
-/// | `InvalidOption` | −12 | The linear solver is missing, or options contradict each other. | Ask for `LinearSolver::Mumps`; see the log. |
+/// | `InvalidOption` | −12 | The linear solver is missing, or options contradict each other. | Ask for `LinearSolver::Mumps`; for HSL in a place of its own, set `hsllib` to its path (since 3.14); see the log. |
 /// | `InvalidNumber` | −13 | A derivative was not finite, or a function at the start. | Start inside the domain, keep x there by bounds; f and g may be infinite at trial points only. |
 /// | `UnrecoverableException`, `ForeignException`, `InternalError` | −100, −101, −199 | An exception, Ipopt's or another; a bug. The first too where a function fails during the derivative check. | See the log. |
 /// | `InsufficientMemory` | −102 | Out of memory. | A smaller problem, a sparser ordering (`mumps_pivot_order`), a smaller `mumps_mem_percent`. |
@@ -38,7 +38,7 @@ pub enum Status {
     Diverging,
     /// [`Nlp::iterate`](crate::nlp::Nlp::iterate) or a watching closure asked for it.
     StoppedByUser,
-    /// A solution of a square system.
+    /// The constraints of a square problem are solved, in the restoration phase.
     FeasiblePointFound,
     /// `max_iter`.
     IterationLimit,
@@ -50,7 +50,7 @@ pub enum Status {
     CpuTimeLimit,
     /// `max_wall_time`.
     WallTimeLimit,
-    /// More equalities than free variables.
+    /// More equalities than variables.
     TooFewDegreesOfFreedom,
     /// Ipopt refuses the problem.
     InvalidProblem,
@@ -130,9 +130,13 @@ impl Status {
         self == Self::Solved
     }
 
-    /// Optimal to that tolerance or to Ipopt's acceptable one.
+    /// Optimal to that tolerance or to Ipopt's acceptable one, or the solution of a square problem, in which there is
+    /// nothing to optimise.
     pub fn is_acceptable(self) -> bool {
-        matches!(self, Self::Solved | Self::SolvedToAcceptableLevel)
+        matches!(
+            self,
+            Self::Solved | Self::SolvedToAcceptableLevel | Self::FeasiblePointFound
+        )
     }
 
     /// Whether Ipopt ends with the multipliers of its last iterate. After the others they are zero, those of another
@@ -158,13 +162,13 @@ impl fmt::Display for Status {
             Self::SearchDirectionTooSmall => "the steps became too small to go on, close to the accuracy attainable",
             Self::Diverging => "the iterates diverge: the objective may be unbounded below",
             Self::StoppedByUser => "stopped by the caller",
-            Self::FeasiblePointFound => "a feasible point of a square system was found",
+            Self::FeasiblePointFound => "the constraints of a square problem are solved",
             Self::IterationLimit => "the iteration limit (max_iter) was reached",
             Self::RestorationFailed => "the restoration phase found no acceptable point",
             Self::StepComputationFailed => "no step could be computed: the linear systems resist regularisation",
             Self::CpuTimeLimit => "the limit of processor time (max_cpu_time) was reached",
             Self::WallTimeLimit => "the limit of time (max_wall_time) was reached",
-            Self::TooFewDegreesOfFreedom => "more equality constraints than free variables",
+            Self::TooFewDegreesOfFreedom => "more equality constraints than variables",
             Self::InvalidProblem => "Ipopt refuses the problem as ill-defined",
             Self::InvalidOption => "Ipopt refuses an option, or was built without the linear solver asked for",
             Self::InvalidNumber => "a derivative, or a function at the starting point, is not finite",

@@ -112,7 +112,7 @@ impl Method for InteriorPoint {
         let warm = !start.multipliers.is_empty();
 
         let mut sequence = Sequence::new(structure(subproblem)?, self.settings(subproblem), &x)?;
-        sequence.restart(&x, warm.then(|| scaled.multipliers(start)));
+        sequence.restart(&x, warm.then(|| scaled.multipliers(start)))?;
         let run = sequence.solve(&mut scaled)?;
 
         let effort = scaled.effort(sequence.totals(), &run, clock.elapsed().as_secs_f64());

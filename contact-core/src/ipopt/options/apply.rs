@@ -5,7 +5,10 @@ use std::ffi::{CStr, CString};
 use ipopt_sys as sys;
 
 use super::super::Ordering;
-use super::{Available, KnownOption, OptionError, OptionValue, Options};
+use super::{
+    Available, KnownOption, OptionError, OptionValue, Options,
+    check::{bare, fits, has_other_prefix, unusable},
+};
 use crate::nlp::Structure;
 
 /// Variables above which the driver chooses MUMPS' ordering.
@@ -51,7 +54,7 @@ fn ordering(structure: &Structure) -> Ordering {
 /// Sets the defaults Ipopt knows, then `options`, from a clean slate.
 ///
 /// # Safety
-/// `shim` must be valid, and Ipopt this thread's alone.
+/// `shim` must be valid, and this thread's alone.
 pub(in crate::ipopt) unsafe fn apply(
     shim: *mut sys::ipopt_shim,
     structure: &Structure,
@@ -70,28 +73,9 @@ pub(in crate::ipopt) unsafe fn apply(
     for (name, value) in options.iter() {
         // SAFETY: as above.
         unsafe { apply_one(shim, name, value) }?;
-        if structure.hessian().is_none() {
-            fits_without_hessian(name, value)?;
-        }
+        fits(structure, name, value)?;
     }
     Ok(())
-}
-
-/// Without a Hessian Ipopt would take it for zero, in the solve and in its derivative checker.
-fn fits_without_hessian(name: &str, value: &OptionValue) -> Result<(), OptionError> {
-    let fitting: &[&str] = match name {
-        "hessian_approximation" => &["limited-memory"],
-        "derivative_test" => &["none", "first-order"],
-        _ => return Ok(()),
-    };
-    if fitting.iter().any(|&word| *value == word.into()) {
-        return Ok(());
-    }
-    Err(OptionError::Invalid {
-        name: name.to_owned(),
-        value: value.clone(),
-        expected: format!("{fitting:?}, as the structure has no Hessian"),
-    })
 }
 
 /// # Safety
@@ -104,66 +88,98 @@ pub(in crate::ipopt) unsafe fn apply_one(
     let unknown = || OptionError::Unknown {
         name: name.to_owned(),
         value: value.clone(),
-        since: KnownOption::named(name).and_then(|option| option.since),
+        since: KnownOption::named(bare(name)).and_then(|option| option.since),
     };
+    if has_other_prefix(name) {
+        return Err(unknown());
+    }
     let c_name = CString::new(name).map_err(|_| unknown())?;
     // SAFETY: `shim` is valid by the caller's promise, here and below, and `c_name` is a C string.
     let kind = match unsafe { sys::ipopt_shim_option_type(shim, c_name.as_ptr()) }.unsigned_abs() {
         sys::IPOPT_SHIM_OPTION_UNKNOWN => return Err(unknown()),
         kind => kind,
     };
-    let expected = || {
-        let mut text = [0; 2048];
-        // SAFETY: `text` has the size given.
-        unsafe {
-            sys::ipopt_shim_option_range(shim, c_name.as_ptr(), text.as_mut_ptr(), text.len())
-        };
-        // SAFETY: the shim ends what it writes with 0, and `text` was 0 before.
-        unsafe { CStr::from_ptr(text.as_ptr()) }
-            .to_string_lossy()
-            .into_owned()
+    // SAFETY: as above.
+    let Err(refused) = (unsafe { set(shim, name, &c_name, kind, value) }) else {
+        return Ok(());
+    };
+    // SAFETY: as above.
+    let expected = unsafe { range_of(shim, &c_name) };
+    let (name, value) = (name.to_owned(), value.clone());
+    Err(match refused {
+        Refused::Type => OptionError::WrongType {
+            name,
+            value,
+            expected,
+        },
+        Refused::Value(but) => OptionError::Invalid {
+            name,
+            value,
+            expected: expected + &but,
+        },
+    })
+}
+
+/// Why a known option is not set.
+enum Refused {
+    Type,
+    /// With what is to be said after the values that Ipopt takes.
+    Value(String),
+}
+
+/// # Safety
+/// As [`apply`].
+unsafe fn set(
+    shim: *mut sys::ipopt_shim,
+    name: &str,
+    c_name: &CStr,
+    kind: u32,
+    value: &OptionValue,
+) -> Result<(), Refused> {
+    let c_name = c_name.as_ptr();
+    let number = |number: f64| match unusable(name, number) {
+        Some(but) => Err(Refused::Value(but)),
+        // SAFETY: `shim` is valid by the caller's promise, and `c_name` is a C string, here and below.
+        None => Ok(unsafe { sys::ipopt_shim_set_number(shim, c_name, number) }),
     };
     let set = match (kind, value) {
         (sys::IPOPT_SHIM_OPTION_TEXT, OptionValue::Text(text)) => match CString::new(text.as_str())
         {
-            // SAFETY: both are C strings.
-            Ok(text) => unsafe { sys::ipopt_shim_set_text(shim, c_name.as_ptr(), text.as_ptr()) },
+            // SAFETY: as above.
+            Ok(text) => unsafe { sys::ipopt_shim_set_text(shim, c_name, text.as_ptr()) },
             Err(_) => 0,
         },
-        (sys::IPOPT_SHIM_OPTION_NUMBER, OptionValue::Number(number)) if number.is_nan() => 0,
-        (sys::IPOPT_SHIM_OPTION_NUMBER, OptionValue::Number(number)) => {
+        (sys::IPOPT_SHIM_OPTION_NUMBER, &OptionValue::Number(value)) => number(value)?,
+        (sys::IPOPT_SHIM_OPTION_NUMBER, &OptionValue::Integer(value)) => number(value.into())?,
+        (sys::IPOPT_SHIM_OPTION_INTEGER, &OptionValue::Integer(value)) => {
             // SAFETY: as above.
-            unsafe { sys::ipopt_shim_set_number(shim, c_name.as_ptr(), *number) }
+            unsafe { sys::ipopt_shim_set_integer(shim, c_name, value) }
         }
-        (sys::IPOPT_SHIM_OPTION_NUMBER, OptionValue::Integer(integer)) => {
-            // SAFETY: as above.
-            unsafe { sys::ipopt_shim_set_number(shim, c_name.as_ptr(), f64::from(*integer)) }
-        }
-        (sys::IPOPT_SHIM_OPTION_INTEGER, OptionValue::Integer(integer)) => {
-            // SAFETY: as above.
-            unsafe { sys::ipopt_shim_set_integer(shim, c_name.as_ptr(), *integer) }
-        }
-        _ => {
-            return Err(OptionError::WrongType {
-                name: name.to_owned(),
-                value: value.clone(),
-                expected: expected(),
-            });
-        }
+        _ => return Err(Refused::Type),
     };
-    if set == 0 {
-        return Err(OptionError::Invalid {
-            name: name.to_owned(),
-            value: value.clone(),
-            expected: expected() + &availability(name, value),
-        });
+    match set {
+        0 => Err(Refused::Value(availability(name, value))),
+        _ => Ok(()),
     }
-    Ok(())
+}
+
+/// Which values an option takes, in words.
+///
+/// # Safety
+/// `shim` must be valid.
+unsafe fn range_of(shim: *mut sys::ipopt_shim, name: &CStr) -> String {
+    let mut text = [0; 2048];
+    // SAFETY: the shim is valid by the caller's promise, `name` a C string, and `text` has the size given.
+    unsafe { sys::ipopt_shim_option_range(shim, name.as_ptr(), text.as_mut_ptr(), text.len()) };
+    // SAFETY: the shim ends what it writes with 0, and `text` was 0 before.
+    unsafe { CStr::from_ptr(text.as_ptr()) }
+        .to_string_lossy()
+        .into_owned()
 }
 
 /// What a known word needs that this build of Ipopt refuses.
 fn availability(name: &str, value: &OptionValue) -> String {
-    let word = KnownOption::named(name).and_then(|option| {
+    let word = KnownOption::named(bare(name)).and_then(|option| {
         option
             .words
             .iter()
@@ -184,7 +200,9 @@ pub(in crate::ipopt) unsafe fn default_of(
     shim: *mut sys::ipopt_shim,
     name: &str,
 ) -> Option<OptionValue> {
-    let name = CString::new(name).ok()?;
+    let name = CString::new(name)
+        .ok()
+        .filter(|_| !has_other_prefix(name))?;
     let mut number = 0.0;
     let mut text = [0; 2048];
     // SAFETY: the shim is valid by the caller's promise, and `text` has the size given.

@@ -1,6 +1,8 @@
 //! Ipopt's options: typed or by name, and in order.
 
 mod apply;
+mod check;
+mod hint;
 mod known;
 mod table;
 mod value;
@@ -46,6 +48,13 @@ use crate::nlp::Structure;
 /// | `timing_statistics` | `yes` where there is one | [`Statistics`](super::Statistics) |
 ///
 /// `check_derivatives_for_naninf` stays off: every value of every function is checked before Ipopt sees it.
+///
+/// With the prefix `resto.`, as in `resto.max_iter`, an option is for the restoration phase alone. There is no other
+/// prefix.
+///
+/// Numbers are finite and between −1e30 and 1e30, the largest default of Ipopt's, whatever their name: beyond, some make
+/// Ipopt crash or iterate without end. `max_cpu_time` and `max_wall_time` may be larger up to ∞ for no limit,
+/// `nlp_lower_bound_inf` and `nlp_upper_bound_inf` down to −∞ and up to ∞ for bounds of any size. Ipopt keeps six digits.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
     entries: Vec<(String, OptionValue)>,
@@ -57,9 +66,9 @@ impl Options {
         Self::default()
     }
 
-    /// Sets one, in place of an earlier value. Names and values are checked by the solver.
+    /// Sets one, in place of an earlier value. Names and values are checked by the solver; words may be in any case.
     pub fn set(&mut self, name: &str, value: impl Into<OptionValue>) -> &mut Self {
-        let value = value.into();
+        let value = check::normalized(name, value.into());
         match self.entries.iter_mut().find(|(known, _)| known == name) {
             Some((_, old)) => *old = value,
             None => self.entries.push((name.to_owned(), value)),

@@ -51,11 +51,11 @@ macro_rules! options {
 options! {
     /// Error of the scaled optimality conditions at which the solve ends.
     tol: f64 = Number(1e-8);
-    /// Iterations before the solve is given up.
+    /// Iterations before the solve is given up. This and the limits of time are looked at between iterations only.
     max_iter: usize = Integer(3000);
-    /// Seconds of processor time before the solve is given up; looked at once an iteration.
+    /// Seconds of processor time before the solve is given up; ∞ for no limit.
     max_cpu_time: f64 = Number(1e20), before "3.14.0" 1e6;
-    /// Seconds before the solve is given up; looked at once an iteration.
+    /// Seconds before the solve is given up; ∞ for no limit.
     max_wall_time: f64 = Number(1e20), since "3.14.0";
     /// Largest ∇L, max-norm, unscaled, at which the solve may end.
     dual_inf_tol: f64 = Number(1.0);
@@ -104,7 +104,7 @@ options! {
     /// The file of options that is read and overrides those set here; this driver's default is none.
     option_file_name: &str = Text("ipopt.opt");
 
-    /// Factor on f inside Ipopt; negative to maximise.
+    /// Factor on f inside Ipopt; not 0; negative to maximise, which [reverses the multipliers' signs](crate::ipopt::Scaling).
     obj_scaling_factor: f64 = Number(1.0);
     /// How the problem is scaled.
     nlp_scaling_method: NlpScalingMethod = Text("gradient-based");
@@ -123,9 +123,9 @@ options! {
     honor_original_bounds: bool = Text("no"), before "3.14.0" "yes";
     /// What becomes of variables with equal bounds.
     fixed_variable_treatment: FixedVariableTreatment = Text("make_parameter");
-    /// Lower bounds up to this are none.
+    /// Lower bounds up to this are none; −∞ to have all of them.
     nlp_lower_bound_inf: f64 = Number(-1e19);
-    /// Upper bounds from this are none.
+    /// Upper bounds from this are none; ∞ to have all of them.
     nlp_upper_bound_inf: f64 = Number(1e19);
     /// Weight of the linear damping of variables with one bound.
     kappa_d: f64 = Number(1e-5);
@@ -262,8 +262,8 @@ options! {
     linear_system_scaling: LinearSystemScaling = Text("none");
     /// Per cent of workspace beyond MUMPS' estimate; this driver's default is 200.
     mumps_mem_percent: usize = Integer(1000);
-    /// Ordering: 0 AMD, 2 AMF, 3 SCOTCH, 4 PORD, 5 METIS, 6 QAMD, 7 MUMPS' choice. The driver's default is 5 for
-    /// large problems.
+    /// Ordering: 0 AMD, 2 AMF, 3 SCOTCH, 4 PORD, 5 METIS, 6 QAMD, 7 MUMPS' choice. The driver's default for
+    /// more than 10 000 variables is 4 if the Hessian has 15 entries a variable, else 2.
     mumps_pivot_order: i32 = Integer(7);
     /// Permutation and scaling before the analysis, 0 to 7.
     mumps_permuting_scaling: i32 = Integer(7);

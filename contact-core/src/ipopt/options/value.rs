@@ -4,6 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
+use super::hint::nearest;
 use crate::ipopt::VERSION;
 
 /// A value of an option.
@@ -69,8 +70,8 @@ impl fmt::Display for OptionValue {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum OptionError {
-    /// No such name.
-    #[error("Ipopt {} has no option `{name}` (set to {value}): {}", version(), remedy(*.since))]
+    /// No such name, or one with a prefix that Ipopt looks for nowhere.
+    #[error("Ipopt {} has no option `{name}` (set to {value}): {}", version(), remedy(.name, *.since))]
     Unknown {
         /// The name.
         name: String,
@@ -101,6 +102,23 @@ pub enum OptionError {
         /// What it takes instead.
         expected: String,
     },
+    /// Finite differences of a Jacobian that names a place twice.
+    #[error(
+        "Ipopt's option `{name}` was set to {value}, which needs a Jacobian with each place once: its entry {entry} \
+         repeats ({row}, {col}); add the values up in one entry, or leave the option out"
+    )]
+    RepeatedEntry {
+        /// The name.
+        name: String,
+        /// The value refused.
+        value: OptionValue,
+        /// The second entry.
+        entry: usize,
+        /// Its row.
+        row: usize,
+        /// Its column.
+        col: usize,
+    },
 }
 
 fn version() -> String {
@@ -108,9 +126,15 @@ fn version() -> String {
     format!("{major}.{minor}.{release}")
 }
 
-fn remedy(since: Option<&str>) -> String {
+fn remedy(name: &str, since: Option<&str>) -> String {
     match since {
         Some(version) => format!("it exists since {version}"),
-        None => "check the name; `KNOWN_OPTIONS` and Ipopt's manual list them".to_owned(),
+        None if name.contains('.') => {
+            "the only prefix is `resto.`, for the restoration phase".to_owned()
+        }
+        None => match nearest(name) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => "check the name; `KNOWN_OPTIONS` and Ipopt's manual list them".to_owned(),
+        },
     }
 }

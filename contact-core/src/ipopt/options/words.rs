@@ -183,7 +183,8 @@ words! {
     JacobianApproximation {
         /// From [`Nlp::jacobian`](crate::nlp::Nlp::jacobian).
         Exact = "exact",
-        /// By finite differences of g at the places of the pattern; n evaluations each.
+        /// By finite differences of g at the places of the pattern, n evaluations each. There must be some, unless
+        /// there are no constraints, and each once.
         FiniteDifferences = "finite-difference-values",
     }
     /// What becomes of variables with equal bounds.
@@ -194,7 +195,9 @@ words! {
         MakeParameterNoDual = "make_parameter_nodual" since "3.14.0",
         /// They stay, with an equality constraint each.
         MakeConstraint = "make_constraint",
-        /// They stay, with bounds relaxed by `bound_relax_factor`.
+        /// They stay, with bounds relaxed by `bound_relax_factor`, which wants to be positive for that (this driver's
+        /// default is 0). Of their multipliers only z_L − z_U means something. Where equalities outnumber the free
+        /// variables, Ipopt does this unasked.
         RelaxBounds = "relax_bounds",
     }
     /// How the problem is scaled.

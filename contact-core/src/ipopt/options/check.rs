@@ -1,0 +1,103 @@
+//! What the driver knows of a name and its value before Ipopt takes them, or takes them amiss.
+
+use super::{KnownOption, OptionError, OptionValue};
+use crate::nlp::Structure;
+
+/// Before the names of options for the restoration phase; Ipopt looks for no other prefix.
+const RESTORATION: &str = "resto.";
+
+/// The largest default of any of Ipopt's numbers. Far above, they overflow, and Ipopt may iterate without end where
+/// it looks at no limit.
+const LARGEST: f64 = 1e30;
+
+/// The numbers that may exceed it, up to what stands for no limit and no bound.
+const OPEN: [(&str, f64); 4] = [
+    ("max_cpu_time", f64::INFINITY),
+    ("max_wall_time", f64::INFINITY),
+    ("nlp_lower_bound_inf", f64::NEG_INFINITY),
+    ("nlp_upper_bound_inf", f64::INFINITY),
+];
+
+/// The name without the prefix of the restoration phase.
+pub(super) fn bare(name: &str) -> &str {
+    name.strip_prefix(RESTORATION).unwrap_or(name)
+}
+
+/// Whether Ipopt would take the option and look for it nowhere.
+pub(super) fn has_other_prefix(name: &str) -> bool {
+    bare(name).contains('.')
+}
+
+/// A known word in Ipopt's own spelling, as Ipopt does not mind the case.
+pub(super) fn normalized(name: &str, value: OptionValue) -> OptionValue {
+    let OptionValue::Text(text) = &value else {
+        return value;
+    };
+    let words = KnownOption::named(bare(name)).map_or(&[][..], |option| option.words);
+    match words
+        .iter()
+        .find(|word| word.text.eq_ignore_ascii_case(text))
+    {
+        Some(word) => word.text.into(),
+        None => value,
+    }
+}
+
+/// Why a number is refused that Ipopt might take, to follow on the range that Ipopt gives.
+pub(super) fn unusable(name: &str, number: f64) -> Option<String> {
+    let name = bare(name);
+    let (lower, upper) = match OPEN.iter().find(|(open, _)| *open == name) {
+        Some((_, end)) => (end.min(-LARGEST), end.max(LARGEST)),
+        None => (-LARGEST, LARGEST),
+    };
+    if name == "obj_scaling_factor" && number == 0.0 {
+        Some(", but not 0".to_owned())
+    } else if (lower..=upper).contains(&number) {
+        None
+    } else {
+        Some(format!(", from {lower:e} to {upper:e}"))
+    }
+}
+
+/// What Ipopt would take without a word, or crash with, because it does not go with the structure.
+pub(super) fn fits(
+    structure: &Structure,
+    name: &str,
+    value: &OptionValue,
+) -> Result<(), OptionError> {
+    let jacobian = structure.jacobian();
+    let (fitting, reason): (&[&str], _) = match bare(name) {
+        // Ipopt would take the Hessian for zero, in the solve and in its derivative checker.
+        "hessian_approximation" if structure.hessian().is_none() => {
+            (&["limited-memory"], "the structure has no Hessian")
+        }
+        "derivative_test" if structure.hessian().is_none() => {
+            (&["none", "first-order"], "the structure has no Hessian")
+        }
+        // Ipopt would write to an array that it does not have.
+        "jacobian_approximation" if structure.constraints() > 0 && jacobian.is_empty() => {
+            (&["exact"], "the structure's Jacobian has no entries")
+        }
+        "jacobian_approximation" if *value != "exact".into() => {
+            return match structure.repeated_jacobian_entry() {
+                Some(entry) => Err(OptionError::RepeatedEntry {
+                    name: name.to_owned(),
+                    value: value.clone(),
+                    entry,
+                    row: jacobian.rows()[entry],
+                    col: jacobian.cols()[entry],
+                }),
+                None => Ok(()),
+            };
+        }
+        _ => return Ok(()),
+    };
+    if fitting.iter().any(|&word| *value == word.into()) {
+        return Ok(());
+    }
+    Err(OptionError::Invalid {
+        name: name.to_owned(),
+        value: value.clone(),
+        expected: format!("{fitting:?}, as {reason}"),
+    })
+}

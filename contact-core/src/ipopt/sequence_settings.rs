@@ -1,0 +1,73 @@
+//! How the solves of a sequence start and when one is given up.
+
+#[cfg(doc)]
+use super::Sequence;
+use super::{Error, OptionValue, Options, Solution, Solver, Status};
+use crate::nlp::Structure;
+
+/// How the solves of a [`Sequence`] start and when one is given up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SequenceSettings {
+    /// Options of all solves. `warm_start_init_point` is no business of theirs: it is set for warm solves.
+    pub options: Options,
+    /// Options of warm solves, in addition; [`Options::warm_start`] by default.
+    pub warm: Options,
+    /// A warm solve has blown up, and is repeated cold, beyond this many times the iterations of the last cold solve,
+    /// but never before [`SequenceSettings::LEAST`] iterations.
+    pub blow_up: f64,
+    /// A solve that cannot make progress any more counts as solved if Ipopt's scaled error
+    /// ([`Statistics::scaled_error`](super::Statistics::scaled_error)) is at most this; 0 by default.
+    pub attainable_error: f64,
+}
+
+impl SequenceSettings {
+    /// Iterations that every warm solve is given.
+    pub const LEAST: usize = 20;
+}
+
+impl Default for SequenceSettings {
+    fn default() -> Self {
+        Self {
+            options: Options::new(),
+            warm: Options::new().warm_start(),
+            blow_up: 2.0,
+            attainable_error: 0.0,
+        }
+    }
+}
+
+impl SequenceSettings {
+    /// What is wrong with any of the options is said now.
+    pub(super) fn solver(&self, structure: Structure) -> Result<Solver, Error> {
+        if self.options.get("warm_start_init_point") == Some(&"yes".into()) {
+            return Err(Error::MissingMultipliers);
+        }
+        let mut solver = Solver::new(structure, &self.options)?;
+        solver.set_options(&self.warm_options(None))?;
+        Ok(solver)
+    }
+
+    pub(super) fn warm_options(&self, cold_iterations: Option<usize>) -> Options {
+        let mut options = self.options.clone();
+        if let Some(iterations) = cold_iterations {
+            let limit = ((self.blow_up * iterations as f64) as usize).max(Self::LEAST);
+            let given = match options.get("max_iter") {
+                Some(&OptionValue::Integer(given)) => usize::try_from(given).unwrap_or(limit),
+                _ => limit,
+            };
+            options.set("max_iter", limit.min(given));
+        }
+        options.and(&self.warm)
+    }
+
+    pub(super) fn is_solved(&self, solution: &Solution) -> bool {
+        match solution.status {
+            Status::Solved | Status::FeasiblePointFound => true,
+            Status::SolvedToAcceptableLevel | Status::SearchDirectionTooSmall => {
+                solution.multipliers.is_some()
+                    && solution.statistics.scaled_error <= self.attainable_error
+            }
+            _ => false,
+        }
+    }
+}
