@@ -74,7 +74,7 @@ fn newton<const D: usize>(
                 return f64::from(u8::from(i == j));
             }
             let (i, j) = (i + 1, j + 1);
-            let bent = bend[i][j] - bend[i][0] - bend[0][j] + bend[0][0];
+            let bent = bend[(i, j)] - bend[(i, 0)] - bend[(0, j)] + bend[(0, 0)];
             t[i].dot(&t[j]) - curved * bent
         })
     };

@@ -1,6 +1,6 @@
 //! Facets — segments and triangles, flat or curved — in barycentric coordinates λ ∈ ℝᴰ, Σλ = 1.
 
-use crate::tensor::{Vector, facet_normal};
+use crate::tensor::{Matrix, Vector, facet_normal};
 
 /// The polynomial degree of an element's shape functions and geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -124,16 +124,16 @@ impl<const D: usize> Facet<D> {
     }
 
     /// r·∂²x/∂λ_i∂λ_j, constant over the facet.
-    pub fn curvature(&self, r: &Vector<D>) -> [[f64; D]; D] {
-        let mut curvature = [[0.0; D]; D];
+    pub fn curvature(&self, r: &Vector<D>) -> Matrix<D> {
+        let mut curvature = Matrix::zeros();
         if self.order == Order::Quadratic {
             for a in 0..D {
-                curvature[a][a] = 4.0 * r.dot(&self.x[a]);
+                curvature[(a, a)] = 4.0 * r.dot(&self.x[a]);
             }
             for e in 0..D * (D - 1) / 2 {
                 let [a, b] = facet_edge::<D>(e);
-                curvature[a][b] = 4.0 * r.dot(&self.x[D + e]);
-                curvature[b][a] = curvature[a][b];
+                curvature[(a, b)] = 4.0 * r.dot(&self.x[D + e]);
+                curvature[(b, a)] = curvature[(a, b)];
             }
         }
         curvature
@@ -222,7 +222,7 @@ mod tests {
             let curvature = facet.curvature(&r);
             let along: f64 = (0..D)
                 .flat_map(|i| (0..D).map(move |j| (i, j)))
-                .map(|(i, j)| step[i] * curvature[i][j] * step[j])
+                .map(|(i, j)| step[i] * curvature[(i, j)] * step[j])
                 .sum();
             assert!((along - r.dot(&second)).abs() < 1e-15);
         }
