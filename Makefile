@@ -13,7 +13,7 @@ help:
 	@echo "make test-ipopt-3.14   the tests of the Ipopt binding with a binary Ipopt 3.14, fetched aside"
 	@echo "make valgrind          the tests of the Ipopt binding under memcheck"
 	@echo "make lint              formatting, clippy and documentation, warnings as errors"
-	@echo "make bench             times the disc-in-disc"
+	@echo "make bench             times the disc-in-disc and the three beams"
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
@@ -51,6 +51,7 @@ lint: install
 
 bench: install
 	$(CARGO) bench --bench disc_in_disc
+	$(CARGO) bench --bench three_beams
 
 bench-overhead: install
 	$(CARGO) bench -p contact-core --bench overhead

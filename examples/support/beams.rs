@@ -26,8 +26,10 @@ pub enum Law {
 /// What a scene of the beams is made of.
 #[derive(Clone, Copy, Debug)]
 pub struct Beams {
-    /// Cells across a beam's side; along the beam they are twice as long as high.
+    /// Cells across a beam's side.
     pub across: usize,
+    /// Cells along a beam.
+    pub along: usize,
     /// P1 or P2.
     pub order: Order,
     /// One law for all.
@@ -40,10 +42,11 @@ pub struct Beams {
 }
 
 impl Beams {
-    /// The paper's three, in contact.
+    /// The paper's three, in contact, of cells that are twice as long as high.
     pub fn new(across: usize, order: Order, law: Law) -> Self {
         Beams {
             across,
+            along: 4 * across,
             order,
             law,
             count: 3,
@@ -65,7 +68,7 @@ impl Beams {
     }
 
     fn beam(&self, k: usize) -> Result<Body<3>, Error> {
-        let along = 4 * self.across + k % 2;
+        let along = self.along + k % 2;
         let low = [0.0, 0.0, k as f64 * SIDE];
         let divisions = [along, self.across, self.across];
         let mut mesh = cuboid(low, [LENGTH, SIDE, SIDE], divisions)?;
