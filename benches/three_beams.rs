@@ -79,7 +79,7 @@ fn all(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
          optimizer s  fixed  Ipopt  factori-  peak    tip\n{:>105}{:>7}{:>10}{:>6}{:>7}",
         "point", "iter.", "sations", "MB", "UL"
     );
-    for case in 0..CASES.len() {
+    for (case, (name, ..)) in CASES.iter().enumerate() {
         let status = Command::new(std::env::current_exe()?)
             .args(["--across", &arguments.across.to_string()])
             .args(["--along", &arguments.along.to_string()])
@@ -87,7 +87,7 @@ fn all(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             .stdout(Stdio::inherit())
             .status()?;
         if !status.success() {
-            return Err(format!("the case {} failed", CASES[case].0).into());
+            return Err(format!("the case {name} failed").into());
         }
     }
     Ok(())
