@@ -47,7 +47,9 @@ pub struct Scene<const D: usize> {
     bodies: Vec<Body<D>>,
     pairs: Vec<Pair>,
     surfaces: Vec<SurfaceName>,
-    /// Gauss points per facet and direction, 4 by default.
+    /// Gauss points per facet and direction, 4 by default. They do not see where facets of the other
+    /// surface end, which costs about 0.1 % of the stress in flat contact of meshes that do not match,
+    /// up to 1 % at the interface in quadratic tetrahedra; more points, less.
     pub gauss_points: usize,
     /// How far an integration point looks for the other surface (UL). By default a tenth of the
     /// scene's diagonal, and all of it in small-strain scenes, whose geometry stays where it is. Points out of reach do not count; nor do rows none of whose points does.
