@@ -9,9 +9,10 @@ mod hairpin;
 
 use common::{relative, run};
 use contact_core::load_steps::RunOutcome;
+use contact_fem::mesh::Mesh;
 use contact_fem::mesh::generators::{Diagonals, disc, linspace, rectangle};
 use contact_fem::tensor::Vector;
-use contact_fem::{Body, NeoHookean, Scene};
+use contact_fem::{Body, LinearElastic, Material, NeoHookean, Scene};
 
 const DISCS: usize = 4;
 
@@ -173,4 +174,74 @@ fn without_self_contact_the_arms_cross() {
     let arm = (0..X.len()).filter(|&a| hairpin::is_inside_of_upper_arm(&X[a]));
     let lowest = arm.map(|a| X[a][1] + U[a][1]).fold(f64::INFINITY, f64::min);
     assert!(lowest < -0.05, "{lowest}");
+}
+
+/// Two halves of a block that hang together at one end only: a slit, closed from the start or open
+/// by a little, bears pressure like a whole block. ν = 0: E = ½ · 100 · 0.05² · 2 · 2 without gap.
+fn slit(gap: f64, angle: f64, law: impl Material<2>, increments: usize) -> (f64, f64) {
+    // the slit's lower side is of the lower half, its upper side of the upper one, whose nodes are
+    // doubled but for x ≥ 1.5
+    let half = |from: f64| {
+        let ys = linspace(from, from + 1.0, 8);
+        rectangle(&linspace(0.0, 2.0, 16), &ys, Diagonals::Rising).expect("mesh")
+    };
+    let (lower, upper) = (half(-1.0), half(0.0));
+    let count = lower.nodes().len();
+    let mut nodes: Vec<[f64; 2]> = lower.nodes().iter().map(|X| [X[0], X[1]]).collect();
+    let mut numbers = Vec::new();
+    for X in upper.nodes() {
+        let shared = (X[1] == 0.0 && X[0] >= 1.5)
+            .then(|| nodes[..count].iter().position(|Y| *Y == [X[0], X[1]]))
+            .flatten();
+        numbers.push(shared.unwrap_or_else(|| {
+            let lift = if X[0] < 1.5 && X[1] == 0.0 { gap } else { 0.0 };
+            nodes.push([X[0], X[1] + lift]);
+            nodes.len() - 1
+        }));
+    }
+    let mut cells: Vec<usize> = lower.cells().flatten().copied().collect();
+    cells.extend(upper.cells().flatten().map(|&a| numbers[a]));
+    let mut mesh = Mesh::new(nodes, cells).expect("valid");
+    mesh.name_boundary("slit", |X| X[1] >= 0.0 && X[1] <= gap && X[0] <= 1.5);
+    mesh.name_boundary("bottom", |X| X[1] == -1.0);
+    mesh.name_boundary("top", |X| X[1] == 1.0);
+    let (sin, cos) = angle.sin_cos();
+    let turn = |X: &Vector<2>| Vector::<2>::new(cos * X[0] - sin * X[1], sin * X[0] + cos * X[1]);
+    let mut body = Body::new(mesh.mapped(turn).expect("turned"), law);
+    body.prescribe("bottom", [Some(0.0); 2]).expect("support");
+    body.prescribe("top", [Some(0.1 * sin), Some(-0.1 * cos)])
+        .expect("support");
+    let mut scene = Scene::new(vec![body]);
+    scene.self_contact(0, "slit").expect("a surface");
+    let mut problem = scene.problem().expect("valid scene");
+    let history = run(&mut problem, increments, 1e-9);
+    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    let step = history.steps.last().expect("converged");
+    assert!(step.penetration < 1e-3, "{}", step.penetration);
+    (step.energy, step.reactions[0].norm())
+}
+
+#[test]
+fn a_slit_bears_pressure() {
+    let linear = LinearElastic::new(100.0, 0.0).expect("law");
+    for angle in [0.0, 0.3, 1.1] {
+        let (energy, _) = slit(0.0, angle, linear, 1);
+        assert!(relative(energy, 0.5) < 1e-6, "turned by {angle}: {energy}");
+    }
+    // neo-Hookean: ψ = μ/2 (F² − 1 − 2 ln F) with F = 0.95 and μ = 50, over an area of 4
+    let exact = 4.0 * 25.0 * (0.95f64.powi(2) - 1.0 - 2.0 * 0.95f64.ln());
+    let large = NeoHookean::new(100.0, 0.0).expect("law");
+    for (angle, increments) in [(0.0, 4), (0.3, 4), (1.1, 1)] {
+        let (energy, _) = slit(0.0, angle, large, increments);
+        assert!(
+            relative(energy, exact) < 1e-6,
+            "turned by {angle}: {energy}"
+        );
+    }
+    // a gap of 1e-3 or 1e-2 is closed first, in however many increments
+    for (gap, tolerance) in [(1e-3, 0.03), (1e-2, 0.3)] {
+        let [one, ten] = [1, 10].map(|increments| slit(gap, 0.3, large, increments).0);
+        assert!(relative(one, ten) < 1e-6, "{one} {ten}");
+        assert!(one < exact && relative(one, exact) < tolerance, "{one}");
+    }
 }

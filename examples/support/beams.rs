@@ -122,18 +122,18 @@ fn end_edge(problem: &Problem<3>, u: &[Vector<3>], beam: usize, level: f64) -> V
     sum / corners.len() as f64
 }
 
-/// The mean contact pressure (UF/UL²) over the middle third of the top of beam `below`.
+/// The mean contact pressure (UF/UL²) over the middle third of the top of beam `below`, by facets'
+/// centres.
 pub fn mid_span_pressure(problem: &Problem<3>, pressures: &[f64], below: usize) -> f64 {
     let height = (below + 1) as f64 * SIDE;
-    let X = problem.reference();
     let is_near =
-        |a: usize| (X[a][0] / LENGTH - 0.5).abs() <= 1.0 / 6.0 && (X[a][2] - height).abs() < 1e-9;
+        |x: Vector<3>| (x[0] / LENGTH - 0.5).abs() <= 1.0 / 6.0 && (x[2] - height).abs() < 1e-9;
     let centre = Vector::<3>::repeat(1.0 / 3.0);
     let (mut force, mut area) = (0.0, 0.0);
     for surface in problem.surfaces().iter().filter(|s| s.body() == below) {
         for (facet, reference) in surface.facets().zip(surface.reference()) {
             let corners = [0, 1, 2].map(|k| surface.nodes()[facet[k]]);
-            if corners.into_iter().all(is_near) {
+            if is_near(reference.point(&centre)) {
                 let measure = reference.normal(&centre).norm();
                 force += measure * corners.map(|a| pressures[a]).iter().sum::<f64>() / 3.0;
                 area += measure;

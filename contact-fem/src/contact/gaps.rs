@@ -2,6 +2,7 @@
 
 use contact_core::gaps::{LinearGaps, Row, RowKey};
 
+use super::normals::averaged;
 use super::search::{Master, Own, Seeker};
 use super::surface::Surface;
 use crate::assembly::{Dof, DofMap};
@@ -80,6 +81,7 @@ impl<const D: usize> PassRows<D> {
                         surface: slave,
                         nodes,
                         X: reference.point(lambda),
+                        N: reference.normal(lambda),
                     }),
                 };
                 let Some(p) = master.find(&seeker) else {
@@ -190,16 +192,22 @@ pub fn deepest_node<const D: usize>(
             .for_each(|(&a, at)| X[a] = *at);
     }
     let same_body = slave.body() == master.surface().body();
+    let N = match same_body {
+        true => averaged(slave, &X),
+        false => Vec::new(),
+    };
+    let numbers: Vec<usize> = (0..X.len()).collect();
     let gap = |(k, facing): (usize, &Vector<D>)| {
         let node = slave.nodes()[k];
         let p = master.find(&Seeker {
             x: x[node],
             facing: *facing,
             reach: f64::INFINITY,
-            own: same_body.then_some(Own {
+            own: same_body.then(|| Own {
                 surface: slave,
-                nodes: &[k],
+                nodes: &numbers[k..=k],
                 X: X[k],
+                N: N[k],
             }),
         })?;
         (p.gap < 0.0).then_some((node, p.gap))

@@ -14,6 +14,7 @@ pub struct Master<'a, const D: usize> {
     tree: RTree<Leaf<D>>,
     /// Averaged normals in the order of the surface's nodes.
     normals: Vec<Vector<D>>,
+    facet_size: f64,
 }
 
 /// The closest point x̄ of a master surface.
@@ -55,15 +56,19 @@ pub struct Own<'a, const D: usize> {
     pub nodes: &'a [usize],
     /// Its reference position (UL).
     pub X: Vector<D>,
+    /// The outward normal there in the reference configuration, of any length.
+    pub N: Vector<D>,
 }
 
 impl<'a, const D: usize> Master<'a, D> {
     /// A tangential offset beyond this share of the facet's size is off the end.
     const OFF_THE_END: f64 = 1e-9;
-    /// The other side of the material: behind its surface by more than this share of the distance
-    /// in the reference configuration. A penetration is much less deep, and material is not
-    /// compressed that far.
+    /// The other side of the material: in the reference configuration the way to it starts or ends
+    /// inside the body, and now it is behind by more than this share of that way. A penetration is
+    /// much less deep, and material is not compressed that far.
     const MATERIAL: f64 = 0.2;
+    /// Ways shorter than this share of a facet lead nowhere: the sides of a closed slit.
+    const CLOSED: f64 = 1e-6;
 
     /// Builds tree and normals for positions `x` of all scene nodes.
     pub fn new(surface: &'a Surface<D>, x: &[Vector<D>]) -> Self {
@@ -74,6 +79,7 @@ impl<'a, const D: usize> Master<'a, D> {
             surface,
             tree: RTree::bulk_load(leaves.collect()),
             normals: normals::averaged(surface, &x),
+            facet_size: surface.facet_size(),
         }
     }
 
@@ -115,8 +121,14 @@ impl<'a, const D: usize> Master<'a, D> {
             nodes.map(|&b| self.surface.nodes()[b]).any(is_own)
         };
         let material = |p: &Projection<D>| {
-            let X = self.surface.reference()[p.facet].point(&p.lambda);
-            p.gap < 0.0 && p.distance > Self::MATERIAL * (own.X - X).norm()
+            let there = &self.surface.reference()[p.facet];
+            let way = there.point(&p.lambda) - own.X;
+            // how deep the way is below the surface where it starts, and where it ends
+            let starts = -way.dot(&normals::unit(own.N));
+            let ends = way.dot(&normals::unit(there.normal(&p.lambda)));
+            p.gap < 0.0
+                && p.distance > Self::MATERIAL * way.norm()
+                && starts.max(ends) > Self::CLOSED * self.facet_size
         };
         let nearest = self.tree.nearest_neighbor_iter_with_distance_2(&x);
         nearest
@@ -147,8 +159,7 @@ impl<'a, const D: usize> Master<'a, D> {
     }
 
     fn is_off_the_end(&self, leaf: &Leaf<D>, lambda: &Vector<D>, offset: &Vector<D>) -> bool {
-        let on_rim = (0..D).any(|k| lambda[k] == 0.0 && self.surface.is_rim(leaf.index, k));
-        if !on_rim {
+        if !self.surface.is_rim(leaf.index, lambda) {
             return false;
         }
         let tangent = leaf.facet.tangent(lambda);

@@ -18,6 +18,8 @@ pub struct Surface<const D: usize> {
     reference: Vec<Facet<D>>,
     /// For facet and corner: whether the facet's side opposite that corner is on the surface's rim.
     rim: Vec<[bool; D]>,
+    /// For each node, whether it is a corner on the rim.
+    rim_corners: Vec<bool>,
 }
 
 impl<const D: usize> Surface<D> {
@@ -33,10 +35,19 @@ impl<const D: usize> Surface<D> {
         nodes.sort_unstable();
         nodes.dedup();
         let number: HashMap<usize, usize> = nodes.iter().copied().zip(0..).collect();
+        let rim = rim::<D>(facets.clone());
+        let mut rim_corners = vec![false; nodes.len()];
+        for (facet, sides) in facets.clone().zip(&rim) {
+            for (k, _) in sides.iter().enumerate().filter(|(_, on_rim)| **on_rim) {
+                let side = (0..D).filter(|&corner| corner != k);
+                side.for_each(|corner| rim_corners[number[&facet[corner]]] = true);
+            }
+        }
         Surface {
             body,
             order,
-            rim: rim(facets.clone()),
+            rim,
+            rim_corners,
             reference: facets
                 .clone()
                 .map(|facet| Facet::gather(order, facet, X))
@@ -98,9 +109,13 @@ impl<const D: usize> Surface<D> {
             .map(|nodes| Facet::gather(self.order, nodes, x))
     }
 
-    /// Whether the side opposite `corner` of `facet` has no neighbour on this surface.
-    pub fn is_rim(&self, facet: usize, corner: usize) -> bool {
-        self.rim[facet][corner]
+    /// Whether the point λ of `facet` is on the surface's rim: on a side without a neighbour, or in
+    /// a corner where other facets have such sides.
+    pub fn is_rim(&self, facet: usize, lambda: &Vector<D>) -> bool {
+        let on_side = |k: usize| lambda[k] == 0.0;
+        let corner = (0..D).find(|&k| lambda[k] == 1.0);
+        (0..D).any(|k| on_side(k) && self.rim[facet][k])
+            || corner.is_some_and(|k| self.rim_corners[self.facet(facet)[k]])
     }
 
     /// φ_i(λ) for the nodes of a facet that have a test function: all of them, or the corners of a

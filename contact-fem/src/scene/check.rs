@@ -18,11 +18,7 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
         return setting("bodies", 0.0, "a scene needs at least one body");
     }
     if scene.gauss_points == 0 || scene.gauss_points > 64 {
-        return setting(
-            "gauss_points",
-            scene.gauss_points as f64,
-            "choose 1 to 64, 4 by default",
-        );
+        return setting("gauss_points", scene.gauss_points as f64, "choose 1 to 64");
     }
     match scene.reach {
         Some(reach) if reach.is_nan() || reach <= 0.0 => {
