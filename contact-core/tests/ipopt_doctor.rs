@@ -42,6 +42,7 @@ fn dense_solver(n: usize, options: &Options) -> Solver {
 }
 
 /// What is allocated is measured in the whole process, and solvers of other threads are made and dropped meanwhile.
+/// Threads that end give back some kilobytes all the same, so that only much is measured.
 fn alone() -> MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -74,9 +75,6 @@ fn a_dense_factor_has_the_size_it_must_have() {
             (8 * n * (n + 1) / 2..8 * n * n + 4 * 20 * n).contains(&bytes),
             "{bytes}"
         );
-        if let Some(workspace) = mumps.workspace_bytes {
-            assert!(workspace as usize >= 8 * n * (n + 1) / 2, "{workspace}");
-        }
     }
 }
 
@@ -100,6 +98,7 @@ fn more_workspace_is_more_workspace() {
         println!("this system does not tell what is allocated: nothing tested");
         return;
     };
+    assert!(little as usize >= 8 * n * (n + 1) / 2, "{little}");
     // 1.5 and 11 times the estimate
     let ratio = much as f64 / little as f64;
     assert!((4.0..12.0).contains(&ratio), "{little} and {much} bytes");
