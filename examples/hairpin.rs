@@ -32,13 +32,23 @@ use support::run::{Run, exit};
 #[derive(Parser, Debug)]
 struct Arguments {
     /// Cells through the band's thickness
-    #[arg(long, default_value_t = 4, value_parser = positive)]
+    #[arg(long, default_value_t = 4, value_parser = fineness)]
     fine: usize,
     /// Leave out the self-contact
     #[arg(long)]
     without: bool,
     #[command(flatten)]
     options: Options,
+}
+
+/// `--fine`
+fn fineness(text: &str) -> Result<usize, String> {
+    match positive(text)? {
+        fine if fine <= 100 => Ok(fine),
+        fine => Err(format!(
+            "{fine} is more than 100, which makes 560 000 triangles"
+        )),
+    }
 }
 
 fn main() -> ExitCode {

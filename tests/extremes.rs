@@ -7,7 +7,7 @@ use common::{Order, disc_in_disc, relative, run};
 use contact_core::load_steps::RunOutcome;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Passes, Problem};
-use contact_fem::{Body, LinearElastic, Scene};
+use contact_fem::{Body, LinearElastic, NeoHookean, Scene};
 
 fn square(y: f64, modulus: f64) -> Body<2> {
     let mesh = rectangle(
@@ -92,5 +92,69 @@ fn nothing_tunnels() {
         assert!(relative(energy, 965.2329) < 1e-4, "{energy}");
     } else {
         assert!(history.run.cuts() > 0 && history.run.factor < 1.0);
+    }
+}
+
+/// A linear scene converges under any load: contact lives in the reference configuration, whatever
+/// the displaced bodies look like. Twice the load, twice the displacements.
+#[test]
+fn small_strain_scenes_are_linear_in_the_load() {
+    let solved = |load: f64| {
+        let beam = |y: f64| {
+            let mesh = rectangle(
+                &linspace(0.0, 8.0, 16),
+                &linspace(y, y + 1.0, 2),
+                Diagonals::Alternating,
+            );
+            let law = LinearElastic::new(2e5, 0.0).expect("law");
+            let mut beam = Body::new(mesh.expect("mesh").quadratic(), law);
+            beam.prescribe("left", [Some(0.0); 2]).expect("support");
+            beam
+        };
+        let (lower, mut upper) = (beam(0.0), beam(1.0));
+        upper.traction("top", [0.0, -load]).expect("load");
+        let mut scene = Scene::new(vec![lower, upper]);
+        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+        let mut problem = scene.problem().expect("valid scene");
+        let history = run(&mut problem, 1, 1e-6);
+        assert_eq!(history.run.outcome, RunOutcome::Complete, "load {load}");
+        let step = history.steps.last().expect("converged");
+        assert!(step.penetration < 1e-2 * load / 100.0);
+        step.energy
+    };
+    let small = solved(100.0);
+    for load in [1e3, 1e4] {
+        let energy = solved(load);
+        assert!(relative(energy, small * (load / 100.0).powi(2)) < 1e-5);
+    }
+}
+
+/// Squares of one or eight triangles that are pushed together by more than the default reach, but
+/// less than a facet, in a single increment: cut, and as if pushed in ten.
+#[test]
+fn coarse_facets_do_not_hide_a_tunnel() {
+    for cells in [1, 2] {
+        let energy = |increments: usize| {
+            let body = |y: f64| {
+                let mesh = rectangle(
+                    &linspace(0.0, 1.0, cells),
+                    &linspace(y, y + 1.0, cells),
+                    Diagonals::Rising,
+                );
+                Body::new(mesh.expect("mesh"), NeoHookean::new(1e3, 0.3).expect("law"))
+            };
+            let (mut lower, mut upper) = (body(0.0), body(1.3));
+            lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
+            let down = [Some(0.0), Some(-0.7)];
+            upper.prescribe("top", down).expect("support");
+            let mut scene = Scene::new(vec![lower, upper]);
+            scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+            let mut problem = scene.problem().expect("valid scene");
+            let history = run(&mut problem, increments, 1e-9);
+            assert_eq!(history.run.outcome, RunOutcome::Complete);
+            history.steps.last().expect("converged").energy
+        };
+        let (one, ten) = (energy(1), energy(10));
+        assert!(ten > 10.0 && relative(one, ten) < 1e-4, "{one} {ten}");
     }
 }

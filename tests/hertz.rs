@@ -48,14 +48,16 @@ fn hertz(fineness: f64, count: usize, order: Order, tolerance: f64) {
         .map(|d| -d)
         .collect();
 
-    let of_order = |mesh: Mesh<2>| match order {
+    let of_order = |mesh: Mesh<2>, curved: &str| match order {
         Order::Linear => mesh,
-        Order::Quadratic => mesh.quadratic(),
+        Order::Quadratic if curved.is_empty() => mesh.quadratic(),
+        Order::Quadratic => {
+            let mesh = mesh.quadratic().curved(curved, onto_sphere(R));
+            mesh.expect("curved")
+        }
     };
     let cylinder = quarter_disc(&radii, &angles, Diagonals::Falling).expect("mesh");
-    let cylinder = of_order(cylinder)
-        .curved("arc", onto_sphere(R))
-        .expect("curved")
+    let cylinder = of_order(cylinder, "arc")
         .translated([0.0, R])
         .expect("moved");
     let mut cylinder = Body::new(cylinder, LinearElastic::new(E_cylinder, nu).expect("law"));
@@ -67,7 +69,7 @@ fn hertz(fineness: f64, count: usize, order: Order, tolerance: f64) {
         .expect("load");
     let block = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
     let mut block = Body::new(
-        of_order(block),
+        of_order(block, ""),
         LinearElastic::new(E_block, nu).expect("law"),
     );
     block

@@ -65,6 +65,15 @@ pub enum Error {
         /// The node in its middle.
         node: usize,
     },
+    /// Two cells on the same side of the facet that they share.
+    #[error(
+        "two cells lie on the same side of the facet with nodes {nodes:?}: one of them is there \
+         twice, or the mesh is folded over"
+    )]
+    FoldedCells {
+        /// The facet's corners.
+        nodes: Vec<usize>,
+    },
     /// A mesh without cells.
     #[error("the mesh has no cells: a body needs at least one")]
     EmptyMesh,

@@ -177,12 +177,15 @@ impl<const D: usize> NodalRow<D> {
     }
 }
 
-/// The nodes of `slave` inside `master`: the deepest one as (scene node, gap < 0), or `None`.
+/// The nodes of `slave` inside `master`: the deepest one as (scene node, gap < 0), or `None`. They
+/// are projected at positions `x`, those of `master`; the gaps are between positions `now`, which
+/// are others where the geometry is frozen.
 pub fn deepest_node<const D: usize>(
     slave: &Surface<D>,
     slave_normals: &[Vector<D>],
     master: &Master<'_, D>,
     x: &[Vector<D>],
+    now: &[Vector<D>],
 ) -> Option<(usize, f64)> {
     let mut X = vec![Vector::zeros(); slave.nodes().len()];
     for (nodes, facet) in slave.facets().zip(slave.reference()) {
@@ -210,7 +213,12 @@ pub fn deepest_node<const D: usize>(
                 N: N[k],
             }),
         })?;
-        (p.gap < 0.0).then_some((node, p.gap))
+        let surface = master.surface();
+        let nodes = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
+        let shapes = facet_shapes(surface.order(), &p.lambda);
+        let foot: Vector<D> = nodes.zip(shapes).map(|(b, N)| now[b] * N).sum();
+        let gap = (now[node] - foot).dot(&p.normal);
+        (gap < 0.0).then_some((node, gap))
     };
     let inside = slave_normals.iter().enumerate().filter_map(gap);
     inside.min_by(|a, b| a.1.total_cmp(&b.1))

@@ -6,16 +6,21 @@ use crate::element::p2::CELL_EDGES;
 use crate::element::{Order, facet_edge};
 use crate::error::Error;
 
+/// Nodes and cells of the exterior facets, and a facet with two cells on one side.
+type Exterior<const D: usize> = (Vec<usize>, Vec<usize>, Option<[usize; D]>);
+
 /// The nodes of the facets that belong to one cell only, oriented outward, in the order of their
-/// cells: [`Order::facet_nodes`] each, flat; and the cell of each.
+/// cells: [`Order::facet_nodes`] each, flat; the cell of each; and the corners of a facet that has two
+/// cells on the same side, if there is one.
 ///
 /// Facet k of a simplex leaves out corner k. Taking the other corners in order gives the outward
 /// orientation for even k; for odd k two corners are swapped.
 pub(super) fn exterior_facets<const D: usize>(
     order: Order,
     cells: &[usize],
-) -> Result<(Vec<usize>, Vec<usize>), Error> {
-    let mut count: HashMap<[usize; D], usize> = HashMap::new();
+) -> Result<Exterior<D>, Error> {
+    // how many cells have a facet, and of those how many see it as an even permutation of its corners
+    let mut count: HashMap<[usize; D], (usize, usize)> = HashMap::new();
     let facets = || {
         let cells = cells.chunks_exact(order.cell_nodes::<D>());
         let cells = cells.enumerate();
@@ -27,17 +32,22 @@ pub(super) fn exterior_facets<const D: usize>(
         corners
     };
     for (_, cell, facet) in facets() {
-        *count.entry(sorted(cell, facet)).or_insert(0) += 1;
+        let (cells, even) = count.entry(sorted(cell, facet)).or_insert((0, 0));
+        *cells += 1;
+        *even += usize::from(is_even(&facet.map(|a| cell[a])));
     }
-    if let Some((nodes, &cells)) = count.iter().filter(|(_, c)| **c > 2).min() {
+    if let Some((nodes, &(cells, _))) = count.iter().filter(|(_, c)| c.0 > 2).min() {
         return Err(Error::NonManifoldFacet {
             nodes: nodes.to_vec(),
             cells,
         });
     }
+    // two cells on different sides see a facet in opposite orientations
+    let folded = count.iter().filter(|(_, c)| c.0 == 2 && c.1 != 1).min();
+    let folded = folded.map(|(corners, _)| *corners);
     let (mut nodes, mut owners) = (Vec::new(), Vec::new());
     for (owner, cell, facet) in facets() {
-        if count[&sorted(cell, facet)] > 1 {
+        if count[&sorted(cell, facet)].0 > 1 {
             continue;
         }
         owners.push(owner);
@@ -50,7 +60,13 @@ pub(super) fn exterior_facets<const D: usize>(
             nodes.extend(edge.map(|edge| cell[D + 1 + edge]));
         }
     }
-    Ok((nodes, owners))
+    Ok((nodes, owners, folded))
+}
+
+/// Whether sorting takes an even number of swaps.
+fn is_even<const D: usize>(corners: &[usize; D]) -> bool {
+    let pairs = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
+    pairs.filter(|&(i, j)| corners[i] > corners[j]).count() % 2 == 0
 }
 
 /// The corners, numbered within the cell, of the facet that leaves out one of them.
@@ -70,7 +86,7 @@ mod tests {
     fn outward<const D: usize>(corners: &[Vector<D>]) {
         let cell: Vec<usize> = (0..=D).collect();
         let centre = corners.iter().sum::<Vector<D>>() / (D + 1) as f64;
-        let (facets, _) = exterior_facets::<D>(Order::Linear, &cell).expect("one cell");
+        let (facets, ..) = exterior_facets::<D>(Order::Linear, &cell).expect("one cell");
         assert_eq!(facets.len(), D * (D + 1));
         for facet in facets.chunks_exact(D) {
             let x: [Vector<D>; D] = std::array::from_fn(|k| corners[facet[k]]);
@@ -98,7 +114,7 @@ mod tests {
             4 + edge.expect("an edge")
         };
         let cell: Vec<usize> = (0..10).collect();
-        let (facets, _) = exterior_facets::<3>(Order::Quadratic, &cell).expect("one cell");
+        let (facets, ..) = exterior_facets::<3>(Order::Quadratic, &cell).expect("one cell");
         assert_eq!(facets.len(), 4 * 6);
         for facet in facets.chunks_exact(6) {
             let [a, b, c] = [facet[0], facet[1], facet[2]];
@@ -111,8 +127,19 @@ mod tests {
         let facets = exterior_facets::<2>(Order::Linear, &[0, 1, 2, 0, 2, 3]).expect("two cells");
         assert_eq!(
             facets,
-            ([1, 2, 0, 1, 2, 3, 3, 0].into(), [0, 0, 1, 1].into())
+            ([1, 2, 0, 1, 2, 3, 3, 0].into(), [0, 0, 1, 1].into(), None)
         );
+    }
+
+    #[test]
+    fn cells_on_the_same_side_are_found() {
+        for cells in [[0, 1, 2, 3, 0, 1, 2, 3], [0, 1, 2, 3, 0, 1, 2, 4]] {
+            let (.., folded) = exterior_facets::<3>(Order::Linear, &cells).expect("manifold");
+            assert_eq!(folded, Some([0, 1, 2]));
+        }
+        let (.., folded) =
+            exterior_facets::<2>(Order::Linear, &[0, 1, 2, 0, 1, 3]).expect("manifold");
+        assert_eq!(folded, Some([0, 1]));
     }
 
     #[test]

@@ -39,7 +39,8 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// No cells, an incomplete cell, a node out of range or unused, a coordinate that is not
-    /// finite, an inverted or degenerate cell, a facet of more than two cells.
+    /// finite, an inverted or degenerate cell, a facet of more than two cells or of two on the same
+    /// side.
     pub fn new(nodes: Vec<[f64; D]>, cells: Vec<usize>) -> Result<Self, Error> {
         Self::of_order(Order::Linear, nodes, cells)
     }
@@ -75,7 +76,7 @@ impl<const D: usize> Mesh<D> {
         if let Some(node) = used.iter().position(|u| !u) {
             return Err(Error::OrphanNode { node });
         }
-        let (facets, owners) = boundary::exterior_facets::<D>(order, &cells)?;
+        let (facets, owners, folded) = boundary::exterior_facets::<D>(order, &cells)?;
         let mesh = Mesh {
             order,
             nodes,
@@ -86,6 +87,10 @@ impl<const D: usize> Mesh<D> {
         };
         mesh.check_edges()?;
         mesh.check_cells()?;
+        if let Some(nodes) = folded {
+            let nodes = nodes.to_vec();
+            return Err(Error::FoldedCells { nodes });
+        }
         Ok(mesh)
     }
 

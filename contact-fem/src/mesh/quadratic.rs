@@ -44,15 +44,22 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// Curves a boundary: every middle node on it moves to `onto(X)`, usually the closest point of
-    /// the curve or surface that the corners lie on. Does nothing to a linear mesh.
+    /// the curve or surface that the corners lie on.
     ///
     /// # Errors
-    /// An unknown boundary, a point that is not finite, a cell that the curved edge inverts.
+    /// A linear mesh, an unknown boundary, a point that is not finite, a cell that the curved edge inverts.
     pub fn curved(
         mut self,
         boundary: &str,
         onto: impl Fn(&Vector<D>) -> Vector<D>,
     ) -> Result<Self, Error> {
+        if self.order == Order::Linear {
+            return Err(Error::Setting {
+                name: "order",
+                value: 1.0,
+                remedy: "linear meshes have nothing to curve: make it `quadratic()` first",
+            });
+        }
         let facets = self.boundary(boundary)?;
         let mut middles: Vec<usize> = facets.iter().flat_map(|f| f[D..].to_vec()).collect();
         middles.sort_unstable();
@@ -102,15 +109,18 @@ impl<const D: usize> Mesh<D> {
         determinant(&dX) / (1..=D).product::<usize>() as f64
     }
 
-    /// The tangent volumes of a curved cell at its nodes; none of a linear one.
+    /// The tangent volumes of a curved cell at its nodes and quadrature points; none of a linear one.
     pub(super) fn node_volumes(&self, cell: usize) -> impl Iterator<Item = f64> {
         let middles = &CELL_EDGES[..self.cell(cell).len() - D - 1];
+        let is_curved = !middles.is_empty();
         let corner = |a: usize| Vector::<D>::from_fn(|i, _| f64::from(u8::from(i + 1 == a)));
-        let corners = (0..=D).filter(|_| !middles.is_empty()).map(corner);
+        let corners = (0..=D).filter(move |_| is_curved).map(corner);
         let middles = middles.iter();
         let middles = middles.map(move |&[a, b]| (corner(a) + corner(b)) * 0.5);
+        let points = p2::quadrature::<D>().filter(move |_| is_curved);
         corners
             .chain(middles)
+            .chain(points)
             .map(move |xi| self.tangent_volume(cell, &xi))
     }
 }

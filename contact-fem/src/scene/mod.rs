@@ -54,15 +54,17 @@ pub struct Scene<const D: usize> {
     /// points, less.
     pub gauss_points: usize,
     /// How far an integration point looks for the other surface (UL). By default a tenth of the
-    /// scene's diagonal, and all of it in small-strain scenes, whose geometry stays where it is. Points out of reach do not count; nor do rows none of whose points does.
+    /// scene's diagonal, and all of it in small-strain scenes, whose geometry stays where it is.
+    /// Points out of reach do not count; nor do rows none of whose points does.
     pub reach: Option<f64>,
     /// How deep bodies may overlap before any load, as a share of the facet size; polygons of
     /// touching curves overlap by a little. 0.05 by default.
     pub overlap_tolerance: f64,
     /// Does what could be left out, for comparison: prescribed dofs stay as fixed unknowns, cells
-    /// that cannot deform are assembled, no row is out of reach, stiffness is evaluated in every
-    /// iteration, and the fixed point goes on until exact rows are seen not to change. `false` by
-    /// default; the result is the same.
+    /// that cannot deform are assembled, no row is out of reach whatever `reach` is, stiffness is
+    /// evaluated in every iteration, and the fixed point goes on until exact rows are seen not to
+    /// change. `false` by default; the result is the same to solver tolerance, unless `reach` left
+    /// out what does touch.
     pub keep_everything: bool,
 }
 
@@ -132,8 +134,8 @@ impl<const D: usize> Scene<D> {
         self.contact((body, boundary), (body, boundary))
     }
 
-    /// Declares that a boundary may touch any other body's. In a scene that names no pair of
-    /// bodies, every two of these surfaces that belong to different bodies become a pair.
+    /// Declares that a boundary may touch any other body's: every two of these surfaces that belong
+    /// to different bodies become a pair, beside those named by [`Scene::contact`].
     ///
     /// # Errors
     /// As [`Scene::contact`].
@@ -145,21 +147,32 @@ impl<const D: usize> Scene<D> {
         Ok(())
     }
 
-    /// Pairs of the declared surfaces, if no pair of bodies was named.
-    fn pair_surfaces(&mut self) {
-        let between_bodies = |pair: &Pair| pair.first.body != pair.second.body;
-        if self.pairs.iter().any(between_bodies) {
-            return;
+    /// Pairs of the declared surfaces that were not named.
+    fn pair_surfaces(&mut self) -> Result<(), Error> {
+        let first_body = self.surfaces.first().map(|surface| surface.body);
+        if first_body.is_some() && self.surfaces.iter().all(|s| Some(s.body) == first_body) {
+            return Err(Error::Setting {
+                name: "contact_surface",
+                value: self.surfaces.len() as f64,
+                remedy: "declare surfaces of two bodies at least, or `self_contact`",
+            });
         }
         for (k, second) in self.surfaces.iter().enumerate() {
             let others = self.surfaces[..k].iter();
-            let others = others.filter(|first| first.body != second.body);
-            self.pairs.extend(others.map(|first| Pair {
-                first: first.clone(),
-                second: second.clone(),
-                passes: Passes::Both,
-            }));
+            for first in others.filter(|first| first.body != second.body) {
+                let both = [first, second];
+                let is_named =
+                    |pair: &Pair| both.contains(&&pair.first) && both.contains(&&pair.second);
+                if !self.pairs.iter().any(is_named) {
+                    self.pairs.push(Pair {
+                        first: first.clone(),
+                        second: second.clone(),
+                        passes: Passes::Both,
+                    });
+                }
+            }
         }
+        Ok(())
     }
 
     fn surface_name(&self, (body, boundary): (usize, &str)) -> Result<SurfaceName, Error> {
@@ -185,7 +198,7 @@ impl<const D: usize> Scene<D> {
     /// Everything that can be known to be wrong before a solve: bodies that nothing holds, bodies
     /// that overlap, settings out of range.
     pub fn problem(mut self) -> Result<Problem<D>, Error> {
-        self.pair_surfaces();
+        self.pair_surfaces()?;
         check::settings(&self)?;
         check::loads(&self)?;
         check::supports(&self)?;

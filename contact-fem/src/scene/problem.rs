@@ -163,6 +163,11 @@ impl<const D: usize> Problem<D> {
         self.X.iter().zip(U).map(|(X, u)| X + u).collect()
     }
 
+    /// Where contact is looked for: at X in small-strain scenes, else at the positions `now`.
+    fn contact_positions<'a>(&'a self, now: &'a [Vector<D>]) -> &'a [Vector<D>] {
+        if self.small_strain { &self.X } else { now }
+    }
+
     /// Every surface ready to be projected on, at positions `x`.
     pub fn masters(&self, x: &[Vector<D>]) -> Vec<Master<'_, D>> {
         self.surfaces.iter().map(|s| Master::new(s, x)).collect()
@@ -230,14 +235,17 @@ impl<const D: usize> Problem<D> {
         self.surfaces.iter().enumerate().map(of_surface).collect()
     }
 
-    /// The deepest that any contact node is inside another surface (UL, ≥ 0), over all passes.
+    /// The deepest that any contact node is inside another surface (UL, ≥ 0), over all passes; in
+    /// small-strain scenes along the normals of the reference configuration.
     pub fn penetration(&self, u: &[f64]) -> f64 {
-        let x = self.positions(u);
-        let masters = self.masters(&x);
+        let now = self.positions(u);
+        let x = self.contact_positions(&now);
+        let masters = self.masters(x);
         let depth = |pass: &Pass| {
             let normals = masters[pass.slave].normals();
             let slave = &self.surfaces[pass.slave];
-            deepest_node(slave, normals, &masters[pass.master], &x).map_or(0.0, |(_, gap)| -gap)
+            let deepest = deepest_node(slave, normals, &masters[pass.master], x, &now);
+            deepest.map_or(0.0, |(_, gap)| -gap)
         };
         self.passes.iter().map(depth).fold(0.0, f64::max)
     }
@@ -343,14 +351,12 @@ impl<const D: usize> ContactProblem for Problem<D> {
         if self.passes.is_empty() {
             return Ok(gaps);
         }
-        let x = match self.small_strain {
-            true => self.X.clone(),
-            false => self.positions(u),
-        };
-        let masters = self.masters(&x);
+        let now = self.positions(u);
+        let x = self.contact_positions(&now);
+        let masters = self.masters(x);
         for (k, pass) in self.passes.iter().enumerate() {
             let slave = &self.surfaces[pass.slave];
-            let rows = PassRows::new(slave, &masters[pass.master], &x, &self.rule, self.reach);
+            let rows = PassRows::new(slave, &masters[pass.master], x, &self.rule, self.reach);
             rows.append(
                 k as u32,
                 slave,
@@ -394,7 +400,7 @@ impl<const D: usize> LoadStepped for Problem<D> {
             .map(Surface::facet_size)
             .fold(0.0, f64::max);
         let depth = self.penetration(u);
-        (depth > facet).then_some(depth)
+        (depth > facet.min(self.reach)).then_some(depth)
     }
 
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {

@@ -12,8 +12,10 @@ use crate::tensor::Vector;
 /// Boundaries: `inner`, `outer`.
 ///
 /// # Errors
-/// As [`rectangle`](super::rectangle()); `segments` < 3; an inner radius that is not positive.
+/// As [`rectangle`](super::rectangle()); `segments` < 3; an inner radius that is not positive; more
+/// than 10⁸ triangles.
 pub fn annulus(radii: &[f64], segments: usize, diagonals: Diagonals) -> Result<Mesh<2>, Error> {
+    affordable(2.0 * radii.len() as f64 * segments as f64)?;
     let angles = full_circle(segments, 0.0)?;
     positive("radii[0]", radii.first().copied())?;
     polar(radii, &angles, true, diagonals)
@@ -25,6 +27,7 @@ pub fn annulus(radii: &[f64], segments: usize, diagonals: Diagonals) -> Result<M
 /// # Errors
 /// As [`annulus`].
 pub fn disc(radius: f64, segments: usize, rings: usize, phase: f64) -> Result<Mesh<2>, Error> {
+    affordable(2.0 * rings as f64 * segments as f64)?;
     let angles = full_circle(segments, phase)?;
     positive("radius", Some(radius))?;
     positive("rings", Some(rings as f64))?;

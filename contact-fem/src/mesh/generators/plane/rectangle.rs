@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::mesh::generators::ascending;
+use crate::mesh::generators::{affordable, ascending};
 
 /// How the quadrilaterals of a grid are cut into triangles.
 ///
@@ -28,6 +28,7 @@ pub enum Diagonals {
 pub fn rectangle(xs: &[f64], ys: &[f64], diagonals: Diagonals) -> Result<Mesh<2>, Error> {
     ascending("xs", xs)?;
     ascending("ys", ys)?;
+    affordable(2.0 * xs.len() as f64 * ys.len() as f64)?;
     let nodes = ys.iter().flat_map(|&y| xs.iter().map(move |&x| [x, y]));
     let mut cells = Vec::new();
     let columns = xs.len();
