@@ -73,6 +73,7 @@ impl<const D: usize> PassRows<D> {
         for ((nodes, facet), reference) in slave.facets().zip(facets).zip(slave.reference()) {
             for (weight, lambda) in rule.points() {
                 points.0 += 1;
+                let N = reference.normal(lambda);
                 let seeker = Seeker {
                     x: facet.point(lambda),
                     facing: facet.normal(lambda),
@@ -81,7 +82,7 @@ impl<const D: usize> PassRows<D> {
                         surface: slave,
                         nodes,
                         X: reference.point(lambda),
-                        N: reference.normal(lambda),
+                        N,
                     }),
                 };
                 let Some(p) = master.find(&seeker) else {
@@ -94,10 +95,9 @@ impl<const D: usize> PassRows<D> {
                 let surface = master.surface();
                 let other = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
                 let other = other.zip(facet_shapes(surface.order(), &p.lambda).map(|N| -N));
-                let measure = reference.normal(lambda).norm();
                 let tests = nodes.iter().zip(slave.test_functions(lambda));
                 for (&i, phi) in tests.take(slave.test_nodes()) {
-                    let w = weight * measure * phi;
+                    let w = weight * N.norm() * phi;
                     let row = &mut rows[i];
                     row.area += w;
                     row.magnitude += w.abs();
