@@ -118,8 +118,7 @@ fn a_stack_of_discs() {
     }
 }
 
-/// The arms of a hairpin meet when they are pressed together and close towards the fold: symmetric
-/// about y = 0, within the mesh's own lack of symmetry.
+/// The arms of a hairpin meet when they are pressed together, and close towards the fold.
 fn closes<const D: usize>(scene: Scene<D>, increments: usize) {
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, increments, 1e-6);

@@ -191,3 +191,28 @@ impl<const D: usize> PointDistance for Leaf<D> {
         (x - self.facet.point(&closest_on(&x, &self.facet))).norm_squared()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::Order;
+    use crate::mesh::generators::cylinder;
+
+    /// Beyond the rim of a disc every point is off its end, also where the closest point is a corner
+    /// that belongs to facets without a side on the rim.
+    #[test]
+    fn corners_on_the_rim_are_on_the_rim() {
+        let mesh = cylinder(1.0, 1.0, 3, 1).expect("mesh");
+        let facets = mesh.boundary("top").expect("named");
+        let top = Surface::new(0, Order::Linear, facets.iter().copied(), mesh.nodes());
+        let master = Master::new(&top, mesh.nodes());
+        for k in 0..3600 {
+            let angle = std::f64::consts::TAU * f64::from(k) / 3600.0;
+            let x = Vector::<3>::new(1.1 * angle.cos(), 1.1 * angle.sin(), 1.01);
+            let projection = master.project(&x).expect("a facet");
+            assert!(projection.off_the_end, "{x}: {projection:?}");
+        }
+        let above = Vector::<3>::new(0.3, -0.4, 1.01);
+        assert!(!master.project(&above).expect("a facet").off_the_end);
+    }
+}
