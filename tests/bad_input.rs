@@ -5,7 +5,8 @@ mod common;
 use std::ops::ControlFlow;
 
 use contact_core::InteriorPoint;
-use contact_fem::mesh::generators::{Diagonals, disc, linspace, rectangle};
+use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};
+use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
 
 fn law() -> NeoHookean {
@@ -274,6 +275,57 @@ fn bodies_that_cross() {
     assert!((depth - 2.5).abs() < 1e-12, "depth {depth}");
     assert_says(&error, &["bodies 0 and 1", "overlap_tolerance"]);
     assert!(scene([0.5, 3.0]).is_ok(), "touching is no crossing");
+}
+
+/// A body and its copy, in 2D and 3D; and a band that is wound once and a half around the same ring.
+#[test]
+fn bodies_that_coincide() {
+    let mut scene = Scene::new(vec![held(0.0), held(0.0)]);
+    scene.contact((0, "top"), (1, "top")).expect("surfaces");
+    let error = scene.problem().err().expect("coincide");
+    assert!(
+        matches!(error, Error::Crossing { depth, .. } if depth > 0.1),
+        "{error}"
+    );
+
+    let cube = || {
+        let mesh = cuboid([0.0; 3], [1.0; 3], [2, 2, 2]).expect("mesh");
+        let mut body = Body::new(mesh, law());
+        body.prescribe("left", [Some(0.0); 3]).expect("support");
+        body
+    };
+    let mut scene = Scene::new(vec![cube(), cube()]);
+    scene.contact((0, "top"), (1, "top")).expect("surfaces");
+    let error = scene.problem().err().expect("coincide");
+    assert!(matches!(error, Error::Crossing { .. }), "{error}");
+
+    let band = |turns: f64| {
+        let across = linspace(1.0, 1.3, 1);
+        let along = linspace(0.0, turns, (24.0 * turns) as usize);
+        let mesh = rectangle(&along, &across, Diagonals::Rising).expect("mesh");
+        let wound = |x: &Vector<2>| {
+            let angle = -std::f64::consts::TAU * x[0];
+            Vector::<2>::new(angle.cos(), angle.sin()) * x[1]
+        };
+        let mut body = Body::new(mesh.mapped(wound).expect("mesh"), law());
+        body.prescribe("left", [Some(0.0); 2]).expect("support");
+        let mut scene = Scene::new(vec![body]);
+        scene.self_contact(0, "top").expect("surface");
+        scene.problem()
+    };
+    assert!(band(0.75).is_ok(), "open ring");
+    let error = band(1.5).err().expect("coincides");
+    assert!(
+        matches!(
+            error,
+            Error::Crossing {
+                first: 0,
+                second: 0,
+                ..
+            }
+        ),
+        "{error}"
+    );
 }
 
 #[test]

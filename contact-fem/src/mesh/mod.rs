@@ -213,13 +213,17 @@ impl<const D: usize> Mesh<D> {
 
     /// Whether the point is inside or on some cell; the sides of curved cells count as straight.
     pub fn contains(&self, point: &Vector<D>) -> bool {
-        let inside = |cell: &[usize]| {
-            let corner = self.nodes[cell[0]];
-            let edges = Matrix::<D>::from_fn(|i, j| self.nodes[cell[j + 1]][i] - corner[i]);
-            let lambda = inverse_transpose(&edges).transpose() * (point - corner);
+        self.cells().any(|cell| {
+            let lambda = self.barycentric(cell, point);
             lambda.iter().all(|&l| l >= 0.0) && lambda.sum() <= 1.0
-        };
-        self.cells().any(inside)
+        })
+    }
+
+    /// The barycentric coordinates λ₁ … λ_D of a point in the simplex of a cell's corners.
+    pub(crate) fn barycentric(&self, cell: &[usize], point: &Vector<D>) -> Vector<D> {
+        let corner = self.nodes[cell[0]];
+        let edges = Matrix::<D>::from_fn(|i, j| self.nodes[cell[j + 1]][i] - corner[i]);
+        inverse_transpose(&edges).transpose() * (point - corner)
     }
 
     /// The nodes of all exterior facets.

@@ -1,7 +1,7 @@
 //! Bodies that overlap before any load.
 
 use rstar::{
-    AABB, RTree,
+    AABB, Envelope, RTree, RTreeObject,
     primitives::{GeomWithData, Rectangle},
 };
 
@@ -18,8 +18,10 @@ use crate::tensor::{Vector, facet_normal};
 pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     nodes_inside(problem)?;
     problem.scene().pairs().iter().try_for_each(|pair| {
-        crossing(problem, pair.first.body, pair.second.body)?;
-        crossing(problem, pair.second.body, pair.first.body)
+        let (first, second) = (pair.first.body, pair.second.body);
+        crossing(problem, first, second)?;
+        crossing(problem, second, first)?;
+        coincident(problem, first, second)
     })
 }
 
@@ -117,6 +119,58 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
                     });
                 }
             }
+        }
+    }
+    Ok(())
+}
+
+/// No exterior cell of body `a` has its centroid inside a cell of body `b`, as where one body is a
+/// copy of the other, or a ring closes over its own end: no node is inside and no edge runs through
+/// a facet.
+fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<(), Error> {
+    let [mesh, other] = [a, b].map(|body| problem.scene().bodies()[body].mesh());
+    let common = {
+        let [(a_low, a_high), (b_low, b_high)] = [mesh, other].map(Mesh::bounding_box);
+        AABB::from_corners(a_low.sup(&b_low).into(), a_high.inf(&b_high).into())
+    };
+    let corners = |mesh: &Mesh<D>, cell: &[usize]| -> Vec<Vector<D>> {
+        cell[..=D].iter().map(|&node| mesh.nodes()[node]).collect()
+    };
+    let boxes = other.cells().map(|cell| {
+        let rectangle = Rectangle::from_aabb(bounding_box(&corners(other, cell)));
+        GeomWithData::new(rectangle, cell)
+    });
+    let tree = RTree::bulk_load(boxes.filter(|b| b.envelope().intersects(&common)).collect());
+    let cells: Vec<&[usize]> = mesh.cells().collect();
+    for &owner in mesh.exterior_cells() {
+        let x = corners(mesh, cells[owner]);
+        let centroid = x.iter().sum::<Vector<D>>() / (D + 1) as f64;
+        let holds = |cell: &[usize]| {
+            let lambda = other.barycentric(cell, &centroid);
+            let neighbour = a == b && cell.iter().any(|node| cells[owner].contains(node));
+            !neighbour && lambda.iter().all(|&l| l >= 0.0) && lambda.sum() <= 1.0
+        };
+        let mut near = tree.locate_all_at_point(&centroid.into());
+        if !near.any(|cell| holds(cell.data)) {
+            continue;
+        }
+        // how deep the centroid is inside its own cell
+        let distance = |k: usize| {
+            let side: [_; D] = std::array::from_fn(|i| x[(k + 1 + i) % (D + 1)]);
+            let normal = facet_normal(&side);
+            (normal.dot(&(centroid - side[0])) / normal.norm()).abs()
+        };
+        let depth = (0..=D).map(distance).fold(f64::INFINITY, f64::min);
+        let size = (x[1] - x[0]).norm();
+        let tolerance = problem.scene().overlap_tolerance * size;
+        if depth > tolerance {
+            return Err(Error::Crossing {
+                first: a,
+                second: b,
+                x: centroid.iter().copied().collect(),
+                depth,
+                tolerance,
+            });
         }
     }
     Ok(())
