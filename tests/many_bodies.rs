@@ -161,6 +161,32 @@ fn so_does_one_in_space() {
     closes(hairpin::scene_in_space(2, 2).expect("scene"), 8);
 }
 
+/// However far it looks, only the insides of the arms see each other: facets further along the fold
+/// are nearer to a point than the other arm, but not nearest to it within their own surroundings.
+#[test]
+fn a_long_reach_adds_no_contact() {
+    let energies = [0.3, 10.0].map(|reach| {
+        let mut scene = hairpin::scene(3, true).expect("scene");
+        scene.reach = Some(reach);
+        let mut problem = scene.problem().expect("valid scene");
+        let X = problem.reference();
+        let arms = X
+            .iter()
+            .filter(|X| X[0] >= 0.0 && (X[1].abs() - 0.2).abs() < 1e-9);
+        let arms = arms.count();
+        let history = run(&mut problem, 8, 1e-6);
+        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        let step = history.steps.last().expect("converged");
+        assert!(
+            step.rows <= arms + 12,
+            "{} rows for {arms} nodes",
+            step.rows
+        );
+        step.energy
+    });
+    assert!(relative(energies[0], energies[1]) < 1e-8, "{energies:?}");
+}
+
 /// The same hairpin without its self-contact: the arms pass through each other.
 #[test]
 fn without_self_contact_the_arms_cross() {

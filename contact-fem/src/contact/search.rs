@@ -24,6 +24,8 @@ pub struct Projection<const D: usize> {
     pub facet: usize,
     /// η*: barycentric coordinates on it.
     pub lambda: Vector<D>,
+    /// x̄ (UL).
+    pub foot: Vector<D>,
     /// The outward unit normal n at x̄, interpolated from averaged nodal normals.
     pub normal: Vector<D>,
     /// |x − x̄| (UL).
@@ -101,8 +103,8 @@ impl<'a, const D: usize> Master<'a, D> {
 
     /// The point that `seeker` must not penetrate, if there is one: the closest one, which counts
     /// if it is within reach, not off the master's end, and faces the seeker. On the seeker's own
-    /// body it is the closest one that counts, is on no facet of its neighbourhood and not the
-    /// other side of the material.
+    /// body it is the closest one that counts, is on no facet of its neighbourhood, not the other
+    /// side of the material, and closer than all points of the surface around it.
     pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<Projection<D>> {
         let x: [f64; D] = seeker.x.into();
         let reach_2 = seeker.reach * seeker.reach;
@@ -135,12 +137,35 @@ impl<'a, const D: usize> Master<'a, D> {
             .take_while(|(_, distance_2)| *distance_2 <= reach_2)
             .filter(|(leaf, _)| !neighbour(leaf.index))
             .map(|(leaf, _)| self.project_on(leaf, &seeker.x))
-            .find(|p| counts(p) && !material(p))
+            .find(|p| counts(p) && !material(p) && self.is_local_minimum(p, &seeker.x))
+    }
+
+    /// Whether no facet that meets the projection's own at x̄ comes closer to `x`.
+    fn is_local_minimum(&self, p: &Projection<D>, x: &Vector<D>) -> bool {
+        let inner = p.lambda.iter().all(|&l| l > 0.0);
+        if inner || p.distance <= Self::CLOSED * self.facet_size {
+            return true;
+        }
+        let nodes = self.surface.facet(p.facet);
+        let x = (*x).into();
+        let around = Vector::repeat(Self::OFF_THE_END * self.facet_size);
+        let at_foot = AABB::from_corners((p.foot - around).into(), (p.foot + around).into());
+        let meets = |leaf: &&Leaf<D>| {
+            let others = self.surface.facet(leaf.index);
+            leaf.index != p.facet && others.iter().any(|a| nodes.contains(a))
+        };
+        let closer = (p.distance * (1.0 - Self::OFF_THE_END)).powi(2);
+        let mut others = self
+            .tree
+            .locate_in_envelope_intersecting(&at_foot)
+            .filter(meets);
+        !others.any(|leaf| leaf.distance_2(&x) < closer)
     }
 
     fn project_on(&self, leaf: &Leaf<D>, x: &Vector<D>) -> Projection<D> {
         let lambda = closest_on(x, &leaf.facet);
-        let offset = x - leaf.facet.point(&lambda);
+        let foot = leaf.facet.point(&lambda);
+        let offset = x - foot;
         let nodes = self.surface.facet(leaf.index);
         let mut normal = Vector::<D>::zeros();
         let N = facet_shapes(self.surface.order(), &lambda);
@@ -151,6 +176,7 @@ impl<'a, const D: usize> Master<'a, D> {
         Projection {
             facet: leaf.index,
             lambda,
+            foot,
             normal,
             distance: offset.norm(),
             gap: offset.dot(&normal),
