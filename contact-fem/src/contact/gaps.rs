@@ -179,13 +179,14 @@ impl<const D: usize> NodalRow<D> {
 
 /// The nodes of `slave` inside `master`: the deepest one as (scene node, gap < 0), or `None`. They
 /// are projected at positions `x`, those of `master`; the gaps are between positions `now`, which
-/// are others where the geometry is frozen.
+/// are others where the geometry is frozen. On its own body a node looks no further than `reach`.
 pub fn deepest_node<const D: usize>(
     slave: &Surface<D>,
     slave_normals: &[Vector<D>],
     master: &Master<'_, D>,
     x: &[Vector<D>],
     now: &[Vector<D>],
+    reach: f64,
 ) -> Option<(usize, f64)> {
     let mut X = vec![Vector::zeros(); slave.nodes().len()];
     for (nodes, facet) in slave.facets().zip(slave.reference()) {
@@ -205,7 +206,7 @@ pub fn deepest_node<const D: usize>(
         let p = master.find(&Seeker {
             x: x[node],
             facing: *facing,
-            reach: f64::INFINITY,
+            reach: if same_body { reach } else { f64::INFINITY },
             own: same_body.then(|| Own {
                 surface: slave,
                 nodes: &numbers[k..=k],

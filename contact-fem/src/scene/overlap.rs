@@ -32,7 +32,7 @@ fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     for pass in problem.passes() {
         let (slave, master) = (&problem.surfaces()[pass.slave], &masters[pass.master]);
         let normals = masters[pass.slave].normals();
-        let facing = deepest_node(slave, normals, master, x, x);
+        let facing = deepest_node(slave, normals, master, x, x, problem.reach());
         let other = master.surface().body();
         let swallowed = || match slave.body() == other {
             true => None,

@@ -100,6 +100,11 @@ impl<const D: usize> Problem<D> {
         }
     }
 
+    /// How far a point looks for another surface (UL).
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
     /// The scene it was made from.
     pub fn scene(&self) -> &Scene<D> {
         &self.scene
@@ -244,7 +249,8 @@ impl<const D: usize> Problem<D> {
         let depth = |pass: &Pass| {
             let normals = masters[pass.slave].normals();
             let slave = &self.surfaces[pass.slave];
-            let deepest = deepest_node(slave, normals, &masters[pass.master], x, &now);
+            let master = &masters[pass.master];
+            let deepest = deepest_node(slave, normals, master, x, &now, self.reach);
             deepest.map_or(0.0, |(_, gap)| -gap)
         };
         self.passes.iter().map(depth).fold(0.0, f64::max)
