@@ -6,7 +6,9 @@ use std::ops::ControlFlow;
 use contact_core::fixed_point::Outcome;
 use contact_core::gaps::{LinearGaps, Row, RowKey};
 use contact_core::load_steps::RunOutcome;
-use contact_core::method::{Method, Minimum, Solved, Subproblem};
+use contact_core::method::{
+    Continuation, Method, Minimum, PenalizedSlack, Penalty, Solved, Subproblem,
+};
 use contact_core::nlp::{Bounds, Pattern};
 use contact_core::{
     Acceleration, ContactProblem, Energy, Error, FixedPoint, InteriorPoint, LoadStepped, LoadSteps,
@@ -82,6 +84,7 @@ impl ContactProblem for Point {
                 free: vec![(0, n[0]), (1, n[1])],
                 prescribed: vec![],
                 constant: -(CENTRE[0] * n[0] + CENTRE[1] * n[1]) - 1.0,
+                weight: 1.0,
             },
         );
         Ok(gaps)
@@ -136,6 +139,86 @@ fn a_point_on_a_circle() {
             solution.lambda
         );
         assert_eq!(problem.linearizations.get(), solution.history.len());
+    }
+}
+
+/// With a penalty μ η(s) the point goes a depth t into the disc at which 3 μ t² = λ, on the same
+/// ray: 3 μ t² + t = t₀ for a spring of stiffness 1 that would bring it t₀ deep.
+#[test]
+fn a_point_pressed_into_a_circle() {
+    let force = [0.6, -1.3];
+    let (_, lambda) = exact(force);
+    for mu in [1.0, 1e3, 1e6, 1e9, 1e12] {
+        let slack = PenalizedSlack::with(Continuation::fixed(mu));
+        let penalty = Penalty::with(Continuation::fixed(mu));
+        let methods: [Box<dyn Method>; 2] = [Box::new(slack), Box::new(penalty)];
+        for mut method in methods {
+            let settings = FixedPoint {
+                tolerance: 1e-10,
+                ..FixedPoint::default()
+            };
+            let start = State {
+                u: vec![0.0; 2],
+                ..State::default()
+            };
+            let problem = Point::pulled(force);
+            let solution = settings.solve(&problem, &mut *method, start);
+            let solution = solution.expect("no misuse");
+            assert_eq!(solution.outcome, Outcome::Converged, "μ = {mu}");
+            let depth = 2.0 * lambda / (1.0 + (1.0 + 12.0 * mu * lambda).sqrt());
+            let d = [0, 1].map(|i| solution.state.u[i] - CENTRE[i]);
+            let found = 1.0 - d[0].hypot(d[1]);
+            assert!((found - depth).abs() < 1e-9, "μ = {mu}: {found} {depth}");
+            let balance = 3.0 * mu * depth * depth;
+            assert!((solution.lambda[0] - balance).abs() < 1e-8, "μ = {mu}");
+            let u = &solution.state.u;
+            assert!(
+                (solution.energy - problem.value(u)).abs() < 1e-12,
+                "without penalty"
+            );
+        }
+    }
+}
+
+/// Continuation goes on until the penetration is small; where μ may not grow so far it says so.
+#[test]
+fn a_penalty_grows_until_it_holds() {
+    let problem = Point::pulled([0.6, -1.3]);
+    let solve = |continuation: Continuation| {
+        let start = State {
+            u: vec![0.0; 2],
+            ..State::default()
+        };
+        let mut method = PenalizedSlack::with(continuation);
+        FixedPoint::default().solve(&problem, &mut method, start)
+    };
+    let solution = solve(Continuation::default()).expect("no misuse");
+    assert_eq!(solution.outcome, Outcome::Converged);
+    let mut c = [0.0];
+    solution.gaps.value(&solution.state.u, &mut c);
+    assert!(c[0] < 0.0 && c[0] > -1e-3, "{c:?}");
+    let weak = Continuation {
+        limit: 10.0,
+        ..Continuation::default()
+    };
+    let outcome = solve(weak).expect("no misuse").outcome;
+    let Outcome::SubproblemFailed(why) = outcome else {
+        panic!("{outcome}")
+    };
+    assert!(why.contains("penetration"), "{why}");
+    for bad in [
+        Continuation::fixed(0.0),
+        Continuation::fixed(f64::NAN),
+        Continuation {
+            growth: 1.0,
+            ..Continuation::default()
+        },
+        Continuation {
+            penetration: -1.0,
+            ..Continuation::default()
+        },
+    ] {
+        assert!(solve(bad).is_err(), "{bad:?}");
     }
 }
 

@@ -179,7 +179,7 @@ impl FixedPoint {
         }
         for _ in 0..self.max_iterations {
             let clock = Instant::now();
-            run.gaps = problem.linearize_gaps(&point.u)?; // steps 1–3, both roles
+            run.gaps = method.linearize(problem, &point.u)?; // steps 1–3, both roles
             let projection = clock.elapsed().as_secs_f64();
             let subproblem = Subproblem {
                 energy,

@@ -12,7 +12,7 @@ pub struct RowKey {
 
 /// One sparse row under construction or in transit: entries `(dof, coefficient)` over the FREE
 /// and over the PRESCRIBED unknowns, and the constant.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Row {
     /// Coefficients of free unknowns, at most one entry per unknown.
     pub free: Vec<(usize, f64)>,
@@ -20,6 +20,20 @@ pub struct Row {
     pub prescribed: Vec<(usize, f64)>,
     /// c₀ of this row (UL).
     pub constant: f64,
+    /// a_i, the reference measure of the surface that this row speaks for (UL in the plane, UL² in
+    /// space); 1 where there is no surface.
+    pub weight: f64,
+}
+
+impl Default for Row {
+    fn default() -> Self {
+        Row {
+            free: Vec::new(),
+            prescribed: Vec::new(),
+            constant: 0.0,
+            weight: 1.0,
+        }
+    }
 }
 
 /// Rows of a sparse matrix, compressed.
@@ -70,6 +84,7 @@ pub struct LinearGaps {
     free: Rows,
     prescribed: Rows,
     constant: Vec<f64>,
+    weights: Vec<f64>,
     exact: bool,
 }
 
@@ -82,6 +97,7 @@ impl LinearGaps {
             free: Rows::new(),
             prescribed: Rows::new(),
             constant: Vec::new(),
+            weights: Vec::new(),
             exact,
         }
     }
@@ -92,6 +108,7 @@ impl LinearGaps {
         self.free.push(&row.free);
         self.prescribed.push(&row.prescribed);
         self.constant.push(row.constant);
+        self.weights.push(row.weight);
     }
 
     /// m, the number of rows.
@@ -117,6 +134,11 @@ impl LinearGaps {
     /// c₀ (m, UL).
     pub fn constant(&self) -> &[f64] {
         &self.constant
+    }
+
+    /// a_i (m), the reference measure that each row speaks for.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
     }
 
     /// The nonzeros of C, row by row, as `(row, free unknown, coefficient)`.

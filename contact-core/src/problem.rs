@@ -14,6 +14,8 @@ pub struct Scale {
     pub resolution: f64,
     /// What round-off leaves of a gradient in these units: no tolerance below it can be met.
     pub roundoff: f64,
+    /// The reference measure (UL in the plane, UL² in space) of a contact facet.
+    pub area: f64,
     /// An energy (UF·UL) such that `length²/energy` times the Hessian's diagonal is O(1).
     pub energy: f64,
 }
@@ -24,6 +26,7 @@ impl Default for Scale {
             length: 1.0,
             resolution: 1.0,
             roundoff: f64::EPSILON,
+            area: 1.0,
             energy: 1.0,
         }
     }
@@ -78,6 +81,12 @@ pub trait ContactProblem {
     fn bounds(&self) -> &Bounds;
     /// Steps 1–3 of Algorithm 2: project at `u`, freeze projections and normals, both roles.
     fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error>;
+    /// As [`linearize_gaps`](Self::linearize_gaps), but one row an integration point, whose weight
+    /// is its share of the integral over the surface: what method (39) penalises. Where there is no
+    /// surface to integrate over, the rows themselves.
+    fn linearize_points(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+        self.linearize_gaps(u)
+    }
     /// Units in which numbers are O(1).
     fn scale(&self) -> Scale {
         Scale::default()

@@ -2,13 +2,14 @@
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::{Effort, Factor, Method, Minimum, Solved, Subproblem};
-use crate::ipopt::{Options, Run, Sequence, SequenceSettings, Totals};
+use super::scaled::ScaledEnergy;
+use super::{Effort, Method, Minimum, Subproblem};
+use crate::ipopt::{Options, Run, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
-use crate::{Error, Scale, State};
+use crate::{Error, LinearGaps, Scale, State};
 
 /// The interior point method (7), the reference method.
 ///
@@ -107,15 +108,20 @@ impl InteriorPoint {
 impl Method for InteriorPoint {
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
         let clock = Instant::now();
-        let mut scaled = Scaled::new(subproblem, self.stop.as_deref());
-        let x: Vec<f64> = start.u.iter().map(|u| u / scaled.length).collect();
+        let mut scaled = Scaled {
+            energy: ScaledEnergy::new(subproblem, self.stop.as_deref()),
+            gaps: subproblem.gaps,
+        };
+        let length = subproblem.scale.length;
+        let x: Vec<f64> = start.u.iter().map(|u| u / length).collect();
         let warm = !start.multipliers.is_empty();
 
         let mut sequence = Sequence::new(structure(subproblem)?, self.settings(subproblem), &x)?;
         sequence.restart(&x, warm.then(|| scaled.multipliers(start)))?;
         let run = sequence.solve(&mut scaled)?;
 
-        let effort = scaled.effort(sequence.totals(), &run, clock.elapsed().as_secs_f64());
+        let wall = clock.elapsed().as_secs_f64();
+        let effort = scaled.energy.effort(sequence.totals(), &run, wall);
         Ok(scaled.minimum(run, effort))
     }
 }
@@ -147,159 +153,64 @@ fn structure(subproblem: &Subproblem<'_>) -> Result<Structure, Error> {
 
 /// The subproblem in Ipopt's numbers: x = u/L, f = E/E₀, g = c/L, and its multipliers −λ L/E₀.
 struct Scaled<'a> {
-    subproblem: Subproblem<'a>,
-    length: f64,
-    energy: f64,
-    u: Vec<f64>,
-    /// The domain functions at the last accepted point and at the trial point.
-    accepted: Vec<f64>,
-    trial: Vec<f64>,
-    stop: Option<&'a AtomicBool>,
-    /// Evaluations, and seconds spent in here.
-    values: usize,
-    gradients: usize,
-    hessians: usize,
-    seconds: f64,
+    energy: ScaledEnergy<'a>,
+    gaps: &'a LinearGaps,
 }
 
-impl<'a> Scaled<'a> {
-    /// The J guard: a trial with a domain function below this share of its last accepted value is
-    /// inadmissible.
-    const GUARD: f64 = 0.1;
-
-    fn new(subproblem: &Subproblem<'a>, stop: Option<&'a AtomicBool>) -> Self {
-        let energy = subproblem.energy;
-        Scaled {
-            subproblem: *subproblem,
-            length: subproblem.scale.length,
-            energy: subproblem.scale.energy,
-            u: vec![0.0; energy.dofs()],
-            accepted: vec![0.0; energy.domain_len()],
-            trial: vec![0.0; energy.domain_len()],
-            stop,
-            values: 0,
-            gradients: 0,
-            hessians: 0,
-            seconds: 0.0,
-        }
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
-    }
-
+impl Scaled<'_> {
     /// The multipliers of a state as Ipopt wants them.
     fn multipliers(&self, state: &State) -> Multipliers {
-        let n = self.u.len();
-        let scaled = |key| -state.multipliers.of(key) * self.length / self.energy;
+        let n = self.energy.dofs();
+        let scaled = |&key| -state.multipliers.of(key) / self.energy.force(1.0);
         Multipliers {
-            constraints: self
-                .subproblem
-                .gaps
-                .keys()
-                .iter()
-                .map(|&k| scaled(k))
-                .collect(),
+            constraints: self.gaps.keys().iter().map(scaled).collect(),
             lower: vec![0.0; n],
             upper: vec![0.0; n],
         }
     }
 
-    /// What the solves cost, of `wall` seconds in all.
-    fn effort(&self, totals: &Totals, run: &Run, wall: f64) -> Effort {
-        Effort {
-            solves: totals.warm + totals.cold,
-            cold_retries: totals.cold_retries,
-            iterations: totals.iterations,
-            factorizations: totals.factorizations,
-            values: self.values,
-            gradients: self.gradients,
-            hessians: self.hessians,
-            callbacks: self.seconds,
-            optimizer: wall - self.seconds,
-            factor: run.solution.statistics.mumps.map(|mumps| Factor {
-                ordering: mumps.ordering.name(),
-                bytes: mumps.factor_bytes,
-                workspace_bytes: mumps.workspace_bytes,
-                reallocations: mumps.reallocations,
-            }),
-        }
-    }
-
     /// Back in the user's units.
     fn minimum(&self, run: Run, effort: Effort) -> Minimum {
+        let solved = self.energy.solved(&run);
         let solution = run.solution;
-        let rows = self.subproblem.gaps.len();
-        let force = |l: f64| (-l * self.energy / self.length).max(0.0);
+        let force = |l: f64| self.energy.force(-l).max(0.0);
         Minimum {
-            solved: match solution.status {
-                _ if run.solved => Solved::Optimal,
-                _ if self.is_stopped() => Solved::Interrupted,
-                status => Solved::Failed(status.to_string()),
-            },
-            u: solution.x.iter().map(|x| x * self.length).collect(),
+            solved,
+            u: solution.x.iter().map(|x| x * self.energy.length).collect(),
             lambda: solution.multipliers.map_or_else(
-                || vec![0.0; rows],
+                || vec![0.0; self.gaps.len()],
                 |m| m.constraints.into_iter().map(force).collect(),
             ),
-            energy: solution.objective * self.energy,
+            energy: solution.objective * self.energy.unit,
             effort,
         }
-    }
-
-    /// Runs `f` on the subproblem and u = L x, and counts the time.
-    fn timed<T>(&mut self, x: &[f64], f: impl FnOnce(&mut Self) -> T) -> T {
-        let clock = Instant::now();
-        for (u, x) in self.u.iter_mut().zip(x) {
-            *u = x * self.length;
-        }
-        let result = f(self);
-        self.seconds += clock.elapsed().as_secs_f64();
-        result
     }
 }
 
 impl Nlp for Scaled<'_> {
     fn begin(&mut self, x: &[f64]) {
-        self.timed(x, |this| {
-            this.subproblem.energy.domain(&this.u, &mut this.accepted);
-        });
+        self.energy.begin(x);
     }
 
     fn objective(&mut self, x: &[f64], _new_x: bool) -> f64 {
-        self.values += 1;
-        self.timed(x, |this| {
-            let energy = this.subproblem.energy;
-            energy.domain(&this.u, &mut this.trial);
-            let mut domain = this.trial.iter().zip(&this.accepted);
-            if domain.any(|(d, accepted)| *d < Self::GUARD * accepted) {
-                return f64::INFINITY;
-            }
-            energy.value(&this.u) / this.energy
-        })
+        self.energy.value(x)
     }
 
     fn gradient(&mut self, x: &[f64], _new_x: bool, gradient: &mut [f64]) {
-        self.gradients += 1;
-        self.timed(x, |this| {
-            // Ipopt asks for gradients at accepted points only
-            this.subproblem.energy.domain(&this.u, &mut this.accepted);
-            this.subproblem.energy.gradient(&this.u, gradient);
-            let scale = this.length / this.energy;
-            gradient.iter_mut().for_each(|g| *g *= scale);
-        });
+        self.energy.gradient(x, gradient);
     }
 
     fn constraints(&mut self, x: &[f64], _new_x: bool, g: &mut [f64]) {
-        self.timed(x, |this| {
-            this.subproblem.gaps.value(&this.u, g);
-            g.iter_mut().for_each(|g| *g /= this.length);
+        let gaps = self.gaps;
+        self.energy.timed(x, |energy| {
+            gaps.value(energy.u(), g);
+            g.iter_mut().for_each(|g| *g /= energy.length);
         });
     }
 
     fn jacobian(&mut self, x: &[f64], _new_x: bool, values: &mut [f64]) {
-        self.timed(x, |this| {
-            let entries = this.subproblem.gaps.entries();
+        let entries = self.gaps.entries();
+        self.energy.timed(x, |_| {
             values.iter_mut().zip(entries).for_each(|(v, e)| *v = e.2);
         });
     }
@@ -312,16 +223,11 @@ impl Nlp for Scaled<'_> {
         _multipliers: &[f64],
         values: &mut [f64],
     ) {
-        self.hessians += 1;
-        self.timed(x, |this| {
-            this.subproblem.energy.hessian(&this.u, values);
-            let scale = objective_factor * this.length * this.length / this.energy;
-            values.iter_mut().for_each(|v| *v *= scale);
-        });
+        self.energy.hessian(x, objective_factor, values);
     }
 
     fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {
-        match self.is_stopped() {
+        match self.energy.is_stopped() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }

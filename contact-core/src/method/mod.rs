@@ -1,13 +1,26 @@
 //! Step 5 of Algorithm 2: ways to minimise E(u) subject to C u + c₀ ≥ 0, one file a method.
 
 #[cfg(feature = "ipopt")]
+mod continuation;
+#[cfg(feature = "ipopt")]
 mod interior_point;
+#[cfg(feature = "ipopt")]
+mod penalized;
+#[cfg(feature = "ipopt")]
+mod penalized_slack;
+#[cfg(feature = "ipopt")]
+mod penalty;
+#[cfg(feature = "ipopt")]
+mod scaled;
 
 #[cfg(feature = "ipopt")]
-pub use interior_point::InteriorPoint;
+pub use {
+    continuation::Continuation, interior_point::InteriorPoint, penalized::eta,
+    penalized_slack::PenalizedSlack, penalty::Penalty,
+};
 
 use crate::nlp::Bounds;
-use crate::{Energy, Error, LinearGaps, Scale, State};
+use crate::{ContactProblem, Energy, Error, LinearGaps, Scale, State};
 
 /// What a method is to minimise: E(u) over `bounds` and `gaps`, all frozen.
 #[derive(Clone, Copy)]
@@ -26,6 +39,11 @@ pub struct Subproblem<'a> {
 
 /// Step 5: any way to minimise E(u) subject to C u + c₀ ≥ 0.
 pub trait Method {
+    /// Steps 1–3: the rows that it wants at `u`; by default one a contact node.
+    fn linearize(&self, problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
+        problem.linearize_gaps(u)
+    }
+
     /// Solves from `start`; a failure to converge is told by [`Minimum::solved`], not by `Err`.
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error>;
 }

@@ -88,6 +88,7 @@ impl<const D: usize> Problem<D> {
             scale: Scale {
                 length: strain * length,
                 resolution: strain * facet * if small_strain { Self::FINER } else { 1.0 },
+                area: facet.powi(D as i32 - 1),
                 roundoff: f64::EPSILON / strain, // strains are differences of F and I
                 energy: stiffness * (strain * length).powi(2),
             },

@@ -1,0 +1,100 @@
+//! Method (39): min E(u) + μ ∫ η(g) ds over the surfaces of all bodies, within bounds on u.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use super::penalized::Penalized;
+use super::{Continuation, Method, Minimum, Subproblem};
+use crate::ipopt::Options;
+use crate::{ContactProblem, Error, LinearGaps, State};
+
+/// The penalty (39) on the gaps of all integration points, with η of (38); no constraints.
+///
+/// What is left of penetration falls like μ^(−1/2), since 3 μ g² is to balance a pressure.
+///
+/// Where nothing touches the penalty is zero and may hold nothing, so that displacements need a
+/// bound, which the paper calls not obvious. Here it is a move limit: within one solve no unknown
+/// leaves its start by more. If one gets there the solve is repeated around the new point with
+/// twice the limit, so that no result depends on it.
+#[derive(Clone, Debug)]
+pub struct Penalty {
+    /// How μ grows.
+    pub continuation: Continuation,
+    /// How far an unknown may move in one solve (UL). By default as far as the largest gap in reach
+    /// is open, or [`Scale::resolution`](crate::Scale) if that is more.
+    pub move_limit: Option<f64>,
+    /// Ipopt's `tol`, relative to the scales.
+    pub tolerance: f64,
+    /// Iterations before a solve is given up.
+    pub max_iterations: usize,
+    /// More options for Ipopt by name; they override everything set here.
+    pub options: Options,
+    /// Raising this flag stops a running solve at its next iteration.
+    pub stop: Option<Arc<AtomicBool>>,
+    /// μ at the last solution; a warm start goes on from there.
+    reached: f64,
+}
+
+impl Default for Penalty {
+    fn default() -> Self {
+        Penalty {
+            continuation: Continuation::default(),
+            move_limit: None,
+            tolerance: 1e-12,
+            max_iterations: 300,
+            options: Options::new(),
+            stop: None,
+            reached: 0.0,
+        }
+    }
+}
+
+impl Penalty {
+    /// All by default but the continuation.
+    pub fn with(continuation: Continuation) -> Self {
+        Penalty {
+            continuation,
+            ..Penalty::default()
+        }
+    }
+
+    /// The move limit for a start at which the gaps are those of `subproblem` at `u` (UL).
+    fn limit(&self, subproblem: &Subproblem<'_>, u: &[f64]) -> Result<f64, Error> {
+        match self.move_limit {
+            Some(limit) if limit > 0.0 => return Ok(limit),
+            Some(limit) => {
+                return Err(Error::Setting {
+                    name: "move_limit",
+                    value: limit.to_string(),
+                    remedy: "a positive length, or None for the default",
+                });
+            }
+            None => {}
+        }
+        let mut c = vec![0.0; subproblem.gaps.len()];
+        subproblem.gaps.value(u, &mut c);
+        Ok(c.into_iter().fold(subproblem.scale.resolution, f64::max))
+    }
+}
+
+impl Method for Penalty {
+    fn linearize(&self, problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
+        problem.linearize_points(u)
+    }
+
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        let area = subproblem.scale.area;
+        let weights = subproblem.gaps.weights().iter();
+        Penalized {
+            weights: weights.map(|weight| weight / area).collect(),
+            slack_bound: f64::INFINITY,
+            move_limit: Some(self.limit(subproblem, &start.u)?),
+            continuation: self.continuation,
+            tolerance: self.tolerance,
+            max_iterations: self.max_iterations,
+            options: &self.options,
+            stop: self.stop.as_deref(),
+        }
+        .minimize(subproblem, start, &mut self.reached)
+    }
+}
