@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use contact_core::InteriorPoint;
+use contact_core::{InteriorPoint, Method};
 use contact_fem::mesh::generators::{Diagonals, annulus, disc};
 use contact_fem::scene::{Passes, Problem};
 use contact_fem::simulation::History;
@@ -58,7 +58,7 @@ pub fn run<const D: usize>(
 
 /// As [`run`], by a method of one's own.
 pub fn run_with<const D: usize>(
-    method: &mut InteriorPoint,
+    method: &mut dyn Method,
     problem: &mut Problem<D>,
     increments: usize,
     tolerance: f64,

@@ -1,0 +1,272 @@
+//! "Did it really converge?": what a step is worth, computed anew from its result.
+
+use contact_core::fixed_point::Solution;
+use contact_core::gaps::Sampling;
+use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
+
+use crate::scene::Problem;
+use crate::tensor::Vector;
+
+/// How well a state satisfies what defines a solution, from scratch: it is projected once more, at
+/// the state itself, and no residual of the solver is used.
+///
+/// All of it is dimensionless. Lengths are over the local facet size, which is the mean facet
+/// around a node, or a_i^{1/(D−1)} of a row; forces over the largest force on a node, be it contact,
+/// support or load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Certificate {
+    /// How deep the deepest contact node is inside another surface, over all passes. Weak
+    /// constraints allow a little.
+    pub nodal_penetration: f64,
+    /// max(−c_i) over all rows at the state, of both passes whichever were solved with.
+    pub weak_penetration: f64,
+    /// max |λ_i c_i|.
+    pub complementarity: f64,
+    /// max |∇E − Cᵀλ| over the unknowns that no support holds, with the solver's rows.
+    pub stationarity: f64,
+    /// max |Cᵀλ − C'ᵀλ| with C' the rows at the state itself: what one more iteration of the fixed
+    /// point would see change in the forces. Nothing where the rows of the two have no names in
+    /// common: method (39) with exact integration.
+    pub drift: Option<f64>,
+    /// |Σ Cᵀλ| over all bodies, of Σ |Cᵀλ|: contact forces come in pairs.
+    pub action_reaction: f64,
+    /// |Σ reactions + Σ loads| over the larger sum of magnitudes.
+    pub balance: f64,
+    /// The smallest volume ratio, infinite for small-strain laws.
+    pub min_j: f64,
+    /// Contact nodes that had no row.
+    pub dropped: usize,
+    /// Of these, rows that the state does have and that are not open.
+    pub closed: usize,
+}
+
+/// What a certificate must keep to hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// For [`Certificate::nodal_penetration`].
+    pub nodal_penetration: f64,
+    /// For [`Certificate::weak_penetration`], and what is less open than that is closed.
+    pub weak_penetration: f64,
+    /// For [`Certificate::complementarity`].
+    pub complementarity: f64,
+    /// For [`Certificate::stationarity`].
+    pub stationarity: f64,
+    /// For [`Certificate::drift`].
+    pub drift: f64,
+    /// For [`Certificate::action_reaction`].
+    pub action_reaction: f64,
+    /// For [`Certificate::balance`].
+    pub balance: f64,
+}
+
+impl Default for Limits {
+    /// For the default tolerance of the fixed point, 1e-6.
+    fn default() -> Self {
+        Limits {
+            nodal_penetration: 0.1,
+            weak_penetration: 1e-3,
+            complementarity: 1e-3,
+            stationarity: 1e-6,
+            drift: 1e-3,
+            action_reaction: 1e-9,
+            balance: 1e-6,
+        }
+    }
+}
+
+/// One line of a certificate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Its name, as in [`Certificate`].
+    pub name: &'static str,
+    /// What was found, or nothing if it does not apply.
+    pub value: Option<f64>,
+    /// What it may be at most.
+    pub limit: f64,
+}
+
+impl Entry {
+    /// Whether the value keeps the limit; NaN does not.
+    pub fn holds(&self) -> bool {
+        self.value.is_none_or(|value| value <= self.limit)
+    }
+}
+
+impl Certificate {
+    /// Of the state `solution` of `problem`, which must be at the load that belongs to it.
+    pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
+        let u = &solution.state.u;
+        let (gaps, lambda) = (&solution.gaps, &solution.lambda);
+        let multipliers = Multipliers::new(gaps, lambda);
+        let rows = problem.rows(u, Sampling::Nodes);
+        let forces = problem.contact_forces(gaps, lambda);
+        let residual = Residual::new(problem, u, &forces);
+        let force = residual.largest;
+        let over = |value: f64, unit: f64| if value == 0.0 { 0.0 } else { value / unit };
+
+        let mut c = vec![0.0; rows.len()];
+        rows.value(u, &mut c);
+        let size = |weight: &f64| weight.powf(1.0 / (D as f64 - 1.0));
+        let relative = c.iter().zip(rows.weights()).map(|(c, w)| c / size(w));
+        let weak = relative.clone().fold(0.0, |depth: f64, c| depth.max(-c));
+        let named: std::collections::HashSet<&RowKey> = gaps.keys().iter().collect();
+        let mut closed = 0;
+        if gaps.sampling() == Sampling::Nodes {
+            let missing = rows.keys().iter().zip(relative);
+            let missing = missing.filter(|(key, _)| !named.contains(key));
+            let limit = Limits::default().weak_penetration;
+            closed = missing.filter(|(_, c)| *c < limit).count();
+        }
+        let same = problem.rows(u, gaps.sampling());
+        Certificate {
+            nodal_penetration: problem.relative_penetration(u),
+            weak_penetration: weak,
+            complementarity: over(complementarity(&same, &multipliers, u, size), force),
+            stationarity: over(residual.free, force),
+            drift: problem.has_lasting_names(gaps.sampling()).then(|| {
+                let lambda: Vec<f64> = same.keys().iter().map(|&k| multipliers.of(k)).collect();
+                let now = problem.contact_forces(&same, &lambda);
+                let change = forces.iter().zip(&now).map(|(a, b)| (a - b).amax());
+                over(change.fold(0.0, f64::max), force)
+            }),
+            action_reaction: {
+                let all: Vector<D> = forces.iter().sum();
+                over(all.norm(), forces.iter().map(Vector::norm).sum())
+            },
+            balance: residual.balance,
+            min_j: problem.min_j(u),
+            dropped: match gaps.sampling() {
+                Sampling::Nodes => problem.contact_nodes() - gaps.len(),
+                Sampling::Points => problem.contact_nodes() - rows.len(),
+            },
+            closed,
+        }
+    }
+
+    /// Every value that has a limit, beside it.
+    pub fn entries(&self, limits: &Limits) -> [Entry; 9] {
+        let entry = |name, value, limit| Entry {
+            name,
+            value: Some(value),
+            limit,
+        };
+        [
+            entry(
+                "nodal_penetration",
+                self.nodal_penetration,
+                limits.nodal_penetration,
+            ),
+            entry(
+                "weak_penetration",
+                self.weak_penetration,
+                limits.weak_penetration,
+            ),
+            entry(
+                "complementarity",
+                self.complementarity,
+                limits.complementarity,
+            ),
+            entry("stationarity", self.stationarity, limits.stationarity),
+            Entry {
+                name: "drift",
+                value: self.drift,
+                limit: limits.drift,
+            },
+            entry(
+                "action_reaction",
+                self.action_reaction,
+                limits.action_reaction,
+            ),
+            entry("balance", self.balance, limits.balance),
+            // J > 0: a step that inverts a cell has no energy
+            entry("inverted", f64::from(u8::from(self.min_j <= 0.0)), 0.0),
+            entry("closed", self.closed as f64, 0.0),
+        ]
+    }
+
+    /// Whether every value keeps its limit.
+    pub fn holds(&self, limits: &Limits) -> bool {
+        self.entries(limits).iter().all(Entry::holds)
+    }
+
+    /// Value by value the worse of two, for a run of many steps.
+    #[must_use]
+    pub fn or_worse(self, other: Self) -> Self {
+        // a NaN is worse than any number
+        let worse = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
+        Certificate {
+            nodal_penetration: worse(self.nodal_penetration, other.nodal_penetration),
+            weak_penetration: worse(self.weak_penetration, other.weak_penetration),
+            complementarity: worse(self.complementarity, other.complementarity),
+            stationarity: worse(self.stationarity, other.stationarity),
+            drift: match (self.drift, other.drift) {
+                (Some(a), Some(b)) => Some(worse(a, b)),
+                (a, b) => a.or(b),
+            },
+            action_reaction: worse(self.action_reaction, other.action_reaction),
+            balance: worse(self.balance, other.balance),
+            min_j: -worse(-self.min_j, -other.min_j),
+            dropped: self.dropped.max(other.dropped),
+            closed: self.closed.max(other.closed),
+        }
+    }
+}
+
+/// max |λ_i c_i| over the local facet size (UF).
+fn complementarity(
+    rows: &LinearGaps,
+    multipliers: &Multipliers,
+    u: &[f64],
+    size: impl Fn(&f64) -> f64,
+) -> f64 {
+    let mut c = vec![0.0; rows.len()];
+    rows.value(u, &mut c);
+    let products = rows.keys().iter().zip(&c).zip(rows.weights());
+    let products = products.map(|((&key, c), w)| (multipliers.of(key) * c / size(w)).abs());
+    products.fold(0.0, f64::max)
+}
+
+/// What is left of ∂E/∂U − Cᵀλ.
+struct Residual {
+    /// The largest component that no support holds (UF).
+    free: f64,
+    /// The largest force on a node (UF).
+    largest: f64,
+    /// |Σ reactions + Σ loads| over the sum of magnitudes.
+    balance: f64,
+}
+
+impl Residual {
+    fn new<const D: usize>(problem: &Problem<D>, u: &[f64], contact: &[Vector<D>]) -> Self {
+        let (mut free, mut largest) = (0.0, 0.0f64);
+        let (mut sum, mut magnitude) = (Vector::<D>::zeros(), 0.0);
+        for (body, owner) in problem.scene().bodies().iter().enumerate() {
+            let residual = problem.residual(body, u);
+            let nodes = problem.nodes(body);
+            for (k, node) in nodes.enumerate() {
+                for i in 0..D {
+                    let dof = D * k + i;
+                    let rest: f64 = residual[dof] - contact[node][i];
+                    let load = problem.load() * owner.forces()[dof];
+                    let mut force = load;
+                    match owner.prescribed()[dof] {
+                        Some(_) => force += rest,
+                        None => free = rest.abs().max(free),
+                    }
+                    sum[i] += force;
+                    magnitude += force.abs();
+                    largest = largest.max(load.abs()).max(contact[node][i].abs());
+                    if owner.prescribed()[dof].is_some() {
+                        largest = largest.max(rest.abs());
+                    }
+                }
+            }
+        }
+        let balance = if magnitude > 0.0 { sum.norm() / magnitude } else { 0.0 };
+        Residual {
+            free,
+            largest,
+            balance,
+        }
+    }
+}
