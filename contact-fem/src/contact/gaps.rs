@@ -2,11 +2,12 @@
 
 use contact_core::gaps::{LinearGaps, Row, RowKey};
 
+use super::cut::{Integration, Points};
 use super::normals::averaged;
 use super::search::{Master, Own, Seeker};
 use super::surface::Surface;
 use crate::assembly::{Dof, DofMap};
-use crate::element::{FacetRule, facet_shapes};
+use crate::element::facet_shapes;
 use crate::tensor::Vector;
 
 /// One role of a pair: `slave` must not penetrate `master`. Both are indices of surfaces.
@@ -57,12 +58,12 @@ pub struct PassRows<const D: usize> {
 }
 
 impl<const D: usize> PassRows<D> {
-    /// Projects every integration point of `slave` on `master`.
+    /// Projects every point of `integration` on `slave` on `master`.
     pub fn new(
         slave: &Surface<D>,
         master: &Master<'_, D>,
         x: &[Vector<D>],
-        rule: &FacetRule<D>,
+        integration: Integration,
         reach: f64,
     ) -> Self {
         let mut rows = vec![NodalRow::default(); slave.nodes().len()];
@@ -70,22 +71,22 @@ impl<const D: usize> PassRows<D> {
         let same_body = slave.body() == master.surface().body();
         let positions = slave.gather(x);
         let facets = slave.facets_at(&positions);
+        let mut rule = Points::new(integration, slave, master.surface());
         for ((nodes, facet), reference) in slave.facets().zip(facets).zip(slave.reference()) {
-            for (weight, lambda) in rule.points() {
+            let seeker = |lambda: &Vector<D>| Seeker {
+                x: facet.point(lambda),
+                facing: facet.normal(lambda),
+                reach,
+                own: same_body.then(|| Own {
+                    surface: slave,
+                    nodes,
+                    X: reference.point(lambda),
+                    N: reference.normal(lambda),
+                }),
+            };
+            for (weight, lambda) in rule.on(&facet, master, &seeker) {
                 points.0 += 1;
-                let N = reference.normal(lambda);
-                let seeker = Seeker {
-                    x: facet.point(lambda),
-                    facing: facet.normal(lambda),
-                    reach,
-                    own: same_body.then(|| Own {
-                        surface: slave,
-                        nodes,
-                        X: reference.point(lambda),
-                        N,
-                    }),
-                };
-                let Some(p) = master.find(&seeker) else {
+                let Some(p) = master.find(&seeker(lambda)) else {
                     continue;
                 };
                 points.1 += 1;
@@ -95,9 +96,10 @@ impl<const D: usize> PassRows<D> {
                 let surface = master.surface();
                 let other = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
                 let other = other.zip(facet_shapes(surface.order(), &p.lambda).map(|N| -N));
+                let measure = reference.normal(lambda).norm();
                 let tests = nodes.iter().zip(slave.test_functions(lambda));
                 for (&i, phi) in tests.take(slave.test_nodes()) {
-                    let w = weight * N.norm() * phi;
+                    let w = weight * measure * phi;
                     let row = &mut rows[i];
                     row.area += w;
                     row.magnitude += w.abs();

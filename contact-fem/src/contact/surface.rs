@@ -139,7 +139,8 @@ impl<const D: usize> Surface<D> {
         self.test_order().facet_nodes::<D>()
     }
 
-    fn test_order(&self) -> Order {
+    /// The degree of the test functions.
+    pub(super) fn test_order(&self) -> Order {
         if D == 2 { self.order } else { Order::Linear }
     }
 

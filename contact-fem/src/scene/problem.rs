@@ -8,7 +8,6 @@ use super::{Body, Passes, Scene, SurfaceName};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
 use crate::contact::gaps::{PassRows, Unknowns, deepest_node};
 use crate::contact::{Master, Pass, Surface, pressure};
-use crate::element::FacetRule;
 use crate::tensor::Vector;
 
 /// The contact problem of a scene at one load: energy over the free dofs of all bodies, and the
@@ -28,7 +27,6 @@ pub struct Problem<const D: usize> {
     first_node: Vec<usize>,
     surfaces: Vec<Surface<D>>,
     passes: Vec<Pass>,
-    rule: FacetRule<D>,
     bounds: Bounds,
     reach: f64,
     scale: Scale,
@@ -74,7 +72,6 @@ impl<const D: usize> Problem<D> {
             supports,
             factor: 0.0,
             energy: DirectSum::new(energies),
-            rule: FacetRule::gauss(scene.gauss_points),
             bounds: match scene.keep_everything {
                 true => Bounds::free(dofs.free()),
                 false => Bounds::default(),
@@ -356,7 +353,8 @@ impl<const D: usize> ContactProblem for Problem<D> {
         let masters = self.masters(x);
         for (k, pass) in self.passes.iter().enumerate() {
             let slave = &self.surfaces[pass.slave];
-            let rows = PassRows::new(slave, &masters[pass.master], x, &self.rule, self.reach);
+            let master = &masters[pass.master];
+            let rows = PassRows::new(slave, master, x, self.scene.integration, self.reach);
             rows.append(
                 k as u32,
                 slave,
