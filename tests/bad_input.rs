@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 
 use contact_core::InteriorPoint;
 use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};
+use contact_fem::scene::Integration;
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
 
@@ -365,11 +366,11 @@ fn settings() {
     assert!(run(&simulation).is_some());
     for points in [0, 65] {
         let mut scene = Scene::new(vec![held(0.0)]);
-        scene.gauss_points = points;
+        scene.integration = Integration::Gauss(points);
         assert!(matches!(
             scene.problem(),
             Err(Error::Setting {
-                name: "gauss_points",
+                name: "integration",
                 ..
             })
         ));

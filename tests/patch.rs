@@ -6,7 +6,7 @@ mod common;
 
 use common::{relative, run};
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::Passes;
+use contact_fem::scene::{Integration, Passes};
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
 
@@ -113,7 +113,7 @@ fn pressed_blocks(n_top: usize, n_bottom: usize, gauss_points: usize, passes: Pa
     top.prescribe("top", [Some(0.0), Some(-0.1)])
         .expect("support");
     let mut scene = Scene::new(vec![bottom, top]);
-    scene.gauss_points = gauss_points;
+    scene.integration = Integration::Gauss(gauss_points);
     let surfaces = ((0, "top"), (1, "bottom"));
     scene
         .contact_in_passes(surfaces.0, surfaces.1, passes)

@@ -9,7 +9,7 @@ use contact_core::InteriorPoint;
 use contact_core::load_steps::RunOutcome;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::cuboid;
-use contact_fem::scene::Problem;
+use contact_fem::scene::{Integration, Problem};
 use contact_fem::simulation::History;
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
@@ -32,7 +32,7 @@ fn pressed_cubes(order: Order, n_bottom: usize, n_top: usize, gauss_points: usiz
     top.prescribe("top", [Some(0.0), Some(0.0), Some(-0.1)])
         .expect("support");
     let mut scene = Scene::new(vec![bottom, top]);
-    scene.gauss_points = gauss_points;
+    scene.integration = Integration::Gauss(gauss_points);
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);

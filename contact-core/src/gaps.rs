@@ -1,12 +1,21 @@
 //! The linearised weak non-penetration constraints c(u) = C u + c₀ ≥ 0.
 
+/// What a row of gaps speaks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// A contact node: its mean gap, weighted with the node's test function.
+    Nodes,
+    /// An integration point: the gap there.
+    Points,
+}
+
 /// Which constraint a row is: the same key names the same contact node in the same role in every
 /// fixed-point iteration and load step, so that multipliers can be carried along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RowKey {
     /// The pass: one per ordered pair (slave surface, master surface).
     pub pass: u32,
-    /// The slave node.
+    /// The slave node, or the number of the integration point in the pass.
     pub node: u32,
 }
 
@@ -86,6 +95,7 @@ pub struct LinearGaps {
     constant: Vec<f64>,
     weights: Vec<f64>,
     exact: bool,
+    sampling: Sampling,
 }
 
 impl LinearGaps {
@@ -99,7 +109,13 @@ impl LinearGaps {
             constant: Vec::new(),
             weights: Vec::new(),
             exact,
+            sampling: Sampling::Nodes,
         }
+    }
+
+    /// Rows that speak for something else than contact nodes.
+    pub fn sampled_at(self, sampling: Sampling) -> Self {
+        LinearGaps { sampling, ..self }
     }
 
     /// Appends a row. Keys must be unique; they need not be sorted.
@@ -124,6 +140,11 @@ impl LinearGaps {
     /// Whether the rows hold for every u and not just near the point they were linearised at.
     pub fn is_exact(&self) -> bool {
         self.exact
+    }
+
+    /// What the rows speak for.
+    pub fn sampling(&self) -> Sampling {
+        self.sampling
     }
 
     /// The rows' names.

@@ -2,7 +2,7 @@
 
 use contact_core::fixed_point::Solution;
 use contact_core::gaps::Sampling;
-use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
+use contact_core::{LinearGaps, Multipliers, RowKey};
 
 use crate::scene::Problem;
 use crate::tensor::Vector;

@@ -11,6 +11,7 @@
 #![allow(non_snake_case)]
 
 pub mod assembly;
+pub mod certificate;
 pub mod contact;
 pub mod element;
 pub mod error;
@@ -22,6 +23,7 @@ pub mod scene;
 pub mod simulation;
 pub mod tensor;
 
+pub use certificate::Certificate;
 pub use error::Error;
 pub use left_out::LeftOut;
 pub use material::{LinearElastic, Material, NeoHookean};

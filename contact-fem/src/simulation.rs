@@ -6,6 +6,7 @@ use contact_core::fixed_point::Solution;
 use contact_core::load_steps::{Attempt, LoadSteps, Run, Step};
 use contact_core::{ContactProblem, Method, State};
 
+use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::scene::Problem;
 use crate::tensor::Vector;
@@ -31,6 +32,8 @@ pub struct StepRecord<const D: usize> {
     pub penetration: f64,
     /// The most negative weak gap c_i, as a depth (UL).
     pub weak_penetration: f64,
+    /// What it is worth, computed anew.
+    pub certificate: Certificate,
     /// The fixed point and its effort.
     pub attempt: Attempt,
 }
@@ -42,6 +45,14 @@ pub struct History<const D: usize> {
     pub run: Run,
     /// One record a converged step.
     pub steps: Vec<StepRecord<D>>,
+}
+
+impl<const D: usize> History<D> {
+    /// Value by value the worst certificate of all steps; nothing if there is no step.
+    pub fn certificate(&self) -> Option<Certificate> {
+        let steps = self.steps.iter().map(|step| step.certificate);
+        steps.reduce(Certificate::or_worse)
+    }
 }
 
 /// A converged step while the run goes on.
@@ -123,6 +134,7 @@ impl<const D: usize> StepRecord<D> {
             rows: solution.gaps.len(),
             penetration: problem.penetration(u),
             weak_penetration: c.iter().fold(0.0, |depth: f64, c| depth.max(-c)),
+            certificate: Certificate::new(problem, solution),
             attempt: step.attempt.clone(),
         }
     }

@@ -1,12 +1,13 @@
 //! One role of one pair → rows of c(u) = C u + c₀ ≥ 0.
 
-use contact_core::gaps::{LinearGaps, Row, RowKey};
+use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 
+use super::cut::{Integration, Points};
 use super::normals::averaged;
 use super::search::{Master, Own, Seeker};
 use super::surface::Surface;
 use crate::assembly::{Dof, DofMap};
-use crate::element::{FacetRule, facet_shapes};
+use crate::element::facet_shapes;
 use crate::tensor::Vector;
 
 /// One role of a pair: `slave` must not penetrate `master`. Both are indices of surfaces.
@@ -49,43 +50,51 @@ struct NodalRow<const D: usize> {
 /// The constraints of one pass, linearised at current positions `x` of all scene nodes.
 ///
 /// c_i(u) = 1/a_i Σ_q w_q φ_i(q) (x_q(u) − x̄_q(u))·n_q, equation (5) of the paper, with η*_q and
-/// n_q frozen at `x` and w_q the weight times the reference measure.
+/// n_q frozen at `x` and w_q the weight times the reference measure. Sampled at points it is the
+/// gap of one point, and a_i its w_q.
 pub struct PassRows<const D: usize> {
+    /// Scene nodes, or numbers of integration points.
+    names: Vec<usize>,
     rows: Vec<NodalRow<D>>,
     /// Integration points in all, and those that counted.
     points: (usize, usize),
 }
 
 impl<const D: usize> PassRows<D> {
-    /// Projects every integration point of `slave` on `master`.
+    /// Projects every point of `integration` on `slave` on `master`.
     pub fn new(
         slave: &Surface<D>,
         master: &Master<'_, D>,
         x: &[Vector<D>],
-        rule: &FacetRule<D>,
+        integration: Integration,
         reach: f64,
+        sampling: Sampling,
     ) -> Self {
-        let mut rows = vec![NodalRow::default(); slave.nodes().len()];
+        let mut names = match sampling {
+            Sampling::Nodes => slave.nodes().to_vec(),
+            Sampling::Points => Vec::new(),
+        };
+        let mut rows = vec![NodalRow::default(); names.len()];
         let mut points = (0, 0);
         let same_body = slave.body() == master.surface().body();
         let positions = slave.gather(x);
         let facets = slave.facets_at(&positions);
+        let mut rule = Points::new(integration, slave, master.surface());
         for ((nodes, facet), reference) in slave.facets().zip(facets).zip(slave.reference()) {
-            for (weight, lambda) in rule.points() {
+            let seeker = |lambda: &Vector<D>| Seeker {
+                x: facet.point(lambda),
+                facing: facet.normal(lambda),
+                reach,
+                own: same_body.then(|| Own {
+                    surface: slave,
+                    nodes,
+                    X: reference.point(lambda),
+                    N: reference.normal(lambda),
+                }),
+            };
+            for (weight, lambda) in rule.on(&facet, master, &seeker) {
                 points.0 += 1;
-                let N = reference.normal(lambda);
-                let seeker = Seeker {
-                    x: facet.point(lambda),
-                    facing: facet.normal(lambda),
-                    reach,
-                    own: same_body.then(|| Own {
-                        surface: slave,
-                        nodes,
-                        X: reference.point(lambda),
-                        N,
-                    }),
-                };
-                let Some(p) = master.find(&seeker) else {
+                let Some(p) = master.find(&seeker(lambda)) else {
                     continue;
                 };
                 points.1 += 1;
@@ -95,20 +104,30 @@ impl<const D: usize> PassRows<D> {
                 let surface = master.surface();
                 let other = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
                 let other = other.zip(facet_shapes(surface.order(), &p.lambda).map(|N| -N));
-                let tests = nodes.iter().zip(slave.test_functions(lambda));
-                for (&i, phi) in tests.take(slave.test_nodes()) {
-                    let w = weight * N.norm() * phi;
-                    let row = &mut rows[i];
-                    row.area += w;
-                    row.magnitude += w.abs();
-                    let terms = own.clone().chain(other.clone());
-                    row.terms
-                        .extend(terms.map(|(a, N)| (a, p.normal * (w * N))));
+                let terms = own.chain(other).map(|(a, N)| (a, p.normal * N));
+                let w = weight * reference.normal(lambda).norm();
+                match sampling {
+                    Sampling::Nodes => {
+                        let tests = nodes.iter().zip(slave.test_functions(lambda));
+                        for (&i, phi) in tests.take(slave.test_nodes()) {
+                            rows[i].add(w * phi, terms.clone());
+                        }
+                    }
+                    Sampling::Points => {
+                        let mut row = NodalRow::default();
+                        row.add(w, terms);
+                        names.push(points.0 - 1);
+                        rows.push(row);
+                    }
                 }
             }
         }
         rows.iter_mut().for_each(NodalRow::normalize);
-        PassRows { rows, points }
+        PassRows {
+            names,
+            rows,
+            points,
+        }
     }
 
     /// Integration points in all, and those that counted.
@@ -121,13 +140,12 @@ impl<const D: usize> PassRows<D> {
     pub fn append(
         &self,
         pass: u32,
-        slave: &Surface<D>,
         X: &[Vector<D>],
         unknowns: &Unknowns<'_>,
         gaps: &mut LinearGaps,
     ) {
         let mut row = Row::default();
-        for (&node, nodal) in slave.nodes().iter().zip(&self.rows) {
+        for (&node, nodal) in self.names.iter().zip(&self.rows) {
             let held = |(a, _): &(usize, _)| unknowns.holds(D * a..D * (a + 1));
             if !nodal.has_support() || nodal.terms.iter().all(held) {
                 continue;
@@ -135,6 +153,7 @@ impl<const D: usize> PassRows<D> {
             row.free.clear();
             row.prescribed.clear();
             row.constant = 0.0;
+            row.weight = nodal.area;
             for (a, coefficient) in &nodal.terms {
                 row.constant += coefficient.dot(&X[*a]);
                 for (i, &c) in coefficient.iter().enumerate() {
@@ -154,6 +173,13 @@ impl<const D: usize> PassRows<D> {
 }
 
 impl<const D: usize> NodalRow<D> {
+    /// Adds a point of weight `w`, whose gap is the sum of `terms`.
+    fn add(&mut self, w: f64, terms: impl Iterator<Item = (usize, Vector<D>)>) {
+        self.area += w;
+        self.magnitude += w.abs();
+        self.terms.extend(terms.map(|(a, c)| (a, c * w)));
+    }
+
     /// Whether enough points count for a_i to be a weight. A corner's quadratic function is
     /// negative on the far half of a segment: where the master ends between, its mean there is no
     /// mean of gaps. Over a whole segment area and magnitude are as 2 to 3.
@@ -177,17 +203,17 @@ impl<const D: usize> NodalRow<D> {
     }
 }
 
-/// The nodes of `slave` inside `master`: the deepest one as (scene node, gap < 0), or `None`. They
-/// are projected at positions `x`, those of `master`; the gaps are between positions `now`, which
-/// are others where the geometry is frozen. On its own body a node looks no further than `reach`.
-pub fn deepest_node<const D: usize>(
+/// The nodes of `slave` inside `master` as (position in [`Surface::nodes`], gap < 0). They are
+/// projected at positions `x`, those of `master`; the gaps are between positions `now`, which are
+/// others where the geometry is frozen. On its own body a node looks no further than `reach`.
+pub fn nodes_inside<const D: usize>(
     slave: &Surface<D>,
     slave_normals: &[Vector<D>],
     master: &Master<'_, D>,
     x: &[Vector<D>],
     now: &[Vector<D>],
     reach: f64,
-) -> Option<(usize, f64)> {
+) -> Vec<(usize, f64)> {
     let mut X = vec![Vector::zeros(); slave.nodes().len()];
     for (nodes, facet) in slave.facets().zip(slave.reference()) {
         nodes
@@ -219,8 +245,7 @@ pub fn deepest_node<const D: usize>(
         let shapes = facet_shapes(surface.order(), &p.lambda);
         let foot: Vector<D> = nodes.zip(shapes).map(|(b, N)| now[b] * N).sum();
         let gap = (now[node] - foot).dot(&p.normal);
-        (gap < 0.0).then_some((node, gap))
+        (gap < 0.0).then_some((k, gap))
     };
-    let inside = slave_normals.iter().enumerate().filter_map(gap);
-    inside.min_by(|a, b| a.1.total_cmp(&b.1))
+    slave_normals.iter().enumerate().filter_map(gap).collect()
 }

@@ -1,6 +1,7 @@
 //! The weak non-penetration constraints, step by step:
-//! [`surface`] → [`search`] → [`projection`] → [`normals`] → [`gaps`].
+//! [`surface`] → [`cut`] → [`search`] → [`projection`] → [`normals`] → [`gaps`].
 
+pub mod cut;
 pub mod gaps;
 pub mod normals;
 pub mod pressure;
@@ -8,6 +9,7 @@ pub mod projection;
 pub mod search;
 pub mod surface;
 
+pub use cut::Integration;
 pub use gaps::Pass;
 pub use search::Master;
 pub use surface::Surface;

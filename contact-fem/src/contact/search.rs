@@ -162,6 +162,28 @@ impl<'a, const D: usize> Master<'a, D> {
         !others.any(|leaf| leaf.distance_2(&x) < closer)
     }
 
+    /// How far `seeker` is from the surface (UL); on its own body, from the point that it must not
+    /// penetrate, or all of its reach if there is none.
+    pub(super) fn distance(&self, seeker: &Seeker<'_, D>) -> f64 {
+        let (found, else_) = match seeker.own {
+            Some(_) => (self.find(seeker), seeker.reach),
+            None => (self.project(&seeker.x), f64::INFINITY),
+        };
+        found.map_or(else_, |p| p.distance)
+    }
+
+    /// The facets with a point within `distance` of `x`, with their indices.
+    pub(super) fn within(
+        &self,
+        x: &Vector<D>,
+        distance: f64,
+    ) -> impl Iterator<Item = (usize, &Facet<D>)> {
+        let near = self
+            .tree
+            .locate_within_distance((*x).into(), distance * distance);
+        near.map(|leaf| (leaf.index, &leaf.facet))
+    }
+
     fn project_on(&self, leaf: &Leaf<D>, x: &Vector<D>) -> Projection<D> {
         let lambda = closest_on(x, &leaf.facet);
         let foot = leaf.facet.point(&lambda);

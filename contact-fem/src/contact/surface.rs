@@ -139,7 +139,8 @@ impl<const D: usize> Surface<D> {
         self.test_order().facet_nodes::<D>()
     }
 
-    fn test_order(&self) -> Order {
+    /// The degree of the test functions.
+    pub(super) fn test_order(&self) -> Order {
         if D == 2 { self.order } else { Order::Linear }
     }
 
@@ -147,6 +148,18 @@ impl<const D: usize> Surface<D> {
     pub fn facet_size(&self) -> f64 {
         let mean = self.measures().sum::<f64>() / self.len().max(1) as f64;
         mean.powf(1.0 / (D as f64 - 1.0))
+    }
+
+    /// For each node the mean length of the facets around it (UL).
+    pub fn node_sizes(&self) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.nodes.len()];
+        for (facet, measure) in self.facets().zip(self.measures()) {
+            let size = measure.powf(1.0 / (D as f64 - 1.0));
+            for &a in facet {
+                sums[a] = (sums[a].0 + size, sums[a].1 + 1.0);
+            }
+        }
+        sums.iter().map(|(sum, count)| sum / count).collect()
     }
 
     /// The length of the smallest facet (UL).

@@ -19,6 +19,14 @@ pub const MAX_FACET_NODES: usize = 6;
 pub type FacetShapes = [f64; MAX_FACET_NODES];
 
 impl Order {
+    /// The degree as a number.
+    pub const fn degree(self) -> usize {
+        match self {
+            Order::Linear => 1,
+            Order::Quadratic => 2,
+        }
+    }
+
     /// The number of nodes of a facet in ℝᴰ.
     pub const fn facet_nodes<const D: usize>(self) -> usize {
         match self {

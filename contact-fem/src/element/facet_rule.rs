@@ -31,6 +31,36 @@ impl<const D: usize> FacetRule<D> {
         FacetRule { points }
     }
 
+    /// The fewest points that are exact for polynomials up to `degree` and have positive weights:
+    /// Gauss–Legendre on a segment; on a triangle three points for degree 2, six for degree 4 (G. R.
+    /// Cowper, *Gaussian quadrature formulas for triangles*, IJNME 7, 1973), and beyond
+    /// [`FacetRule::gauss`].
+    pub fn of_degree(degree: usize) -> Self {
+        let (root, inner) = (10f64.sqrt(), (38.0 - 44.0 * 0.4f64.sqrt()).sqrt());
+        let spread = (213_125.0 - 53_320.0 * root).sqrt();
+        let orbit = |sign: f64| {
+            let weight = (620.0 + sign * spread) / 3720.0;
+            (weight, (8.0 - root + sign * inner) / 18.0)
+        };
+        let orbits = match (D, degree) {
+            (2, _) => return Self::gauss(degree / 2 + 1),
+            (_, 0..=2) => vec![(1.0 / 3.0, 1.0 / 6.0)],
+            (_, 3..=4) => vec![orbit(1.0), orbit(-1.0)],
+            _ => return Self::gauss(degree.div_ceil(2) + 1),
+        };
+        // a point near each corner, or each side: the other two coordinates are equal
+        let corner = |(weight, near): (f64, f64), k: usize| {
+            let lambda = |i: usize, _| if i == k { 1.0 - 2.0 * near } else { near };
+            (weight, Vector::from_fn(lambda))
+        };
+        let corners = orbits
+            .iter()
+            .flat_map(|&orbit| (0..D).map(move |k| corner(orbit, k)));
+        FacetRule {
+            points: corners.collect(),
+        }
+    }
+
     /// (weight, barycentric coordinates).
     pub fn points(&self) -> &[(f64, Vector<D>)] {
         &self.points
@@ -85,19 +115,51 @@ mod tests {
     }
 
     /// ∫ λ₁ᵖ λ₂^q over a triangle of measure 1 is 2 p! q! / (p + q + 2)!.
-    #[test]
-    fn monomials_on_a_triangle() {
+    fn triangle_monomials(rule: &FacetRule<3>, degree: i32) {
         let factorial = |k: i32| (1..=k).map(f64::from).product::<f64>();
-        for n in 1..=5 {
-            let rule = FacetRule::<3>::gauss(n);
-            for p in 0..=2 * n as i32 - 2 {
-                for q in 0..=2 * n as i32 - 2 - p {
-                    let points = rule.points().iter();
-                    let sum: f64 = points.map(|(w, l)| w * l[1].powi(p) * l[2].powi(q)).sum();
-                    let exact = 2.0 * factorial(p) * factorial(q) / factorial(p + q + 2);
-                    assert!((sum - exact).abs() < 1e-14, "n {n}, degrees {p} {q}");
-                }
+        for p in 0..=degree {
+            for q in 0..=degree - p {
+                let points = rule.points().iter();
+                let sum: f64 = points.map(|(w, l)| w * l[1].powi(p) * l[2].powi(q)).sum();
+                let exact = 2.0 * factorial(p) * factorial(q) / factorial(p + q + 2);
+                let points = rule.points().len();
+                assert!((sum - exact).abs() < 1e-14, "{points} points, {p} {q}");
             }
         }
+    }
+
+    #[test]
+    fn monomials_on_a_triangle() {
+        for n in 1..=5 {
+            triangle_monomials(&FacetRule::gauss(n), 2 * n as i32 - 2);
+        }
+    }
+
+    #[test]
+    fn rules_of_a_degree() {
+        for degree in 0..=9 {
+            let triangle = FacetRule::<3>::of_degree(degree);
+            triangle_monomials(&triangle, degree as i32);
+            let segment = FacetRule::<2>::of_degree(degree);
+            for k in 0..=degree as i32 {
+                let points = segment.points().iter();
+                let sum: f64 = points.map(|(w, l)| w * l[1].powi(k)).sum();
+                assert!((sum - 1.0 / f64::from(k + 1)).abs() < 1e-14);
+            }
+            assert!(
+                triangle
+                    .points()
+                    .iter()
+                    .all(|(w, l)| *w > 0.0 && l.min() > 0.0)
+            );
+        }
+        assert_eq!(
+            [2, 3, 4].map(|d| FacetRule::<3>::of_degree(d).points().len()),
+            [3, 6, 6]
+        );
+        assert_eq!(
+            [2, 3, 4].map(|d| FacetRule::<2>::of_degree(d).points().len()),
+            [2, 2, 3]
+        );
     }
 }

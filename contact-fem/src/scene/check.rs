@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{Body, Scene};
+use super::{Body, Integration, Scene};
 use crate::error::Error;
 
 /// Settings within their ranges.
@@ -17,8 +17,10 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     if scene.bodies.is_empty() {
         return setting("bodies", 0.0, "a scene needs at least one body");
     }
-    if scene.gauss_points == 0 || scene.gauss_points > 64 {
-        return setting("gauss_points", scene.gauss_points as f64, "choose 1 to 64");
+    if let Integration::Gauss(points) = scene.integration {
+        if !(1..=64).contains(&points) {
+            return setting("integration", points as f64, "choose 1 to 64 Gauss points");
+        }
     }
     match scene.reach {
         Some(reach) if reach.is_nan() || reach <= 0.0 => {

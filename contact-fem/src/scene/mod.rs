@@ -8,6 +8,7 @@ mod problem;
 pub use body::Body;
 pub use problem::Problem;
 
+pub use crate::contact::Integration;
 use crate::element::Order;
 use crate::error::Error;
 
@@ -48,11 +49,11 @@ pub struct Scene<const D: usize> {
     bodies: Vec<Body<D>>,
     pairs: Vec<Pair>,
     surfaces: Vec<SurfaceName>,
-    /// Gauss points per facet and direction: by default 4; with quadratic elements, whose pressures
-    /// suffer more, 12 in the plane and 8 in space. They do not see where facets of the other surface
-    /// end, which costs about 0.1 % of the stress in flat contact of meshes that do not match; more
-    /// points, less.
-    pub gauss_points: usize,
+    /// How the constraints are integrated: by default at 4 Gauss points a facet and direction; with
+    /// quadratic elements, whose pressures suffer more, at 12 in the plane and 8 in space. They do
+    /// not see where facets of the other surface end, which costs about 0.1 % of the stress in flat
+    /// contact of meshes that do not match; [`Integration::Exact`] costs nothing there.
+    pub integration: Integration,
     /// How far an integration point looks for the other surface (UL). By default a tenth of the
     /// scene's diagonal, and all of it in small-strain scenes, whose geometry stays where it is.
     /// Points out of reach do not count; nor do rows none of whose points does.
@@ -81,7 +82,7 @@ impl<const D: usize> Scene<D> {
             bodies,
             pairs: Vec::new(),
             surfaces: Vec::new(),
-            gauss_points,
+            integration: Integration::Gauss(gauss_points),
             reach: None,
             overlap_tolerance: 0.05,
             keep_everything: false,

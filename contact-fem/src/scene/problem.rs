@@ -1,14 +1,13 @@
 //! A checked scene as the optimiser sees it.
 
-use contact_core::gaps::LinearGaps;
+use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::nlp::Bounds;
 use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale};
 
-use super::{Body, Passes, Scene, SurfaceName};
+use super::{Body, Integration, Passes, Scene, SurfaceName};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
-use crate::contact::gaps::{PassRows, Unknowns, deepest_node};
+use crate::contact::gaps::{PassRows, Unknowns, nodes_inside};
 use crate::contact::{Master, Pass, Surface, pressure};
-use crate::element::FacetRule;
 use crate::tensor::Vector;
 
 /// The contact problem of a scene at one load: energy over the free dofs of all bodies, and the
@@ -28,7 +27,6 @@ pub struct Problem<const D: usize> {
     first_node: Vec<usize>,
     surfaces: Vec<Surface<D>>,
     passes: Vec<Pass>,
-    rule: FacetRule<D>,
     bounds: Bounds,
     reach: f64,
     scale: Scale,
@@ -74,7 +72,6 @@ impl<const D: usize> Problem<D> {
             supports,
             factor: 0.0,
             energy: DirectSum::new(energies),
-            rule: FacetRule::gauss(scene.gauss_points),
             bounds: match scene.keep_everything {
                 true => Bounds::free(dofs.free()),
                 false => Bounds::default(),
@@ -193,10 +190,9 @@ impl<const D: usize> Problem<D> {
     /// dofs.
     pub fn reactions(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<Vector<D>> {
         let mut reactions = Vec::new();
-        for (body, energy) in self.energy.parts().iter().enumerate() {
+        for body in 0..self.scene.bodies.len() {
             let nodes = self.nodes(body);
-            let mut residual = vec![0.0; D * nodes.len()];
-            energy.add_residual(&u[self.energy.range(body)], &mut residual);
+            let residual = self.residual(body, u);
             let mut sum = Vector::zeros();
             for (k, node) in nodes.enumerate() {
                 for i in 0..D {
@@ -244,17 +240,76 @@ impl<const D: usize> Problem<D> {
     /// The deepest that any contact node is inside another surface (UL, ≥ 0), over all passes; in
     /// small-strain scenes along the normals of the reference configuration.
     pub fn penetration(&self, u: &[f64]) -> f64 {
+        self.deepest(u, |surface| vec![1.0; surface.nodes().len()])
+    }
+
+    /// As [`Problem::penetration`], with every depth over the facet size around its node.
+    pub fn relative_penetration(&self, u: &[f64]) -> f64 {
+        self.deepest(u, Surface::node_sizes)
+    }
+
+    fn deepest(&self, u: &[f64], units: impl Fn(&Surface<D>) -> Vec<f64>) -> f64 {
         let now = self.positions(u);
         let x = self.contact_positions(&now);
         let masters = self.masters(x);
         let depth = |pass: &Pass| {
             let normals = masters[pass.slave].normals();
-            let slave = &self.surfaces[pass.slave];
-            let master = &masters[pass.master];
-            let deepest = deepest_node(slave, normals, master, x, &now, self.reach);
-            deepest.map_or(0.0, |(_, gap)| -gap)
+            let (slave, master) = (&self.surfaces[pass.slave], &masters[pass.master]);
+            let inside = nodes_inside(slave, normals, master, x, &now, self.reach);
+            let units = units(slave);
+            let depths = inside.iter().map(|(k, gap)| -gap / units[*k]);
+            depths.fold(0.0, f64::max)
         };
         self.passes.iter().map(depth).fold(0.0, f64::max)
+    }
+
+    /// The rows c(u) = C u + c₀ with projections and normals frozen at `u`.
+    pub fn rows(&self, u: &[f64], sampling: Sampling) -> LinearGaps {
+        let mut gaps = LinearGaps::new(self.is_exact()).sampled_at(sampling);
+        if self.passes.is_empty() {
+            return gaps;
+        }
+        let now = self.positions(u);
+        let x = self.contact_positions(&now);
+        let masters = self.masters(x);
+        let unknowns = Unknowns {
+            dofs: &self.dofs,
+            supports: &self.supports,
+            prescribed: &self.prescribed,
+        };
+        for (k, pass) in self.passes.iter().enumerate() {
+            let (slave, master) = (&self.surfaces[pass.slave], &masters[pass.master]);
+            let integration = self.scene.integration;
+            let rows = PassRows::new(slave, master, x, integration, self.reach, sampling);
+            rows.append(k as u32, &self.X, &unknowns, &mut gaps);
+        }
+        gaps
+    }
+
+    /// Whether a row's name means the same in every iteration and load step, as numbers of points
+    /// do not where facets are cut.
+    pub fn has_lasting_names(&self, sampling: Sampling) -> bool {
+        sampling == Sampling::Nodes || self.scene.integration != Integration::Exact
+    }
+
+    /// The present load factor.
+    pub fn load(&self) -> f64 {
+        self.factor
+    }
+
+    /// ∂E/∂U of a body (UF) for all its dofs, whether prescribed or not.
+    pub fn residual(&self, body: usize, u: &[f64]) -> Vec<f64> {
+        let energy = &self.energy.parts()[body];
+        let mut residual = vec![0.0; D * self.nodes(body).len()];
+        energy.add_residual(&u[self.energy.range(body)], &mut residual);
+        residual
+    }
+
+    /// The smallest volume ratio of all assembled cells; infinite for small-strain laws.
+    pub fn min_j(&self, u: &[f64]) -> f64 {
+        let mut J = vec![0.0; self.energy.domain_len()];
+        self.energy.domain(u, &mut J);
+        J.into_iter().fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -354,29 +409,11 @@ impl<const D: usize> ContactProblem for Problem<D> {
     }
 
     fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
-        let mut gaps = LinearGaps::new(self.is_exact());
-        if self.passes.is_empty() {
-            return Ok(gaps);
-        }
-        let now = self.positions(u);
-        let x = self.contact_positions(&now);
-        let masters = self.masters(x);
-        for (k, pass) in self.passes.iter().enumerate() {
-            let slave = &self.surfaces[pass.slave];
-            let rows = PassRows::new(slave, &masters[pass.master], x, &self.rule, self.reach);
-            rows.append(
-                k as u32,
-                slave,
-                &self.X,
-                &Unknowns {
-                    dofs: &self.dofs,
-                    supports: &self.supports,
-                    prescribed: &self.prescribed,
-                },
-                &mut gaps,
-            );
-        }
-        Ok(gaps)
+        Ok(self.rows(u, Sampling::Nodes))
+    }
+
+    fn linearize_points(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+        Ok(self.rows(u, Sampling::Points))
     }
 }
 

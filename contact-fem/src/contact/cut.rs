@@ -1,0 +1,587 @@
+//! Where rows are integrated: at Gauss points of the slave's facets, or of the pieces into which the
+//! master's mesh cuts them.
+//!
+//! The integrand test function × gap is a polynomial only as far as one facet of the master reaches:
+//! beyond its end another one goes on, with a kink. [`Integration::Exact`] cuts there, as segment-based
+//! mortar methods do (M. A. Puso and T. A. Laursen, *A mortar segment-to-segment contact method for
+//! large deformation solid mechanics*, CMAME 193, 2004). The master's facets near a facet are projected
+//! on the plane of its corners, all in the direction of its normal, so that neighbours stay neighbours;
+//! those that do not face it are left out. In the plane their ends divide the segment. In space the
+//! triangle is clipped (I. E. Sutherland and G. W. Hodgman, *Reentrant polygon clipping*, CACM 17,
+//! 1974), and the polygons are divided into triangles. What no facet covers is integrated, too: whether
+//! a point counts is decided where it is projected.
+//!
+//! Points on the plane are barycentric coordinates of the facet. A simplex with such corners has the
+//! measure det [a b …] as a share of the facet's, negative if it is turned over.
+
+use super::projection::interpolate;
+use super::search::{Master, Seeker};
+use super::surface::Surface;
+use crate::element::{Facet, FacetRule};
+use crate::tensor::{Matrix, Vector, determinant, facet_normal, unit_vector};
+
+/// How the weak gaps are integrated over the facets of the slave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Integration {
+    /// At so many Gauss points a facet and direction, 1 to 64. They do not see where facets of the
+    /// master end: in flat contact of meshes that do not match, stresses are wrong by about 0.1 % with
+    /// 4 points in linear elements; less with more.
+    Gauss(usize),
+    /// At Gauss points of the pieces into which the master's mesh cuts the facets. On flat surfaces
+    /// that touch, whose quadratic elements have their middle nodes in the middle, nothing is left
+    /// but round-off. On others it is an approximation: pieces are cut along the chords of curved
+    /// sides and by projection along one normal a facet, and points are as many as flat pieces take.
+    Exact,
+}
+
+/// Where the rows of one pass are integrated, facet by facet.
+pub(super) enum Points<const D: usize> {
+    Same(FacetRule<D>),
+    Cut(Cutter<D>),
+}
+
+impl<const D: usize> Points<D> {
+    /// As `integration` asks for between these two surfaces.
+    pub fn new(integration: Integration, slave: &Surface<D>, master: &Surface<D>) -> Self {
+        match integration {
+            Integration::Gauss(points) => Points::Same(FacetRule::gauss(points)),
+            Integration::Exact => {
+                let shapes = slave.order().degree().max(master.order().degree());
+                Points::Cut(Cutter::new(slave.test_order().degree() + shapes))
+            }
+        }
+    }
+
+    /// On `facet` of the slave as (weight, barycentric coordinates); the weights sum to 1 up to
+    /// round-off. `seeker` is the slave's point at given coordinates.
+    pub fn on<'a>(
+        &mut self,
+        facet: &Facet<D>,
+        master: &Master<'_, D>,
+        seeker: &impl Fn(&Vector<D>) -> Seeker<'a, D>,
+    ) -> &[(f64, Vector<D>)] {
+        match self {
+            Points::Same(rule) => rule.points(),
+            Points::Cut(cutter) => cutter.points(facet, master, seeker),
+        }
+    }
+}
+
+/// A facet of the master, and its corners as projected on the slave's.
+type Shadow<const D: usize> = (usize, [Vector<D>; D]);
+
+/// Cuts one facet after the other; what it needs for that is allocated once.
+pub(super) struct Cutter<const D: usize> {
+    /// The rule on every piece.
+    rule: FacetRule<D>,
+    shadows: Vec<Shadow<D>>,
+    breaks: Vec<f64>,
+    clipper: Clipper<D>,
+    pieces: Vec<[Vector<D>; D]>,
+    points: Vec<(f64, Vector<D>)>,
+}
+
+/// Pieces of less than this share of the facet are round-off.
+const EMPTY: f64 = 1e-14;
+/// Shadows whose measures sum to the facet's up to this share of it neither overlap nor leave gaps.
+const TILED: f64 = 1e-11;
+
+impl<const D: usize> Cutter<D> {
+    /// For integrands that are of this degree on every piece.
+    fn new(degree: usize) -> Self {
+        Cutter {
+            rule: FacetRule::of_degree(degree),
+            shadows: Vec::new(),
+            breaks: Vec::new(),
+            clipper: Clipper::default(),
+            pieces: Vec::new(),
+            points: Vec::new(),
+        }
+    }
+
+    fn points<'a>(
+        &mut self,
+        facet: &Facet<D>,
+        master: &Master<'_, D>,
+        seeker: &impl Fn(&Vector<D>) -> Seeker<'a, D>,
+    ) -> &[(f64, Vector<D>)] {
+        self.cast(facet, master, &seeker(&Vector::repeat(1.0 / D as f64)));
+        self.pieces.clear();
+        if D == 2 {
+            self.cut_segment();
+        } else {
+            self.cut_triangle(|lambda| master.find(&seeker(lambda)).map(|p| p.facet));
+        }
+        self.points.clear();
+        for piece in &self.pieces {
+            let share = measure(piece);
+            let on_facet = |mu: &Vector<D>| interpolate(mu, piece);
+            let points = self.rule.points().iter();
+            self.points
+                .extend(points.map(|(w, mu)| (w * share, on_facet(mu))));
+        }
+        &self.points
+    }
+
+    /// Projects the master's facets that points of `facet` may be closest to; `middle` is its middle.
+    fn cast(&mut self, facet: &Facet<D>, master: &Master<'_, D>, middle: &Seeker<'_, D>) {
+        self.shadows.clear();
+        let distances = facet.nodes().iter().map(|x| (x - middle.x).norm());
+        let radius = distances.fold(0.0, f64::max);
+        let distance = master.distance(middle);
+        if distance > middle.reach + radius {
+            return;
+        }
+        // from any point of the facet it is no further than by way of the middle
+        let near = master.within(&middle.x, distance + 2.0 * radius);
+        let corners = facet.corners();
+        let shadow = |other: [Vector<D>; D]| other.map(|x| project(&x, &corners));
+        let shadows = near.map(|(index, other)| (index, shadow(other.corners())));
+        self.shadows
+            .extend(shadows.filter(|(_, shadow)| measure(shadow) < -EMPTY));
+        // an order that does not depend on where the bodies are
+        self.shadows.sort_unstable_by_key(|(index, _)| *index);
+    }
+
+    /// Divides a segment where facets of the master end.
+    fn cut_segment(&mut self) {
+        let ends = self.shadows.iter().flat_map(|(_, shadow)| shadow);
+        let inside = ends.map(|end| end[1]).filter(|t| *t > 0.0 && *t < 1.0);
+        self.breaks.clear();
+        self.breaks.extend(inside);
+        self.breaks.push(1.0);
+        self.breaks.sort_unstable_by(f64::total_cmp);
+        let at = |t: f64| Vector::from_fn(|i, _| if i == 0 { 1.0 - t } else { t });
+        let mut from = 0.0;
+        for &to in self.breaks.iter().filter(|t| **t > EMPTY) {
+            if to - from > EMPTY {
+                let piece = std::array::from_fn(|k| at(if k == 0 { from } else { to }));
+                self.pieces.push(piece);
+                from = to;
+            }
+        }
+    }
+
+    /// Divides a triangle into what it shares with each shadow, and the rest. Where they do not just
+    /// tile it, as one behind another does not, only those count on whose facet the middle of what is
+    /// shared projects: `found` says on which.
+    fn cut_triangle(&mut self, found: impl Fn(&Vector<D>) -> Option<usize>) {
+        let whole = corners();
+        let mut covered = 0.0;
+        for (_, shadow) in &self.shadows {
+            let common = self.clipper.clip(&whole, shadow);
+            covered += fan(common, &mut self.pieces);
+        }
+        if (covered - 1.0).abs() <= TILED {
+            return;
+        }
+        self.pieces.clear();
+        self.clipper.rest.clear();
+        self.clipper.rest.push(whole);
+        for (index, shadow) in &self.shadows {
+            let common = self.clipper.clip(&whole, shadow);
+            let middle = common.iter().sum::<Vector<D>>() / common.len().max(1) as f64;
+            if !common.is_empty() && found(&middle) == Some(*index) {
+                self.clipper.take(shadow, &mut self.pieces);
+            }
+        }
+        self.pieces.append(&mut self.clipper.rest);
+    }
+}
+
+/// Clips triangles, and keeps account of what is left of one.
+#[derive(Default)]
+struct Clipper<const D: usize> {
+    rest: Vec<[Vector<D>; D]>,
+    before: Vec<[Vector<D>; D]>,
+    polygon: Vec<Vector<D>>,
+    inside: Vec<Vector<D>>,
+    outside: Vec<Vector<D>>,
+}
+
+impl<const D: usize> Clipper<D> {
+    /// What a triangle and a shadow have in common: a convex polygon, or nothing.
+    fn clip(&mut self, triangle: &[Vector<D>; D], shadow: &[Vector<D>; D]) -> &[Vector<D>] {
+        self.polygon.clear();
+        self.polygon.extend(triangle);
+        for side in 0..D {
+            self.split(shadow, side);
+            std::mem::swap(&mut self.polygon, &mut self.inside);
+        }
+        &self.polygon
+    }
+
+    /// Moves what the rest and a shadow have in common to `pieces`.
+    fn take(&mut self, shadow: &[Vector<D>; D], pieces: &mut Vec<[Vector<D>; D]>) {
+        std::mem::swap(&mut self.rest, &mut self.before);
+        self.rest.clear();
+        while let Some(triangle) = self.before.pop() {
+            if area(self.clip(&triangle, shadow)) <= EMPTY {
+                self.rest.push(triangle);
+                continue;
+            }
+            self.polygon.clear();
+            self.polygon.extend(&triangle);
+            for side in 0..D {
+                self.split(shadow, side);
+                fan(&self.outside, &mut self.rest);
+                std::mem::swap(&mut self.polygon, &mut self.inside);
+            }
+            fan(&self.polygon, pieces);
+        }
+    }
+
+    /// Splits the polygon along the side of `shadow` opposite its corner `side`.
+    fn split(&mut self, shadow: &[Vector<D>; D], side: usize) {
+        let depth = |x: &Vector<D>| {
+            let mut corners = *shadow;
+            corners[side] = *x;
+            -measure(&corners)
+        };
+        self.inside.clear();
+        self.outside.clear();
+        let Some(mut p) = self.polygon.last() else {
+            return;
+        };
+        let mut at_p = depth(p);
+        for q in &self.polygon {
+            let at_q = depth(q);
+            if (at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0) {
+                let between = p + (q - p) * (at_p / (at_p - at_q));
+                self.inside.push(between);
+                self.outside.push(between);
+            }
+            if at_q >= 0.0 {
+                self.inside.push(*q);
+            }
+            if at_q <= 0.0 {
+                self.outside.push(*q);
+            }
+            (p, at_p) = (q, at_q);
+        }
+    }
+}
+
+/// The barycentric coordinates of `x` on the flat facet with these corners, along its normal; not
+/// numbers if it has none.
+fn project<const D: usize>(x: &Vector<D>, corners: &[Vector<D>; D]) -> Vector<D> {
+    let n = facet_normal(corners);
+    Vector::from_fn(|k, _| {
+        let mut opposite = *corners;
+        opposite[k] = *x;
+        facet_normal(&opposite).dot(&n) / n.norm_squared()
+    })
+}
+
+/// The whole facet.
+fn corners<const D: usize>() -> [Vector<D>; D] {
+    std::array::from_fn(unit_vector)
+}
+
+/// The measure of a simplex, negative if it is turned over.
+fn measure<const D: usize>(corners: &[Vector<D>; D]) -> f64 {
+    determinant(&Matrix::from_columns(corners))
+}
+
+/// The triangles from a convex polygon's first corner.
+fn triangles<const D: usize>(polygon: &[Vector<D>]) -> impl Iterator<Item = [Vector<D>; D]> {
+    let sides = polygon.windows(2).skip(1);
+    sides.map(|side| std::array::from_fn(|k| if k == 0 { polygon[0] } else { side[k - 1] }))
+}
+
+/// The area of a convex polygon.
+fn area<const D: usize>(polygon: &[Vector<D>]) -> f64 {
+    triangles(polygon).map(|triangle| measure(&triangle)).sum()
+}
+
+/// Divides a convex polygon into triangles but for empty ones; returns their area.
+fn fan<const D: usize>(polygon: &[Vector<D>], pieces: &mut Vec<[Vector<D>; D]>) -> f64 {
+    let full = triangles(polygon).filter(|triangle| measure(triangle) > EMPTY);
+    let before = pieces.len();
+    pieces.extend(full);
+    pieces[before..].iter().map(measure).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::Order;
+    use crate::mesh::Mesh;
+    use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
+
+    /// A repeatable stream of numbers in [0, 1).
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        /// A shadow around the facet; on a lattice every other time, where corners and sides meet.
+        fn shadow(&mut self) -> [Vector<3>; 3] {
+            let lattice = self.next() < 0.5;
+            let mut coordinate = || {
+                let c = 2.0 * self.next() - 0.5;
+                if lattice { (4.0 * c).round() / 4.0 } else { c }
+            };
+            let mut corner = || at(coordinate(), coordinate());
+            let [a, b, c] = [corner(), corner(), corner()];
+            match measure(&[a, b, c]) {
+                area if area < -EMPTY => [a, b, c],
+                area if area > EMPTY => [a, c, b],
+                _ => self.shadow(),
+            }
+        }
+    }
+
+    fn at(s: f64, t: f64) -> Vector<3> {
+        Vector::<3>::new(1.0 - s - t, s, t)
+    }
+
+    /// The area that two triangles share, by cross-sections: the width of what they share is linear
+    /// between the abscissae of corners and of points where sides cross.
+    fn shared_area(a: &[Vector<3>; 3], b: &[Vector<3>; 3]) -> f64 {
+        let sides = |t: &[Vector<3>; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+        let height =
+            |[p, q]: [Vector<3>; 2], s: f64| p[2] + (q[2] - p[2]) * (s - p[1]) / (q[1] - p[1]);
+        let range = |t: &[Vector<3>; 3], s: f64| {
+            let over = |side: &[Vector<3>; 2]| (side[0][1] - s) * (side[1][1] - s) < 0.0;
+            let heights = sides(t)
+                .into_iter()
+                .filter(over)
+                .map(|side| height(side, s));
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+                (low.min(h), high.max(h))
+            })
+        };
+        let mut events: Vec<f64> = a.iter().chain(b).map(|x| x[1]).collect();
+        for p in sides(a) {
+            for q in sides(b) {
+                let slope =
+                    |side: [Vector<3>; 2]| (side[1][2] - side[0][2]) / (side[1][1] - side[0][1]);
+                let s = p[0][1] + (height(q, p[0][1]) - p[0][2]) / (slope(p) - slope(q));
+                if s.is_finite() {
+                    events.push(s);
+                }
+            }
+        }
+        events.sort_by(f64::total_cmp);
+        let strip = |pair: &[f64]| {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let ((low, high), (bottom, top)) = (range(a, middle), range(b, middle));
+            (pair[1] - pair[0]) * (high.min(top) - low.max(bottom)).max(0.0)
+        };
+        // the facet's own area is 1/2 in these coordinates
+        2.0 * events.windows(2).map(strip).sum::<f64>()
+    }
+
+    #[test]
+    fn a_million_random_pairs() {
+        let mut random = Random(7);
+        let (mut cutter, mut empty) = (Cutter::<3>::new(2), 0);
+        for k in 0..1_000_000 {
+            let shadow = random.shadow();
+            let clipped = area(cutter.clipper.clip(&corners(), &shadow));
+            let expected = shared_area(&corners(), &shadow);
+            assert!(
+                (clipped - expected).abs() < 1e-12,
+                "{k}: {clipped} {expected} {shadow:?}"
+            );
+            cutter.pieces.clear();
+            let kept = fan(&cutter.clipper.polygon, &mut cutter.pieces);
+            assert!(
+                (kept - expected).abs() < 1e-12 && cutter.pieces.iter().all(|p| measure(p) > 0.0)
+            );
+            empty += usize::from(expected == 0.0);
+        }
+        assert!(empty > 50_000 && empty < 950_000, "{empty} empty");
+    }
+
+    /// Whatever shadows overlap or leave gaps: pieces make up the facet, and no more.
+    #[test]
+    fn nothing_is_lost_or_counted_twice() {
+        let mut random = Random(3);
+        let mut cutter = Cutter::<3>::new(4);
+        let monomial = |x: &Vector<3>| x[1].powi(3) * x[2];
+        // 2 · 3! 1! / 6!
+        let exact = 1.0 / 60.0;
+        for k in 0..20_000 {
+            cutter.shadows.clear();
+            cutter
+                .shadows
+                .extend((0..k % 7).map(|index| (index, random.shadow())));
+            cutter.pieces.clear();
+            cutter.cut_triangle(|x| (x[1] < 0.6).then_some(k % 5));
+            let total: f64 = cutter.pieces.iter().map(measure).sum();
+            assert!((total - 1.0).abs() < 1e-12, "{k}: {total}");
+            cutter.pieces.clear();
+            // every shadow in turn, as if points projected on all of them
+            cutter.clipper.rest.clear();
+            cutter.clipper.rest.push(corners());
+            for (_, shadow) in &cutter.shadows {
+                let before = cutter.pieces.len();
+                cutter.clipper.take(shadow, &mut cutter.pieces);
+                for taken in &cutter.pieces[before..] {
+                    assert!(
+                        (shared_area(taken, shadow) - measure(taken)).abs() < 1e-12,
+                        "{k}"
+                    );
+                }
+                for left in &cutter.clipper.rest {
+                    assert!(shared_area(left, shadow) < 1e-12, "{k}");
+                }
+            }
+            cutter.pieces.append(&mut cutter.clipper.rest);
+            let mut integral = 0.0;
+            for piece in &cutter.pieces {
+                for (w, mu) in cutter.rule.points() {
+                    integral += w * measure(piece) * monomial(&interpolate(mu, piece));
+                }
+            }
+            assert!((integral - exact).abs() < 1e-13, "{k}: {integral} {exact}");
+        }
+    }
+
+    /// Shadows without area, of a degenerate facet, or that only touch, cut nothing.
+    #[test]
+    fn degenerate_shadows() {
+        let nan = Vector::<3>::repeat(f64::NAN);
+        let touching = [at(0.0, 0.0), at(-1.0, 1.0), at(0.0, 1.0)];
+        let at_a_corner = [at(1.0, 0.0), at(1.0, 1.0), at(2.0, 0.0)];
+        let line = [at(-1.0, 0.2), at(0.5, 0.2), at(2.0, 0.2)];
+        let point = [at(0.2, 0.2); 3];
+        for shadow in [[nan; 3], touching, at_a_corner, line, point] {
+            let mut cutter = Cutter::<3>::new(2);
+            cutter.shadows.push((0, shadow));
+            cutter.cut_triangle(|_| Some(0));
+            let total: f64 = cutter.pieces.iter().map(measure).sum();
+            assert!(
+                (total - 1.0).abs() < 1e-14 && cutter.pieces.len() == 1,
+                "{shadow:?}"
+            );
+        }
+        let flat = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]].map(Vector::<3>::from);
+        assert!(
+            measure(&flat.map(|x| project(&x, &flat))).is_nan(),
+            "no shadow on it"
+        );
+        let point = [Vector::<2>::zeros(); 2];
+        assert!(measure(&point.map(|x| project(&x, &point))).is_nan());
+    }
+
+    #[test]
+    fn segments_are_divided_at_ends() {
+        let mut cutter = Cutter::<2>::new(2);
+        let shadow = |a: f64, b: f64| [a, b].map(|t| Vector::<2>::new(1.0 - t, t));
+        cutter.shadows = vec![
+            (0, shadow(0.3, -0.5)),
+            (1, shadow(0.7, 0.3 + 1e-16)),
+            (2, shadow(1.0 - 1e-16, 0.7)),
+            (3, shadow(9.0, 1.0)),
+            (4, shadow(f64::NAN, f64::NAN)),
+        ];
+        cutter.cut_segment();
+        let ends: Vec<[f64; 2]> = cutter.pieces.iter().map(|p| [p[0][1], p[1][1]]).collect();
+        assert_eq!(ends.len(), 3, "{ends:?}");
+        for (end, expected) in ends.iter().zip([[0.0, 0.3], [0.3, 0.7], [0.7, 1.0]]) {
+            assert!((end[0] - expected[0]).abs() < 1e-15 && (end[1] - expected[1]).abs() < 1e-15);
+        }
+    }
+
+    fn surface<const D: usize>(mesh: &Mesh<D>, name: &str) -> Surface<D> {
+        let facets = mesh.boundary(name).expect("named");
+        Surface::new(0, mesh.order(), facets.into_iter(), mesh.nodes())
+    }
+
+    /// The points on every facet of `slave`: their weights sum to 1, and those of one piece project on
+    /// one facet of `master`, which lies `gap` below; returns how many there are and how many count.
+    fn points_by_piece<const D: usize>(
+        slave: (&Surface<D>, &[Vector<D>]),
+        master: (&Surface<D>, &[Vector<D>]),
+        gap: f64,
+    ) -> (usize, usize) {
+        let (slave, at) = slave;
+        let master = Master::new(master.0, master.1);
+        let mut points = Points::new(Integration::Exact, slave, master.surface());
+        let (mut all, mut counted) = (0, 0);
+        for facet in slave.facets_at(&slave.gather(at)) {
+            let seeker = |lambda: &Vector<D>| Seeker {
+                x: facet.point(lambda),
+                facing: facet.normal(lambda),
+                reach: 1.0,
+                own: None,
+            };
+            let on_facet = points.on(&facet, &master, &seeker).to_vec();
+            let Points::Cut(cutter) = &points else {
+                panic!("exact")
+            };
+            let total: f64 = on_facet.iter().map(|(w, _)| w).sum();
+            assert!((total - 1.0).abs() < 1e-12, "{total}");
+            for piece in on_facet.chunks_exact(cutter.rule.points().len()) {
+                let found = piece.iter().map(|(_, lambda)| master.find(&seeker(lambda)));
+                let found: Vec<_> = found.collect();
+                let facets: Vec<_> = found.iter().map(|p| p.map(|p| p.facet)).collect();
+                assert!(facets.iter().all(|f| *f == facets[0]), "{facets:?}");
+                let far = |p: f64| (p - gap).abs() > 1e-12;
+                assert!(!found.iter().flatten().any(|p| far(p.distance)));
+                counted += found.iter().flatten().count();
+            }
+            all += on_facet.len();
+        }
+        (all, counted)
+    }
+
+    #[test]
+    fn flat_facets_in_the_plane() {
+        let mesh = |n: usize, y: f64| {
+            rectangle(
+                &linspace(0.0, 1.0, n),
+                &linspace(y, y + 1.0, 2),
+                Diagonals::Rising,
+            )
+            .expect("mesh")
+        };
+        for quadratic in [false, true] {
+            let of_order = |mesh: Mesh<2>| if quadratic { mesh.quadratic() } else { mesh };
+            let (low, high) = (of_order(mesh(5, 0.0)), of_order(mesh(7, 1.1)));
+            let slave = surface(&low, "top");
+            let master = surface(&high, "bottom");
+            let (all, counted) =
+                points_by_piece((&slave, low.nodes()), (&master, high.nodes()), 0.1);
+            // 5 + 7 − 1 pieces
+            assert_eq!((all, counted), if quadratic { (33, 33) } else { (22, 22) });
+        }
+    }
+
+    /// Facets of all ratios of size, also where only a part of the slave is covered, and where a second
+    /// sheet of the master lies behind the first.
+    #[test]
+    fn flat_facets_in_space() {
+        let block = |low: [f64; 3], size: [f64; 3], n: usize, order| {
+            let mesh = cuboid(low, size, [n, n, 1]).expect("mesh");
+            match order {
+                Order::Linear => mesh,
+                Order::Quadratic => mesh.quadratic(),
+            }
+        };
+        for order in [Order::Linear, Order::Quadratic] {
+            for (n, m) in [(2, 3), (3, 2), (3, 3), (1, 7), (7, 1), (8, 31)] {
+                let low = block([0.0; 3], [1.0; 3], n, order);
+                let high = block([0.0, 0.0, 1.1], [1.0; 3], m, order);
+                let (slave, master) = (surface(&low, "top"), surface(&high, "bottom"));
+                let (all, counted) =
+                    points_by_piece((&slave, low.nodes()), (&master, high.nodes()), 0.1);
+                assert_eq!(all, counted, "{order:?} {n}:{m}");
+                let small = block([0.21, 0.33, 1.1], [0.47, 0.52, 1.0], m, order);
+                let part = surface(&small, "bottom");
+                let (all, counted) =
+                    points_by_piece((&slave, low.nodes()), (&part, small.nodes()), 0.1);
+                assert!(counted > 0 && counted < all, "{order:?} {n}:{m}");
+            }
+        }
+    }
+}
