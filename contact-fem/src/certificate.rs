@@ -2,7 +2,7 @@
 
 use contact_core::fixed_point::Solution;
 use contact_core::gaps::Sampling;
-use contact_core::{LinearGaps, Multipliers, RowKey};
+use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 
 use crate::scene::Problem;
 use crate::tensor::Vector;
@@ -11,8 +11,9 @@ use crate::tensor::Vector;
 /// the state itself, and no residual of the solver is used.
 ///
 /// All of it is dimensionless. Lengths are over the local facet size, which is the mean facet
-/// around a node, or a_i^{1/(D−1)} of a row; forces over the largest force on a node, be it contact,
-/// support or load.
+/// around a node, or a_i^{1/(D−1)} of a row. Forces are over the largest force on a node, be it
+/// contact, support or load, but at least over a thousandth of what would move a facet by
+/// [`Scale::resolution`](contact_core::Scale): when bodies begin to touch there is next to no force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
     /// How deep the deepest contact node is inside another surface, over all passes. Weak
@@ -20,7 +21,7 @@ pub struct Certificate {
     pub nodal_penetration: f64,
     /// max(−c_i) over all rows at the state, of both passes whichever were solved with.
     pub weak_penetration: f64,
-    /// max |λ_i c_i|.
+    /// max |λ_i c_i|, with the smallest facet for a length.
     pub complementarity: f64,
     /// max |∇E − Cᵀλ| over the unknowns that no support holds, with the solver's rows.
     pub stationarity: f64,
@@ -30,13 +31,14 @@ pub struct Certificate {
     pub drift: Option<f64>,
     /// |Σ Cᵀλ| over all bodies, of Σ |Cᵀλ|: contact forces come in pairs.
     pub action_reaction: f64,
-    /// |Σ reactions + Σ loads| over the larger sum of magnitudes.
+    /// |Σ reactions + Σ loads| over the sum of their magnitudes.
     pub balance: f64,
     /// The smallest volume ratio, infinite for small-strain laws.
     pub min_j: f64,
     /// Contact nodes that had no row.
     pub dropped: usize,
-    /// Of these, rows that the state does have and that are not open.
+    /// Of these, rows that the state does have and that are not open by more than the limit of
+    /// the weak penetration.
     pub closed: usize,
 }
 
@@ -60,14 +62,14 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// For the default tolerance of the fixed point, 1e-6.
+    /// For the default tolerance of the fixed point, 1e-6, and twice what penalties leave by default.
     fn default() -> Self {
         Limits {
-            nodal_penetration: 0.1,
-            weak_penetration: 1e-3,
-            complementarity: 1e-3,
+            nodal_penetration: 0.2,
+            weak_penetration: 2e-3,
+            complementarity: 2e-3,
             stationarity: 1e-6,
-            drift: 1e-3,
+            drift: 1e-4,
             action_reaction: 1e-9,
             balance: 1e-6,
         }
@@ -93,6 +95,9 @@ impl Entry {
 }
 
 impl Certificate {
+    /// The share of a typical force below which forces are not resolved.
+    const NOTICED: f64 = 1e-3;
+
     /// Of the state `solution` of `problem`, which must be at the load that belongs to it.
     pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
         let u = &solution.state.u;
@@ -101,7 +106,9 @@ impl Certificate {
         let rows = problem.rows(u, Sampling::Nodes);
         let forces = problem.contact_forces(gaps, lambda);
         let residual = Residual::new(problem, u, &forces);
-        let force = residual.largest;
+        let scale = problem.scale();
+        let noticed = Self::NOTICED * scale.energy / scale.length.powi(2) * scale.resolution;
+        let force = residual.largest.max(noticed);
         let over = |value: f64, unit: f64| if value == 0.0 { 0.0 } else { value / unit };
 
         let mut c = vec![0.0; rows.len()];
@@ -121,7 +128,10 @@ impl Certificate {
         Certificate {
             nodal_penetration: problem.relative_penetration(u),
             weak_penetration: weak,
-            complementarity: over(complementarity(&same, &multipliers, u, size), force),
+            complementarity: {
+                let facet = size(&scale.area);
+                over(complementarity(&same, &multipliers, u), force * facet)
+            },
             stationarity: over(residual.free, force),
             drift: problem.has_lasting_names(gaps.sampling()).then(|| {
                 let lambda: Vec<f64> = same.keys().iter().map(|&k| multipliers.of(k)).collect();
@@ -131,9 +141,10 @@ impl Certificate {
             }),
             action_reaction: {
                 let all: Vector<D> = forces.iter().sum();
-                over(all.norm(), forces.iter().map(Vector::norm).sum())
+                let magnitude: f64 = forces.iter().map(Vector::norm).sum();
+                over(all.norm(), magnitude.max(force))
             },
-            balance: residual.balance,
+            balance: over(residual.sum, residual.magnitude.max(force)),
             min_j: problem.min_j(u),
             dropped: match gaps.sampling() {
                 Sampling::Nodes => problem.contact_nodes() - gaps.len(),
@@ -178,7 +189,6 @@ impl Certificate {
                 limits.action_reaction,
             ),
             entry("balance", self.balance, limits.balance),
-            // J > 0: a step that inverts a cell has no energy
             entry("inverted", f64::from(u8::from(self.min_j <= 0.0)), 0.0),
             entry("closed", self.closed as f64, 0.0),
         ]
@@ -212,17 +222,30 @@ impl Certificate {
     }
 }
 
-/// max |λ_i c_i| over the local facet size (UF).
-fn complementarity(
-    rows: &LinearGaps,
-    multipliers: &Multipliers,
-    u: &[f64],
-    size: impl Fn(&f64) -> f64,
-) -> f64 {
+/// A line a value that has a limit, those beyond it marked, under a line that says whether all hold.
+impl std::fmt::Display for Certificate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let limits = Limits::default();
+        let holds = self.holds(&limits);
+        write!(f, "{}", if holds { "holds" } else { "DOES NOT HOLD" })?;
+        for entry in self.entries(&limits) {
+            let value = entry
+                .value
+                .map_or("-".into(), |value| format!("{value:.1e}"));
+            let mark = if entry.holds() { "" } else { "  <- too large" };
+            let Entry { name, limit, .. } = entry;
+            write!(f, "\n    {name:<18} {value:>8} of {limit:>7.1e}{mark}")?;
+        }
+        write!(f, "\n    {:<18} {:>8}", "rows dropped", self.dropped)
+    }
+}
+
+/// max |λ_i c_i| (UF·UL).
+fn complementarity(rows: &LinearGaps, multipliers: &Multipliers, u: &[f64]) -> f64 {
     let mut c = vec![0.0; rows.len()];
     rows.value(u, &mut c);
-    let products = rows.keys().iter().zip(&c).zip(rows.weights());
-    let products = products.map(|((&key, c), w)| (multipliers.of(key) * c / size(w)).abs());
+    let products = rows.keys().iter().zip(&c);
+    let products = products.map(|(&key, c)| (multipliers.of(key) * c).abs());
     products.fold(0.0, f64::max)
 }
 
@@ -232,8 +255,9 @@ struct Residual {
     free: f64,
     /// The largest force on a node (UF).
     largest: f64,
-    /// |Σ reactions + Σ loads| over the sum of magnitudes.
-    balance: f64,
+    /// |Σ reactions + Σ loads| and the sum of their components' magnitudes (UF).
+    sum: f64,
+    magnitude: f64,
 }
 
 impl Residual {
@@ -262,11 +286,11 @@ impl Residual {
                 }
             }
         }
-        let balance = if magnitude > 0.0 { sum.norm() / magnitude } else { 0.0 };
         Residual {
             free,
             largest,
-            balance,
+            sum: sum.norm(),
+            magnitude,
         }
     }
 }

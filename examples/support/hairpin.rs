@@ -41,7 +41,7 @@ fn band(fine: usize) -> Result<Mesh<2>, Error> {
     along.extend(&linspace(ARM + FOLD, 2.0 * ARM + FOLD, 10 * fine)[1..]);
     let through = linspace(0.0, 1.0, fine);
     let mut mesh = rectangle(&along, &through, Diagonals::Alternating)?;
-    mesh.name_boundary("skin", |_| true);
+    mesh.name_boundary("skin", |X| X[1] == 0.0 || X[1] == 1.0);
     Ok(mesh)
 }
 

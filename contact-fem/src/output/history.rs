@@ -8,6 +8,7 @@ use contact_core::load_steps::Attempt;
 use contact_core::method::Effort;
 
 use super::file;
+use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::simulation::{History, StepRecord};
 
@@ -101,6 +102,21 @@ const COST_COLUMNS: [&str; 13] = [
     "predicted",
 ];
 
+/// What a converged step is worth, see [`Certificate`](crate::Certificate).
+const CERTIFICATE_COLUMNS: [&str; 11] = [
+    "nodal_penetration",
+    "weak_penetration",
+    "complementarity",
+    "stationarity",
+    "drift",
+    "action_reaction",
+    "balance",
+    "inverted",
+    "closed",
+    "dropped",
+    "holds",
+];
+
 const ITERATION_COLUMNS: [&str; 16] = [
     "increment",
     "from",
@@ -130,6 +146,11 @@ fn step_columns<const D: usize>(bodies: usize) -> Vec<String> {
     }
     columns.extend(strings(&["min_j", "penetration", "weak_penetration"]));
     columns.extend(strings(&COST_COLUMNS));
+    columns.extend(
+        CERTIFICATE_COLUMNS
+            .iter()
+            .map(|name| format!("certificate_{name}")),
+    );
     columns
 }
 
@@ -163,6 +184,19 @@ fn step_line<const D: usize>(
     line.extend(seconds(attempt.projection(), &effort));
     line.push(number(attempt.seconds));
     line.push(attempt.predicted.to_string());
+    match record {
+        Some(record) => line.extend(certificate(&record.certificate)),
+        None => line.extend(CERTIFICATE_COLUMNS.map(|_| String::new())),
+    }
+    line
+}
+
+fn certificate(certificate: &Certificate) -> Vec<String> {
+    let limits = Limits::default();
+    let entries = certificate.entries(&limits).map(|entry| entry.value);
+    let mut line: Vec<String> = entries.map(|v| v.map_or_else(String::new, number)).into();
+    line.push(certificate.dropped.to_string());
+    line.push(certificate.holds(&limits).to_string());
     line
 }
 
@@ -309,6 +343,18 @@ mod tests {
             rows: 7,
             penetration: 0.0,
             weak_penetration: 1e-12,
+            certificate: Certificate {
+                nodal_penetration: 0.0,
+                weak_penetration: 0.5,
+                complementarity: 0.0,
+                stationarity: 1e-9,
+                drift: None,
+                action_reaction: 0.0,
+                balance: 0.0,
+                min_j: 0.75,
+                dropped: 3,
+                closed: 0,
+            },
             attempt: attempt(to, Outcome::Converged),
         }
     }
@@ -333,6 +379,9 @@ mod tests {
         assert_eq!(steps[0][at("reaction_0_x")], "1e-7");
         assert_eq!(steps[0][at("contact_force_0_y")], "4.5");
         assert_eq!(steps[0][at("ipopt_iterations")], "22");
+        assert_eq!(steps[0][at("certificate_stationarity")], "1e-9");
+        assert_eq!(steps[0][at("certificate_drift")], "");
+        assert_eq!(steps[0][at("certificate_holds")], "false");
 
         let failed = attempt(2.0, Outcome::IterationLimit);
         let history = History {
@@ -354,6 +403,7 @@ mod tests {
         );
         assert_eq!(steps[0][at("reaction_0_y")], "");
         assert_eq!(steps[0][at("min_j")], "0.75");
+        assert_eq!(steps[0][at("certificate_holds")], "");
         assert_eq!(steps[1][at("increment")], "1");
         assert_eq!(read(&folder.join("run_iterations.csv")).len(), 4);
         std::fs::remove_dir_all(&folder).expect("removed");
