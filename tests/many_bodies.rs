@@ -9,9 +9,10 @@ mod hairpin;
 
 use common::{relative, run};
 use contact_core::load_steps::RunOutcome;
+use contact_fem::contact::projection::{closest, interpolate};
 use contact_fem::mesh::Mesh;
 use contact_fem::mesh::generators::{Diagonals, equilateral_disc, linspace, rectangle};
-use contact_fem::tensor::Vector;
+use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, LinearElastic, Material, NeoHookean, Scene};
 
 const DISCS: usize = 4;
@@ -143,10 +144,46 @@ fn a_stack_of_discs() {
     }
 }
 
+/// The deepest that a node is inside a cell of another place of its own body: its distance from the
+/// closest of all facets that it is not part of. Every node is held against every cell and facet.
+fn deepest<const D: usize>(mesh: &Mesh<D>, x: &[Vector<D>]) -> f64 {
+    let is_inside = |node: usize, cell: &[usize]| {
+        let corner = x[cell[0]];
+        let edges = Matrix::<D>::from_fn(|i, j| x[cell[j + 1]][i] - corner[i]);
+        let inverse = contact_fem::tensor::inverse_transpose(&edges).transpose();
+        let lambda = inverse * (x[node] - corner);
+        lambda.iter().all(|l| *l > 0.0) && lambda.sum() < 1.0
+    };
+    let distance = |node: usize, facet: &[usize]| {
+        let corners: [Vector<D>; D] = std::array::from_fn(|k| x[facet[k]]);
+        let foot = interpolate(&closest(&x[node], &corners), &corners);
+        (x[node] - foot).norm()
+    };
+    let mut exterior = mesh.exterior().flatten().copied().collect::<Vec<_>>();
+    exterior.sort_unstable();
+    exterior.dedup();
+    let inside = exterior.into_iter().filter(|node| {
+        let mut others = mesh.cells().filter(|cell| !cell.contains(node));
+        others.any(|cell| is_inside(*node, cell))
+    });
+    let depth = |node: usize| {
+        let others = mesh.exterior().filter(|facet| !facet.contains(&node));
+        others
+            .map(|facet| distance(node, facet))
+            .fold(f64::INFINITY, f64::min)
+    };
+    inside.map(depth).fold(0.0, f64::max)
+}
+
 /// The arms of a hairpin meet when they are pressed together, and close towards the fold.
-fn closes<const D: usize>(scene: Scene<D>, increments: usize) {
+/// Every node's place and displacement.
+fn closes<const D: usize>(
+    scene: Scene<D>,
+    increments: usize,
+    tolerance: f64,
+) -> Vec<[Vector<D>; 2]> {
     let mut problem = scene.problem().expect("valid scene");
-    let history = run(&mut problem, increments, 1e-6);
+    let history = run(&mut problem, increments, tolerance);
     assert_eq!(history.run.outcome, RunOutcome::Complete);
     let first = history.steps.iter().find(|s| s.rows > 0).expect("rows");
     assert!(first.factor > 0.2, "nothing of the band is near itself");
@@ -174,16 +211,25 @@ fn closes<const D: usize>(scene: Scene<D>, increments: usize) {
     let touching = heights.iter().filter(|y| **y < 0.05 * size).count();
     assert!(touching > 3, "{heights:?}");
     assert!(step.penetration < 0.1 * size, "{}", step.penetration);
+    // nor does anything else of the band, by a search of its own
+    let x = problem.positions(&history.run.state.u);
+    let depth = deepest(problem.scene().bodies()[0].mesh(), &x);
+    assert!(depth < 0.1 * size, "{depth} for facets of {size}");
+    X.iter().zip(&U).map(|(X, u)| [*X, *u]).collect()
 }
 
 #[test]
 fn a_hairpin_closes_on_itself() {
-    closes(hairpin::scene(3, true).expect("scene"), 8);
+    let nodes = closes(hairpin::scene(3, true).expect("scene"), 8, 1e-9);
+    // mesh, support and load are their own mirror images in y = 0
+    let mirrored = |X: &Vector<2>| Vector::<2>::new(X[0], -X[1]);
+    let error = asymmetry(&nodes, &nodes, mirrored, mirrored);
+    assert!(error < 1e-6 * hairpin::PRESS, "{error}");
 }
 
 #[test]
 fn so_does_one_in_space() {
-    closes(hairpin::scene_in_space(2, 2).expect("scene"), 8);
+    closes(hairpin::scene_in_space(2, 2).expect("scene"), 8, 1e-6);
 }
 
 /// The same hairpin without its self-contact: the arms pass through each other.
@@ -198,6 +244,12 @@ fn without_self_contact_the_arms_cross() {
     let arm = (0..X.len()).filter(|&a| hairpin::is_inside_of_upper_arm(&X[a]));
     let lowest = arm.map(|a| X[a][1] + U[a][1]).fold(f64::INFINITY, f64::min);
     assert!(lowest < -0.05, "{lowest}");
+    let x = problem.positions(&history.run.state.u);
+    let depth = deepest(problem.scene().bodies()[0].mesh(), &x);
+    assert!(
+        depth > 0.02,
+        "what the others are measured by sees it: {depth}"
+    );
 }
 
 /// Two halves of a block that hang together at one end only: a slit, closed from the start or open
