@@ -7,9 +7,11 @@ mod common;
 #[allow(dead_code)] // the example uses more of it
 mod hairpin;
 
-use common::{relative, run};
+use common::{relative, run, run_with};
+use contact_core::InteriorPoint;
 use contact_core::load_steps::RunOutcome;
 use contact_fem::contact::projection::{closest, interpolate};
+use contact_fem::element::{Element, P1, P2};
 use contact_fem::mesh::Mesh;
 use contact_fem::mesh::generators::{Diagonals, equilateral_disc, linspace, rectangle};
 use contact_fem::tensor::{Matrix, Vector};
@@ -230,6 +232,65 @@ fn a_hairpin_closes_on_itself() {
 #[test]
 fn so_does_one_in_space() {
     closes(hairpin::scene_in_space(2, 2).expect("scene"), 8, 1e-6);
+}
+
+/// The scene of one body that may touch itself, turned about the z axis. A node that is held in x or
+/// y is held in both.
+fn turned<const D: usize>(scene: &Scene<D>, turn: Matrix<D>) -> Scene<D>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let plain = &scene.bodies()[0];
+    let mesh = plain.mesh().clone().mapped(|X| turn * X).expect("turned");
+    let mut body = Body::new(mesh, NeoHookean::new(1e3, 0.3).expect("law"));
+    for (node, held) in plain.prescribed().chunks_exact(D).enumerate() {
+        let in_plane = held[..2].iter().any(Option::is_some);
+        let u = turn * Vector::<D>::from_fn(|i, _| held[i].unwrap_or(0.0));
+        let all = std::array::from_fn(|i| (held[i].is_some() || i < 2 && in_plane).then_some(u[i]));
+        body.prescribe_nodes(&[node], all).expect("support");
+    }
+    let mut scene = Scene::new(vec![body]);
+    scene.self_contact(0, "skin").expect("surface");
+    scene
+}
+
+/// What a body that touches itself does, does not depend on the frame.
+fn frame_does_not_matter<const D: usize>(scene: &Scene<D>, increments: usize)
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let solved = |angle: f64| {
+        let mut turn = Matrix::<D>::identity();
+        let (sin, cos) = angle.sin_cos();
+        (turn[(0, 0)], turn[(0, 1)], turn[(1, 0)], turn[(1, 1)]) = (cos, -sin, sin, cos);
+        let mut problem = turned(scene, turn).problem().expect("valid scene");
+        // as for bodies in space: rows that are about to open
+        let mut method = InteriorPoint {
+            complementarity: 1e-14,
+            ..InteriorPoint::default()
+        };
+        let history = run_with(&mut method, &mut problem, increments, 2e-11);
+        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        let step = history.steps.last().expect("converged");
+        assert!(step.rows > 3);
+        let U = problem.displacements(&history.run.state.u);
+        let back: Vec<Vector<D>> = U.iter().map(|u| turn.transpose() * u).collect();
+        (back, step.energy)
+    };
+    let (plain, energy) = solved(0.0);
+    let (other, same_energy) = solved(0.83);
+    for (u, v) in plain.iter().zip(&other) {
+        assert!((u - v).amax() < 1e-10 * hairpin::PRESS, "{u} {v}");
+    }
+    assert!(relative(same_energy, energy) < 1e-10);
+}
+
+#[test]
+fn a_turned_hairpin_closes_alike() {
+    frame_does_not_matter(&hairpin::scene(2, true).expect("scene"), 8);
+    frame_does_not_matter(&hairpin::scene_in_space(1, 1).expect("scene"), 8);
 }
 
 /// The same hairpin without its self-contact: the arms pass through each other.
