@@ -7,7 +7,8 @@ pub mod read;
 
 use std::collections::BTreeMap;
 
-use crate::element::{Order, p2};
+use crate::element::Order;
+use crate::element::cell_rule::degree_5;
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector, determinant, inverse_transpose};
 
@@ -34,6 +35,8 @@ pub struct Mesh<const D: usize> {
 impl<const D: usize> Mesh<D> {
     /// Cells below this share of their longest edge's D-th power are degenerate.
     const DEGENERATE: f64 = 1e-12;
+    /// D!, the unit cube's volume in units of the unit simplex'.
+    const FACTORIAL: f64 = if D == 2 { 2.0 } else { 6.0 };
 
     /// A linear mesh from node coordinates (UL) and cells, D + 1 node numbers each, flat.
     ///
@@ -190,16 +193,13 @@ impl<const D: usize> Mesh<D> {
         self.cells.chunks_exact(self.order.cell_nodes::<D>())
     }
 
-    /// Area or volume of a cell (UL²/UL³), positive; of a curved tetrahedron by the element's
-    /// quadrature.
+    /// Area or volume of a cell (UL²/UL³), positive; exact for curved ones too.
     pub fn volume(&self, cell: usize) -> f64 {
         match self.order {
             Order::Linear => self.straight_volume(cell),
-            Order::Quadratic => {
-                let points = p2::quadrature::<D>();
-                let volumes = points.map(|xi| self.tangent_volume(cell, &xi));
-                volumes.sum::<f64>() / (D + 1) as f64
-            }
+            Order::Quadratic => degree_5::<D>()
+                .map(|(weight, xi)| weight * self.jacobian(cell, &xi))
+                .sum(),
         }
     }
 
@@ -208,7 +208,7 @@ impl<const D: usize> Mesh<D> {
         let corners = self.corners(cell);
         let edges =
             Matrix::<D>::from_fn(|i, j| self.nodes[corners[j + 1]][i] - self.nodes[corners[0]][i]);
-        determinant(&edges) / (1..=D).product::<usize>() as f64
+        determinant(&edges) / Self::FACTORIAL
     }
 
     /// Whether the point is inside or on some cell; the sides of curved cells count as straight.

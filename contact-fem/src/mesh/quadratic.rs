@@ -96,8 +96,11 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 
-    /// The volume of the straight simplex with the derivatives that the cell has at ξ.
-    pub(super) fn tangent_volume(&self, cell: usize, xi: &Vector<D>) -> f64 {
+    /// det ∂X/∂ξ at ξ, constant in a linear cell.
+    pub(crate) fn jacobian(&self, cell: usize, xi: &Vector<D>) -> f64 {
+        if self.order == Order::Linear {
+            return self.straight_volume(cell) * Self::FACTORIAL;
+        }
         let nodes = self.cell(cell);
         let mut gradients = [Vector::zeros(); 10];
         let gradients = &mut gradients[..nodes.len()];
@@ -106,7 +109,12 @@ impl<const D: usize> Mesh<D> {
         for (&a, dN) in nodes.iter().zip(gradients) {
             dX.ger(1.0, &self.nodes[a], dN, 1.0);
         }
-        determinant(&dX) / (1..=D).product::<usize>() as f64
+        determinant(&dX)
+    }
+
+    /// The volume of the straight simplex with the derivatives that the cell has at ξ.
+    pub(super) fn tangent_volume(&self, cell: usize, xi: &Vector<D>) -> f64 {
+        self.jacobian(cell, xi) / Self::FACTORIAL
     }
 
     /// The tangent volumes of a curved cell at its nodes and quadrature points; none of a linear one.
@@ -128,7 +136,8 @@ impl<const D: usize> Mesh<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::generators::disc;
+    use crate::element::{Facet, FacetRule};
+    use crate::mesh::generators::{disc, onto_sphere, sphere};
 
     #[test]
     fn a_curved_disc_has_nearly_the_area_of_the_circle() {
@@ -158,6 +167,32 @@ mod tests {
     }
 
     fn two_triangles(second: [usize; 3]) -> Result<Mesh<2>, Error> {
+    /// ∫ div X = ∮ X·n, a polynomial of degree 4 over curved facets.
+    fn volume_is_flux<const D: usize>(mesh: &Mesh<D>) {
+        let rule = FacetRule::<D>::gauss(4);
+        let flux = |nodes: &[usize]| -> f64 {
+            let facet = Facet::gather(mesh.order(), nodes, mesh.nodes());
+            let points = rule.points().iter();
+            let at = |(w, l): &(f64, Vector<D>)| w * facet.point(l).dot(&facet.normal(l));
+            points.map(at).sum()
+        };
+        let flux = mesh.exterior().map(flux).sum::<f64>() / D as f64;
+        let volume: f64 = (0..mesh.len()).map(|k| mesh.volume(k)).sum();
+        assert!((volume - flux).abs() < 1e-13 * flux, "{volume} {flux}");
+    }
+
+    #[test]
+    fn volumes_of_curved_meshes_are_exact() {
+        let plane = disc(2.0, 8, 2, 0.1).expect("a disc").quadratic();
+        let plane = plane.curved("boundary", onto_sphere(2.0));
+        volume_is_flux(&plane.expect("curved"));
+        for shells in [1, 2, 3] {
+            let ball = sphere(2.0, shells).expect("a ball").quadratic();
+            let ball = ball.curved("surface", onto_sphere(2.0));
+            volume_is_flux(&ball.expect("curved"));
+        }
+    }
+
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let middles = [[0.5, 0.0], [1.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 0.5]];
         let mut nodes = corners.to_vec();
