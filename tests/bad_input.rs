@@ -45,6 +45,25 @@ fn meshes() {
     let error = Mesh::<2>::new(nodes(), vec![0, 2, 1]).expect_err("inverted");
     assert!(matches!(error, Error::InvertedCell { cell: 0, .. }));
     assert_says(&error, &["cell 0", "counter-clockwise"]);
+    for size in [1e-320, 1e-170, 1e170, 1e308] {
+        let nodes = nodes().iter().map(|X| X.map(|x| size * x)).collect();
+        let error = Mesh::<2>::new(nodes, vec![0, 1, 2]).expect_err("out of range");
+        assert!(matches!(error, Error::CellSize { cell: 0, .. }), "{error}");
+        assert_says(&error, &["unit of length"]);
+    }
+    let mesh = Mesh::<2>::new(nodes(), vec![0, 1, 2]).expect("valid");
+    for mesh in [mesh.clone(), mesh.quadratic()] {
+        let maps: [fn(&Vector<2>) -> Vector<2>; 3] = [
+            |X| Vector::<2>::new(-X[0], X[1]),
+            |X| Vector::<2>::new(X[0] + X[1], 0.0),
+            |X| Vector::<2>::new(1e20 + X[0], X[1]),
+        ];
+        for map in maps {
+            let error = mesh.clone().mapped(map).expect_err("no volume");
+            assert!(matches!(error, Error::MappedCell { cell: 0, .. }));
+            assert_says(&error, &["the map", "reflect"]);
+        }
+    }
     let flat = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 1e-17]];
     let error = Mesh::<2>::new(flat, vec![0, 1, 2]).expect_err("degenerate");
     assert!(matches!(error, Error::DegenerateCell { cell: 0, .. }));
@@ -231,25 +250,6 @@ fn supports_of_bodies_in_parts() {
     assert!(scene.problem().is_ok());
 }
 
-#[test]
-fn conflicting_supports() {
-    let mut body = held(0.0);
-    let error = body
-        .prescribe("left", [Some(0.1), None])
-        .err()
-        .expect("corner twice");
-    assert!(matches!(error, Error::Conflict { component: 0, .. }));
-    assert!(body.prescribe_nodes(&[99], [Some(0.0); 2]).is_err());
-}
-
-#[test]
-fn overlap_at_the_start() {
-    for depth in [0.1, 0.3] {
-        let mut scene = Scene::new(vec![held(0.0), square(1.0 - depth)]);
-        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
-        let error = scene.problem().err().expect("overlap");
-        let Error::Overlap { gap, .. } = error else {
-            panic!("overlap, not {error}")
 /// Whether supports hold a part does not depend on where it is and how large, beside what.
 #[test]
 fn supports_of_parts_far_apart() {
@@ -319,6 +319,25 @@ fn supports_of_slender_parts() {
     }
 }
 
+#[test]
+fn conflicting_supports() {
+    let mut body = held(0.0);
+    let error = body
+        .prescribe("left", [Some(0.1), None])
+        .err()
+        .expect("corner twice");
+    assert!(matches!(error, Error::Conflict { component: 0, .. }));
+    assert!(body.prescribe_nodes(&[99], [Some(0.0); 2]).is_err());
+}
+
+#[test]
+fn overlap_at_the_start() {
+    for depth in [0.1, 0.3] {
+        let mut scene = Scene::new(vec![held(0.0), square(1.0 - depth)]);
+        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+        let error = scene.problem().err().expect("overlap");
+        let Error::Overlap { gap, .. } = error else {
+            panic!("overlap, not {error}")
         };
         assert!((gap + depth).abs() < 1e-12, "gap {gap}");
         assert_says(&error, &["body 0", "body 1", "overlap_tolerance"]);

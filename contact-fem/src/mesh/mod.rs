@@ -42,8 +42,8 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// No cells, an incomplete cell, a node out of range or unused, a coordinate that is not
-    /// finite, an inverted or degenerate cell, a facet of more than two cells or of two on the same
-    /// side.
+    /// finite, an inverted or degenerate cell or one whose volume overflows, a facet of more than
+    /// two cells or of two on the same side.
     pub fn new(nodes: Vec<[f64; D]>, cells: Vec<usize>) -> Result<Self, Error> {
         Self::of_order(Order::Linear, nodes, cells)
     }
@@ -52,7 +52,8 @@ impl<const D: usize> Mesh<D> {
     /// [`Order::cell_nodes`] each, flat.
     ///
     /// # Errors
-    /// As [`Mesh::new`], and two cells that do not share the node in the middle of an edge.
+    /// As [`Mesh::new`], two cells that do not share the node in the middle of an edge, and a cell
+    /// that its middle nodes fold over.
     pub fn of_order(order: Order, nodes: Vec<[f64; D]>, cells: Vec<usize>) -> Result<Self, Error> {
         if cells.is_empty() {
             return Err(Error::EmptyMesh);
@@ -103,16 +104,22 @@ impl<const D: usize> Mesh<D> {
             let corners = self.corners(cell);
             let edges = corners.iter().enumerate().flat_map(|(k, &a)| {
                 let others = corners[..k].iter();
-                others.map(move |&b| (self.nodes[a] - self.nodes[b]).norm())
+                others.map(move |&b| length(self.nodes[a] - self.nodes[b]))
             });
             let size = edges.fold(0.0, f64::max);
-            if !(volume.abs() > Self::DEGENERATE * size.powi(D as i32)) {
+            let cube = size.powi(D as i32);
+            if size > 0.0 && !cube.is_normal() {
+                return Err(Error::CellSize { cell, size });
+            }
+            if !(volume.abs() > Self::DEGENERATE * cube) {
                 return Err(Error::DegenerateCell { cell, volume, size });
             }
-            // of a curved cell the smallest of its nodes' tangent volumes
+            if volume < 0.0 {
+                return Err(Error::InvertedCell { cell, volume });
+            }
             let volume = self.node_volumes(cell).fold(volume, f64::min);
             if volume <= 0.0 {
-                return Err(Error::InvertedCell { cell, volume });
+                return Err(Error::CurvedCell { cell, volume });
             }
         }
         Ok(())
@@ -146,14 +153,19 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// A node that goes to a point that is not finite, a cell that degenerates or is inverted, as
-    /// by a reflection.
+    /// by a reflection: [`Error::MappedCell`].
     pub fn mapped(mut self, map: impl Fn(&Vector<D>) -> Vector<D>) -> Result<Self, Error> {
         self.nodes.iter_mut().for_each(|X| *X = map(X));
         Error::check_finite(
             "mapped coordinate",
             self.nodes.iter().flat_map(|X| X.iter()),
         )?;
-        self.check_cells()?;
+        self.check_cells().map_err(|error| match error {
+            Error::InvertedCell { cell, volume }
+            | Error::DegenerateCell { cell, volume, .. }
+            | Error::CurvedCell { cell, volume } => Error::MappedCell { cell, volume },
+            other => other,
+        })?;
         Ok(self)
     }
 
@@ -295,5 +307,14 @@ impl<const D: usize> Mesh<D> {
         let first = (self.nodes[0], self.nodes[0]);
         let grow = |(low, high): (Vector<D>, Vector<D>), X: &Vector<D>| (low.inf(X), high.sup(X));
         self.nodes.iter().fold(first, grow)
+    }
+}
+
+/// |v|, which does not overflow or underflow where squares do.
+fn length<const D: usize>(v: Vector<D>) -> f64 {
+    let largest = v.amax();
+    match largest > 0.0 && largest.is_finite() {
+        true => largest * (v / largest).norm(),
+        false => largest,
     }
 }

@@ -47,7 +47,8 @@ impl<const D: usize> Mesh<D> {
     /// the curve or surface that the corners lie on.
     ///
     /// # Errors
-    /// A linear mesh, an unknown boundary, a point that is not finite, a cell that the curved edge inverts.
+    /// A linear mesh, an unknown boundary, a point that is not finite, a cell that the curved edge
+    /// folds over.
     pub fn curved(
         mut self,
         boundary: &str,
@@ -166,7 +167,6 @@ mod tests {
         assert_eq!(mesh.boundary_nodes("boundary").expect("named").len(), 24);
     }
 
-    fn two_triangles(second: [usize; 3]) -> Result<Mesh<2>, Error> {
     /// ∫ div X = ∮ X·n, a polynomial of degree 4 over curved facets.
     fn volume_is_flux<const D: usize>(mesh: &Mesh<D>) {
         let rule = FacetRule::<D>::gauss(4);
@@ -193,6 +193,7 @@ mod tests {
         }
     }
 
+    fn two_triangles(second: [usize; 3]) -> Result<Mesh<2>, Error> {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let middles = [[0.5, 0.0], [1.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 0.5]];
         let mut nodes = corners.to_vec();
@@ -210,7 +211,7 @@ mod tests {
             let error = two_triangles(bad).expect_err("not the middle");
             let expected = matches!(
                 error,
-                Error::EdgeNode { .. } | Error::InvertedCell { .. } | Error::OrphanNode { .. }
+                Error::EdgeNode { .. } | Error::CurvedCell { .. } | Error::OrphanNode { .. }
             );
             assert!(expected, "{error}");
         }
@@ -222,6 +223,18 @@ mod tests {
         let mut mesh = mesh;
         mesh.name_boundary("bottom", |X| X[1] == 0.0);
         let bent = mesh.curved("bottom", |X| Vector::<2>::new(X[0], 0.9));
-        assert!(matches!(bent, Err(Error::InvertedCell { .. })));
+        let error = bent.expect_err("folded");
+        assert!(matches!(error, Error::CurvedCell { .. }));
+        let message = error.to_string();
+        assert!(message.contains("middle nodes") && message.contains("refine"));
+    }
+
+    #[test]
+    fn corners_in_the_wrong_order_are_told_from_bent_edges() {
+        let mesh = two_triangles([6, 7, 8]).expect("valid");
+        let nodes: Vec<[f64; 2]> = mesh.nodes().iter().map(|X| [X[0], X[1]]).collect();
+        let cells = vec![0, 2, 1, 6, 5, 4, 0, 2, 3, 6, 7, 8];
+        let error = Mesh::of_order(Order::Quadratic, nodes, cells).expect_err("clockwise");
+        assert!(matches!(error, Error::InvertedCell { cell: 0, .. }));
     }
 }
