@@ -1,11 +1,13 @@
 //! Bad input is refused before any solve, by a typed error that names it.
 
+#![allow(non_snake_case)] // the symbols of the field
+
 mod common;
 
 use std::ops::ControlFlow;
 
 use contact_core::InteriorPoint;
-use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};
+use contact_fem::mesh::generators::{Diagonals, cuboid, cuboid_graded, disc, linspace, rectangle};
 use contact_fem::scene::Integration;
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
@@ -44,6 +46,25 @@ fn meshes() {
     let error = Mesh::<2>::new(nodes(), vec![0, 2, 1]).expect_err("inverted");
     assert!(matches!(error, Error::InvertedCell { cell: 0, .. }));
     assert_says(&error, &["cell 0", "counter-clockwise"]);
+    for size in [1e-320, 1e-170, 1e170, 1e308] {
+        let nodes = nodes().iter().map(|X| X.map(|x| size * x)).collect();
+        let error = Mesh::<2>::new(nodes, vec![0, 1, 2]).expect_err("out of range");
+        assert!(matches!(error, Error::CellSize { cell: 0, .. }), "{error}");
+        assert_says(&error, &["unit of length"]);
+    }
+    let mesh = Mesh::<2>::new(nodes(), vec![0, 1, 2]).expect("valid");
+    for mesh in [mesh.clone(), mesh.quadratic()] {
+        let maps: [fn(&Vector<2>) -> Vector<2>; 3] = [
+            |X| Vector::<2>::new(-X[0], X[1]),
+            |X| Vector::<2>::new(X[0] + X[1], 0.0),
+            |X| Vector::<2>::new(1e20 + X[0], X[1]),
+        ];
+        for map in maps {
+            let error = mesh.clone().mapped(map).expect_err("no volume");
+            assert!(matches!(error, Error::MappedCell { cell: 0, .. }));
+            assert_says(&error, &["the map", "reflect"]);
+        }
+    }
     let flat = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 1e-17]];
     let error = Mesh::<2>::new(flat, vec![0, 1, 2]).expect_err("degenerate");
     assert!(matches!(error, Error::DegenerateCell { cell: 0, .. }));
@@ -228,6 +249,75 @@ fn supports_of_bodies_in_parts() {
         .contact((0, "right foot"), (1, "top"))
         .expect("surfaces");
     assert!(scene.problem().is_ok());
+}
+
+/// Whether supports hold a part does not depend on where it is and how large, beside what.
+#[test]
+fn supports_of_parts_far_apart() {
+    let far = 1e6;
+    for size in [1e-3, 1.0, 1e3] {
+        let block = |x: f64, size: f64| {
+            let values = [0.0, 0.5, 1.0].map(|t| t * size);
+            let mesh = rectangle(&values.map(|t| x + t), &values, Diagonals::Rising);
+            mesh.expect("mesh")
+        };
+        let (near, other) = (block(0.0, 1.0), block(far, size));
+        let count = near.nodes().len();
+        let nodes = [near.nodes(), other.nodes()].concat();
+        let cells = near.cells().flatten().copied();
+        let cells = cells.chain(other.cells().flatten().map(|a| a + count));
+        let nodes = nodes.iter().map(|X| [X[0], X[1]]).collect();
+        let mut mesh = Mesh::<2>::new(nodes, cells.collect()).expect("mesh");
+        mesh.name_boundary("near", |X| X[1] == 0.0 && X[0] < 0.5 * far);
+        mesh.name_boundary("far", |X| X[1] == 0.0 && X[0] > 0.5 * far);
+        let free = |held: [Option<f64>; 2]| {
+            let mut body = Body::new(mesh.clone(), law());
+            body.prescribe("near", [Some(0.0); 2]).expect("support");
+            body.prescribe("far", held).expect("support");
+            match Scene::new(vec![body]).problem() {
+                Ok(_) => 0,
+                Err(Error::Unsupported { node, free, .. }) if node == count => free,
+                Err(other) => panic!("{other}"),
+            }
+        };
+        assert_eq!(free([Some(0.0); 2]), 0, "size {size}");
+        // rollers on a line: what slides along it, and what is held at no distance from it
+        assert_eq!(free([None, Some(0.0)]), 1, "size {size}");
+        assert_eq!(free([Some(0.0), None]), 2, "size {size}");
+        assert_eq!(free([None; 2]), 3, "size {size}");
+    }
+}
+
+/// A slender bar held at both ends is held; on a line through them it may turn about that line.
+#[test]
+fn supports_of_slender_parts() {
+    let (sin, cos) = 0.7_f64.sin_cos();
+    let turned = |X: &Vector<3>| {
+        let x = Vector::<3>::new(cos * X[0] - sin * X[1], sin * X[0] + cos * X[1], X[2]);
+        Vector::<3>::new(x[0], cos * x[1] - sin * x[2], sin * x[1] + cos * x[2]) * 20.0
+    };
+    for thickness in [1e-2, 1e-4, 1e-6] {
+        let section = [0.0, thickness];
+        let bar = cuboid_graded(&linspace(0.0, 1.0, 100), &section, &section).expect("mesh");
+        let ends = |X: &Vector<3>| X[0] == 0.0 || X[0] == 1.0;
+        let line = |X: &Vector<3>| ends(X) && X[1] == 0.0 && X[2] == 0.0;
+        let free = |is_held: &dyn Fn(&Vector<3>) -> bool| {
+            let nodes = bar.nodes().iter().enumerate();
+            let held: Vec<usize> = nodes.filter(|n| is_held(n.1)).map(|n| n.0).collect();
+            let mesh = bar.clone().mapped(turned).expect("turned");
+            let mut body = Body::new(mesh, law());
+            body.prescribe_nodes(&held, [Some(0.0); 3])
+                .expect("support");
+            match Scene::new(vec![body]).problem() {
+                Ok(_) => 0,
+                Err(Error::Unsupported { free, .. }) => free,
+                Err(other) => panic!("{other}"),
+            }
+        };
+        assert_eq!(free(&ends), 0, "thickness {thickness}");
+        assert_eq!(free(&line), 1, "thickness {thickness}");
+        assert_eq!(free(&|X| line(X) && X[0] == 0.0), 3);
+    }
 }
 
 #[test]

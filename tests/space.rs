@@ -169,3 +169,60 @@ fn neither_order_nor_frame_matter() {
         same(&plain, &turned.displacements(), 1e-10);
     }
 }
+
+/// Three blocks on each other, the uppermost pressed obliquely; `order` is that of the bodies, which
+/// are numbered from below. The displacements of the lowest block's nodes come first.
+fn three_blocks(elements: Order, order: [usize; 3]) -> (Vec<Vector<3>>, f64) {
+    let law = NeoHookean::new(1e3, 0.3).expect("law");
+    let body = |k: usize| {
+        let (low, size) = [
+            ([0.0; 3], [1.0, 1.1, 0.5]),
+            ([0.1, 0.05, 0.51], [0.8, 0.9, 0.4]),
+            ([0.22, 0.17, 0.92], [0.55, 0.6, 0.3]),
+        ][k];
+        let mut body = Body::new(block(elements, low, size, 2), law);
+        match k {
+            0 => body.prescribe("bottom", [Some(0.0); 3]),
+            // held against sliding only
+            1 => body
+                .prescribe("left", [Some(0.0), None, None])
+                .and_then(|body| body.prescribe("front", [None, Some(0.0), None])),
+            _ => body.prescribe("top", [Some(0.03), Some(0.02), Some(-0.1)]),
+        }
+        .expect("support");
+        body
+    };
+    let place = [0, 1, 2].map(|k| order.iter().position(|o| *o == k).expect("all bodies"));
+    let mut scene = Scene::new(order.map(body).into());
+    for (below, above) in [(place[0], place[1]), (place[1], place[2])] {
+        let pair = [(below, "top"), (above, "bottom")];
+        let [first, second] = if below < above {
+            pair
+        } else {
+            [pair[1], pair[0]]
+        };
+        scene.contact(first, second).expect("surfaces");
+    }
+    let mut problem = scene.problem().expect("valid scene");
+    let mut method = InteriorPoint {
+        complementarity: 1e-14,
+        ..InteriorPoint::default()
+    };
+    let history = run_with(&mut method, &mut problem, 2, 2e-11);
+    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    let step = history.steps.last().expect("converged");
+    assert!(step.contact_forces[place[0]][2] < -1.0 && step.contact_forces[place[2]][2] > 1.0);
+    let U = problem.displacements(&history.run.state.u);
+    let nodes = place.into_iter().flat_map(|body| problem.nodes(body));
+    (nodes.map(|a| U[a]).collect(), step.energy)
+}
+
+#[test]
+fn nor_does_the_order_of_three_bodies() {
+    for elements in [Order::Linear, Order::Quadratic] {
+        let plain = three_blocks(elements, [0, 1, 2]);
+        for order in [[2, 0, 1], [1, 2, 0], [2, 1, 0]] {
+            same(&plain, &three_blocks(elements, order), 1e-10);
+        }
+    }
+}

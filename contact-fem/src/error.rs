@@ -6,8 +6,11 @@ use crate::mesh::read::{Place, Problem};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A cell with negative volume.
-    #[error("cell {cell} is inverted (volume {volume:.3e}): reorder its nodes counter-clockwise")]
+    /// A cell whose corners are in an order that makes its volume negative.
+    #[error(
+        "cell {cell} is inverted (volume {volume:.3e}): reorder its nodes, in the plane \
+         counter-clockwise, in space with the last one in front of the others' counter-clockwise side"
+    )]
     InvertedCell {
         /// Which cell.
         cell: usize,
@@ -23,6 +26,39 @@ pub enum Error {
         cell: usize,
         /// Its signed area or volume (UL²/UL³).
         volume: f64,
+        /// The length of its longest edge (UL).
+        size: f64,
+    },
+    /// A quadratic cell of positive orientation that its curved edges fold over.
+    #[error(
+        "cell {cell} is folded by its middle nodes (tangent volume {volume:.3e}): move them towards \
+         the middles of its edges or refine the mesh where it is curved"
+    )]
+    CurvedCell {
+        /// Which cell.
+        cell: usize,
+        /// The smallest tangent volume of its nodes and quadrature points (UL²/UL³).
+        volume: f64,
+    },
+    /// A cell that was valid before its mesh was moved.
+    #[error(
+        "the map leaves cell {cell} with a volume of {volume:.3e}: it must not reflect, flatten or \
+         fold cells, nor move them so far that round-off does; bend finer meshes, shift less"
+    )]
+    MappedCell {
+        /// Which cell.
+        cell: usize,
+        /// Its signed area or volume (UL²/UL³), of a curved one the smallest tangent volume.
+        volume: f64,
+    },
+    /// A cell whose volume is beyond the range of numbers.
+    #[error(
+        "the volume of cell {cell}, of size {size:.3e}, overflows or underflows: choose a unit of \
+         length in which cells are neither so large nor so small"
+    )]
+    CellSize {
+        /// Which cell.
+        cell: usize,
         /// The length of its longest edge (UL).
         size: f64,
     },

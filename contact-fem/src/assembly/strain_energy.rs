@@ -14,7 +14,7 @@ use crate::tensor::{Matrix, Vector, inverse_transpose};
 
 /// One quadrature point: weight times reference volume, and ∂N_a/∂X.
 #[derive(Clone, Copy)]
-pub(super) struct Point<const D: usize, E: Element<D>> {
+struct Point<const D: usize, E: Element<D>> {
     pub weight: f64,
     pub gradients: E::PerNode<Vector<D>>,
 }
@@ -144,14 +144,14 @@ impl<const D: usize, E: Element<D>> Point<D, E> {
     }
 }
 
-pub(super) fn nodes_of<const D: usize, E: Element<D>>(cell: &[usize]) -> E::PerNode<usize> {
+fn nodes_of<const D: usize, E: Element<D>>(cell: &[usize]) -> E::PerNode<usize> {
     let mut nodes = E::per_node(0);
     nodes.as_mut().copy_from_slice(cell);
     nodes
 }
 
 /// The quadrature points of one cell: ∂N/∂X = (∂X/∂ξ)⁻ᵀ ∂N/∂ξ.
-pub(super) fn points_of<const D: usize, E: Element<D>>(
+fn points_of<const D: usize, E: Element<D>>(
     mesh: &Mesh<D>,
     cell: &E::PerNode<usize>,
 ) -> impl Iterator<Item = Point<D, E>> {

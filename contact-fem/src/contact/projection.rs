@@ -1,44 +1,50 @@
 //! The closest point of one facet.
 
-use crate::element::{Facet, Order};
+use crate::element::Facet;
 use crate::tensor::{Matrix, Vector};
 
 /// Barycentric coordinates (D of them, ≥ 0, sum 1) of the point of a facet, flat or curved, that is
 /// closest to `x`.
-///
-/// On a curved facet Newton's method minimises ½|x − x̄(λ)|² over λ ≥ 0, Σλ = 1: each step is the
-/// closest point of a flat facet in the metric of the Hessian. It starts at the closest point of
-/// the flat pieces between the nodes and halves steps that lead away.
 pub fn closest_on<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<D> {
+    match facet.is_flat() {
+        true => closest(x, &facet.corners()),
+        false => closest_on_curved(x, facet),
+    }
+}
+
+/// As [`closest_on`], by Newton's method on ½|x − x̄(λ)|² over λ ≥ 0, Σλ = 1: each step is the closest
+/// point of a flat facet in the metric of the Hessian. It starts at the closest point of the flat
+/// pieces between the nodes and halves steps that lead away.
+fn closest_on_curved<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<D> {
     const STEPS: usize = 50;
     const RESOLVED: f64 = 1e-15;
-    if facet.order() == Order::Linear {
-        return closest(x, &facet.corners());
-    }
+    /// Of quadratic convergence: what comes after a step of this length is round-off.
+    const LAST: f64 = 1e-9;
     let away = |lambda: &Vector<D>| (x - facet.point(lambda)).norm_squared();
-    let pieces = facet
-        .pieces()
-        .iter()
-        .map(|piece| closest_on_piece(x, facet, piece));
-    let mut lambda = pieces
-        .min_by(|a, b| away(a).total_cmp(&away(b)))
-        .unwrap_or_else(|| Vector::repeat(1.0 / D as f64));
+    let starts = facet.pieces().iter().map(|piece| {
+        let lambda = closest_on_piece(x, facet, piece);
+        (lambda, away(&lambda))
+    });
+    let nearest = starts.min_by(|a, b| a.1.total_cmp(&b.1));
+    let (mut lambda, mut before) =
+        nearest.unwrap_or_else(|| (Vector::repeat(1.0 / D as f64), f64::INFINITY));
     for _ in 0..STEPS {
-        let Some(mut next) = newton(x, facet, &lambda) else {
+        let Some((mut next, converges)) = newton(x, facet, &lambda) else {
             break;
         };
-        let before = away(&lambda);
+        let mut now = away(&next);
         let mut halvings = 0;
-        while away(&next) > before && halvings < 10 {
+        while now > before && halvings < 10 {
             next = (next + lambda) * 0.5;
+            now = away(&next);
             halvings += 1;
         }
-        if away(&next) > before {
+        if now > before {
             break;
         }
         let step = (next - lambda).amax();
-        lambda = next;
-        if step <= RESOLVED {
+        (lambda, before) = (next, now);
+        if step <= RESOLVED || step <= LAST && converges && halvings == 0 {
             break;
         }
     }
@@ -56,13 +62,13 @@ fn closest_on_piece<const D: usize>(
     interpolate(&on_piece, &corners)
 }
 
-/// One Newton step over λ, or a Gauss–Newton step where the Hessian is not positive; `None` where
-/// the facet has no tangent plane.
+/// One Newton step over λ and `true`, or a Gauss–Newton step where the Hessian is not positive;
+/// `None` where the facet has no tangent plane.
 fn newton<const D: usize>(
     x: &Vector<D>,
     facet: &Facet<D>,
     lambda: &Vector<D>,
-) -> Option<Vector<D>> {
+) -> Option<(Vector<D>, bool)> {
     let corners = facet.tangent(lambda);
     let r = x - facet.point(lambda);
     let bend = facet.curvature(&r);
@@ -78,7 +84,9 @@ fn newton<const D: usize>(
             t[i].dot(&t[j]) - curved * bent
         })
     };
-    let factor = [1.0, 0.0].into_iter().find_map(|c| hessian(c).cholesky())?;
+    let newton = hessian(1.0).cholesky();
+    let converges = newton.is_some();
+    let factor = newton.or_else(|| hessian(0.0).cholesky())?;
     let slope = Vector::<D>::from_fn(|i, _| if i + 1 < D { t[i + 1].dot(&r) } else { 0.0 });
     let xi = |lambda: &Vector<D>| {
         Vector::<D>::from_fn(|i, _| if i + 1 < D { lambda[i + 1] } else { 0.0 })
@@ -88,7 +96,7 @@ fn newton<const D: usize>(
     let seen: [Vector<D>; D] = std::array::from_fn(|k| {
         metric * (xi(&Vector::from_fn(|i, _| f64::from(u8::from(i == k)))) - minimum)
     });
-    Some(closest(&Vector::zeros(), &seen))
+    Some((closest(&Vector::zeros(), &seen), converges))
 }
 
 /// Barycentric coordinates (D of them, ≥ 0, sum 1) of the point of the flat facet with these
@@ -152,6 +160,7 @@ pub fn interpolate<const D: usize>(lambda: &Vector<D>, values: &[Vector<D>; D]) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::element::Order;
 
     /// Compares with a brute-force search over a fine lattice of the facet.
     fn against_lattice<const D: usize>(corners: [Vector<D>; D], lattice: &[Vector<D>]) {
@@ -238,5 +247,37 @@ mod tests {
             .map(|v| v / f64::from(n))
             .collect();
         curved_against_lattice(&facet, &lattice, 8e-3);
+    }
+
+    /// A quadratic facet with its middle nodes half-way, anywhere: both ways give the same.
+    fn flat_as_curved<const D: usize>(corners: [Vector<D>; D], offset: Vector<D>) {
+        let mut x = corners.map(|x| x + offset).to_vec();
+        let edges = (0..D * (D - 1) / 2).map(crate::element::facet_edge::<D>);
+        let middles: Vec<_> = edges.map(|[a, b]| (x[a] + x[b]) * 0.5).collect();
+        x.extend(middles);
+        let nodes: Vec<usize> = (0..x.len()).collect();
+        let facet = Facet::gather(Order::Quadratic, &nodes, &x);
+        assert!(facet.is_flat());
+        let mut bent = x.clone();
+        bent[D][0] += 1e-9;
+        assert!(!Facet::gather(Order::Quadratic, &nodes, &bent).is_flat());
+        for k in 0..200 {
+            let x =
+                offset + Vector::<D>::from_fn(|i, _| 2.5 * ((k * (i + 3) + i) as f64 * 0.77).sin());
+            let difference = closest_on(&x, &facet) - closest_on_curved(&x, &facet);
+            let roundoff = 1e-14 * (1.0 + offset.amax());
+            assert!(difference.amax() < roundoff, "{k}: {difference}");
+        }
+    }
+
+    #[test]
+    fn flat_quadratic_facets() {
+        let segment = [[-0.4, 0.3], [1.1, 0.8]].map(Vector::<2>::from);
+        let triangle = [[0.1, -0.2, 0.3], [1.2, 0.3, -0.1], [0.2, 0.9, 0.6]];
+        for far in [0.0, 1e3] {
+            flat_as_curved(segment, Vector::<2>::new(far, -0.7 * far));
+            let triangle = triangle.map(Vector::<3>::from);
+            flat_as_curved(triangle, Vector::<3>::new(far, -0.7 * far, 0.3 * far));
+        }
     }
 }

@@ -8,7 +8,8 @@ use crate::tensor::{Vector, unit_vector};
 pub fn battery<const D: usize, E: Element<D>>(degree: u32, quadrature: u32) {
     nodal_and_complete::<D, E>(degree);
     gradients::<D, E>();
-    integrates::<D, E>(quadrature);
+    let points = E::QUADRATURE.iter().map(|&(w, xi)| (w, xi.into()));
+    integrates::<D>(&points.collect::<Vec<_>>(), quadrature);
 }
 
 /// Corners of the unit simplex, then the middles of the edges.
@@ -68,19 +69,13 @@ fn gradients<const D: usize, E: Element<D>>() {
 }
 
 /// Σ_q w_q p(ξ_q) = ∫ p for every polynomial of the degree: ∫ ξ^p = Π pᵢ! / (D + Σ pᵢ)!.
-fn integrates<const D: usize, E: Element<D>>(degree: u32) {
+pub fn integrates<const D: usize>(rule: &[(f64, Vector<D>)], degree: u32) {
     let factorial = |n: u32| (1..=n).map(f64::from).product::<f64>();
     for powers in monomials::<D>(degree) {
         let numerator: f64 = powers.iter().map(|&p| factorial(p)).product();
         let exact = numerator / factorial(D as u32 + powers.iter().sum::<u32>());
-        let points = E::QUADRATURE.iter();
-        let sum: f64 = points
-            .map(|&(w, xi)| w * monomial(&powers, &Vector::from(xi)))
-            .sum();
+        let sum: f64 = rule.iter().map(|(w, xi)| w * monomial(&powers, xi)).sum();
         assert!((sum - exact).abs() < 1e-15, "{powers:?}: {sum} for {exact}");
     }
-    assert!(
-        E::QUADRATURE.iter().all(|q| q.0 > 0.0),
-        "weights are positive"
-    );
+    assert!(rule.iter().all(|q| q.0 > 0.0), "weights are positive");
 }

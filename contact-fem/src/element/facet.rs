@@ -71,6 +71,7 @@ pub fn facet_shapes<const D: usize>(order: Order, lambda: &Vector<D>) -> FacetSh
 #[derive(Clone, Copy, Debug)]
 pub struct Facet<const D: usize> {
     order: Order,
+    is_flat: bool,
     x: [Vector<D>; MAX_FACET_NODES],
 }
 
@@ -79,12 +80,31 @@ impl<const D: usize> Facet<D> {
     pub fn gather(order: Order, nodes: &[usize], x: &[Vector<D>]) -> Self {
         let mut facet = Facet {
             order,
+            is_flat: true,
             x: [Vector::zeros(); MAX_FACET_NODES],
         };
         for (own, &a) in facet.x.iter_mut().zip(nodes) {
             *own = x[a];
         }
+        facet.is_flat = facet.has_middles();
         facet
+    }
+
+    /// Whether its middle nodes are where those of the flat facet are, to the round-off of their
+    /// coordinates.
+    fn has_middles(&self) -> bool {
+        let (corners, middles) = self.nodes().split_at(D);
+        let largest = corners.iter().fold(0.0, |m: f64, x| m.max(x.amax()));
+        middles.iter().enumerate().all(|(e, middle)| {
+            let [a, b] = facet_edge::<D>(e).map(|k| corners[k]);
+            (middle - (a + b) * 0.5).amax() <= 4.0 * f64::EPSILON * largest
+        })
+    }
+
+    /// Whether x(λ) is the linear interpolation of the corners, as of every linear facet and of a
+    /// quadratic one with its middle nodes half-way between them.
+    pub fn is_flat(&self) -> bool {
+        self.is_flat
     }
 
     /// Its degree.

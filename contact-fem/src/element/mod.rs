@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod battery;
+pub(crate) mod cell_rule;
 mod facet;
 mod facet_rule;
 mod p1;

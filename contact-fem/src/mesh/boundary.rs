@@ -1,7 +1,5 @@
 //! Which facets are exterior.
 
-use std::collections::HashMap;
-
 use crate::element::p2::CELL_EDGES;
 use crate::element::{Order, facet_edge};
 use crate::error::Error;
@@ -14,46 +12,51 @@ type Exterior<const D: usize> = (Vec<usize>, Vec<usize>, Option<[usize; D]>);
 /// cells on the same side, if there is one.
 ///
 /// Facet k of a simplex leaves out corner k. Taking the other corners in order gives the outward
-/// orientation for even k; for odd k two corners are swapped.
+/// orientation for even k; for odd k two corners are swapped. Here facet k of cell c has the number
+/// (D + 1) c + k.
 pub(super) fn exterior_facets<const D: usize>(
     order: Order,
     cells: &[usize],
 ) -> Result<Exterior<D>, Error> {
-    // how many cells have a facet, and of those how many see it as an even permutation of its corners
-    let mut count: HashMap<[usize; D], (usize, usize)> = HashMap::new();
-    let facets = || {
-        let cells = cells.chunks_exact(order.cell_nodes::<D>());
-        let cells = cells.enumerate();
-        cells.flat_map(|(owner, cell)| (0..=D).map(move |k| (owner, cell, local_facet::<D>(k))))
+    let per_cell = order.cell_nodes::<D>();
+    let corners = |facet: usize| {
+        let cell = &cells[facet / (D + 1) * per_cell..];
+        local_facet::<D>(facet % (D + 1)).map(|a| cell[a])
     };
-    let sorted = |cell: &[usize], facet: [usize; D]| {
-        let mut corners = facet.map(|a| cell[a]);
+    let sorted = |facet: usize| {
+        let mut corners = corners(facet);
         corners.sort_unstable();
         corners
     };
-    for (_, cell, facet) in facets() {
-        let (cells, even) = count.entry(sorted(cell, facet)).or_insert((0, 0));
-        *cells += 1;
-        *even += usize::from(is_even(&facet.map(|a| cell[a])));
-    }
-    if let Some((nodes, &(cells, _))) = count.iter().filter(|(_, c)| c.0 > 2).min() {
-        return Err(Error::NonManifoldFacet {
-            nodes: nodes.to_vec(),
-            cells,
-        });
-    }
-    // two cells on different sides see a facet in opposite orientations
-    let folded = count.iter().filter(|(_, c)| c.0 == 2 && c.1 != 1).min();
-    let folded = folded.map(|(corners, _)| *corners);
-    let (mut nodes, mut owners) = (Vec::new(), Vec::new());
-    for (owner, cell, facet) in facets() {
-        if count[&sorted(cell, facet)].0 > 1 {
-            continue;
+    let (starts, mut by_corner) = by_smallest_corner(cells.len() / per_cell * (D + 1), &sorted);
+    let mut is_exterior = vec![false; by_corner.len()];
+    let mut folded = None;
+    for range in starts.windows(2) {
+        let facets = &mut by_corner[range[0]..range[1]];
+        facets.sort_unstable_by_key(|&facet| sorted(facet));
+        for same in facets.chunk_by(|&f, &g| sorted(f) == sorted(g)) {
+            match *same {
+                [facet] => is_exterior[facet] = true,
+                // two cells on different sides see a facet in opposite orientations
+                [f, g] if is_even(&corners(f)) != is_even(&corners(g)) => {}
+                [f, _] => folded = folded.or(Some(sorted(f))),
+                _ => {
+                    return Err(Error::NonManifoldFacet {
+                        nodes: sorted(same[0]).to_vec(),
+                        cells: same.len(),
+                    });
+                }
+            }
         }
+    }
+    let (mut nodes, mut owners) = (Vec::new(), Vec::new());
+    for facet in (0..is_exterior.len()).filter(|&facet| is_exterior[facet]) {
+        let (owner, local) = (facet / (D + 1), local_facet::<D>(facet % (D + 1)));
+        let cell = &cells[owner * per_cell..(owner + 1) * per_cell];
         owners.push(owner);
-        nodes.extend(facet.map(|a| cell[a]));
+        nodes.extend(local.map(|a| cell[a]));
         for e in 0..order.facet_nodes::<D>() - D {
-            let [a, b] = facet_edge::<D>(e).map(|k| facet[k]);
+            let [a, b] = facet_edge::<D>(e).map(|k| local[k]);
             let edge = CELL_EDGES
                 .iter()
                 .position(|edge| [[a, b], [b, a]].contains(edge));
@@ -61,6 +64,25 @@ pub(super) fn exterior_facets<const D: usize>(
         }
     }
     Ok((nodes, owners, folded))
+}
+
+/// All `count` facets by the smallest of their sorted corners, ascending: where those of each node
+/// start, and their numbers. A node has few facets, so that sorting the rest of the way is quick.
+fn by_smallest_corner<const D: usize>(
+    count: usize,
+    sorted: &impl Fn(usize) -> [usize; D],
+) -> (Vec<usize>, Vec<usize>) {
+    let smallest: Vec<usize> = (0..count).map(|facet| sorted(facet)[0]).collect();
+    let nodes = smallest.iter().max().map_or(0, |node| node + 1);
+    let mut starts = vec![0; nodes + 1];
+    smallest.iter().for_each(|&node| starts[node + 1] += 1);
+    (0..nodes).for_each(|node| starts[node + 1] += starts[node]);
+    let (mut next, mut facets) = (starts.clone(), vec![0; count]);
+    for (facet, &node) in smallest.iter().enumerate() {
+        facets[next[node]] = facet;
+        next[node] += 1;
+    }
+    (starts, facets)
 }
 
 /// Whether sorting takes an even number of swaps.

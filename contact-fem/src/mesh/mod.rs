@@ -7,7 +7,8 @@ pub mod read;
 
 use std::collections::BTreeMap;
 
-use crate::element::{Order, p2};
+use crate::element::Order;
+use crate::element::cell_rule::degree_5;
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector, determinant, inverse_transpose};
 
@@ -34,13 +35,15 @@ pub struct Mesh<const D: usize> {
 impl<const D: usize> Mesh<D> {
     /// Cells below this share of their longest edge's D-th power are degenerate.
     const DEGENERATE: f64 = 1e-12;
+    /// D!, the unit cube's volume in units of the unit simplex'.
+    const FACTORIAL: f64 = if D == 2 { 2.0 } else { 6.0 };
 
     /// A linear mesh from node coordinates (UL) and cells, D + 1 node numbers each, flat.
     ///
     /// # Errors
     /// No cells, an incomplete cell, a node out of range or unused, a coordinate that is not
-    /// finite, an inverted or degenerate cell, a facet of more than two cells or of two on the same
-    /// side.
+    /// finite, an inverted or degenerate cell or one whose volume overflows, a facet of more than
+    /// two cells or of two on the same side.
     pub fn new(nodes: Vec<[f64; D]>, cells: Vec<usize>) -> Result<Self, Error> {
         Self::of_order(Order::Linear, nodes, cells)
     }
@@ -49,7 +52,8 @@ impl<const D: usize> Mesh<D> {
     /// [`Order::cell_nodes`] each, flat.
     ///
     /// # Errors
-    /// As [`Mesh::new`], and two cells that do not share the node in the middle of an edge.
+    /// As [`Mesh::new`], two cells that do not share the node in the middle of an edge, and a cell
+    /// that its middle nodes fold over.
     pub fn of_order(order: Order, nodes: Vec<[f64; D]>, cells: Vec<usize>) -> Result<Self, Error> {
         if cells.is_empty() {
             return Err(Error::EmptyMesh);
@@ -100,16 +104,22 @@ impl<const D: usize> Mesh<D> {
             let corners = self.corners(cell);
             let edges = corners.iter().enumerate().flat_map(|(k, &a)| {
                 let others = corners[..k].iter();
-                others.map(move |&b| (self.nodes[a] - self.nodes[b]).norm())
+                others.map(move |&b| length(self.nodes[a] - self.nodes[b]))
             });
             let size = edges.fold(0.0, f64::max);
-            if !(volume.abs() > Self::DEGENERATE * size.powi(D as i32)) {
+            let cube = size.powi(D as i32);
+            if size > 0.0 && !cube.is_normal() {
+                return Err(Error::CellSize { cell, size });
+            }
+            if !(volume.abs() > Self::DEGENERATE * cube) {
                 return Err(Error::DegenerateCell { cell, volume, size });
             }
-            // of a curved cell the smallest of its nodes' tangent volumes
+            if volume < 0.0 {
+                return Err(Error::InvertedCell { cell, volume });
+            }
             let volume = self.node_volumes(cell).fold(volume, f64::min);
             if volume <= 0.0 {
-                return Err(Error::InvertedCell { cell, volume });
+                return Err(Error::CurvedCell { cell, volume });
             }
         }
         Ok(())
@@ -143,14 +153,19 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// A node that goes to a point that is not finite, a cell that degenerates or is inverted, as
-    /// by a reflection.
+    /// by a reflection: [`Error::MappedCell`].
     pub fn mapped(mut self, map: impl Fn(&Vector<D>) -> Vector<D>) -> Result<Self, Error> {
         self.nodes.iter_mut().for_each(|X| *X = map(X));
         Error::check_finite(
             "mapped coordinate",
             self.nodes.iter().flat_map(|X| X.iter()),
         )?;
-        self.check_cells()?;
+        self.check_cells().map_err(|error| match error {
+            Error::InvertedCell { cell, volume }
+            | Error::DegenerateCell { cell, volume, .. }
+            | Error::CurvedCell { cell, volume } => Error::MappedCell { cell, volume },
+            other => other,
+        })?;
         Ok(self)
     }
 
@@ -190,16 +205,13 @@ impl<const D: usize> Mesh<D> {
         self.cells.chunks_exact(self.order.cell_nodes::<D>())
     }
 
-    /// Area or volume of a cell (UL²/UL³), positive; of a curved tetrahedron by the element's
-    /// quadrature.
+    /// Area or volume of a cell (UL²/UL³), positive; exact for curved ones too.
     pub fn volume(&self, cell: usize) -> f64 {
         match self.order {
             Order::Linear => self.straight_volume(cell),
-            Order::Quadratic => {
-                let points = p2::quadrature::<D>();
-                let volumes = points.map(|xi| self.tangent_volume(cell, &xi));
-                volumes.sum::<f64>() / (D + 1) as f64
-            }
+            Order::Quadratic => degree_5::<D>()
+                .map(|(weight, xi)| weight * self.jacobian(cell, &xi))
+                .sum(),
         }
     }
 
@@ -208,7 +220,7 @@ impl<const D: usize> Mesh<D> {
         let corners = self.corners(cell);
         let edges =
             Matrix::<D>::from_fn(|i, j| self.nodes[corners[j + 1]][i] - self.nodes[corners[0]][i]);
-        determinant(&edges) / (1..=D).product::<usize>() as f64
+        determinant(&edges) / Self::FACTORIAL
     }
 
     /// Whether the point is inside or on some cell; the sides of curved cells count as straight.
@@ -299,5 +311,14 @@ impl<const D: usize> Mesh<D> {
         let first = (self.nodes[0], self.nodes[0]);
         let grow = |(low, high): (Vector<D>, Vector<D>), X: &Vector<D>| (low.inf(X), high.sup(X));
         self.nodes.iter().fold(first, grow)
+    }
+}
+
+/// |v|, which does not overflow or underflow where squares do.
+fn length<const D: usize>(v: Vector<D>) -> f64 {
+    let largest = v.amax();
+    match largest > 0.0 && largest.is_finite() {
+        true => largest * (v / largest).norm(),
+        false => largest,
     }
 }

@@ -47,7 +47,8 @@ impl<const D: usize> Mesh<D> {
     /// the curve or surface that the corners lie on.
     ///
     /// # Errors
-    /// A linear mesh, an unknown boundary, a point that is not finite, a cell that the curved edge inverts.
+    /// A linear mesh, an unknown boundary, a point that is not finite, a cell that the curved edge
+    /// folds over.
     pub fn curved(
         mut self,
         boundary: &str,
@@ -96,8 +97,11 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 
-    /// The volume of the straight simplex with the derivatives that the cell has at ξ.
-    pub(super) fn tangent_volume(&self, cell: usize, xi: &Vector<D>) -> f64 {
+    /// det ∂X/∂ξ at ξ, constant in a linear cell.
+    pub(crate) fn jacobian(&self, cell: usize, xi: &Vector<D>) -> f64 {
+        if self.order == Order::Linear {
+            return self.straight_volume(cell) * Self::FACTORIAL;
+        }
         let nodes = self.cell(cell);
         let mut gradients = [Vector::zeros(); 10];
         let gradients = &mut gradients[..nodes.len()];
@@ -106,7 +110,12 @@ impl<const D: usize> Mesh<D> {
         for (&a, dN) in nodes.iter().zip(gradients) {
             dX.ger(1.0, &self.nodes[a], dN, 1.0);
         }
-        determinant(&dX) / (1..=D).product::<usize>() as f64
+        determinant(&dX)
+    }
+
+    /// The volume of the straight simplex with the derivatives that the cell has at ξ.
+    pub(super) fn tangent_volume(&self, cell: usize, xi: &Vector<D>) -> f64 {
+        self.jacobian(cell, xi) / Self::FACTORIAL
     }
 
     /// The tangent volumes of a curved cell at its nodes and quadrature points; none of a linear one.
@@ -128,7 +137,8 @@ impl<const D: usize> Mesh<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::generators::disc;
+    use crate::element::{Facet, FacetRule};
+    use crate::mesh::generators::{disc, onto_sphere, sphere};
 
     #[test]
     fn a_curved_disc_has_nearly_the_area_of_the_circle() {
@@ -157,6 +167,32 @@ mod tests {
         assert_eq!(mesh.boundary_nodes("boundary").expect("named").len(), 24);
     }
 
+    /// ∫ div X = ∮ X·n, a polynomial of degree 4 over curved facets.
+    fn volume_is_flux<const D: usize>(mesh: &Mesh<D>) {
+        let rule = FacetRule::<D>::gauss(4);
+        let flux = |nodes: &[usize]| -> f64 {
+            let facet = Facet::gather(mesh.order(), nodes, mesh.nodes());
+            let points = rule.points().iter();
+            let at = |(w, l): &(f64, Vector<D>)| w * facet.point(l).dot(&facet.normal(l));
+            points.map(at).sum()
+        };
+        let flux = mesh.exterior().map(flux).sum::<f64>() / D as f64;
+        let volume: f64 = (0..mesh.len()).map(|k| mesh.volume(k)).sum();
+        assert!((volume - flux).abs() < 1e-13 * flux, "{volume} {flux}");
+    }
+
+    #[test]
+    fn volumes_of_curved_meshes_are_exact() {
+        let plane = disc(2.0, 8, 2, 0.1).expect("a disc").quadratic();
+        let plane = plane.curved("boundary", onto_sphere(2.0));
+        volume_is_flux(&plane.expect("curved"));
+        for shells in [1, 2, 3] {
+            let ball = sphere(2.0, shells).expect("a ball").quadratic();
+            let ball = ball.curved("surface", onto_sphere(2.0));
+            volume_is_flux(&ball.expect("curved"));
+        }
+    }
+
     fn two_triangles(second: [usize; 3]) -> Result<Mesh<2>, Error> {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let middles = [[0.5, 0.0], [1.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 0.5]];
@@ -175,7 +211,7 @@ mod tests {
             let error = two_triangles(bad).expect_err("not the middle");
             let expected = matches!(
                 error,
-                Error::EdgeNode { .. } | Error::InvertedCell { .. } | Error::OrphanNode { .. }
+                Error::EdgeNode { .. } | Error::CurvedCell { .. } | Error::OrphanNode { .. }
             );
             assert!(expected, "{error}");
         }
@@ -187,6 +223,18 @@ mod tests {
         let mut mesh = mesh;
         mesh.name_boundary("bottom", |X| X[1] == 0.0);
         let bent = mesh.curved("bottom", |X| Vector::<2>::new(X[0], 0.9));
-        assert!(matches!(bent, Err(Error::InvertedCell { .. })));
+        let error = bent.expect_err("folded");
+        assert!(matches!(error, Error::CurvedCell { .. }));
+        let message = error.to_string();
+        assert!(message.contains("middle nodes") && message.contains("refine"));
+    }
+
+    #[test]
+    fn corners_in_the_wrong_order_are_told_from_bent_edges() {
+        let mesh = two_triangles([6, 7, 8]).expect("valid");
+        let nodes: Vec<[f64; 2]> = mesh.nodes().iter().map(|X| [X[0], X[1]]).collect();
+        let cells = vec![0, 2, 1, 6, 5, 4, 0, 2, 3, 6, 7, 8];
+        let error = Mesh::of_order(Order::Quadratic, nodes, cells).expect_err("clockwise");
+        assert!(matches!(error, Error::InvertedCell { cell: 0, .. }));
     }
 }

@@ -144,7 +144,12 @@ fn step_columns<const D: usize>(bodies: usize) -> Vec<String> {
             columns.extend(axes.map(|axis| format!("{quantity}_{body}_{axis}")));
         }
     }
-    columns.extend(strings(&["min_j", "penetration", "weak_penetration"]));
+    columns.extend(strings(&[
+        "min_j",
+        "rows",
+        "penetration",
+        "weak_penetration",
+    ]));
     columns.extend(strings(&COST_COLUMNS));
     columns.extend(
         CERTIFICATE_COLUMNS
@@ -171,11 +176,13 @@ fn step_line<const D: usize>(
         Some(record) => {
             let vectors = record.reactions.iter().chain(&record.contact_forces);
             line.extend(vectors.flat_map(|v| v.iter().copied().map(number)));
-            line.extend([record.min_j, record.penetration, record.weak_penetration].map(number));
+            line.extend([number(record.min_j), record.rows.to_string()]);
+            line.extend([record.penetration, record.weak_penetration].map(number));
         }
         None => {
             line.extend(vec![String::new(); 2 * bodies * D]);
-            line.extend([number(attempt.min_domain), String::new(), String::new()]);
+            line.push(number(attempt.min_domain));
+            line.extend(vec![String::new(); 3]);
         }
     }
     let effort = attempt.effort();
@@ -378,6 +385,9 @@ mod tests {
         assert_eq!(steps.len(), 1);
         assert_eq!(steps[0][at("reaction_0_x")], "1e-7");
         assert_eq!(steps[0][at("contact_force_0_y")], "4.5");
+        assert_eq!(steps[0][at("rows")], "7");
+        assert_eq!(steps[0][at("penetration")], "0");
+        assert_eq!(steps[0][at("weak_penetration")], "1e-12");
         assert_eq!(steps[0][at("ipopt_iterations")], "22");
         assert_eq!(steps[0][at("certificate_stationarity")], "1e-9");
         assert_eq!(steps[0][at("certificate_drift")], "");
@@ -404,6 +414,8 @@ mod tests {
         assert_eq!(steps[0][at("reaction_0_y")], "");
         assert_eq!(steps[0][at("min_j")], "0.75");
         assert_eq!(steps[0][at("certificate_holds")], "");
+        assert_eq!(steps[0][at("rows")], "");
+        assert_eq!(steps[0][at("ipopt_iterations")], "22");
         assert_eq!(steps[1][at("increment")], "1");
         assert_eq!(read(&folder.join("run_iterations.csv")).len(), 4);
         std::fs::remove_dir_all(&folder).expect("removed");

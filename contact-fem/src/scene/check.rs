@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::{Body, Integration, Scene};
 use crate::error::Error;
+use crate::tensor::Vector;
 
 /// Settings within their ranges.
 pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
@@ -79,20 +80,32 @@ pub(super) fn supports<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
 
 /// How many independent rigid motions of a part of a body its prescribed dofs do not hold: what the
 /// rank of the rigid modes restricted to those dofs is short of.
+///
+/// Arms are measured from the middle of the held nodes in units of their extent, so that neither
+/// place nor size matter. What holds a motion by less than [`HOLDS`] of that is the round-off of
+/// coordinates, as where all held nodes are on a line.
 fn free_rigid_modes<const D: usize>(body: &Body<D>, part: &[usize]) -> usize {
-    let (low, high) = body.mesh().bounding_box();
-    let (centre, size) = ((low + high) * 0.5, (high - low).norm());
-    let planes: Vec<(usize, usize)> = (0..D).flat_map(|i| (0..i).map(move |j| (i, j))).collect();
+    const HOLDS: f64 = 1e-7;
+    let is_held = |&dof: &usize| body.prescribed()[dof].is_some();
     let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
-    let held: Vec<usize> = dofs
-        .filter(|&dof| body.prescribed()[dof].is_some())
-        .collect();
+    let held: Vec<usize> = dofs.filter(is_held).collect();
+    let count = D * (D + 1) / 2;
+    if held.is_empty() {
+        return count;
+    }
+    let nodes = body.mesh().nodes();
+    let centre = held.iter().map(|dof| nodes[dof / D]).sum::<Vector<D>>() / held.len() as f64;
+    let extent = held
+        .iter()
+        .map(|dof| (nodes[dof / D] - centre).norm())
+        .fold(0.0, f64::max);
+    let planes: Vec<(usize, usize)> = (0..D).flat_map(|i| (0..i).map(move |j| (i, j))).collect();
     let mode = |dof: usize, k: usize| {
         let (node, component) = (dof / D, dof % D);
-        let arm = (body.mesh().nodes()[node] - centre) / size;
         if k < D {
             return f64::from(u8::from(component == k));
         }
+        let arm = (nodes[node] - centre) / extent.max(f64::MIN_POSITIVE);
         let (i, j) = planes[k - D];
         match component {
             c if c == i => -arm[j],
@@ -100,14 +113,20 @@ fn free_rigid_modes<const D: usize>(body: &Body<D>, part: &[usize]) -> usize {
             _ => 0.0,
         }
     };
-    let count = D + planes.len();
-    // the Gram matrix is small whatever the number of dofs
-    let gram = DMatrix::from_fn(count, count, |p, q| {
-        held.iter()
-            .map(|&dof| mode(dof, p) * mode(dof, q))
-            .sum::<f64>()
-    });
-    let largest = gram.trace();
-    let eigenvalues = gram.symmetric_eigenvalues();
-    count - eigenvalues.iter().filter(|&&e| e > 1e-10 * largest).count()
+    // of a QR factorisation R alone is kept, which is small whatever the number of dofs
+    let mut R = DMatrix::zeros(0, count);
+    for dofs in held.chunks(100) {
+        let above = R.nrows();
+        let stacked = DMatrix::from_fn(above + dofs.len(), count, |row, k| match row < above {
+            true => R[(row, k)],
+            false => mode(dofs[row - above], k),
+        });
+        R = stacked.qr().r();
+    }
+    let held_by = R.singular_values();
+    count
+        - held_by
+            .iter()
+            .filter(|&&s| s > HOLDS * held_by.max())
+            .count()
 }

@@ -10,9 +10,16 @@ pub use space::{cuboid, cuboid_graded, cylinder, eighth_sphere, extrude, hemisph
 
 use crate::error::Error;
 
-/// `count + 1` equally spaced values from `from` to `to`.
+/// No grid has more steps: it would fill the memory.
+const MOST_STEPS: usize = 100_000_000;
+
+/// `count + 1` equally spaced values from `from` to `to`; `from` alone for a count of 0, and nothing
+/// at all for more than 10⁸, which no mesh can have. Generators refuse either.
 pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
-    let at = |k: usize| from + (to - from) * k as f64 / count as f64;
+    if count > MOST_STEPS {
+        return Vec::new();
+    }
+    let at = |k: usize| from + (to - from) * k as f64 / count.max(1) as f64;
     (0..=count).map(at).collect()
 }
 
@@ -20,8 +27,8 @@ pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
 /// first step is `first` (UL) long.
 ///
 /// # Errors
-/// Values that are not finite, fewer than two steps, and a first step that no q between 1/1000 and
-/// 1000 leads to.
+/// Values that are not finite, fewer than two steps or more than 10⁸, and a first step that no q
+/// between 1/1000 and 1000 leads to.
 pub fn graded(from: f64, to: f64, first: f64, count: usize) -> Result<Vec<f64>, Error> {
     const STEEPEST: f64 = 1e3;
     Error::check_finite("graded(from, to, first)", &[from, to, first])?;
@@ -32,8 +39,18 @@ pub fn graded(from: f64, to: f64, first: f64, count: usize) -> Result<Vec<f64>, 
             remedy: "grade at least two steps",
         });
     }
-    // the whole length over the first step's: 1 + q + q² + …
-    let sum = |q: f64, steps: usize| (0..steps).map(|k| q.powi(k as i32)).sum::<f64>();
+    if count > MOST_STEPS {
+        return Err(Error::Setting {
+            name: "count",
+            value: count as f64,
+            remedy: "ask for at most 10⁸ steps",
+        });
+    }
+    // the whole length over the first step's: 1 + q + q² + … = (qⁿ − 1) / (q − 1)
+    let sum = |q: f64, steps: usize| match q.ln() {
+        0.0 => steps as f64,
+        log => (steps as f64 * log).exp_m1() / log.exp_m1(),
+    };
     let target = (to - from).abs() / first;
     let (mut low, mut high) = (1.0 / STEEPEST, STEEPEST);
     if !(sum(low, count) <= target && target <= sum(high, count)) {
@@ -114,6 +131,23 @@ mod tests {
         for first in [0.0, -0.1, 2.0, f64::NAN, f64::INFINITY, 1e-300] {
             graded(0.0, 1.0, first, 6).expect_err("impossible");
         }
-        graded(0.0, 1.0, 0.1, 1).expect_err("one step");
+        for count in [0, 1, MOST_STEPS + 1, usize::MAX] {
+            graded(0.0, 1.0, 0.1, count).expect_err("steps");
+        }
+        let values = graded(0.0, 1.0, 0.5, 1000).expect("steep");
+        assert_eq!((values[0], values[1000]), (0.0, 1.0));
+    }
+
+    #[test]
+    fn grids_without_steps_and_beyond_all_memory() {
+        assert_eq!(linspace(2.0, 5.0, 3), [2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(linspace(2.0, 5.0, 0), [2.0]);
+        assert_eq!(linspace(2.0, 5.0, usize::MAX), []);
+        for count in [0, usize::MAX] {
+            let (grid, unit) = (linspace(0.0, 1.0, count), [0.0, 1.0]);
+            rectangle(&grid, &unit, Diagonals::Rising).expect_err("no grid");
+            cuboid_graded(&unit, &unit, &grid).expect_err("no grid");
+            annulus(&grid, 8, Diagonals::Rising).expect_err("no grid");
+        }
     }
 }

@@ -109,7 +109,7 @@ mod tests {
         let far = vec![[0.0, 0.0], [1e200, 0.0], [0.0, 1e200]];
         assert!(matches!(
             Mesh::<2>::new(far, vec![0, 1, 2]),
-            Err(Error::DegenerateCell { cell: 0, .. })
+            Err(Error::CellSize { cell: 0, .. })
         ));
         let nan = vec![[0.0, 0.0], [1.0, f64::NAN], [0.0, 1.0]];
         assert!(matches!(
