@@ -177,6 +177,44 @@ fn deepest<const D: usize>(mesh: &Mesh<D>, x: &[Vector<D>]) -> f64 {
     inside.map(depth).fold(0.0, f64::max)
 }
 
+/// Thin slabs on each other, each of which may touch at its top and its bottom: none sees another
+/// one's far side through it. With ν = 0 they are pressed like one slab.
+#[test]
+fn slabs_do_not_see_through_each_other() {
+    const HEIGHT: f64 = 0.04;
+    let slab = |k: usize| {
+        let y = HEIGHT * k as f64;
+        let (xs, ys) = (linspace(0.0, 1.0, 10 + k), linspace(y, y + HEIGHT, 1));
+        let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
+        Body::new(mesh, LinearElastic::new(100.0, 0.0).expect("law"))
+    };
+    let mut bodies = [0, 1, 2].map(slab);
+    for (body, side, held) in [
+        (0, "bottom", [Some(0.0); 2]),
+        (1, "left", [Some(0.0), None]),
+        (2, "top", [Some(0.0), Some(-0.012)]),
+    ] {
+        bodies[body].prescribe(side, held).expect("support");
+    }
+    let mut scene = Scene::new(bodies.into());
+    for body in 0..3 {
+        for side in ["top", "bottom"] {
+            scene.contact_surface(body, side).expect("declared");
+        }
+    }
+    let mut problem = scene.problem().expect("no overlap");
+    let history = run(&mut problem, 1, 1e-9);
+    let step = history.steps.last().expect("converged");
+    let (energy, rows) = (step.energy, step.rows);
+    // a strain of 0.1 in a height of 0.12
+    assert!(
+        relative(energy, 0.5 * 100.0 * 0.01 * 0.12) < 1e-6,
+        "{energy}"
+    );
+    // one row a node with a partner, and the outer slabs across the middle one
+    assert_eq!(rows, 11 + 2 * 12 + 13 + 11 + 13);
+}
+
 /// The arms of a hairpin meet when they are pressed together, and close towards the fold.
 /// Every node's place and displacement.
 fn closes<const D: usize>(

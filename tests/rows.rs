@@ -4,7 +4,7 @@
 
 use contact_core::ContactProblem;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::Problem;
+use contact_fem::scene::{Integration, Problem};
 use contact_fem::{Body, NeoHookean, Scene};
 
 /// How far the faces are apart at x = 0, and the slope of the upper one.
@@ -27,7 +27,7 @@ fn below_a_slope(end: f64) -> Problem<2> {
     upper.prescribe("top", [Some(0.0); 2]).expect("support");
     let mut scene = Scene::new(vec![lower, upper]);
     scene.reach = Some(1.0);
-    scene.gauss_points = 64; // to end about anywhere
+    scene.integration = Integration::Gauss(64); // to end about anywhere
     scene.contact((0, "top"), (1, "bottom")).expect("pair");
     scene.problem().expect("valid scene")
 }

@@ -153,17 +153,17 @@ impl Penalized<'_> {
     /// Bounds on (u, s)/L: those of the subproblem within the move limit around `x`, and s ≥ −ε.
     fn variables(&self, subproblem: &Subproblem<'_>, x: &[f64], limit: Option<f64>) -> Bounds {
         let n = subproblem.energy.dofs();
-        let length = subproblem.scale.length;
         let mut bounds = Bounds::uniform(x.len(), -self.slack_bound, f64::INFINITY);
         let limit = limit.unwrap_or(f64::INFINITY);
-        for i in 0..n {
-            bounds.lower[i] = x[i] - limit;
-            bounds.upper[i] = x[i] + limit;
-            if !subproblem.bounds.is_empty() {
-                let (lower, upper) = (subproblem.bounds.lower[i], subproblem.bounds.upper[i]);
-                bounds.lower[i] = bounds.lower[i].max(lower / length).min(upper / length);
-                bounds.upper[i] = bounds.upper[i].min(upper / length).max(lower / length);
-            }
+        let unknowns = bounds.lower.iter_mut().zip(&mut bounds.upper).zip(x);
+        for ((lower, upper), x) in unknowns.take(n) {
+            (*lower, *upper) = (x - limit, x + limit);
+        }
+        let given = subproblem.bounds.lower.iter().zip(&subproblem.bounds.upper);
+        let unknowns = bounds.lower.iter_mut().zip(&mut bounds.upper);
+        for ((lower, upper), given) in unknowns.zip(given) {
+            let [least, most] = [given.0, given.1].map(|bound| bound / subproblem.scale.length);
+            (*lower, *upper) = (lower.max(least).min(most), upper.min(most).max(least));
         }
         bounds
     }

@@ -37,7 +37,7 @@ pub enum Integration {
 /// Where the rows of one pass are integrated, facet by facet.
 pub(super) enum Points<const D: usize> {
     Same(FacetRule<D>),
-    Cut(Cutter<D>),
+    Cut(Box<Cutter<D>>),
 }
 
 impl<const D: usize> Points<D> {
@@ -47,7 +47,7 @@ impl<const D: usize> Points<D> {
             Integration::Gauss(points) => Points::Same(FacetRule::gauss(points)),
             Integration::Exact => {
                 let shapes = slave.order().degree().max(master.order().degree());
-                Points::Cut(Cutter::new(slave.test_order().degree() + shapes))
+                Points::Cut(Box::new(Cutter::new(slave.test_order().degree() + shapes)))
             }
         }
     }
@@ -513,6 +513,8 @@ mod tests {
                 x: facet.point(lambda),
                 facing: facet.normal(lambda),
                 reach: 1.0,
+                X: facet.point(lambda),
+                N: facet.normal(lambda),
                 own: None,
             };
             let on_facet = points.on(&facet, &master, &seeker).to_vec();

@@ -85,11 +85,11 @@ impl<const D: usize> PassRows<D> {
                 x: facet.point(lambda),
                 facing: facet.normal(lambda),
                 reach,
-                own: same_body.then(|| Own {
+                X: reference.point(lambda),
+                N: reference.normal(lambda),
+                own: same_body.then_some(Own {
                     surface: slave,
                     nodes,
-                    X: reference.point(lambda),
-                    N: reference.normal(lambda),
                 }),
             };
             for (weight, lambda) in rule.on(&facet, master, &seeker) {
@@ -222,10 +222,7 @@ pub fn nodes_inside<const D: usize>(
             .for_each(|(&a, at)| X[a] = *at);
     }
     let same_body = slave.body() == master.surface().body();
-    let N = match same_body {
-        true => averaged(slave, &X),
-        false => Vec::new(),
-    };
+    let N = averaged(slave, &X);
     let numbers: Vec<usize> = (0..X.len()).collect();
     let gap = |(k, facing): (usize, &Vector<D>)| {
         let node = slave.nodes()[k];
@@ -233,11 +230,11 @@ pub fn nodes_inside<const D: usize>(
             x: x[node],
             facing: *facing,
             reach: if same_body { reach } else { f64::INFINITY },
-            own: same_body.then(|| Own {
+            X: X[k],
+            N: N[k],
+            own: same_body.then_some(Own {
                 surface: slave,
                 nodes: &numbers[k..=k],
-                X: X[k],
-                N: N[k],
             }),
         })?;
         let surface = master.surface();

@@ -45,6 +45,10 @@ pub struct Seeker<'a, const D: usize> {
     pub facing: Vector<D>,
     /// How far it looks (UL).
     pub reach: f64,
+    /// Its reference position (UL).
+    pub X: Vector<D>,
+    /// The outward normal there in the reference configuration, of any length.
+    pub N: Vector<D>,
     /// What is its own when the master belongs to the same body.
     pub own: Option<Own<'a, D>>,
 }
@@ -56,10 +60,6 @@ pub struct Own<'a, const D: usize> {
     pub surface: &'a Surface<D>,
     /// Those of its nodes (positions in [`Surface::nodes`]) whose facets are the neighbourhood.
     pub nodes: &'a [usize],
-    /// Its reference position (UL).
-    pub X: Vector<D>,
-    /// The outward normal there in the reference configuration, of any length.
-    pub N: Vector<D>,
 }
 
 impl<'a, const D: usize> Master<'a, D> {
@@ -71,6 +71,10 @@ impl<'a, const D: usize> Master<'a, D> {
     const MATERIAL: f64 = 0.2;
     /// Ways shorter than this share of a facet lead nowhere: the sides of a closed slit.
     const CLOSED: f64 = 1e-6;
+    /// The same for two bodies, which may start a little inside each other, and how much of the way
+    /// must be through material where surfaces slide on each other.
+    const OVERLAP: f64 = 0.2;
+    const THROUGH: f64 = 0.5;
 
     /// Builds tree and normals for positions `x` of all scene nodes.
     pub fn new(surface: &'a Surface<D>, x: &[Vector<D>]) -> Self {
@@ -102,9 +106,9 @@ impl<'a, const D: usize> Master<'a, D> {
     }
 
     /// The point that `seeker` must not penetrate, if there is one: the closest one, which counts
-    /// if it is within reach, not off the master's end, and faces the seeker. On the seeker's own
-    /// body it is the closest one that counts, is on no facet of its neighbourhood, not the other
-    /// side of the material, and closer than all points of the surface around it.
+    /// if it is within reach, not off the master's end, faces the seeker and is not the other side
+    /// of the material. On the seeker's own body it is the closest one that counts, is on no facet of
+    /// its neighbourhood, and closer than all points of the surface around it.
     pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<Projection<D>> {
         let x: [f64; D] = seeker.x.into();
         let reach_2 = seeker.reach * seeker.reach;
@@ -112,7 +116,10 @@ impl<'a, const D: usize> Master<'a, D> {
             return None;
         }
         let counts = |p: &Projection<D>| {
-            p.distance <= seeker.reach && !p.off_the_end && seeker.facing.dot(&p.normal) < 0.0
+            p.distance <= seeker.reach
+                && !p.off_the_end
+                && seeker.facing.dot(&p.normal) < 0.0
+                && !self.is_through_material(p, seeker)
         };
         let Some(own) = seeker.own else {
             return self.project(&seeker.x).filter(counts);
@@ -122,22 +129,31 @@ impl<'a, const D: usize> Master<'a, D> {
             let nodes = self.surface.facet(facet).iter();
             nodes.map(|&b| self.surface.nodes()[b]).any(is_own)
         };
-        let material = |p: &Projection<D>| {
-            let there = &self.surface.reference()[p.facet];
-            let way = there.point(&p.lambda) - own.X;
-            // how deep the way is below the surface where it starts, and where it ends
-            let starts = -way.dot(&normals::unit(own.N));
-            let ends = way.dot(&normals::unit(there.normal(&p.lambda)));
-            p.gap < 0.0
-                && p.distance > Self::MATERIAL * way.norm()
-                && starts.max(ends) > Self::CLOSED * self.facet_size
-        };
         let nearest = self.tree.nearest_neighbor_iter_with_distance_2(&x);
         nearest
             .take_while(|(_, distance_2)| *distance_2 <= reach_2)
             .filter(|(leaf, _)| !neighbour(leaf.index))
             .map(|(leaf, _)| self.project_on(leaf, &seeker.x))
-            .find(|p| counts(p) && !material(p) && self.is_local_minimum(p, &seeker.x))
+            .find(|p| counts(p) && self.is_local_minimum(p, &seeker.x))
+    }
+
+    /// Whether the seeker sees the surface from behind, through its own body or the other one: the
+    /// top of a slab from below.
+    fn is_through_material(&self, p: &Projection<D>, seeker: &Seeker<'_, D>) -> bool {
+        if p.gap >= 0.0 {
+            return false;
+        }
+        let there = &self.surface.reference()[p.facet];
+        let way = there.point(&p.lambda) - seeker.X;
+        // how deep the way is below the surface where it starts, and where it ends
+        let starts = -way.dot(&normals::unit(seeker.N));
+        let ends = way.dot(&normals::unit(there.normal(&p.lambda)));
+        let length = way.norm();
+        let least = match seeker.own {
+            Some(_) => Self::CLOSED * self.facet_size,
+            None => (Self::OVERLAP * self.facet_size).max(Self::THROUGH * length),
+        };
+        p.distance > Self::MATERIAL * length && starts.max(ends) > least
     }
 
     /// Whether no facet that meets the projection's own at x̄ comes closer to `x`.
