@@ -1,3 +1,5 @@
+//! The three methods on the same scenes.
+
 #![allow(non_snake_case)] // the symbols of the field
 
 #[path = "../examples/support/beams.rs"]
@@ -10,7 +12,7 @@ mod hairpin;
 
 use common::{Order, disc_in_disc, run_with};
 use contact_core::InteriorPoint;
-use contact_core::method::{Continuation, Method, PenalizedSlack, Penalty};
+use contact_core::method::{Method, PenalizedSlack, Penalty};
 use contact_fem::scene::{Passes, Problem};
 
 fn solve<const D: usize>(
