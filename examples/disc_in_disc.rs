@@ -9,8 +9,8 @@
 //! `disc_in_disc.csv` and `disc_in_disc_iterations.csv`, a series for ParaView
 //! (`disc_in_disc.pvd`), the pictures `meshes.svg` and `force.svg`, and `summary.json`.
 //!
-//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, and
-//! 130 on Ctrl-C, with everything written up to there.
+//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, 3 if
+//! some certificate does not hold, and 130 on Ctrl-C, with everything written up to there.
 
 #[path = "support/discs.rs"]
 mod discs;

@@ -9,8 +9,8 @@
 //! `hairpin.csv` and `hairpin_iterations.csv`, a series for ParaView (`hairpin.pvd`), the picture
 //! `hairpin.svg`, and `summary.json`.
 //!
-//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, and
-//! 130 on Ctrl-C, with everything written up to there.
+//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, 3 if
+//! some certificate does not hold, and 130 on Ctrl-C, with everything written up to there.
 #![allow(non_snake_case)] // the symbols of the field
 
 #[path = "support/hairpin.rs"]

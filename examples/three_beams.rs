@@ -11,8 +11,8 @@
 //! displacement of each beam's tip, how far the beams slide there, and the pressures between them
 //! around mid-span.
 //!
-//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, and
-//! 130 on Ctrl-C, with everything written up to there.
+//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, 3 if
+//! some certificate does not hold, and 130 on Ctrl-C, with everything written up to there.
 #![allow(non_snake_case)] // the symbols of the field
 
 #[path = "support/beams.rs"]

@@ -58,7 +58,9 @@ pub mod prelude {
 
     pub use contact_core::fixed_point::Outcome;
     pub use contact_core::load_steps::RunOutcome;
-    pub use contact_core::{Acceleration, FixedPoint, InteriorPoint, LoadSteps, Method};
+    pub use contact_core::{
+        Acceleration, FixedPoint, InteriorPoint, LoadSteps, Method, PenalizedSlack, Penalty,
+    };
     pub use contact_fem::mesh::generators::{
         Diagonals, annulus, cuboid, cuboid_graded, cylinder, disc, eighth_sphere, equilateral_disc,
         extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,
@@ -66,8 +68,8 @@ pub mod prelude {
     pub use contact_fem::scene::{Integration, Passes, Problem};
     pub use contact_fem::simulation::{History, StepView};
     pub use contact_fem::{
-        Body, LeftOut, LinearElastic, Material, Mesh, MeshFile, NeoHookean, Scene, Simulation,
-        StepRecord,
+        Body, Certificate, LeftOut, LinearElastic, Material, Mesh, MeshFile, NeoHookean, Scene,
+        Simulation, StepRecord,
     };
 }
 

@@ -19,6 +19,9 @@ pub struct Options {
     /// Relative change of the displacement at which a fixed point has converged, in (0, 1)
     #[arg(long, default_value_t = 1e-6, value_parser = tolerance)]
     pub tolerance: f64,
+    /// How every subproblem is solved
+    #[arg(long, value_enum, default_value_t = Formulation::InteriorPoint)]
+    pub method: Formulation,
     /// How fixed-point iterates are combined
     #[arg(long, value_enum, default_value_t = Combine::Anderson)]
     pub acceleration: Combine,
@@ -37,6 +40,17 @@ pub struct Options {
     /// No progress and no report
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// `--method`
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum Formulation {
+    /// (7) of the paper: Ipopt's barrier on the gaps
+    InteriorPoint,
+    /// (37): slacks may be negative at a price
+    PenalizedSlack,
+    /// (39): a penalty on the gap at every integration point
+    Penalty,
 }
 
 /// `--acceleration`
@@ -74,13 +88,10 @@ impl Options {
 
     /// Ipopt with the options asked for; raising `stop` ends a running solve. An option that Ipopt does
     /// not have is found here, before anything is written.
-    pub fn method(&self, stop: Arc<AtomicBool>) -> Result<InteriorPoint, Failure> {
-        let mut method = InteriorPoint {
-            stop: Some(stop),
-            ..InteriorPoint::default()
-        };
+    pub fn method(&self, stop: Arc<AtomicBool>) -> Result<Box<dyn Method>, Failure> {
+        let mut options = ipopt_contact::contact_core::ipopt::Options::new();
         for (name, value) in &self.ipopt {
-            method.options.set(name, value.clone());
+            options.set(name, value.clone());
         }
         let any = Structure::new(
             Bounds::free(1),
@@ -88,8 +99,25 @@ impl Options {
             Pattern::empty(),
             Some(Pattern::diagonal(1)),
         )?;
-        Solver::new(any, &method.options)?;
-        Ok(method)
+        Solver::new(any, &options)?;
+        let stop = Some(stop);
+        Ok(match self.method {
+            Formulation::InteriorPoint => Box::new(InteriorPoint {
+                options,
+                stop,
+                ..InteriorPoint::default()
+            }),
+            Formulation::PenalizedSlack => {
+                let mut method = PenalizedSlack::default();
+                (method.options, method.stop) = (options, stop);
+                Box::new(method)
+            }
+            Formulation::Penalty => {
+                let mut method = Penalty::default();
+                (method.options, method.stop) = (options, stop);
+                Box::new(method)
+            }
+        })
     }
 
     /// The folder for all files of an example called `name`.

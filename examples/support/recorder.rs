@@ -96,7 +96,7 @@ impl<const D: usize> Recorder<D> {
     fn write(&mut self, step: &StepView<'_, D>) -> Result<(), Error> {
         let record = step.record;
         self.tables.write(record)?;
-        let snapshot = Snapshot::new(step.problem, step.solution)?;
+        let snapshot = Snapshot::of_step(step)?;
         let is_due = match record.increment {
             Some(increment) => self.vtu_every > 0 && increment % self.vtu_every == 0,
             None => self.vtu_every == 1,

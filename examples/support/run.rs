@@ -3,12 +3,16 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
+use ipopt_contact::contact_fem::certificate::Limits;
 use ipopt_contact::prelude::*;
 
 use super::options::Options;
 use super::recorder::Recorder;
-use super::summary::{Ending, Summary};
+use super::summary::{Ending, Summary, worst};
 use super::{Failure, stop};
+
+/// The exit code of a run that converged to something whose certificate does not hold.
+const NOT_CERTIFIED: u8 = 3;
 
 /// What is an example's own.
 pub struct Run<'a, const D: usize> {
@@ -26,17 +30,19 @@ pub struct Run<'a, const D: usize> {
 
 impl<const D: usize> Run<'_, D> {
     /// Solves the problem, with everything on disk up to wherever it comes: code 0 at full load, 1
-    /// if some increment does not converge, 130 on Ctrl-C.
+    /// if some increment does not converge, 3 if a certificate does not hold, 130 on Ctrl-C.
     pub fn go(&self, mut problem: Problem<D>, options: &Options) -> Result<ExitCode, Failure> {
         let clock = Instant::now();
         let stop = stop::on_ctrl_c()?;
         let mut method = options.method(stop.clone())?;
         let folder = options.folder(self.name);
         let mut recorder = Recorder::new(&folder, self.name, &problem, options, stop)?;
-        let result = options.simulation().run(&mut problem, &mut method, |step| {
-            let message = (self.message)(step);
-            recorder.observe(step, message)
-        });
+        let result = options
+            .simulation()
+            .run(&mut problem, &mut *method, |step| {
+                let message = (self.message)(step);
+                recorder.observe(step, message)
+            });
         let ending = match &result {
             Ok(history) => Ending::History(history),
             Err(error) => Ending::Failure(error),
@@ -61,8 +67,11 @@ impl<const D: usize> Run<'_, D> {
             let files = folder.display();
             println!("{}\n  files              {files}{report}", summary.table());
         }
+        let worst = worst(&recorder.records);
+        let is_certified = worst.is_none_or(|found| found.holds(&Limits::default()));
         Ok(match ending {
             Ending::Failure(error) => return Err(error.to_string().into()),
+            _ if ending.is_complete() && !is_certified => ExitCode::from(NOT_CERTIFIED),
             _ if ending.is_complete() => ExitCode::SUCCESS,
             _ if ending.is_interrupted() => ExitCode::from(stop::INTERRUPTED),
             _ => ExitCode::FAILURE,

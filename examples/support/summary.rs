@@ -1,10 +1,12 @@
 //! `summary.json`: what a run was, how it ended, and what it took.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use ipopt_contact::Blas;
 use ipopt_contact::contact_core::ipopt::doctor;
 use ipopt_contact::contact_core::method::{Effort, Factor};
+use ipopt_contact::contact_fem::certificate::{Certificate, Limits};
 use ipopt_contact::prelude::*;
 use serde::Serialize;
 
@@ -29,6 +31,8 @@ pub struct Summary {
     pub min_j: Option<f64>,
     pub penetration: Option<f64>,
     pub weak_penetration: Option<f64>,
+    /// The worst of all steps.
+    pub certificate: Option<CertificateValues>,
     pub fixed_point_iterations: usize,
     pub ipopt_iterations: usize,
     pub factorisations: usize,
@@ -50,6 +54,18 @@ pub struct MeshSize {
     pub free_dofs: usize,
     /// Of each body.
     pub contact_facets: Vec<usize>,
+}
+
+/// What all steps are worth, see [`Certificate`]; what does not apply is null.
+#[derive(Debug, Serialize)]
+pub struct CertificateValues {
+    pub holds: bool,
+    pub dropped: usize,
+    #[serde(flatten)]
+    pub values: BTreeMap<&'static str, Option<f64>>,
+    /// As a table for people.
+    #[serde(skip)]
+    table: String,
 }
 
 /// Work that was not done, see [`LeftOut`].
@@ -122,7 +138,12 @@ impl Summary {
             mesh: MeshSize::of(problem),
             increments,
             converged: ending.is_complete(),
-            status: ending.status(),
+            status: match worst(&recorder.records) {
+                Some(found) if !found.holds(&Limits::default()) => {
+                    format!("{}, but its certificate does not hold", ending.status())
+                }
+                _ => ending.status(),
+            },
             load_factor: last.map_or(0.0, |record| record.factor),
             steps: recorder.records.len(),
             cuts: ending.cuts(),
@@ -135,6 +156,7 @@ impl Summary {
             min_j: last.map(|record| record.min_j),
             penetration: last.map(|record| record.penetration),
             weak_penetration: last.map(|record| record.weak_penetration),
+            certificate: worst(&recorder.records).map(CertificateValues::from),
             fixed_point_iterations: cost.iterations,
             ipopt_iterations: cost.effort.iterations,
             factorisations: cost.effort.factorizations,
@@ -180,6 +202,9 @@ impl Summary {
             self.factor
                 .as_ref()
                 .map_or(String::new(), |f| format!("\n  factor             {f}")),
+            self.certificate.as_ref().map_or(String::new(), |found| {
+                format!("\n  certificate of all steps {}", found.table)
+            }),
             self.left_out.as_ref().map_or(String::new(), |left| {
                 format!(
                     "\n  left out           {:>10} dofs, {} cells, {} rows, {} solves, {} Hessians",
@@ -208,6 +233,25 @@ impl Summary {
             },
         ]
         .concat()
+    }
+}
+
+/// Value by value the worst certificate.
+pub fn worst<const D: usize>(records: &[StepRecord<D>]) -> Option<Certificate> {
+    let certificates = records.iter().map(|record| record.certificate);
+    certificates.reduce(Certificate::or_worse)
+}
+
+impl From<Certificate> for CertificateValues {
+    fn from(certificate: Certificate) -> Self {
+        let limits = Limits::default();
+        let entries = certificate.entries(&limits);
+        CertificateValues {
+            holds: certificate.holds(&limits),
+            dropped: certificate.dropped,
+            values: entries.iter().map(|e| (e.name, e.value)).collect(),
+            table: certificate.to_string(),
+        }
     }
 }
 

@@ -4,8 +4,10 @@ use contact_core::LinearGaps;
 use contact_core::fixed_point::Solution;
 
 use crate::assembly::CellState;
+use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::scene::Problem;
+use crate::simulation::StepView;
 use crate::tensor::Vector;
 
 /// Displacement, contact pressure and stress of all bodies at one load.
@@ -20,6 +22,8 @@ pub struct Snapshot<const D: usize> {
     pub pressures: Vec<f64>,
     /// Stress and volume ratio of every cell.
     pub cells: Vec<CellState<D>>,
+    /// What the state is worth, if it is a converged step.
+    pub certificate: Option<Certificate>,
 }
 
 impl<const D: usize> Snapshot<D> {
@@ -30,6 +34,17 @@ impl<const D: usize> Snapshot<D> {
     pub fn new(problem: &Problem<D>, solution: &Solution) -> Result<Self, Error> {
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
         Self::with_contact(problem, &solution.state.u, gaps, lambda)
+    }
+
+    /// A converged step, with its certificate.
+    ///
+    /// # Errors
+    /// As [`Problem::pressures`].
+    pub fn of_step(step: &StepView<'_, D>) -> Result<Self, Error> {
+        Ok(Snapshot {
+            certificate: Some(step.record.certificate),
+            ..Self::new(step.problem, step.solution)?
+        })
     }
 
     /// The state of no displacement and no contact, before the first load step.
@@ -64,6 +79,7 @@ impl<const D: usize> Snapshot<D> {
             displacements,
             pressures,
             cells,
+            certificate: None,
         })
     }
 }

@@ -10,6 +10,7 @@ use vtkio::model::{
 use super::file;
 use super::snapshot::{self, Snapshot};
 use crate::assembly::CellState;
+use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::scene::Problem;
 use crate::tensor::Vector;
@@ -29,6 +30,7 @@ use crate::tensor::Vector;
 /// | `von_mises` | cells | 1 | UF/UL² |
 /// | `J` | cells | 1 | volume ratio |
 /// | `cauchy_stress` | cells | 6: xx, yy, zz, xy, yz, xz | UF/UL² |
+/// | `certificate_…` | the file | 1 | see [`Certificate`]; converged steps only |
 #[derive(Clone, Debug)]
 pub struct Series {
     folder: PathBuf,
@@ -82,6 +84,9 @@ impl Series {
         let mut bytes = Vec::new();
         grid.write_xml(&mut bytes)
             .map_err(|source| file::failed(&path, source))?;
+        if let Some(certificate) = &snapshot.certificate {
+            insert(&mut bytes, &metadata(certificate));
+        }
         file::replace(&path, &bytes)?;
         self.times.push(time);
         file::replace(&self.collection(), self.listing().as_bytes())
@@ -118,6 +123,37 @@ impl Series {
             text += &format!("    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n");
         }
         text + "  </Collection>\n</VTKFile>\n"
+    }
+}
+
+/// A certificate as data of the whole file.
+fn metadata(certificate: &Certificate) -> String {
+    let limits = Limits::default();
+    let mut text = String::from("\n<FieldData>");
+    let mut array = |name: &str, value: f64| {
+        text += &format!(
+            "\n<DataArray type=\"Float64\" Name=\"certificate_{name}\" NumberOfTuples=\"1\" \
+             format=\"ascii\">{value:e}</DataArray>"
+        );
+    };
+    for entry in certificate.entries(&limits) {
+        if let Some(value) = entry.value {
+            array(entry.name, value);
+        }
+    }
+    array("dropped", certificate.dropped as f64);
+    array("holds", f64::from(u8::from(certificate.holds(&limits))));
+    text + "\n</FieldData>"
+}
+
+/// Puts `text` at the head of the grid, which the writer has no room for. What is appended to the
+/// file in binary is counted from where it begins.
+fn insert(file: &mut Vec<u8>, text: &str) {
+    const GRID: &[u8] = b"<UnstructuredGrid>";
+    let at = file.windows(GRID.len()).position(|bytes| bytes == GRID);
+    if let Some(at) = at {
+        let end = at + GRID.len();
+        file.splice(end..end, text.bytes());
     }
 }
 
@@ -214,6 +250,10 @@ mod tests {
         let rest = Snapshot::at_rest(problem).expect("a snapshot");
         series.write(0.0, problem, &rest).expect("written");
         series.write(0.5, problem, snapshot).expect("written");
+        let text = std::fs::read(folder.join("run_0001.vtu")).expect("a file");
+        let text = String::from_utf8_lossy(&text);
+        assert!(text.contains("certificate_drift\" NumberOfTuples=\"1\" format=\"ascii\">2.5e-1<"));
+        assert!(text.contains("certificate_holds\" NumberOfTuples=\"1\" format=\"ascii\">0e0<"));
 
         let listing = std::fs::read_to_string(series.collection()).expect("a listing");
         assert_eq!(listing.matches("<DataSet").count(), 2);
@@ -232,9 +272,25 @@ mod tests {
     #[test]
     fn what_is_written_reads_back() {
         let plane = squares();
-        round_trip("plane", &plane, &displaced(&plane));
+        let certificate = Certificate {
+            nodal_penetration: 0.0,
+            weak_penetration: 0.0,
+            complementarity: 0.0,
+            stationarity: 0.0,
+            drift: Some(0.25),
+            action_reaction: 0.0,
+            balance: 0.0,
+            min_j: 1.0,
+            dropped: 0,
+            closed: 0,
+        };
+        let mut snapshot = displaced(&plane);
+        snapshot.certificate = Some(certificate);
+        round_trip("plane", &plane, &snapshot);
         let space = tetrahedron();
-        round_trip("space", &space, &displaced(&space));
+        let mut snapshot = displaced(&space);
+        snapshot.certificate = Some(certificate);
+        round_trip("space", &space, &snapshot);
     }
 
     #[test]

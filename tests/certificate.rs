@@ -1,0 +1,259 @@
+//! The certificate of a step holds where it should, and finds faults that are planted.
+
+#![allow(non_snake_case)] // the symbols of the field
+
+mod common;
+#[path = "../examples/support/hairpin.rs"]
+#[allow(dead_code)] // the example uses more of it
+mod hairpin;
+
+use std::ops::ControlFlow;
+
+use common::{Order, disc_in_disc, run, run_with};
+use contact_core::fixed_point::{Outcome, Solution};
+use contact_core::gaps::{LinearGaps, Row};
+use contact_core::load_steps::RunOutcome;
+use contact_core::nlp::Bounds;
+use contact_core::{
+    ContactProblem, Energy, Error, FixedPoint, InteriorPoint, Method, PenalizedSlack, Penalty,
+    Scale, State,
+};
+use contact_fem::Certificate;
+use contact_fem::certificate::Limits;
+use contact_fem::scene::{Passes, Problem};
+
+/// The names of what is beyond its limit.
+fn failures(certificate: &Certificate) -> Vec<&'static str> {
+    let entries = certificate.entries(&Limits::default());
+    let failed = entries.iter().filter(|entry| !entry.holds());
+    failed.map(|entry| entry.name).collect()
+}
+
+/// A coarse disc-in-disc at full load.
+fn solved() -> (Problem<2>, Solution) {
+    let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+    let history = run(&mut problem, 8, 1e-8);
+    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    let solution = history.run.solution.expect("converged");
+    (problem, solution)
+}
+
+#[test]
+fn sound_runs_hold() {
+    let disc = |method: &mut dyn Method| {
+        let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+        run_with(method, &mut problem, 8, 1e-6).certificate()
+    };
+    let mut hairpin = hairpin::scene(3, true)
+        .expect("scene")
+        .problem()
+        .expect("valid");
+    for certificate in [
+        disc(&mut InteriorPoint::default()),
+        disc(&mut PenalizedSlack::default()),
+        disc(&mut Penalty::default()),
+        run(&mut hairpin, 8, 1e-6).certificate(),
+    ] {
+        let certificate = certificate.expect("steps");
+        assert!(failures(&certificate).is_empty(), "{certificate}");
+        assert!(certificate.to_string().starts_with("holds"));
+    }
+}
+
+/// The certificate's numbers, each once more by hand.
+#[test]
+fn values_are_what_they_say() {
+    let (problem, solution) = solved();
+    let certificate = Certificate::new(&problem, &solution);
+    let u = &solution.state.u;
+    let mut gradient = vec![0.0; u.len()];
+    problem.energy().gradient(u, &mut gradient);
+    let mut forces = vec![0.0; u.len()];
+    solution.gaps.add_forces(&solution.lambda, &mut forces);
+    let rest = gradient.iter().zip(&forces).map(|(g, f)| (g - f).abs());
+    let rest = rest.fold(0.0, f64::max);
+    // the largest force on a node is a contact force or a reaction; it is 10 to 1000 here
+    assert!(rest / 1000.0 <= certificate.stationarity && certificate.stationarity <= rest / 10.0);
+    let J = contact_fem::output::Snapshot::new(&problem, &solution).expect("fields");
+    let J = J
+        .cells
+        .iter()
+        .map(|cell| cell.J)
+        .fold(f64::INFINITY, f64::min);
+    assert!(
+        (certificate.min_j / J - 1.0).abs() < 1e-12,
+        "one J a linear cell"
+    );
+    assert_eq!(
+        certificate.dropped + solution.gaps.len(),
+        problem.contact_nodes()
+    );
+}
+
+/// The rows of `gaps` for which `keep` gives a sign, times that sign.
+fn rows(gaps: &LinearGaps, keep: impl Fn(usize) -> Option<f64>) -> LinearGaps {
+    let mut kept = LinearGaps::new(false);
+    for (i, &key) in gaps.keys().iter().enumerate() {
+        let Some(sign) = keep(i) else { continue };
+        let mut unit = vec![0.0; gaps.len()];
+        unit[i] = sign;
+        let mut row = Row {
+            constant: sign * gaps.constant()[i],
+            weight: gaps.weights()[i],
+            ..Row::default()
+        };
+        let free = gaps.entries().filter(|entry| entry.0 == i);
+        row.free.extend(free.map(|(_, j, c)| (j, sign * c)));
+        kept.push(key, &row);
+    }
+    kept
+}
+
+/// The most loaded row.
+fn active(solution: &Solution) -> usize {
+    let rows = 0..solution.lambda.len();
+    let most = rows.max_by(|&i, &j| solution.lambda[i].total_cmp(&solution.lambda[j]));
+    most.expect("rows")
+}
+
+#[test]
+fn a_flipped_normal_is_found() {
+    let (problem, mut solution) = solved();
+    let flipped = active(&solution);
+    solution.gaps = rows(&solution.gaps, |i| {
+        Some(if i == flipped { -1.0 } else { 1.0 })
+    });
+    let found = failures(&Certificate::new(&problem, &solution));
+    assert!(found.contains(&"drift"), "{found:?}");
+}
+
+#[test]
+fn a_dropped_row_is_found() {
+    let (problem, mut solution) = solved();
+    let dropped = active(&solution);
+    solution.gaps = rows(&solution.gaps, |i| (i != dropped).then_some(1.0));
+    solution.lambda.remove(dropped);
+    let certificate = Certificate::new(&problem, &solution);
+    assert_eq!(certificate.closed, 1);
+    let found = failures(&certificate);
+    assert!(
+        found.contains(&"closed") && found.contains(&"stationarity"),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_perturbed_displacement_is_found() {
+    let (problem, solution) = solved();
+    for dof in [0, 100, solution.state.u.len() - 1] {
+        let mut moved = solution.clone();
+        moved.state.u[dof] += 1e-5;
+        let found = failures(&Certificate::new(&problem, &moved));
+        assert!(found.contains(&"stationarity"), "dof {dof}: {found:?}");
+    }
+}
+
+/// A problem whose rows are tampered with on the way to the optimiser.
+struct Faulty<'a> {
+    problem: &'a Problem<2>,
+    tamper: fn(LinearGaps) -> LinearGaps,
+}
+
+impl ContactProblem for Faulty<'_> {
+    fn energy(&self) -> &dyn Energy {
+        self.problem.energy()
+    }
+    fn bounds(&self) -> &Bounds {
+        self.problem.bounds()
+    }
+    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+        self.problem.linearize_gaps(u).map(self.tamper)
+    }
+    fn scale(&self) -> Scale {
+        self.problem.scale()
+    }
+    fn prescribed_magnitude(&self) -> f64 {
+        self.problem.prescribed_magnitude()
+    }
+}
+
+/// What the solver finds converged with such rows.
+fn solved_with(
+    problem: &Problem<2>,
+    from: &State,
+    tamper: fn(LinearGaps) -> LinearGaps,
+) -> Solution {
+    let settings = FixedPoint {
+        tolerance: 1e-8,
+        ..FixedPoint::default()
+    };
+    let faulty = Faulty { problem, tamper };
+    let mut method = InteriorPoint::default();
+    let solution = settings.solve(&faulty, &mut method, from.clone());
+    let solution = solution.expect("no misuse");
+    assert_eq!(
+        solution.outcome,
+        Outcome::Converged,
+        "the solver sees nothing"
+    );
+    solution
+}
+
+/// All is well to the optimiser where the disc's rows are forgotten, but not to the certificate.
+#[test]
+fn a_broken_symmetry_is_found() {
+    let (problem, solution) = solved();
+    let sound = solved_with(&problem, &solution.state, |gaps| gaps);
+    assert!(failures(&Certificate::new(&problem, &sound)).is_empty());
+    let one_sided = |gaps: LinearGaps| {
+        let passes: Vec<u32> = gaps.keys().iter().map(|key| key.pass).collect();
+        rows(&gaps, |i| (passes[i] == 0).then_some(1.0))
+    };
+    let solution = solved_with(&problem, &solution.state, one_sided);
+    let certificate = Certificate::new(&problem, &solution);
+    let found = failures(&certificate);
+    assert!(found.contains(&"closed"), "{found:?}");
+    assert!(found.contains(&"weak_penetration"), "{certificate}");
+}
+
+/// A row of the middle of the contact is forgotten in every iteration.
+#[test]
+fn a_forgotten_row_is_found() {
+    let (problem, solution) = solved();
+    let key = solution.gaps.keys()[active(&solution)];
+    // the name of the row is that of a node below the disc, which stays the same
+    assert_eq!(key.pass, solution.gaps.keys()[active(&solution)].pass);
+    let forgotten = |gaps: LinearGaps| {
+        let lowest = gaps.constant().iter().enumerate();
+        let lowest = lowest.min_by(|a, b| a.1.total_cmp(b.1)).map(|(i, _)| i);
+        rows(&gaps, |i| (Some(i) != lowest).then_some(1.0))
+    };
+    let solution = solved_with(&problem, &solution.state, forgotten);
+    let found = failures(&Certificate::new(&problem, &solution));
+    assert!(found.contains(&"closed"), "{found:?}");
+}
+
+/// A run goes on for its observer's certificate only as long as that holds, if the user wants so.
+#[test]
+fn an_observer_may_stop_at_a_bad_certificate() {
+    let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+    let strict = Limits {
+        nodal_penetration: 0.0,
+        ..Limits::default()
+    };
+    let mut simulation = contact_fem::Simulation::with_increments(8);
+    simulation.load_steps.fixed_point.tolerance = 1e-6;
+    let history = simulation.run(
+        &mut problem,
+        &mut InteriorPoint::default(),
+        |step| match step.record.certificate.holds(&strict) {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        },
+    );
+    let history = history.expect("no misuse");
+    assert!(matches!(
+        history.run.outcome,
+        RunOutcome::Interrupted { .. }
+    ));
+}
