@@ -76,8 +76,8 @@ fn default_tolerance_reaches_full_load_uncut() {
     assert!(iterations <= 4000, "{iterations} iterations of Ipopt");
 }
 
-/// Integrated exactly up to curvature, both passes: whichever body comes first, and as near to the
-/// reference, which has four Gauss points, as these are to more of them.
+/// Facets cut along the other mesh, both passes, whichever body comes first: the energy is 965.2273,
+/// 6e-6 below the reference with four Gauss points.
 #[test]
 fn exact_integration_whichever_body_comes_first() {
     let ends = [(Order::RingFirst, 0), (Order::DiscFirst, 1)].map(|(order, ring)| {
@@ -88,6 +88,7 @@ fn exact_integration_whichever_body_comes_first() {
         let last = history.steps.last().expect("steps");
         (last.energy, last.reactions[ring][1])
     });
+    assert!(relative(ends[0].0, 965.2273) < 1e-6, "{ends:?}");
     assert!(relative(ends[0].0, ends[1].0) < 1e-8, "{ends:?}");
     assert!(relative(ends[0].1, ends[1].1) < 1e-8, "{ends:?}");
 }

@@ -24,8 +24,8 @@ use crate::tensor::{Matrix, Vector, determinant, facet_normal, unit_vector};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Integration {
     /// At so many Gauss points a facet and direction, 1 to 64. They do not see where facets of the
-    /// master end: in flat contact of meshes that do not match, stresses are wrong by about 0.1 % with
-    /// 4 points in linear elements; less with more.
+    /// master end: in flat contact of meshes that do not match, 4 points in linear elements cost about
+    /// 0.1 % of the stress with both passes, and per cents with one; more points cost less.
     Gauss(usize),
     /// At Gauss points of the pieces into which the master's mesh cuts the facets. On flat surfaces
     /// that touch, whose quadratic elements have their middle nodes in the middle, nothing is left
@@ -37,7 +37,7 @@ pub enum Integration {
 /// Where the rows of one pass are integrated, facet by facet.
 pub(super) enum Points<const D: usize> {
     Same(FacetRule<D>),
-    Cut(Cutter<D>),
+    Cut(Box<Cutter<D>>),
 }
 
 impl<const D: usize> Points<D> {
@@ -47,7 +47,7 @@ impl<const D: usize> Points<D> {
             Integration::Gauss(points) => Points::Same(FacetRule::gauss(points)),
             Integration::Exact => {
                 let shapes = slave.order().degree().max(master.order().degree());
-                Points::Cut(Cutter::new(slave.test_order().degree() + shapes))
+                Points::Cut(Box::new(Cutter::new(slave.test_order().degree() + shapes)))
             }
         }
     }
