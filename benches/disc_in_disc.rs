@@ -37,6 +37,9 @@ struct Arguments {
     /// Relative change of the displacement at which a fixed point has converged
     #[arg(long, default_value_t = 1e-6)]
     tolerance: f64,
+    /// Integrate exactly instead of at Gauss points
+    #[arg(long)]
+    exact: bool,
     /// Run one size in this process and print its line as JSON
     #[arg(long, hide = true)]
     child: bool,
@@ -97,6 +100,7 @@ fn parent(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             .arg("--child")
             .args(["--increments", &increments.to_string()])
             .args(["--tolerance", &tolerance.to_string()])
+            .args(arguments.exact.then_some("--exact"))
             .arg(segments.to_string())
             .stderr(Stdio::inherit())
             .output()?;
@@ -122,7 +126,11 @@ fn child(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 fn measure(arguments: &Arguments, segments: usize) -> Result<Line, Box<dyn Error>> {
     let clock = Instant::now();
     let roles = Roles::default();
-    let mut problem = discs::scene(Fineness::scaled(segments), roles)?.problem()?;
+    let mut scene = discs::scene(Fineness::scaled(segments), roles)?;
+    if arguments.exact {
+        scene.integration = Integration::Exact;
+    }
+    let mut problem = scene.problem()?;
     let mut simulation = Simulation::with_increments(arguments.increments);
     simulation.load_steps.fixed_point.tolerance = arguments.tolerance;
     let history = simulation.run(&mut problem, &mut InteriorPoint::default(), |_| {

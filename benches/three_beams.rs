@@ -37,6 +37,9 @@ struct Arguments {
     /// Cells along a beam
     #[arg(long, default_value_t = 20)]
     along: usize,
+    /// Integrate exactly instead of at Gauss points
+    #[arg(long)]
+    exact: bool,
     /// Run one case in this process
     #[arg(long, hide = true)]
     case: Option<usize>,
@@ -84,6 +87,7 @@ fn all(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             .args(["--across", &arguments.across.to_string()])
             .args(["--along", &arguments.along.to_string()])
             .args(["--case", &case.to_string()])
+            .args(arguments.exact.then_some("--exact"))
             .stdout(Stdio::inherit())
             .status()?;
         if !status.success() {
@@ -102,7 +106,11 @@ fn measure(arguments: &Arguments, case: usize) -> Result<(), Box<dyn Error>> {
         contact,
         ..Beams::new(arguments.across, Order::Quadratic, law)
     };
-    let mut problem = beams.scene()?.problem()?;
+    let mut scene = beams.scene()?;
+    if arguments.exact {
+        scene.integration = Integration::Exact;
+    }
+    let mut problem = scene.problem()?;
     let set_up = clock.elapsed().as_secs_f64();
     let increments = if law == Law::NeoHookean { 10 } else { 1 };
     let mut tip = f64::NAN;

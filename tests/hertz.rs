@@ -9,22 +9,36 @@ use std::f64::consts::{PI, TAU};
 use common::{relative, run};
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, graded, onto_sphere, quarter_disc, rectangle};
+use contact_fem::scene::Integration;
 use contact_fem::{Body, LinearElastic, Mesh, Scene};
 
 /// Half-cylinder of radius 50 on a block 100 high, by symmetry their right halves: p₀ = √(P E*/(πR)).
 #[test]
 fn peak_pressure_and_half_width() {
-    hertz(40.0, 90, Order::Linear, 0.02);
+    hertz(40.0, 90, Order::Linear, None, 0.02);
 }
 
 /// A quarter of the facets do for quadratic elements whose boundary is curved.
 #[test]
 fn quadratic_elements_on_the_true_circle() {
-    hertz(10.0, 34, Order::Quadratic, 0.01);
+    hertz(10.0, 34, Order::Quadratic, None, 0.01);
+}
+
+#[test]
+fn integrated_exactly() {
+    let exact = Some(Integration::Exact);
+    hertz(40.0, 90, Order::Linear, exact, 0.02);
+    hertz(10.0, 34, Order::Quadratic, exact, 0.01);
 }
 
 /// With facets of a/`fineness` at the centre of contact and `count` of them around the arc.
-fn hertz(fineness: f64, count: usize, order: Order, tolerance: f64) {
+fn hertz(
+    fineness: f64,
+    count: usize,
+    order: Order,
+    integration: Option<Integration>,
+    tolerance: f64,
+) {
     let (R, P, nu) = (50.0, 7.0, 0.3);
     let (E_cylinder, E_block): (f64, f64) = (210.0, 70.0);
     let E_star = 1.0 / ((1.0 - nu * nu) / E_cylinder + (1.0 - nu * nu) / E_block);
@@ -81,6 +95,7 @@ fn hertz(fineness: f64, count: usize, order: Order, tolerance: f64) {
 
     let mut scene = Scene::new(vec![cylinder, block]);
     scene.contact((0, "arc"), (1, "top")).expect("surfaces");
+    scene.integration = integration.unwrap_or(scene.integration);
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);
     let step = history.steps.last().expect("converged");

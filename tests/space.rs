@@ -77,6 +77,8 @@ fn patch_test_within_the_gauss_point_error() {
 /// A small block is pressed obliquely into a larger one and tilts on it.
 struct Oblique {
     order: Order,
+    /// None for the default.
+    integration: Option<Integration>,
     /// Applied to the reference configuration and to what is prescribed.
     rotation: Matrix<3>,
     /// The small block comes first.
@@ -84,14 +86,6 @@ struct Oblique {
 }
 
 impl Oblique {
-    fn plain(order: Order) -> Self {
-        Oblique {
-            order,
-            rotation: Matrix::identity(),
-            swapped: false,
-        }
-    }
-
     fn solve(&self) -> (Problem<3>, History<3>) {
         let turned = |mesh: Mesh<3>| mesh.mapped(|X| self.rotation * X).expect("turned");
         let all = |u: [f64; 3]| {
@@ -112,6 +106,7 @@ impl Oblique {
         };
         let mut scene = Scene::new(bodies);
         scene.contact(pair[0], pair[1]).expect("surfaces");
+        scene.integration = self.integration.unwrap_or(scene.integration);
         let mut problem = scene.problem().expect("valid scene");
         // where rows are about to open, displacements follow the root of what is left of gap times
         // force: differences of 1e-10 ask for much less of it than results do
@@ -156,17 +151,21 @@ fn neither_order_nor_frame_matter() {
     let angle: f64 = 0.83;
     let rotation = Matrix::identity() + cross * angle.sin() + cross * cross * (1.0 - angle.cos());
     for order in [Order::Linear, Order::Quadratic] {
-        let plain = Oblique::plain(order).displacements();
-        let swapped = Oblique {
-            swapped: true,
-            ..Oblique::plain(order)
-        };
-        same(&plain, &swapped.displacements(), 1e-10);
-        let turned = Oblique {
-            rotation,
-            ..Oblique::plain(order)
-        };
-        same(&plain, &turned.displacements(), 1e-10);
+        for integration in [None, Some(Integration::Exact)] {
+            let scene = |rotation, swapped| Oblique {
+                order,
+                integration,
+                rotation,
+                swapped,
+            };
+            let plain = scene(Matrix::identity(), false).displacements();
+            same(
+                &plain,
+                &scene(Matrix::identity(), true).displacements(),
+                1e-10,
+            );
+            same(&plain, &scene(rotation, false).displacements(), 1e-10);
+        }
     }
 }
 

@@ -16,9 +16,15 @@ pub enum Order {
     DiscFirst,
 }
 
+/// The problem of [`disc_in_disc_scene`].
+pub fn disc_in_disc(segments: usize, passes: Passes, order: Order) -> Problem<2> {
+    let scene = disc_in_disc_scene(segments, passes, order);
+    scene.problem().expect("valid scene")
+}
+
 /// The paper's disc-in-disc (section 6.1) with `segments` around the hole; 64 is the mesh that the
 /// reference values belong to.
-pub fn disc_in_disc(segments: usize, passes: Passes, order: Order) -> Problem<2> {
+pub fn disc_in_disc_scene(segments: usize, passes: Passes, order: Order) -> Scene<2> {
     let layers = 12 * segments / 64;
     let radius = |k: usize| 0.7 + 1.3 * (k as f64 / layers as f64).powf(1.3);
     let radii: Vec<f64> = (0..=layers).map(radius).collect();
@@ -39,7 +45,7 @@ pub fn disc_in_disc(segments: usize, passes: Passes, order: Order) -> Problem<2>
         Order::DiscFirst => scene.contact_in_passes(disc, hole, passes),
     }
     .expect("surfaces");
-    scene.problem().expect("valid scene")
+    scene
 }
 
 /// Runs a scene to full load with default settings but for these.

@@ -52,7 +52,7 @@ pub struct Scene<const D: usize> {
     /// How the constraints are integrated: by default at 4 Gauss points a facet and direction; with
     /// quadratic elements, whose pressures suffer more, at 12 in the plane and 8 in space. They do
     /// not see where facets of the other surface end, which costs about 0.1 % of the stress in flat
-    /// contact of meshes that do not match; [`Integration::Exact`] costs nothing there.
+    /// contact of meshes that do not match, and more with one pass; [`Integration::Exact`] does.
     pub integration: Integration,
     /// How far an integration point looks for the other surface (UL). By default a tenth of the
     /// scene's diagonal, and all of it in small-strain scenes, whose geometry stays where it is.
