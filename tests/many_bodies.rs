@@ -14,6 +14,7 @@ use contact_fem::contact::projection::{closest, interpolate};
 use contact_fem::element::{Element, P1, P2};
 use contact_fem::mesh::Mesh;
 use contact_fem::mesh::generators::{Diagonals, equilateral_disc, linspace, rectangle};
+use contact_fem::scene::Integration;
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, LinearElastic, Material, NeoHookean, Scene};
 
@@ -357,6 +358,17 @@ fn a_long_reach_adds_no_contact() {
     assert!(relative(energies[0], energies[1]) < 1e-8, "{energies:?}");
 }
 
+/// With facets cut along the other arm's; their own neighbours cut nothing.
+#[test]
+fn hairpins_integrated_exactly() {
+    let mut plane = hairpin::scene(3, true).expect("scene");
+    plane.integration = Integration::Exact;
+    closes(plane, 8, 1e-6);
+    let mut space = hairpin::scene_in_space(2, 2).expect("scene");
+    space.integration = Integration::Exact;
+    closes(space, 8, 1e-6);
+}
+
 /// The same hairpin without its self-contact: the arms pass through each other.
 #[test]
 fn without_self_contact_the_arms_cross() {
@@ -380,6 +392,16 @@ fn without_self_contact_the_arms_cross() {
 /// Two halves of a block that hang together at one end only: a slit, closed from the start or open
 /// by a little, bears pressure like a whole block. ν = 0: E = ½ · 100 · 0.05² · 2 · 2 without gap.
 fn slit(gap: f64, angle: f64, law: impl Material<2>, increments: usize) -> (f64, f64) {
+    slit_integrated(Integration::Gauss(4), gap, angle, law, increments)
+}
+
+fn slit_integrated(
+    integration: Integration,
+    gap: f64,
+    angle: f64,
+    law: impl Material<2>,
+    increments: usize,
+) -> (f64, f64) {
     // the slit's lower side is of the lower half, its upper side of the upper one, whose nodes are
     // doubled but for x ≥ 1.5
     let half = |from: f64| {
@@ -413,6 +435,7 @@ fn slit(gap: f64, angle: f64, law: impl Material<2>, increments: usize) -> (f64,
     body.prescribe("top", [Some(0.1 * sin), Some(-0.1 * cos)])
         .expect("support");
     let mut scene = Scene::new(vec![body]);
+    scene.integration = integration;
     scene.self_contact(0, "slit").expect("a surface");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, increments, 1e-9);
@@ -427,6 +450,8 @@ fn a_slit_bears_pressure() {
     let linear = LinearElastic::new(100.0, 0.0).expect("law");
     for angle in [0.0, 0.3, 1.1] {
         let (energy, _) = slit(0.0, angle, linear, 1);
+        assert!(relative(energy, 0.5) < 1e-6, "turned by {angle}: {energy}");
+        let (energy, _) = slit_integrated(Integration::Exact, 0.0, angle, linear, 1);
         assert!(relative(energy, 0.5) < 1e-6, "turned by {angle}: {energy}");
     }
     // neo-Hookean: ψ = μ/2 (F² − 1 − 2 ln F) with F = 0.95 and μ = 50, over an area of 4

@@ -6,7 +6,7 @@
 //! mortar methods do (M. A. Puso and T. A. Laursen, *A mortar segment-to-segment contact method for
 //! large deformation solid mechanics*, CMAME 193, 2004). The master's facets near a facet are projected
 //! on the plane of its corners, all in the direction of its normal, so that neighbours stay neighbours;
-//! those that do not face it are left out. In the plane their ends divide the segment. In space the
+//! those that do not face it, or are seen edge-on, are left out. In the plane their ends divide the segment. In space the
 //! triangle is clipped (I. E. Sutherland and G. W. Hodgman, *Reentrant polygon clipping*, CACM 17,
 //! 1974), and the polygons are divided into triangles. What no facet covers is integrated, too: whether
 //! a point counts is decided where it is projected.
@@ -83,6 +83,9 @@ pub(super) struct Cutter<const D: usize> {
 
 /// Pieces of less than this share of the facet are round-off.
 const EMPTY: f64 = 1e-14;
+/// Facets whose shadow is less than this share of them are seen edge-on. They are no part of a contact,
+/// and would cut slivers off a body's ends where its own sides begin.
+const EDGE_ON: f64 = 0.1;
 /// Shadows whose measures sum to the facet's up to this share of it neither overlap nor leave gaps.
 const TILED: f64 = 1e-11;
 
@@ -135,10 +138,14 @@ impl<const D: usize> Cutter<D> {
         // from any point of the facet it is no further than by way of the middle
         let near = master.within(&middle.x, distance + 2.0 * radius);
         let corners = facet.corners();
-        let shadow = |other: [Vector<D>; D]| other.map(|x| project(&x, &corners));
-        let shadows = near.map(|(index, other)| (index, shadow(other.corners())));
-        self.shadows
-            .extend(shadows.filter(|(_, shadow)| faces(shadow)));
+        let own_measure = facet_normal(&corners).norm();
+        let shadows = near.filter_map(|(index, other)| {
+            let other = other.corners();
+            let shadow = other.map(|x| project(&x, &corners));
+            let least = EDGE_ON * facet_normal(&other).norm() / own_measure;
+            faces(&shadow, least).then_some((index, shadow))
+        });
+        self.shadows.extend(shadows);
         // an order that does not depend on where the bodies are
         self.shadows.sort_unstable_by_key(|(index, _)| *index);
     }
@@ -294,9 +301,9 @@ fn corners<const D: usize>() -> [Vector<D>; D] {
     std::array::from_fn(unit_vector)
 }
 
-/// Whether a shadow is that of a facet on the side that faces the slave's, and not seen edge-on.
-fn faces<const D: usize>(shadow: &[Vector<D>; D]) -> bool {
-    measure(shadow) < -EMPTY
+/// Whether a shadow is that of a facet that faces the slave's, and larger than `least`.
+fn faces<const D: usize>(shadow: &[Vector<D>; D], least: f64) -> bool {
+    measure(shadow) < -least.max(EMPTY)
 }
 
 /// The measure of a simplex, negative if it is turned over.
@@ -496,10 +503,10 @@ mod tests {
         let line = [at(-1.0, 0.2), at(0.5, 0.2), at(2.0, 0.2)];
         let point = [at(0.2, 0.2); 3];
         for shadow in [[nan; 3], line, point] {
-            assert!(!faces(&shadow), "{shadow:?}");
+            assert!(!faces(&shadow, 0.0), "{shadow:?}");
         }
         for shadow in [touching, at_a_corner] {
-            assert!(faces(&shadow));
+            assert!(faces(&shadow, 0.0));
             let mut cutter = Cutter::<3>::new(2);
             cutter.shadows.push((0, shadow));
             cutter.cut_triangle(|_| Some(0));

@@ -1,9 +1,6 @@
 //! Derivatives and constraints against finite differences and a second, slower definition.
-#![allow(non_snake_case)] // the symbols of the field
 
-mod common;
-
-use common::{Order, disc_in_disc};
+use crate::common::{Order, disc_in_disc};
 use contact_core::{ContactProblem, LoadStepped, check};
 use contact_fem::mesh::generators::{Diagonals, annulus, linspace, rectangle};
 use contact_fem::scene::{Passes, Problem};

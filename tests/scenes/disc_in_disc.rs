@@ -1,12 +1,8 @@
 //! Section 6.1 of the paper against reference values computed by an independent implementation.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-mod common;
-
 use std::ops::ControlFlow;
 
-use common::{Order, disc_in_disc, disc_in_disc_scene, relative, run};
+use crate::common::{Order, disc_in_disc, disc_in_disc_scene, relative, run};
 use contact_core::fixed_point::Outcome;
 use contact_core::load_steps::RunOutcome;
 use contact_core::{Acceleration, InteriorPoint};

@@ -1,15 +1,9 @@
 //! The certificate of a step holds where it should, and finds faults that are planted.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-mod common;
-#[path = "../examples/support/hairpin.rs"]
-#[allow(dead_code)] // the example uses more of it
-mod hairpin;
-
+use crate::support::hairpin;
 use std::ops::ControlFlow;
 
-use common::{Order, disc_in_disc, run, run_with};
+use crate::common::{Order, disc_in_disc, run, run_with};
 use contact_core::fixed_point::{Outcome, Solution};
 use contact_core::gaps::{LinearGaps, Row};
 use contact_core::load_steps::RunOutcome;

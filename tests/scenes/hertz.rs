@@ -1,12 +1,8 @@
 //! Hertz's contact of a cylinder on a block in plane strain, against the analytic solution.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-mod common;
-
 use std::f64::consts::{PI, TAU};
 
-use common::{relative, run};
+use crate::common::{relative, run};
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, graded, onto_sphere, quarter_disc, rectangle};
 use contact_fem::scene::Integration;

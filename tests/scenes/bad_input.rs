@@ -1,9 +1,5 @@
 //! Bad input is refused before any solve, by a typed error that names it.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-mod common;
-
 use std::ops::ControlFlow;
 
 use contact_core::InteriorPoint;

@@ -1,9 +1,6 @@
 //! Loads, stiffnesses and steps far from ordinary.
-#![allow(non_snake_case)] // the symbols of the field
 
-mod common;
-
-use common::{Order, disc_in_disc, relative, run};
+use crate::common::{Order, disc_in_disc, relative, run};
 use contact_core::load_steps::RunOutcome;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Passes, Problem};

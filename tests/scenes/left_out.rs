@@ -1,13 +1,7 @@
 //! What a scene does not need is left out, and doing it all the same changes nothing.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-mod common;
-#[path = "../examples/support/hairpin.rs"]
-#[allow(dead_code)] // the example uses more of it
-mod hairpin;
-
-use common::{relative, run_with};
+use crate::support::hairpin;
+use crate::common::{relative, run_with};
 use contact_core::InteriorPoint;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};

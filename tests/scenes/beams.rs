@@ -1,14 +1,7 @@
 //! Section 6.2 of the paper against beam theory: three cantilevers share a load.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-#[path = "../examples/support/beams.rs"]
-#[allow(dead_code)] // the example uses more of it
-mod beams;
-mod common;
-
 use beams::{Beams, LENGTH, LOAD, Law, SIDE, YOUNG, mid_span_pressure, slip, tip};
-use common::{relative, run};
+use crate::common::{relative, run};
 use contact_fem::element::Order;
 use contact_fem::output::Snapshot;
 use contact_fem::simulation::History;
