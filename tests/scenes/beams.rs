@@ -1,7 +1,7 @@
 //! Section 6.2 of the paper against beam theory: three cantilevers share a load.
 
-use beams::{Beams, LENGTH, LOAD, Law, SIDE, YOUNG, mid_span_pressure, slip, tip};
 use crate::common::{relative, run};
+use crate::support::beams::{Beams, LENGTH, LOAD, Law, SIDE, YOUNG, mid_span_pressure, slip, tip};
 use contact_fem::element::Order;
 use contact_fem::output::Snapshot;
 use contact_fem::simulation::History;

@@ -1,7 +1,7 @@
 //! What a scene does not need is left out, and doing it all the same changes nothing.
 
-use crate::support::hairpin;
 use crate::common::{relative, run_with};
+use crate::support::hairpin;
 use contact_core::InteriorPoint;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};

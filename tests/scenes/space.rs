@@ -1,10 +1,6 @@
 //! Contact in space, of linear and quadratic tetrahedra: patch test, and what must not matter.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-mod common;
-
-use common::{relative, run, run_with};
+use crate::common::{relative, run, run_with};
 use contact_core::InteriorPoint;
 use contact_core::load_steps::RunOutcome;
 use contact_fem::element::Order;

@@ -1,10 +1,6 @@
 //! Patch tests: states that the elements contain exactly.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-mod common;
-
-use common::{relative, run};
+use crate::common::{relative, run};
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Integration, Passes};
 use contact_fem::tensor::{Matrix, Vector};

@@ -1,7 +1,5 @@
 //! Rows of the weak non-penetration constraints where surfaces end.
 
-#![allow(non_snake_case)] // the symbols of the field
-
 use contact_core::ContactProblem;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Integration, Problem};

@@ -1,12 +1,7 @@
 //! The contact patch test with exact integration: meshes that do not match, flat interfaces of any
 //! orientation, every pass.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-#[path = "../examples/support/blocks.rs"]
-mod blocks;
-
-use blocks::{Blocks, errors, exact};
+use crate::support::blocks::{Blocks, errors, exact};
 use contact_core::{ContactProblem, LoadStepped, RowKey};
 use contact_fem::Scene;
 use contact_fem::assembly::Dof;

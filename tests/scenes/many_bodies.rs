@@ -1,13 +1,7 @@
 //! Many bodies, whose pairs are found, and bodies that touch themselves.
 
-#![allow(non_snake_case)] // the symbols of the field
-
-mod common;
-#[path = "../examples/support/hairpin.rs"]
-#[allow(dead_code)] // the example uses more of it
-mod hairpin;
-
-use common::{relative, run, run_with};
+use crate::common::{relative, run, run_with};
+use crate::support::hairpin;
 use contact_core::InteriorPoint;
 use contact_core::load_steps::RunOutcome;
 use contact_fem::contact::projection::{closest, interpolate};

@@ -1,8 +1,6 @@
 //! The same scene in other units takes the same iterations to the same result.
 
-mod common;
-
-use common::{relative, run};
+use crate::common::{relative, run};
 use contact_fem::mesh::generators::{Diagonals, annulus, disc};
 use contact_fem::simulation::History;
 use contact_fem::{Body, NeoHookean, Scene};

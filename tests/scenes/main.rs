@@ -1,0 +1,22 @@
+//! Scenes from meshes to forces, in one program: what they instantiate is compiled once.
+
+#![allow(non_snake_case)] // the symbols of the field
+
+mod common;
+mod support;
+
+mod bad_input;
+mod beams;
+mod certificate;
+mod derivatives;
+mod disc_in_disc;
+mod extremes;
+mod hertz;
+mod left_out;
+mod many_bodies;
+mod patch;
+mod patch_exact;
+mod rows;
+mod space;
+mod toy;
+mod units;
