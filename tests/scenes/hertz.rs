@@ -1,12 +1,11 @@
 //! Hertz's contact of a cylinder on a block in plane strain, against the analytic solution.
 
-use std::f64::consts::{PI, TAU};
 
 use crate::common::{relative, run};
 use contact_fem::element::Order;
-use contact_fem::mesh::generators::{Diagonals, graded, onto_sphere, quarter_disc, rectangle};
 use contact_fem::scene::Integration;
-use contact_fem::{Body, LinearElastic, Mesh, Scene};
+
+use crate::support::hertz::{FORCE, Fineness, Hertz};
 
 /// Half-cylinder of radius 50 on a block 100 high, by symmetry their right halves: p₀ = √(P E*/(πR)).
 #[test]
@@ -27,70 +26,23 @@ fn integrated_exactly() {
     hertz(10.0, 34, Order::Quadratic, exact, 0.01);
 }
 
-/// With facets of a/`fineness` at the centre of contact and `count` of them around the arc.
+/// With facets of a/`in_contact` at the centre of contact and `on_arc` of them around the arc.
 fn hertz(
-    fineness: f64,
-    count: usize,
+    in_contact: f64,
+    on_arc: usize,
     order: Order,
     integration: Option<Integration>,
     tolerance: f64,
 ) {
-    let (R, P, nu) = (50.0, 7.0, 0.3);
-    let (E_cylinder, E_block): (f64, f64) = (210.0, 70.0);
-    let E_star = 1.0 / ((1.0 - nu * nu) / E_cylinder + (1.0 - nu * nu) / E_block);
-    let p0 = (P * E_star / (PI * R)).sqrt();
-    let a = (4.0 * P * R / (PI * E_star)).sqrt();
+    let fineness = Fineness { in_contact, on_arc };
+    let hertz = Hertz::new(fineness, order);
+    let (p0, a) = (hertz.peak_pressure(), hertz.half_width());
     assert!(
         relative(p0, 1.6034) < 1e-4 && relative(a, 2.779) < 1e-3,
         "the published values"
     );
-
-    // facets grow outwards
-    let h = a / fineness;
-    let grade = |to, first, count| graded(0.0, to, first, count).expect("grading");
-    let angles = graded(1.5 * PI, TAU, h / R, count).expect("grading");
-    let depth = grade(R, h, count * 52 / 90);
-    let radii: Vec<f64> = depth.iter().rev().map(|d| R - d).collect();
-    let xs = grade(100.0, 1.07 * h, count * 10 / 9);
-    let ys: Vec<f64> = grade(100.0, h, count * 2 / 3)
-        .iter()
-        .rev()
-        .map(|d| -d)
-        .collect();
-
-    let of_order = |mesh: Mesh<2>, curved: &str| match order {
-        Order::Linear => mesh,
-        Order::Quadratic if curved.is_empty() => mesh.quadratic(),
-        Order::Quadratic => {
-            let mesh = mesh.quadratic().curved(curved, onto_sphere(R));
-            mesh.expect("curved")
-        }
-    };
-    let cylinder = quarter_disc(&radii, &angles, Diagonals::Falling).expect("mesh");
-    let cylinder = of_order(cylinder, "arc")
-        .translated([0.0, R])
-        .expect("moved");
-    let mut cylinder = Body::new(cylinder, LinearElastic::new(E_cylinder, nu).expect("law"));
-    cylinder
-        .prescribe("axis", [Some(0.0), None])
-        .expect("symmetry");
-    cylinder
-        .traction("flat", [0.0, -0.5 * P / R])
-        .expect("load");
-    let block = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
-    let mut block = Body::new(
-        of_order(block, ""),
-        LinearElastic::new(E_block, nu).expect("law"),
-    );
-    block
-        .prescribe("left", [Some(0.0), None])
-        .expect("symmetry");
-    block
-        .prescribe("bottom", [Some(0.0), Some(0.0)])
-        .expect("support");
-
-    let mut scene = Scene::new(vec![cylinder, block]);
-    scene.contact((0, "arc"), (1, "top")).expect("surfaces");
+    let (P, h) = (FORCE, a / in_contact);
+    let mut scene = hertz.scene().expect("a scene");
     scene.integration = integration.unwrap_or(scene.integration);
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);

@@ -1,25 +1,11 @@
 //! The same scene in other units takes the same iterations to the same result.
 
-use crate::common::{relative, run};
-use contact_fem::mesh::generators::{Diagonals, annulus, disc};
+use crate::common::{relative, run, scaled_discs};
 use contact_fem::simulation::History;
-use contact_fem::{Body, NeoHookean, Scene};
 
 /// A coarse disc-in-disc with lengths times `length` and moduli times `modulus`.
 fn scaled(length: f64, modulus: f64) -> History<2> {
-    let radii: Vec<f64> = [0.7, 0.8, 0.95, 1.2, 1.5, 2.0].map(|r| r * length).to_vec();
-    let ring = annulus(&radii, 32, Diagonals::Alternating).expect("mesh");
-    let mut ring = Body::new(ring, NeoHookean::new(1000.0 * modulus, 0.2).expect("law"));
-    ring.prescribe("outer", [Some(0.0); 2]).expect("support");
-    let inner = disc(0.6 * length, 26, 1, 0.03).expect("mesh");
-    let mut inner = Body::new(inner, NeoHookean::new(2000.0 * modulus, 0.3).expect("law"));
-    let down = [Some(0.0), Some(-0.6 * length)];
-    inner.prescribe_all(down).expect("support");
-    let mut scene = Scene::new(vec![ring, inner]);
-    scene
-        .contact((0, "inner"), (1, "boundary"))
-        .expect("surfaces");
-    run(&mut scene.problem().expect("valid scene"), 10, 1e-7)
+    run(&mut scaled_discs(length, modulus), 10, 1e-7)
 }
 
 #[test]

@@ -35,6 +35,20 @@ fn slack(force: f64) -> f64 {
     }
 }
 
+/// The slope of η' between the slack `s` and the one that pushes back with `force`.
+///
+/// In place of η'' it makes Newton's method primal-dual: with η'' alone a slack too deep comes back
+/// by half in each iteration and one that is about to touch meets nothing. Once slack and force are
+/// in balance the two are the same.
+fn secant(s: f64, force: f64) -> f64 {
+    let balanced = slack(force.max(0.0));
+    let apart = s - balanced;
+    if apart.abs() <= 1e-8 * balanced.abs() {
+        return eta(balanced)[2];
+    }
+    (eta(s)[1] - eta(balanced)[1]) / apart
+}
+
 /// How a penalised subproblem is to be solved.
 pub(super) struct Penalized<'a> {
     /// w_i, one a row.
@@ -55,7 +69,9 @@ impl Penalized<'_> {
     const ATTAINABLE: f64 = 100.0;
     /// Tolerances closer to round-off than this are not asked for.
     const ABOVE_ROUNDOFF: f64 = 10.0;
-    /// How often the move limit may be doubled.
+    /// By how much a move limit that holds something back grows, and how often it may: displacements
+    /// of slender bodies are many times what the scene's scale tells.
+    const WIDER: f64 = 10.0;
     const MOVES: usize = 30;
     /// This share of a bound counts as being there.
     const AT_BOUND: f64 = 0.999;
@@ -120,7 +136,7 @@ impl Penalized<'_> {
             x.clone_from(&run.solution.x);
             if limit.is_some_and(|limit| step > Self::AT_BOUND * limit) && moves < Self::MOVES {
                 moves += 1;
-                limit = limit.map(|limit| 2.0 * limit);
+                limit = limit.map(|limit| Self::WIDER * limit);
                 let bounds = self.variables(subproblem, &x, limit);
                 sequence.set_bounds(bounds, Bounds::zero(subproblem.gaps.len()))?;
                 continue;
@@ -273,11 +289,25 @@ impl Lifted<'_> {
         self.mu * slacks.map(|(s, w)| w * eta(*s)[0]).sum::<f64>()
     }
 
-    /// The `order`-th derivatives of the penalty, one a slack.
-    fn derivatives(&self, x: &[f64], order: usize, values: &mut [f64]) {
+    /// The derivatives of the penalty, one a slack.
+    fn slopes(&self, x: &[f64], slopes: &mut [f64]) {
         let slacks = x[self.energy.dofs()..].iter().zip(self.weights);
-        for (value, (s, w)) in values.iter_mut().zip(slacks) {
-            *value = self.mu * w * eta(*s)[order];
+        for (slope, (s, w)) in slopes.iter_mut().zip(slacks) {
+            *slope = self.mu * w * eta(*s)[1];
+        }
+    }
+
+    /// The penalty's curvatures, one a slack, as far as `multipliers` of the Lagrangian with this
+    /// share of the objective foretell forces.
+    fn curvatures(&self, x: &[f64], share: f64, multipliers: &[f64], curvatures: &mut [f64]) {
+        let slacks = x[self.energy.dofs()..].iter().zip(self.weights);
+        let all = curvatures.iter_mut().zip(slacks).zip(multipliers);
+        for ((curvature, (s, w)), multiplier) in all {
+            let stiffness = share * self.mu * w;
+            *curvature = match stiffness > 0.0 {
+                true => stiffness * secant(*s, -multiplier / stiffness),
+                false => 0.0,
+            };
         }
     }
 }
@@ -294,7 +324,7 @@ impl Nlp for Lifted<'_> {
     fn gradient(&mut self, x: &[f64], _new_x: bool, gradient: &mut [f64]) {
         let (of_u, of_s) = gradient.split_at_mut(self.energy.dofs());
         self.energy.gradient(x, of_u);
-        self.derivatives(x, 1, of_s);
+        self.slopes(x, of_s);
     }
 
     fn constraints(&mut self, x: &[f64], _new_x: bool, g: &mut [f64]) {
@@ -318,13 +348,12 @@ impl Nlp for Lifted<'_> {
         x: &[f64],
         _new_x: bool,
         objective_factor: f64,
-        _multipliers: &[f64],
+        multipliers: &[f64],
         values: &mut [f64],
     ) {
         let (of_u, of_s) = values.split_at_mut(values.len() - self.gaps.len());
         self.energy.hessian(x, objective_factor, of_u);
-        self.derivatives(x, 2, of_s);
-        of_s.iter_mut().for_each(|v| *v *= objective_factor);
+        self.curvatures(x, objective_factor, multipliers, of_s);
     }
 
     fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {
@@ -358,5 +387,25 @@ mod tests {
             let difference = (eta(x + h)[1] - eta(x - h)[1]) / (2.0 * h);
             assert!((difference - curvature).abs() < 1e-8, "η'' at {x}");
         }
+    }
+
+    /// From anywhere one step with the secant leads to the slack whose force was foretold; in
+    /// balance the secant is η''.
+    #[test]
+    fn secants_lead_to_balance() {
+        for force in [0.0, 1e-12, 0.3, 3.0, 40.0] {
+            let balanced = slack(force);
+            assert!((eta(balanced)[1] + force).abs() < 1e-14 * (1.0 + force));
+            for s in [-30.0, -2.0, -1.0, -0.3, -1e-9, 0.7, 20.0] {
+                let curvature = secant(s, force);
+                assert!(curvature >= 0.0, "convex");
+                let step = eta(s)[1] + force;
+                assert!((step - curvature * (s - balanced)).abs() < 1e-12 * (1.0 + step.abs()));
+            }
+            for s in [balanced, balanced * (1.0 + 1e-9)] {
+                assert!((secant(s, force) - eta(s)[2]).abs() <= 1e-8 * eta(s)[2]);
+            }
+        }
+        assert_eq!(secant(-0.5, -1.0), secant(-0.5, 0.0), "nothing pulls");
     }
 }

@@ -14,14 +14,15 @@ use crate::{ContactProblem, Error, LinearGaps, State};
 ///
 /// Where nothing touches the penalty is zero and may hold nothing, so that displacements need a
 /// bound, which the paper calls not obvious. Here it is a move limit: within one solve no unknown
-/// leaves its start by more. If one gets there the solve is repeated around the new point with
-/// twice the limit, so that no result depends on it.
+/// leaves its start by more. If one gets there the solve is repeated around the new point with ten
+/// times the limit, so that no result depends on it.
 #[derive(Clone, Debug)]
 pub struct Penalty {
     /// How μ grows.
     pub continuation: Continuation,
     /// How far an unknown may move in one solve (UL). By default as far as the largest gap in reach
-    /// is open, or [`Scale::resolution`](crate::Scale) if that is more.
+    /// is open, so that it may close, or [`Scale::length`](crate::Scale) if that is more, so that
+    /// bodies that touch already may deform.
     pub move_limit: Option<f64>,
     /// Ipopt's `tol`, relative to the scales.
     pub tolerance: f64,
@@ -73,7 +74,7 @@ impl Penalty {
         }
         let mut c = vec![0.0; subproblem.gaps.len()];
         subproblem.gaps.value(u, &mut c);
-        Ok(c.into_iter().fold(subproblem.scale.resolution, f64::max))
+        Ok(c.into_iter().fold(subproblem.scale.length, f64::max))
     }
 }
 

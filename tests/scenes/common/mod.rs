@@ -48,6 +48,23 @@ pub fn disc_in_disc_scene(segments: usize, passes: Passes, order: Order) -> Scen
     scene
 }
 
+/// A coarse disc-in-disc with lengths times `length` and moduli times `modulus`.
+pub fn scaled_discs(length: f64, modulus: f64) -> Problem<2> {
+    let radii: Vec<f64> = [0.7, 0.8, 0.95, 1.2, 1.5, 2.0].map(|r| r * length).to_vec();
+    let ring = annulus(&radii, 32, Diagonals::Alternating).expect("mesh");
+    let mut ring = Body::new(ring, NeoHookean::new(1000.0 * modulus, 0.2).expect("law"));
+    ring.prescribe("outer", [Some(0.0); 2]).expect("support");
+    let inner = disc(0.6 * length, 26, 1, 0.03).expect("mesh");
+    let mut inner = Body::new(inner, NeoHookean::new(2000.0 * modulus, 0.3).expect("law"));
+    let down = [Some(0.0), Some(-0.6 * length)];
+    inner.prescribe_all(down).expect("support");
+    let mut scene = Scene::new(vec![ring, inner]);
+    scene
+        .contact((0, "inner"), (1, "boundary"))
+        .expect("surfaces");
+    scene.problem().expect("valid scene")
+}
+
 /// Runs a scene to full load with default settings but for these.
 pub fn run<const D: usize>(
     problem: &mut Problem<D>,

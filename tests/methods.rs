@@ -1,0 +1,454 @@
+//! The three methods for step 5 on the same scenes: the interior point (7), the penalised slack
+//! (37) and the penalty (39).
+
+#![allow(non_snake_case)] // the symbols of the field
+
+#[path = "../examples/support/beams.rs"]
+#[allow(dead_code)] // the example uses more of it
+mod beams;
+mod common;
+#[path = "../examples/support/hertz.rs"]
+#[allow(dead_code)] // the example uses more of it
+mod hertz;
+#[path = "../examples/support/pointwise.rs"]
+mod pointwise;
+
+use beams::{Beams, Law};
+use common::{Order, disc_in_disc, relative, run, run_with, scaled_discs};
+use contact_core::fixed_point::{Outcome, Solution};
+use contact_core::load_steps::RunOutcome;
+use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalty, Subproblem};
+use contact_core::{
+    ContactProblem, FixedPoint, InteriorPoint, LinearGaps, LoadStepped, Scale, State,
+};
+use contact_fem::element;
+use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+use contact_fem::scene::{Integration, Passes, Problem};
+use contact_fem::{Body, LinearElastic, Scene};
+use hertz::{Fineness, Hertz};
+use pointwise::{Pointwise, order};
+
+/// Penalty factors at which errors fall as they do for μ → ∞.
+const MUS: [f64; 3] = [1e8, 1e10, 1e12];
+
+const ALL_PASSES: [Passes; 3] = [Passes::Both, Passes::FirstIsSlave, Passes::SecondIsSlave];
+
+fn coarse_hertz() -> Hertz {
+    Hertz::new(Fineness::family(5), element::Order::Linear)
+}
+
+fn small_beams(order: element::Order) -> Problem<3> {
+    let beams = Beams::new(1, order, Law::SmallStrain);
+    let scene = beams.scene().expect("a scene");
+    scene.problem().expect("valid scene")
+}
+
+fn problem_of(hertz: Hertz) -> Problem<2> {
+    let scene = hertz.scene().expect("a scene");
+    scene.problem().expect("valid scene")
+}
+
+/// The fixed point at full load from displacements `u`.
+fn solved<const D: usize>(
+    problem: &mut Problem<D>,
+    method: &mut dyn Method,
+    u: Vec<f64>,
+) -> Solution {
+    problem.set_load(1.0).expect("load");
+    let fixed_point = FixedPoint {
+        tolerance: 1e-7,
+        ..FixedPoint::default()
+    };
+    let start = State {
+        u,
+        ..State::default()
+    };
+    let solution = fixed_point.solve(problem, method, start).expect("solved");
+    assert_eq!(solution.outcome, Outcome::Converged);
+    solution
+}
+
+/// As [`solved`], from rest.
+fn from_rest<const D: usize>(problem: &mut Problem<D>, method: &mut dyn Method) -> Solution {
+    let rest = vec![0.0; problem.energy().dofs()];
+    solved(problem, method, rest)
+}
+
+/// max |a − b| over max |b|.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let apart = largest(&mut a.iter().zip(b).map(|(a, b)| (a - b).abs()));
+    apart / largest(&mut b.iter().map(|b| b.abs()))
+}
+
+fn assert_order_one_half(what: &str, differences: &[(f64, f64)]) {
+    let k = order(differences);
+    assert!(
+        (0.45..0.55).contains(&k),
+        "{what}: order {k} of {differences:?}"
+    );
+}
+
+/// (37) → (7) at full load, from (7)'s solution or from rest.
+fn assert_slacks_converge<const D: usize>(problem: &mut Problem<D>, start: &[f64]) {
+    let exact = solved(problem, &mut InteriorPoint::default(), start.to_vec());
+    let (mut energies, mut displacements) = (Vec::new(), Vec::new());
+    for mu in MUS {
+        let mut method = PenalizedSlack::with(Continuation::fixed(mu));
+        let found = solved(problem, &mut method, start.to_vec());
+        assert!(found.energy < exact.energy, "what gives way stores less");
+        energies.push((mu, relative(found.energy, exact.energy)));
+        displacements.push((mu, distance(&found.state.u, &exact.state.u)));
+    }
+    assert_order_one_half("energy", &energies);
+    assert_order_one_half("displacements", &displacements);
+}
+
+#[test]
+fn penalised_slacks_tend_to_the_interior_point_at_order_one_half() {
+    let mut problem = problem_of(coarse_hertz());
+    let rest = vec![0.0; problem.energy().dofs()];
+    assert_slacks_converge(&mut problem, &rest);
+
+    for order in [element::Order::Linear, element::Order::Quadratic] {
+        let mut problem = small_beams(order);
+        let rest = vec![0.0; problem.energy().dofs()];
+        assert_slacks_converge(&mut problem, &rest);
+    }
+
+    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let history = run(&mut problem, 5, 1e-6);
+    assert_slacks_converge(&mut problem, &history.run.state.u);
+}
+
+/// Bodies that give way by s_i where contact pushes with λ_i store Σ λ_i s_i less; the slope of
+/// μ E₀ η(s/L) is the force at s = L √(λ L / (3 μ E₀)). With one pass λ is unique, so that (7)
+/// alone foretells what (37) lets through and what that is worth.
+#[test]
+fn what_a_penalised_slack_lets_through_is_foretold_by_the_interior_point() {
+    for passes in [Passes::FirstIsSlave, Passes::SecondIsSlave] {
+        let mut problem = problem_of(Hertz {
+            passes,
+            ..coarse_hertz()
+        });
+        let Scale { length, energy, .. } = problem.scale();
+        let exact = from_rest(&mut problem, &mut InteriorPoint::default());
+        let mu = 1e10;
+        let slacks = exact
+            .lambda
+            .iter()
+            .map(|l| length * (l * length / (3.0 * mu * energy)).sqrt());
+        let work: f64 = exact
+            .lambda
+            .iter()
+            .zip(slacks.clone())
+            .map(|(l, s)| l * s)
+            .sum();
+
+        let mut method = PenalizedSlack::with(Continuation::fixed(mu));
+        let found = from_rest(&mut problem, &mut method);
+        assert!(relative(exact.energy - found.energy, work) < 1e-3);
+        let mut c = vec![0.0; found.gaps.len()];
+        found.gaps.value(&found.state.u, &mut c);
+        let deepest = slacks.clone().fold(0.0, f64::max);
+        for (c, s) in c.iter().zip(slacks).filter(|(_, s)| *s > 0.1 * deepest) {
+            assert!(relative(-c, s) < 1e-2, "{c} for {s}");
+        }
+    }
+}
+
+/// (39) → (7) with a constraint at every integration point.
+#[test]
+fn penalties_tend_to_their_pointwise_limit_at_order_one_half() {
+    let mut problem = problem_of(coarse_hertz());
+    assert_penalties_converge(&mut problem);
+    let mut problem = small_beams(element::Order::Linear);
+    assert_penalties_converge(&mut problem);
+}
+
+fn assert_penalties_converge<const D: usize>(problem: &mut Problem<D>) {
+    let limit = from_rest(problem, &mut Pointwise::default());
+    let start = limit.state.u.clone();
+    let (mut energies, mut displacements) = (Vec::new(), Vec::new());
+    for mu in MUS {
+        let mut method = Penalty::with(Continuation::fixed(mu));
+        let found = solved(problem, &mut method, start.clone());
+        assert!(found.energy < limit.energy, "what gives way stores less");
+        energies.push((mu, relative(found.energy, limit.energy)));
+        displacements.push((mu, distance(&found.state.u, &limit.state.u)));
+    }
+    assert_order_one_half("energy", &energies);
+    assert_order_one_half("displacements", &displacements);
+}
+
+/// Through large strains as well, for rows that are the same: the fixed point on the projections of
+/// points may end elsewhere from elsewhere.
+#[test]
+fn penalties_tend_to_their_pointwise_limit_through_large_strains() {
+    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let state = run(&mut problem, 5, 1e-6).run.state;
+    let gaps = problem.linearize_points(&state.u).expect("rows");
+    let minimum = |method: &mut dyn Method| minimum(&problem, &gaps, method, &state.u);
+    let limit = minimum(&mut InteriorPoint::default());
+    let difference = |mu: f64| {
+        let found = minimum(&mut Penalty::with(Continuation::fixed(mu)));
+        (mu, relative(found.energy, limit.energy))
+    };
+    assert_order_one_half("energy", &MUS.map(difference));
+}
+
+/// One subproblem, from displacements `u`.
+fn minimum<const D: usize>(
+    problem: &Problem<D>,
+    gaps: &LinearGaps,
+    method: &mut dyn Method,
+    u: &[f64],
+) -> Minimum {
+    let subproblem = Subproblem {
+        energy: problem.energy(),
+        bounds: problem.bounds(),
+        gaps,
+        scale: problem.scale(),
+        first: true,
+    };
+    let start = State {
+        u: u.to_vec(),
+        ..State::default()
+    };
+    let minimum = method.minimize(&subproblem, &start).expect("solved");
+    assert_eq!(minimum.solved, contact_core::method::Solved::Optimal);
+    minimum
+}
+
+/// Points over-constrain a mesh: gaps that are nowhere negative have no negative means, so that the
+/// energy can only be larger. How much goes away with the mesh, whatever points and passes.
+#[test]
+fn the_pointwise_limit_tends_to_the_interior_point_as_meshes_are_refined() {
+    let integrations = [
+        Integration::Gauss(2),
+        Integration::Gauss(4),
+        Integration::Exact,
+    ];
+    for integration in integrations {
+        for passes in ALL_PASSES {
+            let excess = [3, 6, 12].map(|fineness| {
+                let mut problem = problem_of(Hertz {
+                    passes,
+                    integration: Some(integration),
+                    ..Hertz::new(Fineness::family(fineness), element::Order::Linear)
+                });
+                let nodes = from_rest(&mut problem, &mut InteriorPoint::default()).energy;
+                let points = from_rest(&mut problem, &mut Pointwise::default()).energy;
+                (points - nodes) / nodes.abs()
+            });
+            let [coarse, medium, fine] = excess;
+            let falls = coarse > 1.6 * medium && medium > 1.6 * fine && fine > 0.0;
+            assert!(falls, "{integration:?}, {passes:?}: {excess:?}");
+        }
+    }
+}
+
+/// With default settings nothing is deeper than `penetration` says, and the energy is off by no
+/// more than contact forces do in work over that depth.
+fn assert_within_documented_penetration<const D: usize>(
+    problem: &Problem<D>,
+    exact: f64,
+    found: &Solution,
+) {
+    let allowed = Continuation::default().penetration * problem.scale().resolution;
+    let mut c = vec![0.0; found.gaps.len()];
+    found.gaps.value(&found.state.u, &mut c);
+    let deepest = c.iter().fold(0.0, |depth: f64, c| depth.max(-c));
+    assert!(deepest < 1.001 * allowed, "{deepest} of {allowed}");
+    let work = allowed * found.lambda.iter().sum::<f64>();
+    let less = exact - found.energy;
+    assert!(less > 0.0 && less < 1.01 * work, "{less} of {work}");
+}
+
+#[test]
+fn continuation_ends_within_the_documented_penetration() {
+    let mut problem = problem_of(coarse_hertz());
+    let exact = from_rest(&mut problem, &mut InteriorPoint::default()).energy;
+    let found = from_rest(&mut problem, &mut PenalizedSlack::default());
+    assert_within_documented_penetration(&problem, exact, &found);
+    let exact = from_rest(&mut problem, &mut Pointwise::default()).energy;
+    let found = from_rest(&mut problem, &mut Penalty::default());
+    assert_within_documented_penetration(&problem, exact, &found);
+
+    let mut problem = small_beams(element::Order::Quadratic);
+    let exact = from_rest(&mut problem, &mut InteriorPoint::default()).energy;
+    let found = from_rest(&mut problem, &mut PenalizedSlack::default());
+    assert_within_documented_penetration(&problem, exact, &found);
+
+    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let history = run(&mut problem, 5, 1e-7);
+    let exact = history.run.solution.expect("converged").energy;
+    let history = run_with(&mut PenalizedSlack::default(), &mut problem, 5, 1e-7);
+    let found = history.run.solution.expect("converged");
+    assert_within_documented_penetration(&problem, exact, &found);
+}
+
+/// What every test of all methods runs.
+fn all_methods() -> [(&'static str, Box<dyn Method>); 3] {
+    [
+        ("(7)", Box::new(InteriorPoint::default())),
+        ("(37)", Box::new(PenalizedSlack::default())),
+        ("(39)", Box::new(Penalty::default())),
+    ]
+}
+
+/// The displacements of cylinder and block, one after the other.
+fn cylinder_and_block(problem: &Problem<2>, u: &[f64], swapped: bool) -> Vec<f64> {
+    let all = problem.displacements(u);
+    let bodies = if swapped { [1, 0] } else { [0, 1] };
+    let nodes = bodies.into_iter().flat_map(|body| problem.nodes(body));
+    nodes.flat_map(|a| [all[a][0], all[a][1]]).collect()
+}
+
+#[test]
+fn every_method_in_any_passes_whichever_body_comes_first() {
+    for (name, mut method) in all_methods() {
+        let mut energies = Vec::new();
+        for passes in ALL_PASSES {
+            let ends = [false, true].map(|swapped| {
+                let mut problem = problem_of(Hertz {
+                    passes,
+                    swapped,
+                    ..coarse_hertz()
+                });
+                let found = from_rest(&mut problem, method.as_mut());
+                let u = cylinder_and_block(&problem, &found.state.u, swapped);
+                (found.energy, u)
+            });
+            let [(e1, u1), (e2, u2)] = &ends;
+            assert!(relative(*e1, *e2) < 1e-9, "{name} {passes:?}: {e1} {e2}");
+            let apart = distance(u1, u2);
+            assert!(apart < 1e-8, "{name} {passes:?}: {apart}");
+            energies.push(*e1);
+        }
+        // the same contact within what the mesh makes of it
+        assert!(relative(energies[1], energies[0]) < 5e-3, "{name}");
+        assert!(relative(energies[2], energies[0]) < 5e-3, "{name}");
+    }
+}
+
+#[test]
+fn every_method_through_large_strains_in_any_passes_whichever_body_comes_first() {
+    for (name, mut method) in all_methods() {
+        for passes in ALL_PASSES {
+            let ends = [(Order::RingFirst, 0), (Order::DiscFirst, 1)].map(|(order, ring)| {
+                // passes are those of the pair as it was declared
+                let passes = match (order, passes) {
+                    (Order::DiscFirst, Passes::FirstIsSlave) => Passes::SecondIsSlave,
+                    (Order::DiscFirst, Passes::SecondIsSlave) => Passes::FirstIsSlave,
+                    (_, passes) => passes,
+                };
+                let mut problem = disc_in_disc(32, passes, order);
+                let history = run_with(method.as_mut(), &mut problem, 10, 1e-7);
+                let outcome = &history.run.outcome;
+                assert_eq!(*outcome, RunOutcome::Complete, "{name} {passes:?}");
+                let last = history.steps.last().expect("steps");
+                (last.energy, last.reactions[ring][1])
+            });
+            let [(e1, r1), (e2, r2)] = ends;
+            assert!(relative(e1, e2) < 1e-6, "{name} {passes:?}: {e1} {e2}");
+            assert!(relative(r1, r2) < 1e-6, "{name} {passes:?}: {r1} {r2}");
+        }
+    }
+}
+
+/// mm and N to m and N, and to something stiff and large.
+#[test]
+fn results_and_iterations_do_not_depend_on_units() {
+    let methods: [&dyn Fn() -> Box<dyn Method>; 2] =
+        [&|| Box::new(PenalizedSlack::default()), &|| {
+            Box::new(Penalty::default())
+        }];
+    for method in methods {
+        let run = |length, modulus| {
+            let mut problem = scaled_discs(length, modulus);
+            let history = run_with(method().as_mut(), &mut problem, 10, 1e-7);
+            assert_eq!(history.run.outcome, RunOutcome::Complete);
+            let attempts = history.steps.iter().map(|step| &step.attempt);
+            let counts = attempts.map(|a| (a.iterations.len(), a.effort().iterations));
+            let energy = history.steps.last().expect("steps").energy;
+            (energy / (modulus * length * length), counts.collect())
+        };
+        let (reference, iterations): (f64, Vec<_>) = run(1.0, 1.0);
+        for (length, modulus) in [(1e-3, 1e6), (1e3, 1e9)] {
+            let (energy, same) = run(length, modulus);
+            assert_eq!(iterations, same);
+            assert!(relative(energy, reference) < 1e-8);
+        }
+    }
+}
+
+/// Two blocks of half a length each, `GAP` apart; a pressure moves the upper one, which nothing
+/// holds but its symmetry, through the gap and presses both together.
+fn blocks() -> Problem<2> {
+    let block = |low: f64, columns: usize| {
+        let (xs, ys) = (linspace(0.0, 1.0, columns), linspace(low, low + 0.5, 2));
+        let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
+        let mut body = Body::new(mesh, LinearElastic::new(YOUNG, 0.0).expect("law"));
+        body.prescribe("left", [Some(0.0), None]).expect("symmetry");
+        body
+    };
+    let (mut lower, mut upper) = (block(0.0, 4), block(0.5 + GAP, 5));
+    lower
+        .prescribe("bottom", [None, Some(0.0)])
+        .expect("support");
+    upper.traction("top", [0.0, -PRESSURE]).expect("load");
+    let mut scene = Scene::new(vec![lower, upper]);
+    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    scene.integration = Integration::Exact;
+    scene.problem().expect("valid scene")
+}
+
+const YOUNG: f64 = 210.0;
+const PRESSURE: f64 = 10.0;
+const GAP: f64 = 0.02;
+
+#[test]
+fn no_result_of_the_penalty_depends_on_its_move_limit() {
+    let mut problem = blocks();
+    let default = GAP.max(problem.scale().length);
+    let limits = [None, Some(0.1), Some(1.0), Some(10.0), Some(1e-3)];
+    let all = limits.map(|share| {
+        let mut method = Penalty::default();
+        method.move_limit = share.map(|share| share * default);
+        let found = from_rest(&mut problem, &mut method);
+        // the top goes down by the gap and what both blocks are shortened by
+        let u = problem.displacements(&found.state.u);
+        let top = problem.nodes(1).map(|a| u[a][1]).fold(0.0, f64::min);
+        let allowed = method.continuation.penetration * problem.scale().resolution;
+        let exact = -GAP - PRESSURE / YOUNG;
+        let left = exact - top;
+        assert!(left.abs() < 1.001 * allowed, "{share:?}: {top} for {exact}");
+        found.state.u
+    });
+    for other in &all[1..] {
+        let apart = distance(other, &all[0]);
+        assert!(apart < 1e-9, "{apart}");
+    }
+}
+
+/// Newton's method with the curvature of η halves what is wrong with a slack in each iteration: 37
+/// of them in each of these solves but for the secants that foretell its force.
+#[test]
+fn warm_solves_at_a_large_penalty_take_few_iterations() {
+    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let history = run(&mut problem, 5, 1e-6);
+    let mut method = PenalizedSlack::with(Continuation::fixed(1e12));
+    let found = solved(&mut problem, &mut method, history.run.state.u);
+    let iterations: Vec<usize> = found.history.iter().map(|i| i.effort.iterations).collect();
+    assert!(iterations.iter().all(|&n| n <= 20), "{iterations:?}");
+}
+
+/// Bodies that touch to begin with have no gap that tells how far they will move.
+#[test]
+fn the_move_limit_does_not_hold_up_bodies_that_touch() {
+    let mut problem = small_beams(element::Order::Linear);
+    let found = from_rest(&mut problem, &mut Penalty::with(Continuation::fixed(1e4)));
+    let effort = found.history[0].effort;
+    assert!(effort.solves <= 5, "{} solves", effort.solves);
+}
