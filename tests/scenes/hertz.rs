@@ -1,6 +1,5 @@
 //! Hertz's contact of a cylinder on a block in plane strain, against the analytic solution.
 
-
 use crate::common::{relative, run};
 use contact_fem::element::Order;
 use contact_fem::scene::Integration;

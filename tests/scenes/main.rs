@@ -14,6 +14,7 @@ mod extremes;
 mod hertz;
 mod left_out;
 mod many_bodies;
+mod methods;
 mod patch;
 mod patch_exact;
 mod rows;

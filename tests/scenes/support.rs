@@ -7,3 +7,7 @@ pub mod beams;
 pub mod blocks;
 #[path = "../../examples/support/hairpin.rs"]
 pub mod hairpin;
+#[path = "../../examples/support/hertz.rs"]
+pub mod hertz;
+#[path = "../../examples/support/pointwise.rs"]
+pub mod pointwise;

@@ -1,20 +1,10 @@
 //! The three methods for step 5 on the same scenes: the interior point (7), the penalised slack
 //! (37) and the penalty (39).
 
-#![allow(non_snake_case)] // the symbols of the field
-
-#[path = "../examples/support/beams.rs"]
-#[allow(dead_code)] // the example uses more of it
-mod beams;
-mod common;
-#[path = "../examples/support/hertz.rs"]
-#[allow(dead_code)] // the example uses more of it
-mod hertz;
-#[path = "../examples/support/pointwise.rs"]
-mod pointwise;
-
-use beams::{Beams, Law};
-use common::{Order, disc_in_disc, relative, run, run_with, scaled_discs};
+use crate::common::{Order, disc_in_disc, relative, run, run_with, scaled_discs};
+use crate::support::beams::{Beams, Law};
+use crate::support::hertz::{Fineness, Hertz};
+use crate::support::pointwise::{Pointwise, order};
 use contact_core::fixed_point::{Outcome, Solution};
 use contact_core::load_steps::RunOutcome;
 use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalty, Subproblem};
@@ -25,8 +15,6 @@ use contact_fem::element;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Integration, Passes, Problem};
 use contact_fem::{Body, LinearElastic, Scene};
-use hertz::{Fineness, Hertz};
-use pointwise::{Pointwise, order};
 
 /// Penalty factors at which errors fall as they do for μ → ∞.
 const MUS: [f64; 3] = [1e8, 1e10, 1e12];
