@@ -54,11 +54,7 @@ impl Error {
     }
 
     /// Checks that `slice` has `expected` finite entries.
-    pub(crate) fn check_vector(
-        what: &'static str,
-        slice: &[f64],
-        expected: usize,
-    ) -> Result<(), Self> {
+    pub fn check_vector(what: &'static str, slice: &[f64], expected: usize) -> Result<(), Self> {
         if slice.len() != expected {
             return Err(Error::Length {
                 what,

@@ -16,11 +16,13 @@ use crate::tensor::Vector;
 /// [`Scale::resolution`](contact_core::Scale): when bodies begin to touch there is next to no force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
-    /// How deep the deepest contact node is inside another surface, over all passes. Weak
-    /// constraints allow a little.
+    /// How deep the deepest contact node is inside another surface, over all passes of the scene.
+    /// Weak constraints allow a little, and more where corners meet.
     pub nodal_penetration: f64,
-    /// max(−c_i) over all rows at the state, of both passes whichever were solved with.
+    /// max(−c_i) over all rows at the state, of all passes of the scene.
     pub weak_penetration: f64,
+    /// max(−λ_i): contact pushes and never pulls.
+    pub adhesion: f64,
     /// max |λ_i c_i|, with the smallest facet for a length.
     pub complementarity: f64,
     /// max |∇E − Cᵀλ| over the unknowns that no support holds, with the solver's rows.
@@ -40,6 +42,9 @@ pub struct Certificate {
     /// Of these, rows that the state does have and that are not open by more than the limit of
     /// the weak penetration.
     pub closed: usize,
+    /// What round-off leaves of forces at strains as small as the scene's, of
+    /// [`Scale::roundoff`](contact_core::Scale): no limit is asked for that is below ten times that.
+    pub roundoff: f64,
 }
 
 /// What a certificate must keep to hold.
@@ -49,6 +54,8 @@ pub struct Limits {
     pub nodal_penetration: f64,
     /// For [`Certificate::weak_penetration`], and what is less open than that is closed.
     pub weak_penetration: f64,
+    /// For [`Certificate::adhesion`].
+    pub adhesion: f64,
     /// For [`Certificate::complementarity`].
     pub complementarity: f64,
     /// For [`Certificate::stationarity`].
@@ -67,6 +74,7 @@ impl Default for Limits {
         Limits {
             nodal_penetration: 0.2,
             weak_penetration: 2e-3,
+            adhesion: 1e-9,
             complementarity: 2e-3,
             stationarity: 1e-6,
             drift: 1e-4,
@@ -102,6 +110,9 @@ impl Certificate {
     pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
         let u = &solution.state.u;
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
+        if !u.iter().chain(lambda).all(|value| value.is_finite()) {
+            return Self::of_no_state();
+        }
         let multipliers = Multipliers::new(gaps, lambda);
         let rows = problem.rows(u, Sampling::Nodes);
         let forces = problem.contact_forces(gaps, lambda);
@@ -128,6 +139,7 @@ impl Certificate {
         Certificate {
             nodal_penetration: problem.relative_penetration(u),
             weak_penetration: weak,
+            adhesion: over(lambda.iter().fold(0.0, |most: f64, l| most.max(-l)), force),
             complementarity: {
                 let facet = size(&scale.area);
                 over(complementarity(&same, &multipliers, u), force * facet)
@@ -146,16 +158,40 @@ impl Certificate {
             },
             balance: over(residual.sum, residual.magnitude.max(force)),
             min_j: problem.min_j(u),
-            dropped: match gaps.sampling() {
-                Sampling::Nodes => problem.contact_nodes() - gaps.len(),
-                Sampling::Points => problem.contact_nodes() - rows.len(),
+            dropped: {
+                let present = match gaps.sampling() {
+                    Sampling::Nodes => gaps.len(),
+                    Sampling::Points => rows.len(),
+                };
+                problem.contact_nodes().saturating_sub(present)
             },
             closed,
+            roundoff: scale.roundoff,
+        }
+    }
+
+    /// Of something that is no state at all, with a NaN or an infinite value: nothing holds.
+    fn of_no_state() -> Self {
+        Certificate {
+            nodal_penetration: f64::NAN,
+            weak_penetration: f64::NAN,
+            adhesion: f64::NAN,
+            complementarity: f64::NAN,
+            stationarity: f64::NAN,
+            drift: Some(f64::NAN),
+            action_reaction: f64::NAN,
+            balance: f64::NAN,
+            min_j: f64::NAN,
+            dropped: 0,
+            closed: 0,
+            roundoff: 0.0,
         }
     }
 
     /// Every value that has a limit, beside it.
-    pub fn entries(&self, limits: &Limits) -> [Entry; 9] {
+    pub fn entries(&self, limits: &Limits) -> [Entry; 10] {
+        let attainable = |limit: f64| limit.max(10.0 * self.roundoff);
+        let inverted = self.min_j <= 0.0 || self.min_j.is_nan();
         let entry = |name, value, limit| Entry {
             name,
             value: Some(value),
@@ -172,24 +208,29 @@ impl Certificate {
                 self.weak_penetration,
                 limits.weak_penetration,
             ),
+            entry("adhesion", self.adhesion, limits.adhesion),
             entry(
                 "complementarity",
                 self.complementarity,
                 limits.complementarity,
             ),
-            entry("stationarity", self.stationarity, limits.stationarity),
+            entry(
+                "stationarity",
+                self.stationarity,
+                attainable(limits.stationarity),
+            ),
             Entry {
                 name: "drift",
                 value: self.drift,
-                limit: limits.drift,
+                limit: attainable(limits.drift),
             },
             entry(
                 "action_reaction",
                 self.action_reaction,
                 limits.action_reaction,
             ),
-            entry("balance", self.balance, limits.balance),
-            entry("inverted", f64::from(u8::from(self.min_j <= 0.0)), 0.0),
+            entry("balance", self.balance, attainable(limits.balance)),
+            entry("inverted", f64::from(u8::from(inverted)), 0.0),
             entry("closed", self.closed as f64, 0.0),
         ]
     }
@@ -207,6 +248,7 @@ impl Certificate {
         Certificate {
             nodal_penetration: worse(self.nodal_penetration, other.nodal_penetration),
             weak_penetration: worse(self.weak_penetration, other.weak_penetration),
+            adhesion: worse(self.adhesion, other.adhesion),
             complementarity: worse(self.complementarity, other.complementarity),
             stationarity: worse(self.stationarity, other.stationarity),
             drift: match (self.drift, other.drift) {
@@ -218,6 +260,7 @@ impl Certificate {
             min_j: -worse(-self.min_j, -other.min_j),
             dropped: self.dropped.max(other.dropped),
             closed: self.closed.max(other.closed),
+            roundoff: worse(self.roundoff, other.roundoff),
         }
     }
 }

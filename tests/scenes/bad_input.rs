@@ -3,8 +3,10 @@
 use std::ops::ControlFlow;
 
 use contact_core::InteriorPoint;
-use contact_fem::mesh::generators::{Diagonals, cuboid, cuboid_graded, disc, linspace, rectangle};
-use contact_fem::scene::Integration;
+use contact_fem::mesh::generators::{
+    Diagonals, annulus, cuboid, cuboid_graded, disc, linspace, rectangle,
+};
+use contact_fem::scene::{Integration, Passes};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
 
@@ -413,6 +415,52 @@ fn bodies_that_coincide() {
         ),
         "{error}"
     );
+}
+
+/// Meshes as different as 1 to 50 may overlap as far as the coarse one's facets allow, whichever
+/// comes first, and are in contact; and so may a round hole of few segments around a finer disc.
+#[test]
+fn overlaps_within_the_tolerance() {
+    let block = |n: usize, y: f64| {
+        let (xs, ys) = (linspace(0.0, 1.0, n), linspace(y, y + 1.0, n));
+        let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
+        Body::new(mesh, LinearElastic::new(1e3, 0.0).expect("law"))
+    };
+    for passes in [Passes::FirstIsSlave, Passes::SecondIsSlave, Passes::Both] {
+        for coarse_first in [true, false] {
+            let (mut lower, mut upper) = (block(50, 0.0), block(1, 0.96));
+            lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
+            upper.prescribe("top", [Some(0.0); 2]).expect("support");
+            let (bodies, first, second) = match coarse_first {
+                true => (vec![upper, lower], (0, "bottom"), (1, "top")),
+                false => (vec![lower, upper], (0, "top"), (1, "bottom")),
+            };
+            let mut scene = Scene::new(bodies);
+            scene
+                .contact_in_passes(first, second, passes)
+                .expect("surfaces");
+            let mut problem = scene.problem().expect("within the tolerance");
+            let history = crate::common::run(&mut problem, 1, 1e-6);
+            let step = history.steps.last().expect("converged");
+            // two springs of 1000 in series, 0.04 too long; the fine one is pressed evenly
+            let force = step.reactions[0][1].abs();
+            assert!((force / 20.0 - 1.0).abs() < 0.05, "{passes:?}: {force}");
+        }
+    }
+    for disc_first in [true, false] {
+        let law = || NeoHookean::new(1e3, 0.3).expect("law");
+        let hollow = annulus(&[0.7, 1.0, 2.0], 20, Diagonals::Alternating).expect("mesh");
+        let mut ring = Body::new(hollow, law());
+        ring.prescribe("outer", [Some(0.0); 2]).expect("support");
+        let inner = Body::new(disc(0.7, 200, 30, 0.03).expect("mesh"), law());
+        let (bodies, first, second) = match disc_first {
+            true => (vec![inner, ring], (0, "boundary"), (1, "inner")),
+            false => (vec![ring, inner], (0, "inner"), (1, "boundary")),
+        };
+        let mut scene = Scene::new(bodies);
+        scene.contact(first, second).expect("surfaces");
+        assert!(scene.problem().is_ok(), "disc first: {disc_first}");
+    }
 }
 
 #[test]

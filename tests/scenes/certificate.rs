@@ -12,9 +12,10 @@ use contact_core::{
     ContactProblem, Energy, Error, FixedPoint, InteriorPoint, Method, PenalizedSlack, Penalty,
     Scale, State,
 };
-use contact_fem::Certificate;
 use contact_fem::certificate::Limits;
+use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Passes, Problem};
+use contact_fem::{Body, Certificate, LinearElastic, Scene};
 
 /// The names of what is beyond its limit.
 fn failures(certificate: &Certificate) -> Vec<&'static str> {
@@ -119,6 +120,53 @@ fn a_flipped_normal_is_found() {
     });
     let found = failures(&Certificate::new(&problem, &solution));
     assert!(found.contains(&"drift"), "{found:?}");
+}
+
+/// Forces that pull instead of pushing: with λ and the rows of the other sign all is in balance.
+#[test]
+fn adhesion_is_found() {
+    let (problem, mut solution) = solved();
+    solution.lambda.iter_mut().for_each(|l| *l = -*l);
+    let found = failures(&Certificate::new(&problem, &solution));
+    assert!(found.contains(&"adhesion"), "{found:?}");
+}
+
+/// No entry holds of what is no number.
+#[test]
+fn nothing_is_certified_of_a_nan() {
+    let (problem, solution) = solved();
+    let [mut in_u, mut in_lambda, mut all] = [0; 3].map(|_| solution.clone());
+    in_u.state.u[7] = f64::NAN;
+    in_lambda.lambda[0] = f64::NAN;
+    all.state.u.fill(f64::NAN);
+    for solution in [in_u, in_lambda, all] {
+        let found = failures(&Certificate::new(&problem, &solution));
+        assert!(found.len() >= 9, "{found:?}");
+    }
+    let nan = vec![f64::NAN; problem.energy().dofs()];
+    assert!(problem.linearize_gaps(&nan).is_err());
+    assert!(problem.linearize_gaps(&[0.0]).is_err());
+}
+
+/// Linear scenes under next to no load: what round-off leaves of their forces is allowed for.
+#[test]
+fn next_to_no_load() {
+    for load in [1.0, 1e-3, 1e-6, 1e-9] {
+        let block = |y: f64, n: usize| {
+            let (xs, ys) = (linspace(0.0, 1.0, n), linspace(y, y + 1.0, n));
+            let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
+            Body::new(mesh, LinearElastic::new(1e3, 0.3).expect("law"))
+        };
+        let (mut lower, mut upper) = (block(0.0, 4), block(1.0, 5));
+        lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
+        upper.prescribe("left", [Some(0.0), None]).expect("support");
+        upper.traction("top", [0.0, -load]).expect("load");
+        let mut scene = Scene::new(vec![lower, upper]);
+        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+        let mut problem = scene.problem().expect("valid scene");
+        let certificate = run(&mut problem, 1, 1e-6).certificate().expect("a step");
+        assert!(failures(&certificate).is_empty(), "{load}: {certificate}");
+    }
 }
 
 #[test]

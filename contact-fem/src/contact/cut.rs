@@ -567,6 +567,7 @@ mod tests {
                 reach: 1.0,
                 X: facet.point(lambda),
                 N: facet.normal(lambda),
+                facet_size: 0.0,
                 own: None,
             };
             let on_facet = points.on(&facet, &master, &seeker).to_vec();

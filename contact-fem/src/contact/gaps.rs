@@ -80,6 +80,7 @@ impl<const D: usize> PassRows<D> {
         let positions = slave.gather(x);
         let facets = slave.facets_at(&positions);
         let mut rule = Points::new(integration, slave, master.surface());
+        let facet_size = slave.facet_size();
         for ((nodes, facet), reference) in slave.facets().zip(facets).zip(slave.reference()) {
             let seeker = |lambda: &Vector<D>| Seeker {
                 x: facet.point(lambda),
@@ -87,6 +88,7 @@ impl<const D: usize> PassRows<D> {
                 reach,
                 X: reference.point(lambda),
                 N: reference.normal(lambda),
+                facet_size,
                 own: same_body.then_some(Own {
                     surface: slave,
                     nodes,
@@ -224,6 +226,7 @@ pub fn nodes_inside<const D: usize>(
     let same_body = slave.body() == master.surface().body();
     let N = averaged(slave, &X);
     let numbers: Vec<usize> = (0..X.len()).collect();
+    let facet_size = slave.facet_size();
     let gap = |(k, facing): (usize, &Vector<D>)| {
         let node = slave.nodes()[k];
         let p = master.find(&Seeker {
@@ -232,6 +235,7 @@ pub fn nodes_inside<const D: usize>(
             reach: if same_body { reach } else { f64::INFINITY },
             X: X[k],
             N: N[k],
+            facet_size,
             own: same_body.then_some(Own {
                 surface: slave,
                 nodes: &numbers[k..=k],

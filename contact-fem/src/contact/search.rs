@@ -49,6 +49,8 @@ pub struct Seeker<'a, const D: usize> {
     pub X: Vector<D>,
     /// The outward normal there in the reference configuration, of any length.
     pub N: Vector<D>,
+    /// The length of the slave's facets (UL).
+    pub facet_size: f64,
     /// What is its own when the master belongs to the same body.
     pub own: Option<Own<'a, D>>,
 }
@@ -151,7 +153,10 @@ impl<'a, const D: usize> Master<'a, D> {
         let length = way.norm();
         let least = match seeker.own {
             Some(_) => Self::CLOSED * self.facet_size,
-            None => (Self::OVERLAP * self.facet_size).max(Self::THROUGH * length),
+            None => {
+                let facet = self.facet_size.max(seeker.facet_size);
+                (Self::OVERLAP * facet).max(Self::THROUGH * length)
+            }
         };
         p.distance > Self::MATERIAL * length && starts.max(ends) > least
     }

@@ -103,9 +103,10 @@ const COST_COLUMNS: [&str; 13] = [
 ];
 
 /// What a converged step is worth, see [`Certificate`](crate::Certificate).
-const CERTIFICATE_COLUMNS: [&str; 11] = [
+const CERTIFICATE_COLUMNS: [&str; 12] = [
     "nodal_penetration",
     "weak_penetration",
+    "adhesion",
     "complementarity",
     "stationarity",
     "drift",
@@ -353,6 +354,7 @@ mod tests {
             certificate: Certificate {
                 nodal_penetration: 0.0,
                 weak_penetration: 0.5,
+                adhesion: 0.0,
                 complementarity: 0.0,
                 stationarity: 1e-9,
                 drift: None,
@@ -361,6 +363,7 @@ mod tests {
                 min_j: 0.75,
                 dropped: 3,
                 closed: 0,
+                roundoff: 0.0,
             },
             attempt: attempt(to, Outcome::Converged),
         }

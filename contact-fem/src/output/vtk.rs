@@ -275,6 +275,7 @@ mod tests {
         let certificate = Certificate {
             nodal_penetration: 0.0,
             weak_penetration: 0.0,
+            adhesion: 0.0,
             complementarity: 0.0,
             stationarity: 0.0,
             drift: Some(0.25),
@@ -283,6 +284,7 @@ mod tests {
             min_j: 1.0,
             dropped: 0,
             closed: 0,
+            roundoff: 0.0,
         };
         let mut snapshot = displaced(&plane);
         snapshot.certificate = Some(certificate);

@@ -21,7 +21,8 @@ pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
         let (first, second) = (pair.first.body, pair.second.body);
         crossing(problem, first, second)?;
         crossing(problem, second, first)?;
-        coincident(problem, first, second)
+        coincident(problem, first, second)?;
+        coincident(problem, second, first)
     })
 }
 
@@ -153,9 +154,9 @@ fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Resul
             !neighbour && lambda.iter().all(|&l| l >= 0.0) && lambda.sum() <= 1.0
         };
         let mut near = tree.locate_all_at_point(&centroid.into());
-        if !near.any(|cell| holds(cell.data)) {
+        let Some(found) = near.find(|cell| holds(cell.data)) else {
             continue;
-        }
+        };
         // how deep the centroid is inside its own cell
         let distance = |k: usize| {
             let side: [_; D] = std::array::from_fn(|i| x[(k + 1 + i) % (D + 1)]);
@@ -163,7 +164,9 @@ fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Resul
             (normal.dot(&(centroid - side[0])) / normal.norm()).abs()
         };
         let depth = (0..=D).map(distance).fold(f64::INFINITY, f64::min);
-        let size = (x[1] - x[0]).norm();
+        let other_corners = corners(other, found.data);
+        let edge = |corners: &[Vector<D>]| (corners[1] - corners[0]).norm();
+        let size = edge(&x).max(edge(&other_corners));
         let tolerance = problem.scene().overlap_tolerance * size;
         if depth > tolerance {
             return Err(Error::Crossing {

@@ -409,10 +409,12 @@ impl<const D: usize> ContactProblem for Problem<D> {
     }
 
     fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+        Error::check_vector("u", u, self.dofs.free())?;
         Ok(self.rows(u, Sampling::Nodes))
     }
 
     fn linearize_points(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+        Error::check_vector("u", u, self.dofs.free())?;
         Ok(self.rows(u, Sampling::Points))
     }
 }
