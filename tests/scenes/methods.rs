@@ -145,6 +145,32 @@ fn what_a_penalised_slack_lets_through_is_foretold_by_the_interior_point() {
     }
 }
 
+/// The same for (39) with one point a facet, where Σ w_i η is what an integral is to be: forces λ_i
+/// are balanced at L √(λ L A / (3 μ E₀ w_i)), A being the area that integrals are measured in.
+#[test]
+fn what_a_penalty_lets_through_is_foretold_by_its_limit() {
+    for passes in [Passes::FirstIsSlave, Passes::SecondIsSlave] {
+        let mut problem = problem_of(Hertz {
+            passes,
+            integration: Some(Integration::Gauss(1)),
+            ..coarse_hertz()
+        });
+        let Scale {
+            length,
+            energy,
+            area,
+            ..
+        } = problem.scale();
+        let limit = from_rest(&mut problem, &mut Pointwise::default());
+        let mu = 1e10;
+        let slack = |l: f64, w: f64| length * (l * length * area / (3.0 * mu * energy * w)).sqrt();
+        let rows = limit.lambda.iter().zip(limit.gaps.weights());
+        let work: f64 = rows.map(|(&l, &w)| l * slack(l, w)).sum();
+        let found = from_rest(&mut problem, &mut Penalty::with(Continuation::fixed(mu)));
+        assert!(relative(limit.energy - found.energy, work) < 1e-3);
+    }
+}
+
 /// (39) → (7) with a constraint at every integration point.
 #[test]
 fn penalties_tend_to_their_pointwise_limit_at_order_one_half() {
