@@ -1,5 +1,7 @@
 //! "Did it really converge?": what a step is worth, computed anew from its result.
 
+use std::collections::HashSet;
+
 use contact_core::fixed_point::Solution;
 use contact_core::gaps::Sampling;
 use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
@@ -39,8 +41,8 @@ pub struct Certificate {
     pub min_j: f64,
     /// Contact nodes that had no row.
     pub dropped: usize,
-    /// Of these, rows that the state does have and that are not open by more than the limit of
-    /// the weak penetration.
+    /// Of these, rows that the state does have and that are not open by more than the default limit
+    /// of the weak penetration.
     pub closed: usize,
     /// What round-off leaves of forces at strains as small as the scene's, of
     /// [`Scale::roundoff`](contact_core::Scale): no limit is asked for that is below ten times that.
@@ -52,7 +54,7 @@ pub struct Certificate {
 pub struct Limits {
     /// For [`Certificate::nodal_penetration`].
     pub nodal_penetration: f64,
-    /// For [`Certificate::weak_penetration`], and what is less open than that is closed.
+    /// For [`Certificate::weak_penetration`].
     pub weak_penetration: f64,
     /// For [`Certificate::adhesion`].
     pub adhesion: f64,
@@ -122,32 +124,30 @@ impl Certificate {
         let force = residual.largest.max(noticed);
         let over = |value: f64, unit: f64| if value == 0.0 { 0.0 } else { value / unit };
 
-        let mut c = vec![0.0; rows.len()];
-        rows.value(u, &mut c);
         let size = |weight: &f64| weight.powf(1.0 / (D as f64 - 1.0));
-        let relative = c.iter().zip(rows.weights()).map(|(c, w)| c / size(w));
-        let weak = relative.clone().fold(0.0, |depth: f64, c| depth.max(-c));
-        let named: std::collections::HashSet<&RowKey> = gaps.keys().iter().collect();
-        let mut closed = 0;
-        if gaps.sampling() == Sampling::Nodes {
-            let missing = rows.keys().iter().zip(relative);
-            let missing = missing.filter(|(key, _)| !named.contains(key));
-            let limit = Limits::default().weak_penetration;
-            closed = missing.filter(|(_, c)| *c < limit).count();
-        }
-        let same = problem.rows(u, gaps.sampling());
+        let c = values(&rows, u).into_iter();
+        let relative: Vec<f64> = c.zip(rows.weights()).map(|(c, w)| c / size(w)).collect();
+        // rows of the solver's kind at the state: one a node, or one a point
+        let points;
+        let (same, closed, present) = match gaps.sampling() {
+            Sampling::Nodes => (&rows, closed(&rows, &relative, gaps), gaps.len()),
+            Sampling::Points => {
+                points = problem.rows(u, Sampling::Points);
+                (&points, 0, rows.len())
+            }
+        };
         Certificate {
             nodal_penetration: problem.relative_penetration(u),
-            weak_penetration: weak,
+            weak_penetration: relative.iter().fold(0.0, |depth, c| depth.max(-c)),
             adhesion: over(lambda.iter().fold(0.0, |most: f64, l| most.max(-l)), force),
             complementarity: {
                 let facet = size(&scale.area);
-                over(complementarity(&same, &multipliers, u), force * facet)
+                over(complementarity(same, &multipliers, u), force * facet)
             },
             stationarity: over(residual.free, force),
             drift: problem.has_lasting_names(gaps.sampling()).then(|| {
                 let lambda: Vec<f64> = same.keys().iter().map(|&k| multipliers.of(k)).collect();
-                let now = problem.contact_forces(&same, &lambda);
+                let now = problem.contact_forces(same, &lambda);
                 let change = forces.iter().zip(&now).map(|(a, b)| (a - b).amax());
                 over(change.fold(0.0, f64::max), force)
             }),
@@ -158,13 +158,7 @@ impl Certificate {
             },
             balance: over(residual.sum, residual.magnitude.max(force)),
             min_j: problem.min_j(u),
-            dropped: {
-                let present = match gaps.sampling() {
-                    Sampling::Nodes => gaps.len(),
-                    Sampling::Points => rows.len(),
-                };
-                problem.contact_nodes().saturating_sub(present)
-            },
+            dropped: problem.contact_nodes().saturating_sub(present),
             closed,
             roundoff: scale.roundoff,
         }
@@ -283,10 +277,26 @@ impl std::fmt::Display for Certificate {
     }
 }
 
-/// max |λ_i c_i| (UF·UL).
-fn complementarity(rows: &LinearGaps, multipliers: &Multipliers, u: &[f64]) -> f64 {
+/// c(u) (UL).
+fn values(rows: &LinearGaps, u: &[f64]) -> Vec<f64> {
     let mut c = vec![0.0; rows.len()];
     rows.value(u, &mut c);
+    c
+}
+
+/// How many rows at the state, whose gaps over their sizes are `relative`, are not open and not
+/// among those of the solver.
+fn closed(rows: &LinearGaps, relative: &[f64], solver: &LinearGaps) -> usize {
+    let named: HashSet<&RowKey> = solver.keys().iter().collect();
+    let limit = Limits::default().weak_penetration;
+    let gaps = rows.keys().iter().zip(relative);
+    gaps.filter(|(key, c)| **c < limit && !named.contains(key))
+        .count()
+}
+
+/// max |λ_i c_i| (UF·UL).
+fn complementarity(rows: &LinearGaps, multipliers: &Multipliers, u: &[f64]) -> f64 {
+    let c = values(rows, u);
     let products = rows.keys().iter().zip(&c);
     let products = products.map(|(&key, c)| (multipliers.of(key) * c).abs());
     products.fold(0.0, f64::max)
@@ -305,26 +315,24 @@ struct Residual {
 
 impl Residual {
     fn new<const D: usize>(problem: &Problem<D>, u: &[f64], contact: &[Vector<D>]) -> Self {
-        let (mut free, mut largest) = (0.0, 0.0f64);
+        let (mut free, mut largest) = (0.0, 0.0);
         let (mut sum, mut magnitude) = (Vector::<D>::zeros(), 0.0);
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = problem.residual(body, u);
-            let nodes = problem.nodes(body);
-            for (k, node) in nodes.enumerate() {
+            for (k, node) in problem.nodes(body).enumerate() {
                 for i in 0..D {
                     let dof = D * k + i;
                     let rest: f64 = residual[dof] - contact[node][i];
                     let load = problem.load() * owner.forces()[dof];
-                    let mut force = load;
-                    match owner.prescribed()[dof] {
-                        Some(_) => force += rest,
-                        None => free = rest.abs().max(free),
-                    }
-                    sum[i] += force;
-                    magnitude += force.abs();
-                    largest = largest.max(load.abs()).max(contact[node][i].abs());
-                    if owner.prescribed()[dof].is_some() {
-                        largest = largest.max(rest.abs());
+                    let reaction = match owner.prescribed()[dof] {
+                        Some(_) => rest,
+                        None => 0.0,
+                    };
+                    free = (rest - reaction).abs().max(free);
+                    sum[i] += load + reaction;
+                    magnitude += (load + reaction).abs();
+                    for force in [load, reaction, contact[node][i]] {
+                        largest = force.abs().max(largest);
                     }
                 }
             }

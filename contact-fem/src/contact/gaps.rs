@@ -3,7 +3,6 @@
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 
 use super::cut::{Integration, Points};
-use super::normals::averaged;
 use super::search::{Master, Own, Seeker};
 use super::surface::Surface;
 use crate::assembly::{Dof, DofMap};
@@ -56,8 +55,6 @@ pub struct PassRows<const D: usize> {
     /// Scene nodes, or numbers of integration points.
     names: Vec<usize>,
     rows: Vec<NodalRow<D>>,
-    /// Integration points in all, and those that counted.
-    points: (usize, usize),
 }
 
 impl<const D: usize> PassRows<D> {
@@ -75,7 +72,7 @@ impl<const D: usize> PassRows<D> {
             Sampling::Points => Vec::new(),
         };
         let mut rows = vec![NodalRow::default(); names.len()];
-        let mut points = (0, 0);
+        let mut number = 0;
         let same_body = slave.body() == master.surface().body();
         let positions = slave.gather(x);
         let facets = slave.facets_at(&positions);
@@ -95,11 +92,10 @@ impl<const D: usize> PassRows<D> {
                 }),
             };
             for (weight, lambda) in rule.on(&facet, master, &seeker) {
-                points.0 += 1;
+                number += 1;
                 let Some(p) = master.find(&seeker(lambda)) else {
                     continue;
                 };
-                points.1 += 1;
                 // x_q − x̄_q as a sum over nodes
                 let own = nodes.iter().map(|&a| slave.nodes()[a]);
                 let own = own.zip(facet_shapes(slave.order(), lambda));
@@ -118,23 +114,14 @@ impl<const D: usize> PassRows<D> {
                     Sampling::Points => {
                         let mut row = NodalRow::default();
                         row.add(w, terms);
-                        names.push(points.0 - 1);
+                        names.push(number - 1);
                         rows.push(row);
                     }
                 }
             }
         }
         rows.iter_mut().for_each(NodalRow::normalize);
-        PassRows {
-            names,
-            rows,
-            points,
-        }
-    }
-
-    /// Integration points in all, and those that counted.
-    pub fn points(&self) -> (usize, usize) {
-        self.points
+        PassRows { names, rows }
     }
 
     /// Appends the rows that have support and can move to `gaps`, split into free and prescribed
@@ -216,16 +203,8 @@ pub fn nodes_inside<const D: usize>(
     now: &[Vector<D>],
     reach: f64,
 ) -> Vec<(usize, f64)> {
-    let mut X = vec![Vector::zeros(); slave.nodes().len()];
-    for (nodes, facet) in slave.facets().zip(slave.reference()) {
-        nodes
-            .iter()
-            .zip(facet.nodes())
-            .for_each(|(&a, at)| X[a] = *at);
-    }
     let same_body = slave.body() == master.surface().body();
-    let N = averaged(slave, &X);
-    let numbers: Vec<usize> = (0..X.len()).collect();
+    let numbers: Vec<usize> = (0..slave.nodes().len()).collect();
     let facet_size = slave.facet_size();
     let gap = |(k, facing): (usize, &Vector<D>)| {
         let node = slave.nodes()[k];
@@ -233,8 +212,8 @@ pub fn nodes_inside<const D: usize>(
             x: x[node],
             facing: *facing,
             reach: if same_body { reach } else { f64::INFINITY },
-            X: X[k],
-            N: N[k],
+            X: slave.reference_nodes()[k],
+            N: slave.reference_normals()[k],
             facet_size,
             own: same_body.then_some(Own {
                 surface: slave,

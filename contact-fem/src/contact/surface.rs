@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::normals::averaged;
 use crate::element::{Facet, FacetShapes, Order, facet_edge, facet_shapes};
 use crate::tensor::Vector;
 
@@ -16,6 +17,9 @@ pub struct Surface<const D: usize> {
     facets: Vec<usize>,
     /// The facets in the reference configuration.
     reference: Vec<Facet<D>>,
+    /// X of the nodes, and the averaged normals there in the reference configuration.
+    X: Vec<Vector<D>>,
+    N: Vec<Vector<D>>,
     /// For facet and corner: whether the facet's side opposite that corner is on the surface's rim.
     rim: Vec<[bool; D]>,
     /// For each node, whether it is a corner on the rim.
@@ -43,9 +47,11 @@ impl<const D: usize> Surface<D> {
                 side.for_each(|corner| rim_corners[number[&facet[corner]]] = true);
             }
         }
-        Surface {
+        let mut surface = Surface {
             body,
             order,
+            X: nodes.iter().map(|&node| X[node]).collect(),
+            N: Vec::new(),
             rim,
             rim_corners,
             reference: facets
@@ -54,7 +60,9 @@ impl<const D: usize> Surface<D> {
                 .collect(),
             facets: facets.flatten().map(|node| number[node]).collect(),
             nodes,
-        }
+        };
+        surface.N = averaged(&surface, &surface.X);
+        surface
     }
 
     /// The body that it belongs to.
@@ -96,6 +104,16 @@ impl<const D: usize> Surface<D> {
     /// The facets in the reference configuration.
     pub fn reference(&self) -> &[Facet<D>] {
         &self.reference
+    }
+
+    /// The positions X of its own nodes (UL).
+    pub fn reference_nodes(&self) -> &[Vector<D>] {
+        &self.X
+    }
+
+    /// The averaged unit normals at its own nodes in the reference configuration.
+    pub fn reference_normals(&self) -> &[Vector<D>] {
+        &self.N
     }
 
     /// The positions of its own nodes among those of all scene nodes.
