@@ -109,12 +109,14 @@ impl Options {
             }),
             Formulation::PenalizedSlack => {
                 let mut method = PenalizedSlack::default();
-                (method.options, method.stop) = (options, stop);
+                let penalization = &mut method.penalization;
+                (penalization.options, penalization.stop) = (options, stop);
                 Box::new(method)
             }
             Formulation::Penalty => {
                 let mut method = Penalty::default();
-                (method.options, method.stop) = (options, stop);
+                let penalization = &mut method.penalization;
+                (penalization.options, penalization.stop) = (options, stop);
                 Box::new(method)
             }
         })

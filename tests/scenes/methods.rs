@@ -77,19 +77,38 @@ fn assert_order_one_half(what: &str, differences: &[(f64, f64)]) {
     );
 }
 
-/// (37) → (7) at full load, from (7)'s solution or from rest.
-fn assert_slacks_converge<const D: usize>(problem: &mut Problem<D>, start: &[f64]) {
-    let exact = solved(problem, &mut InteriorPoint::default(), start.to_vec());
+/// At full load, from `start`: energies below the limit's, and both energies and displacements tend
+/// to it at order 1/2 in μ.
+fn assert_tends<const D: usize>(
+    problem: &mut Problem<D>,
+    limit: &Solution,
+    start: &[f64],
+    method: impl Fn(Continuation) -> Box<dyn Method>,
+) {
     let (mut energies, mut displacements) = (Vec::new(), Vec::new());
     for mu in MUS {
-        let mut method = PenalizedSlack::with(Continuation::fixed(mu));
-        let found = solved(problem, &mut method, start.to_vec());
-        assert!(found.energy < exact.energy, "what gives way stores less");
-        energies.push((mu, relative(found.energy, exact.energy)));
-        displacements.push((mu, distance(&found.state.u, &exact.state.u)));
+        let mut method = method(Continuation::fixed(mu));
+        let found = solved(problem, &mut *method, start.to_vec());
+        assert!(found.energy < limit.energy, "what gives way stores less");
+        energies.push((mu, relative(found.energy, limit.energy)));
+        displacements.push((mu, distance(&found.state.u, &limit.state.u)));
     }
     assert_order_one_half("energy", &energies);
     assert_order_one_half("displacements", &displacements);
+}
+
+/// (37) → (7), from (7)'s solution or from rest.
+fn assert_slacks_converge<const D: usize>(problem: &mut Problem<D>, start: &[f64]) {
+    let limit = solved(problem, &mut InteriorPoint::default(), start.to_vec());
+    let slack = |continuation| Box::new(PenalizedSlack::with(continuation)) as Box<dyn Method>;
+    assert_tends(problem, &limit, start, slack);
+}
+
+/// (39) → (7) with a constraint at every integration point, from the solution of that.
+fn assert_penalties_converge<const D: usize>(problem: &mut Problem<D>) {
+    let limit = from_rest(problem, &mut Pointwise::default());
+    let penalty = |continuation| Box::new(Penalty::with(continuation)) as Box<dyn Method>;
+    assert_tends(problem, &limit, &limit.state.u, penalty);
 }
 
 #[test]
@@ -171,28 +190,12 @@ fn what_a_penalty_lets_through_is_foretold_by_its_limit() {
     }
 }
 
-/// (39) → (7) with a constraint at every integration point.
 #[test]
 fn penalties_tend_to_their_pointwise_limit_at_order_one_half() {
     let mut problem = problem_of(coarse_hertz());
     assert_penalties_converge(&mut problem);
     let mut problem = small_beams(element::Order::Linear);
     assert_penalties_converge(&mut problem);
-}
-
-fn assert_penalties_converge<const D: usize>(problem: &mut Problem<D>) {
-    let limit = from_rest(problem, &mut Pointwise::default());
-    let start = limit.state.u.clone();
-    let (mut energies, mut displacements) = (Vec::new(), Vec::new());
-    for mu in MUS {
-        let mut method = Penalty::with(Continuation::fixed(mu));
-        let found = solved(problem, &mut method, start.clone());
-        assert!(found.energy < limit.energy, "what gives way stores less");
-        energies.push((mu, relative(found.energy, limit.energy)));
-        displacements.push((mu, distance(&found.state.u, &limit.state.u)));
-    }
-    assert_order_one_half("energy", &energies);
-    assert_order_one_half("displacements", &displacements);
 }
 
 /// Through large strains as well, for rows that are the same: the fixed point on the projections of
@@ -428,13 +431,15 @@ fn no_result_of_the_penalty_depends_on_its_move_limit() {
     let default = GAP.max(problem.scale().length);
     let limits = [None, Some(0.1), Some(1.0), Some(10.0), Some(1e-3)];
     let all = limits.map(|share| {
-        let mut method = Penalty::default();
-        method.move_limit = share.map(|share| share * default);
+        let mut method = Penalty {
+            move_limit: share.map(|share| share * default),
+            ..Penalty::default()
+        };
         let found = from_rest(&mut problem, &mut method);
         // the top goes down by the gap and what both blocks are shortened by
         let u = problem.displacements(&found.state.u);
         let top = problem.nodes(1).map(|a| u[a][1]).fold(0.0, f64::min);
-        let allowed = method.continuation.penetration * problem.scale().resolution;
+        let allowed = method.penalization.continuation.penetration * problem.scale().resolution;
         let exact = -GAP - PRESSURE / YOUNG;
         let left = exact - top;
         assert!(left.abs() < 1.001 * allowed, "{share:?}: {top} for {exact}");

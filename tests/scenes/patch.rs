@@ -1,6 +1,8 @@
 //! Patch tests: states that the elements contain exactly.
 
-use crate::common::{relative, run};
+use crate::common::{relative, run, stress_error};
+use crate::support::blocks::Blocks;
+use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Integration, Passes};
 use contact_fem::tensor::{Matrix, Vector};
@@ -92,28 +94,12 @@ fn traction_gives_the_closed_form_stretch() {
 /// `n_top` and `n_bottom` cells across, the top pressed by 0.1: exact are the pressure 1e5
 /// everywhere and u_y = −0.05 on the interface.
 fn pressed_blocks(n_top: usize, n_bottom: usize, gauss_points: usize, passes: Passes) -> f64 {
-    let mesh = |n: usize, y: f64| {
-        rectangle(
-            &linspace(0.0, 1.0, n),
-            &linspace(y, y + 1.0, n),
-            Diagonals::Rising,
-        )
-        .expect("mesh")
+    let integration = Integration::Gauss(gauss_points);
+    let blocks = Blocks {
+        passes,
+        ..Blocks::new([n_bottom, n_top], Order::Linear, integration)
     };
-    let law = LinearElastic::new(2e6, 0.0).expect("law");
-    let mut bottom = Body::new(mesh(n_bottom, 0.0), law);
-    bottom
-        .prescribe("bottom", [Some(0.0), Some(0.0)])
-        .expect("support");
-    let mut top = Body::new(mesh(n_top, 1.0), law);
-    top.prescribe("top", [Some(0.0), Some(-0.1)])
-        .expect("support");
-    let mut scene = Scene::new(vec![bottom, top]);
-    scene.integration = Integration::Gauss(gauss_points);
-    let surfaces = ((0, "top"), (1, "bottom"));
-    scene
-        .contact_in_passes(surfaces.0, surfaces.1, passes)
-        .expect("surfaces");
+    let scene = blocks.plane().expect("a scene");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);
     let step = history.steps.last().expect("converged");
@@ -129,14 +115,7 @@ fn pressed_blocks(n_top: usize, n_bottom: usize, gauss_points: usize, passes: Pa
             );
         }
     }
-    let mut worst: f64 = 0.0;
-    for (body, energy) in problem.body_energies().iter().enumerate() {
-        let mesh = problem.scene().bodies()[body].mesh();
-        for state in energy.cell_states(mesh, &U[problem.nodes(body)]) {
-            worst = worst.max((state.sigma[(1, 1)] + 1e5).abs() / 1e5);
-        }
-    }
-    worst
+    stress_error(&problem, &U, -1e5)
 }
 
 /// Gauss points do not integrate across the other mesh's kinks. An independent implementation
@@ -189,16 +168,8 @@ fn pressure_driven_blocks() {
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);
     let U = problem.displacements(&history.run.state.u);
-    for (body, energy) in problem.body_energies().iter().enumerate() {
-        let mesh = problem.scene().bodies()[body].mesh();
-        for state in energy.cell_states(mesh, &U[problem.nodes(body)]) {
-            assert!(
-                relative(state.sigma[(1, 1)], -10.0) < 1e-3,
-                "{}",
-                state.sigma
-            );
-        }
-    }
+    let error = stress_error(&problem, &U, -10.0);
+    assert!(error < 1e-3, "{error}");
 }
 
 /// A fine neo-Hookean block pressed by half its height in one increment: the first row of cells

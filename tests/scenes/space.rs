@@ -1,6 +1,7 @@
 //! Contact in space, of linear and quadratic tetrahedra: patch test, and what must not matter.
 
-use crate::common::{relative, run, run_with};
+use crate::common::{relative, run, run_with, stress_error};
+use crate::support::blocks::Blocks;
 use contact_core::InteriorPoint;
 use contact_core::load_steps::RunOutcome;
 use contact_fem::element::Order;
@@ -8,7 +9,7 @@ use contact_fem::mesh::generators::cuboid;
 use contact_fem::scene::{Integration, Problem};
 use contact_fem::simulation::History;
 use contact_fem::tensor::{Matrix, Vector};
-use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
+use contact_fem::{Body, Mesh, NeoHookean, Scene};
 
 fn block(order: Order, low: [f64; 3], size: [f64; 3], divisions: usize) -> Mesh<3> {
     let mesh = cuboid(low, size, [divisions; 3]).expect("mesh");
@@ -21,29 +22,16 @@ fn block(order: Order, low: [f64; 3], size: [f64; 3], divisions: usize) -> Mesh<
 /// The largest relative error of σ_zz in two unit cubes of ν = 0 with `n_bottom` and `n_top` cells
 /// an edge, the top pressed by 0.1: exact are σ_zz = −1e5 and u_z = −0.05 on the interface.
 fn pressed_cubes(order: Order, n_bottom: usize, n_top: usize, gauss_points: usize) -> f64 {
-    let law = LinearElastic::new(2e6, 0.0).expect("law");
-    let mut bottom = Body::new(block(order, [0.0; 3], [1.0; 3], n_bottom), law);
-    bottom.prescribe("bottom", [Some(0.0); 3]).expect("support");
-    let mut top = Body::new(block(order, [0.0, 0.0, 1.0], [1.0; 3], n_top), law);
-    top.prescribe("top", [Some(0.0), Some(0.0), Some(-0.1)])
-        .expect("support");
-    let mut scene = Scene::new(vec![bottom, top]);
-    scene.integration = Integration::Gauss(gauss_points);
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    let integration = Integration::Gauss(gauss_points);
+    let blocks = Blocks::new([n_bottom, n_top], order, integration);
+    let scene = blocks.space().expect("a scene");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);
     let step = history.steps.last().expect("converged");
     assert!(relative(step.reactions[0][2], 1e5) < 1e-3);
     assert!(relative(step.energy, 0.5e4) < 1e-3);
     let U = problem.displacements(&history.run.state.u);
-    let mut worst: f64 = 0.0;
-    for (body, energy) in problem.body_energies().iter().enumerate() {
-        let mesh = problem.scene().bodies()[body].mesh();
-        for state in energy.cell_states(mesh, &U[problem.nodes(body)]) {
-            worst = worst.max((state.sigma[(2, 2)] + 1e5).abs() / 1e5);
-        }
-    }
-    worst
+    stress_error(&problem, &U, -1e5)
 }
 
 /// Gauss points do not integrate across the other mesh's kinks, which here run through facets in all

@@ -15,8 +15,11 @@ mod scaled;
 
 #[cfg(feature = "ipopt")]
 pub use {
-    continuation::Continuation, interior_point::InteriorPoint, penalized::eta,
-    penalized_slack::PenalizedSlack, penalty::Penalty,
+    continuation::Continuation,
+    interior_point::InteriorPoint,
+    penalized::{Penalization, eta},
+    penalized_slack::PenalizedSlack,
+    penalty::Penalty,
 };
 
 use crate::nlp::Bounds;

@@ -5,14 +5,15 @@
 //! Newton's steps are the same.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::scaled::ScaledEnergy;
-use super::{Continuation, Minimum, Solved, Subproblem};
+use super::scaled::{Scaled, attainable, settings};
+use super::{Continuation, Effort, Minimum, Solved, Subproblem};
 use crate::ipopt::{Options, Run, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
-use crate::{Error, LinearGaps, State};
+use crate::{Error, Scale, State};
 
 /// η of (38) with its first and second derivative: 0, −x³, and 3x² + 3x + 1 below −1; convex and
 /// twice continuously differentiable.
@@ -26,7 +27,7 @@ pub fn eta(x: f64) -> [f64; 3] {
     }
 }
 
-/// Where the slope of η is −`force` ≥ −∞: the slack that pushes back with it.
+/// The slack that pushes back with `force` ≥ 0: where the slope of η is −`force`.
 fn slack(force: f64) -> f64 {
     if force <= 3.0 {
         -(force / 3.0).sqrt()
@@ -49,26 +50,48 @@ fn secant(s: f64, force: f64) -> f64 {
     (eta(s)[1] - eta(balanced)[1]) / apart
 }
 
-/// How a penalised subproblem is to be solved.
+/// What methods (37) and (39) are told alike.
+#[derive(Clone, Debug)]
+pub struct Penalization {
+    /// How μ grows.
+    pub continuation: Continuation,
+    /// Ipopt's `tol`, relative to the scales.
+    pub tolerance: f64,
+    /// Iterations before a solve is given up.
+    pub max_iterations: usize,
+    /// More options for Ipopt by name; they override everything set here.
+    pub options: Options,
+    /// Raising this flag stops a running solve at its next iteration.
+    pub stop: Option<Arc<AtomicBool>>,
+    /// μ at the last solution; a warm start goes on from there.
+    reached: f64,
+}
+
+impl Default for Penalization {
+    fn default() -> Self {
+        Penalization {
+            continuation: Continuation::default(),
+            tolerance: 1e-12,
+            max_iterations: 300,
+            options: Options::new(),
+            stop: None,
+            reached: 0.0,
+        }
+    }
+}
+
+/// A subproblem with slacks that are penalised.
 pub(super) struct Penalized<'a> {
+    pub subproblem: &'a Subproblem<'a>,
     /// w_i, one a row.
     pub weights: Vec<f64>,
     /// ε over [`Scale::length`](crate::Scale), infinite for none.
     pub slack_bound: f64,
     /// How far an unknown may move within one solve (UL).
     pub move_limit: Option<f64>,
-    pub continuation: Continuation,
-    pub tolerance: f64,
-    pub max_iterations: usize,
-    pub options: &'a Options,
-    pub stop: Option<&'a AtomicBool>,
 }
 
-impl Penalized<'_> {
-    /// A solve that cannot make progress any more counts as solved up to this many tolerances.
-    const ATTAINABLE: f64 = 100.0;
-    /// Tolerances closer to round-off than this are not asked for.
-    const ABOVE_ROUNDOFF: f64 = 10.0;
+impl Penalization {
     /// By how much a move limit that holds something back grows, and how often it may: displacements
     /// of slender bodies are many times what the scene's scale tells.
     const WIDER: f64 = 10.0;
@@ -77,79 +100,64 @@ impl Penalized<'_> {
     const AT_BOUND: f64 = 0.999;
 
     /// Solves for μ after μ, from where the last subproblem left off if `start` has multipliers.
-    pub fn minimize(
-        &self,
-        subproblem: &Subproblem<'_>,
+    pub(super) fn minimize(
+        &mut self,
+        problem: &Penalized<'_>,
         start: &State,
-        reached: &mut f64,
     ) -> Result<Minimum, Error> {
         self.continuation.validate()?;
         let Continuation { start: first, .. } = self.continuation;
         let warm = !start.multipliers.is_empty();
-        let resumed = if warm { first.max(*reached) } else { first };
-        let mut minimum = self.from(resumed, subproblem, start, reached)?;
+        let resumed = if warm { first.max(self.reached) } else { first };
+        let mut minimum = self.from(resumed, problem, start)?;
         if resumed > first && matches!(minimum.solved, Solved::Failed(_)) {
             let spent = minimum.effort;
-            minimum = self.from(first, subproblem, start, reached)?;
+            minimum = self.from(first, problem, start)?;
             minimum.effort += spent;
         }
         Ok(minimum)
     }
 
     /// The continuation from μ on.
-    fn from(
-        &self,
-        mu: f64,
-        subproblem: &Subproblem<'_>,
-        start: &State,
-        reached: &mut f64,
-    ) -> Result<Minimum, Error> {
+    fn from(&mut self, mu: f64, problem: &Penalized<'_>, start: &State) -> Result<Minimum, Error> {
         let clock = Instant::now();
-        let scale = subproblem.scale;
+        let scale = problem.subproblem.scale;
         let mut lifted = Lifted {
-            energy: ScaledEnergy::new(subproblem, self.stop),
-            gaps: subproblem.gaps,
-            weights: &self.weights,
+            scaled: Scaled::new(problem.subproblem, self.stop.as_deref()),
+            weights: &problem.weights,
             mu,
         };
-        let mut limit = self.move_limit.map(|limit| limit / scale.length);
-        let multipliers = (!start.multipliers.is_empty()).then(|| lifted.multipliers(start));
-        let mut x = lifted.start(start, multipliers.as_ref(), self.slack_bound);
-        let bounds = self.variables(subproblem, &x, limit);
-        let mut sequence = Sequence::new(
-            structure(subproblem, bounds)?,
-            self.settings(subproblem),
-            &x,
-        )?;
+        let n = lifted.scaled.dofs();
+        let mut limit = problem.move_limit.map(|limit| limit / scale.length);
+        let (mut x, multipliers) = lifted.start(start, problem.slack_bound);
+        let structure = problem.structure(problem.bounds(&x, limit))?;
+        let mut sequence = Sequence::new(structure, self.settings(&scale), &x)?;
         sequence.restart(&x, multipliers)?;
-        let allowed = self.continuation.allowed(&scale);
         let mut moves = 0;
-        let (run, solved) = loop {
+        let (run, failed) = loop {
             let run = sequence.solve(&mut lifted)?;
-            let solved = lifted.energy.solved(&run);
-            if solved != Solved::Optimal {
-                break (run, solved);
+            if !run.solved {
+                break (run, None);
             }
-            let n = lifted.energy.dofs();
             let steps = run.solution.x.iter().zip(&x).take(n);
             let step = steps.fold(0.0, |step: f64, (a, b)| step.max((a - b).abs()));
             x.clone_from(&run.solution.x);
             if limit.is_some_and(|limit| step > Self::AT_BOUND * limit) && moves < Self::MOVES {
                 moves += 1;
                 limit = limit.map(|limit| Self::WIDER * limit);
-                let bounds = self.variables(subproblem, &x, limit);
-                sequence.set_bounds(bounds, Bounds::zero(subproblem.gaps.len()))?;
+                let rows = Bounds::zero(problem.weights.len());
+                sequence.set_bounds(problem.bounds(&x, limit), rows)?;
                 continue;
             }
             let depth = x[n..].iter().fold(0.0, |depth: f64, s| depth.max(-s));
-            let is_through = depth > Self::AT_BOUND * self.slack_bound;
-            if depth <= allowed && !is_through {
-                *reached = lifted.mu;
-                break (run, Solved::Optimal);
+            let is_through = depth > Self::AT_BOUND * problem.slack_bound;
+            if depth <= self.continuation.allowed(&scale) && !is_through {
+                self.reached = lifted.mu;
+                break (run, None);
             }
             if lifted.mu >= self.continuation.limit {
-                let why = format!("penetration {:.2e} at the last μ", depth * scale.length);
-                break (run, Solved::Failed(why));
+                let depth = depth * scale.length;
+                break (run, Some(format!("penetration {depth:.2e} at the last μ")));
             }
             lifted.mu = (lifted.mu * self.continuation.growth).min(self.continuation.limit);
             if let Some(multipliers) = &run.solution.multipliers {
@@ -158,16 +166,31 @@ impl Penalized<'_> {
             }
         };
         let wall = clock.elapsed().as_secs_f64();
-        let effort = lifted.energy.effort(sequence.totals(), &run, wall);
-        Ok(Minimum {
-            solved,
-            effort,
-            ..lifted.minimum(run)
-        })
+        let effort = lifted.scaled.effort(sequence.totals(), &run, wall);
+        let mut minimum = lifted.minimum(run, effort);
+        if let Some(why) = failed {
+            minimum.solved = Solved::Failed(why);
+        }
+        Ok(minimum)
     }
 
+    fn settings(&self, scale: &Scale) -> SequenceSettings {
+        let tolerance = attainable(self.tolerance, scale);
+        let warm = Options::new().with("max_iter", self.max_iterations);
+        settings(
+            tolerance,
+            tolerance,
+            self.max_iterations,
+            warm,
+            &self.options,
+        )
+    }
+}
+
+impl Penalized<'_> {
     /// Bounds on (u, s)/L: those of the subproblem within the move limit around `x`, and s ≥ −ε.
-    fn variables(&self, subproblem: &Subproblem<'_>, x: &[f64], limit: Option<f64>) -> Bounds {
+    fn bounds(&self, x: &[f64], limit: Option<f64>) -> Bounds {
+        let subproblem = self.subproblem;
         let n = subproblem.energy.dofs();
         let mut bounds = Bounds::uniform(x.len(), -self.slack_bound, f64::INFINITY);
         let limit = limit.unwrap_or(f64::INFINITY);
@@ -184,66 +207,54 @@ impl Penalized<'_> {
         bounds
     }
 
-    fn settings(&self, subproblem: &Subproblem<'_>) -> SequenceSettings {
-        let tolerance = self.tolerance;
-        let tolerance = tolerance.max(Self::ABOVE_ROUNDOFF * subproblem.scale.roundoff);
-        let options = Options::new()
-            .with("tol", tolerance)
-            .with("compl_inf_tol", tolerance)
-            .with("acceptable_tol", Self::ATTAINABLE * tolerance)
-            .with("mu_strategy", "adaptive")
-            .with("nlp_scaling_method", "none")
-            .with("max_iter", self.max_iterations);
-        let warm = Options::new().with("max_iter", self.max_iterations);
-        SequenceSettings {
-            options: options.and(self.options),
-            warm: warm.and(self.options),
-            attainable_error: Self::ATTAINABLE * tolerance,
-            ..SequenceSettings::default()
+    /// The variables (u, s)/L within `bounds`, and the equalities C u + c₀ − s = 0.
+    fn structure(&self, bounds: Bounds) -> Result<Structure, Error> {
+        let Subproblem { energy, gaps, .. } = *self.subproblem;
+        let (n, m) = (energy.dofs(), gaps.len());
+        let mut jacobian: Pattern = gaps.entries().map(|(i, j, _)| (i, j)).collect();
+        let mut hessian = energy.hessian_pattern().clone();
+        for i in 0..m {
+            jacobian.push(i, n + i);
+            hessian.push(n + i, n + i);
         }
+        let structure = Structure::new(bounds, Bounds::zero(m), jacobian, Some(hessian))?;
+        Ok(structure.with_constant_jacobian(true))
     }
-}
-
-fn structure(subproblem: &Subproblem<'_>, variables: Bounds) -> Result<Structure, Error> {
-    let Subproblem { energy, gaps, .. } = *subproblem;
-    let (n, m) = (energy.dofs(), gaps.len());
-    let mut jacobian: Pattern = gaps.entries().map(|(i, j, _)| (i, j)).collect();
-    let mut hessian = energy.hessian_pattern().clone();
-    for i in 0..m {
-        jacobian.push(i, n + i);
-        hessian.push(n + i, n + i);
-    }
-    let structure = Structure::new(variables, Bounds::zero(m), jacobian, Some(hessian))?;
-    Ok(structure.with_constant_jacobian(true))
 }
 
 /// The subproblem for one μ in Ipopt's numbers: x = (u, s)/L and f = E/E₀ + μ Σ w η(s).
 struct Lifted<'a> {
-    energy: ScaledEnergy<'a>,
-    gaps: &'a LinearGaps,
+    scaled: Scaled<'a>,
     weights: &'a [f64],
     mu: f64,
 }
 
 impl Lifted<'_> {
     /// u and its gaps, which may not be negative beyond the bound; where there are forces already,
-    /// slacks that push back with them.
-    fn start(&self, state: &State, forces: Option<&Multipliers>, slack_bound: f64) -> Vec<f64> {
-        let mut c = vec![0.0; self.gaps.len()];
-        self.gaps.value(&state.u, &mut c);
-        let scaled = |v: &f64| v / self.energy.length;
-        let slacks = c.iter().map(|c| scaled(c).max(-slack_bound));
-        let mut x: Vec<f64> = state.u.iter().map(scaled).chain(slacks).collect();
-        if let Some(forces) = forces {
+    /// slacks that push back with them, and these forces.
+    fn start(&mut self, state: &State, slack_bound: f64) -> (Vec<f64>, Option<Multipliers>) {
+        let mut x = self.scaled.displacements(state);
+        let mut slacks = vec![0.0; self.weights.len()];
+        self.scaled.constraints(&x, &mut slacks);
+        x.extend(slacks.iter().map(|s| s.max(-slack_bound)));
+        let warm = !state.multipliers.is_empty();
+        let forces = warm.then(|| self.scaled.multipliers(state, x.len()));
+        if let Some(forces) = &forces {
             self.push_back(forces, &mut x);
         }
-        x
+        (x, forces)
+    }
+
+    /// The slacks in x and their weights.
+    fn slacks<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let slacks = x[self.scaled.dofs()..].iter().copied();
+        slacks.zip(self.weights.iter().copied())
     }
 
     /// Sets the slacks to those whose penalty is in balance with the contact forces, where there
     /// are any. The equalities are linear: one Newton step brings displacements into line.
     fn push_back(&self, forces: &Multipliers, x: &mut [f64]) {
-        let slacks = x[self.energy.dofs()..].iter_mut().zip(self.weights);
+        let slacks = x[self.scaled.dofs()..].iter_mut().zip(self.weights);
         for ((s, w), multiplier) in slacks.zip(&forces.constraints) {
             if *multiplier < 0.0 {
                 *s = slack(-multiplier / (self.mu * w));
@@ -251,61 +262,33 @@ impl Lifted<'_> {
         }
     }
 
-    /// The multipliers of a state as Ipopt wants them.
-    fn multipliers(&self, state: &State) -> Multipliers {
-        let (n, m) = (self.energy.dofs(), self.gaps.len());
-        let scaled = |&key| -state.multipliers.of(key) / self.energy.force(1.0);
-        Multipliers {
-            constraints: self.gaps.keys().iter().map(scaled).collect(),
-            lower: vec![0.0; n + m],
-            upper: vec![0.0; n + m],
-        }
-    }
-
     /// Back in the user's units; E without the penalty.
-    fn minimum(self, run: Run) -> Minimum {
-        let solution = run.solution;
-        let penalty: f64 = self.penalty(&solution.x);
-        let force = |l: f64| self.energy.force(-l).max(0.0);
-        let n = self.energy.dofs();
-        Minimum {
-            solved: Solved::Optimal,
-            u: solution.x[..n]
-                .iter()
-                .map(|x| x * self.energy.length)
-                .collect(),
-            lambda: solution.multipliers.map_or_else(
-                || vec![0.0; self.gaps.len()],
-                |m| m.constraints.into_iter().map(force).collect(),
-            ),
-            energy: (solution.objective - penalty) * self.energy.unit,
-            effort: Default::default(),
-        }
+    fn minimum(&self, mut run: Run, effort: Effort) -> Minimum {
+        run.solution.objective -= self.penalty(&run.solution.x);
+        self.scaled.minimum(run, effort)
     }
 
     /// μ Σ w η(s).
     fn penalty(&self, x: &[f64]) -> f64 {
-        let slacks = x[self.energy.dofs()..].iter().zip(self.weights);
-        self.mu * slacks.map(|(s, w)| w * eta(*s)[0]).sum::<f64>()
+        let penalties = self.slacks(x).map(|(s, w)| w * eta(s)[0]);
+        self.mu * penalties.sum::<f64>()
     }
 
     /// The derivatives of the penalty, one a slack.
     fn slopes(&self, x: &[f64], slopes: &mut [f64]) {
-        let slacks = x[self.energy.dofs()..].iter().zip(self.weights);
-        for (slope, (s, w)) in slopes.iter_mut().zip(slacks) {
-            *slope = self.mu * w * eta(*s)[1];
+        for (slope, (s, w)) in slopes.iter_mut().zip(self.slacks(x)) {
+            *slope = self.mu * w * eta(s)[1];
         }
     }
 
     /// The penalty's curvatures, one a slack, as far as `multipliers` of the Lagrangian with this
     /// share of the objective foretell forces.
     fn curvatures(&self, x: &[f64], share: f64, multipliers: &[f64], curvatures: &mut [f64]) {
-        let slacks = x[self.energy.dofs()..].iter().zip(self.weights);
-        let all = curvatures.iter_mut().zip(slacks).zip(multipliers);
+        let all = curvatures.iter_mut().zip(self.slacks(x)).zip(multipliers);
         for ((curvature, (s, w)), multiplier) in all {
             let stiffness = share * self.mu * w;
             *curvature = match stiffness > 0.0 {
-                true => stiffness * secant(*s, -multiplier / stiffness),
+                true => stiffness * secant(s, -multiplier / stiffness),
                 false => 0.0,
             };
         }
@@ -314,33 +297,29 @@ impl Lifted<'_> {
 
 impl Nlp for Lifted<'_> {
     fn begin(&mut self, x: &[f64]) {
-        self.energy.begin(x);
+        self.scaled.begin(x);
     }
 
     fn objective(&mut self, x: &[f64], _new_x: bool) -> f64 {
-        self.energy.value(x) + self.penalty(x)
+        self.scaled.value(x) + self.penalty(x)
     }
 
     fn gradient(&mut self, x: &[f64], _new_x: bool, gradient: &mut [f64]) {
-        let (of_u, of_s) = gradient.split_at_mut(self.energy.dofs());
-        self.energy.gradient(x, of_u);
+        let (of_u, of_s) = gradient.split_at_mut(self.scaled.dofs());
+        self.scaled.gradient(x, of_u);
         self.slopes(x, of_s);
     }
 
     fn constraints(&mut self, x: &[f64], _new_x: bool, g: &mut [f64]) {
-        let gaps = self.gaps;
-        self.energy.timed(x, |energy| {
-            gaps.value(energy.u(), g);
-            let slacks = &x[energy.dofs()..];
-            let all = g.iter_mut().zip(slacks);
-            all.for_each(|(g, s)| *g = *g / energy.length - s);
-        });
+        self.scaled.constraints(x, g);
+        let all = g.iter_mut().zip(self.slacks(x));
+        all.for_each(|(g, (s, _))| *g -= s);
     }
 
     fn jacobian(&mut self, _x: &[f64], _new_x: bool, values: &mut [f64]) {
-        let coefficients = self.gaps.entries().map(|entry| entry.2);
-        let all = coefficients.chain(std::iter::repeat(-1.0));
-        values.iter_mut().zip(all).for_each(|(v, c)| *v = c);
+        let (of_u, of_s) = values.split_at_mut(values.len() - self.weights.len());
+        self.scaled.jacobian(of_u);
+        of_s.fill(-1.0);
     }
 
     fn hessian(
@@ -351,16 +330,13 @@ impl Nlp for Lifted<'_> {
         multipliers: &[f64],
         values: &mut [f64],
     ) {
-        let (of_u, of_s) = values.split_at_mut(values.len() - self.gaps.len());
-        self.energy.hessian(x, objective_factor, of_u);
+        let (of_u, of_s) = values.split_at_mut(values.len() - self.weights.len());
+        self.scaled.hessian(x, objective_factor, of_u);
         self.curvatures(x, objective_factor, multipliers, of_s);
     }
 
     fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {
-        match self.energy.is_stopped() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
+        self.scaled.flow()
     }
 }
 

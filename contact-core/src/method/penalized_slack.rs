@@ -1,11 +1,7 @@
 //! Method (37): min E(u) + μ Σ η(s_i) subject to C u + c₀ − s = 0 and s ≥ −ε.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
-use super::penalized::Penalized;
+use super::penalized::{Penalization, Penalized};
 use super::{Continuation, Method, Minimum, Subproblem};
-use crate::ipopt::Options;
 use crate::{Error, State};
 
 /// The penalised slack (37): slacks may be negative, at the price μ η of (38).
@@ -15,32 +11,17 @@ use crate::{Error, State};
 /// keeps a body that nothing but contact holds from falling through while μ is small.
 #[derive(Clone, Debug)]
 pub struct PenalizedSlack {
-    /// How μ grows.
-    pub continuation: Continuation,
+    /// How μ grows, and how every solve is done.
+    pub penalization: Penalization,
     /// ε in units of [`Scale::length`](crate::Scale).
     pub bound: f64,
-    /// Ipopt's `tol`, relative to the scales.
-    pub tolerance: f64,
-    /// Iterations before a solve is given up.
-    pub max_iterations: usize,
-    /// More options for Ipopt by name; they override everything set here.
-    pub options: Options,
-    /// Raising this flag stops a running solve at its next iteration.
-    pub stop: Option<Arc<AtomicBool>>,
-    /// μ at the last solution; a warm start goes on from there.
-    reached: f64,
 }
 
 impl Default for PenalizedSlack {
     fn default() -> Self {
         PenalizedSlack {
-            continuation: Continuation::default(),
+            penalization: Penalization::default(),
             bound: 1.0,
-            tolerance: 1e-12,
-            max_iterations: 300,
-            options: Options::new(),
-            stop: None,
-            reached: 0.0,
         }
     }
 }
@@ -48,10 +29,9 @@ impl Default for PenalizedSlack {
 impl PenalizedSlack {
     /// All by default but the continuation.
     pub fn with(continuation: Continuation) -> Self {
-        PenalizedSlack {
-            continuation,
-            ..PenalizedSlack::default()
-        }
+        let mut method = PenalizedSlack::default();
+        method.penalization.continuation = continuation;
+        method
     }
 }
 
@@ -64,16 +44,12 @@ impl Method for PenalizedSlack {
                 remedy: "a positive multiple of the scale of lengths, such as 1",
             });
         }
-        Penalized {
+        let problem = Penalized {
+            subproblem,
             weights: vec![1.0; subproblem.gaps.len()],
             slack_bound: self.bound,
             move_limit: None,
-            continuation: self.continuation,
-            tolerance: self.tolerance,
-            max_iterations: self.max_iterations,
-            options: &self.options,
-            stop: self.stop.as_deref(),
-        }
-        .minimize(subproblem, start, &mut self.reached)
+        };
+        self.penalization.minimize(&problem, start)
     }
 }

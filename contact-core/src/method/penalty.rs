@@ -1,11 +1,7 @@
 //! Method (39): min E(u) + μ ∫ η(g) ds over the surfaces of all bodies, within bounds on u.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
-use super::penalized::Penalized;
+use super::penalized::{Penalization, Penalized};
 use super::{Continuation, Method, Minimum, Subproblem};
-use crate::ipopt::Options;
 use crate::{ContactProblem, Error, LinearGaps, State};
 
 /// The penalty (39) on the gaps of all integration points, with η of (38); no constraints.
@@ -16,47 +12,22 @@ use crate::{ContactProblem, Error, LinearGaps, State};
 /// bound, which the paper calls not obvious. Here it is a move limit: within one solve no unknown
 /// leaves its start by more. If one gets there the solve is repeated around the new point with ten
 /// times the limit, so that no result depends on it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Penalty {
-    /// How μ grows.
-    pub continuation: Continuation,
+    /// How μ grows, and how every solve is done.
+    pub penalization: Penalization,
     /// How far an unknown may move in one solve (UL). By default as far as the largest gap in reach
     /// is open, so that it may close, or [`Scale::length`](crate::Scale) if that is more, so that
     /// bodies that touch already may deform.
     pub move_limit: Option<f64>,
-    /// Ipopt's `tol`, relative to the scales.
-    pub tolerance: f64,
-    /// Iterations before a solve is given up.
-    pub max_iterations: usize,
-    /// More options for Ipopt by name; they override everything set here.
-    pub options: Options,
-    /// Raising this flag stops a running solve at its next iteration.
-    pub stop: Option<Arc<AtomicBool>>,
-    /// μ at the last solution; a warm start goes on from there.
-    reached: f64,
-}
-
-impl Default for Penalty {
-    fn default() -> Self {
-        Penalty {
-            continuation: Continuation::default(),
-            move_limit: None,
-            tolerance: 1e-12,
-            max_iterations: 300,
-            options: Options::new(),
-            stop: None,
-            reached: 0.0,
-        }
-    }
 }
 
 impl Penalty {
     /// All by default but the continuation.
     pub fn with(continuation: Continuation) -> Self {
-        Penalty {
-            continuation,
-            ..Penalty::default()
-        }
+        let mut method = Penalty::default();
+        method.penalization.continuation = continuation;
+        method
     }
 
     /// The move limit for a start at which the gaps are those of `subproblem` at `u` (UL).
@@ -86,16 +57,12 @@ impl Method for Penalty {
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
         let area = subproblem.scale.area;
         let weights = subproblem.gaps.weights().iter();
-        Penalized {
+        let problem = Penalized {
+            subproblem,
             weights: weights.map(|weight| weight / area).collect(),
             slack_bound: f64::INFINITY,
             move_limit: Some(self.limit(subproblem, &start.u)?),
-            continuation: self.continuation,
-            tolerance: self.tolerance,
-            max_iterations: self.max_iterations,
-            options: &self.options,
-            stop: self.stop.as_deref(),
-        }
-        .minimize(subproblem, start, &mut self.reached)
+        };
+        self.penalization.minimize(&problem, start)
     }
 }

@@ -1,16 +1,19 @@
-//! E(u) in numbers that are O(1): x = u/L, f = E/E₀, and the guard of its domain.
+//! A subproblem in numbers that are O(1): x = u/L, f = E/E₀, g = c/L, and the way back.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use super::{Effort, Factor, Solved, Subproblem};
-use crate::Energy;
-use crate::ipopt::{Run, Totals};
+use super::{Effort, Factor, Minimum, Solved, Subproblem};
+use crate::ipopt::{Options, Run, SequenceSettings, Totals};
+use crate::nlp::Multipliers;
+use crate::{Energy, LinearGaps, Scale, State};
 
-/// The energy of a subproblem as Ipopt sees it, and what evaluating it has cost. The x of its
-/// functions may go on after the n displacements.
-pub(super) struct ScaledEnergy<'a> {
+/// A subproblem as Ipopt sees it, the guard of its domain, and what evaluating it has cost. The x of
+/// its functions may go on after the n displacements.
+pub(super) struct Scaled<'a> {
     energy: &'a dyn Energy,
+    gaps: &'a LinearGaps,
     /// L (UL) and E₀ (UF·UL).
     pub length: f64,
     pub unit: f64,
@@ -26,15 +29,16 @@ pub(super) struct ScaledEnergy<'a> {
     seconds: f64,
 }
 
-impl<'a> ScaledEnergy<'a> {
+impl<'a> Scaled<'a> {
     /// The J guard: a trial with a domain function below this share of its last accepted value is
     /// inadmissible.
     const GUARD: f64 = 0.1;
 
     pub fn new(subproblem: &Subproblem<'a>, stop: Option<&'a AtomicBool>) -> Self {
         let energy = subproblem.energy;
-        ScaledEnergy {
+        Scaled {
             energy,
+            gaps: subproblem.gaps,
             length: subproblem.scale.length,
             unit: subproblem.scale.energy,
             u: vec![0.0; energy.dofs()],
@@ -53,17 +57,54 @@ impl<'a> ScaledEnergy<'a> {
         self.u.len()
     }
 
-    pub fn is_stopped(&self) -> bool {
+    fn is_stopped(&self) -> bool {
         self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
-    /// A force (UF) from one in Ipopt's numbers.
-    pub fn force(&self, scaled: f64) -> f64 {
-        scaled * self.unit / self.length
+    /// Whether Ipopt may go on.
+    pub fn flow(&self) -> ControlFlow<()> {
+        match self.is_stopped() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
     }
 
-    /// Runs `f` on the energy and u = L x, and counts the time.
-    pub fn timed<T>(&mut self, x: &[f64], f: impl FnOnce(&mut Self) -> T) -> T {
+    /// u/L.
+    pub fn displacements(&self, state: &State) -> Vec<f64> {
+        state.u.iter().map(|u| u / self.length).collect()
+    }
+
+    /// The multipliers −λ L/E₀ of a state as Ipopt wants them, for that many variables.
+    pub fn multipliers(&self, state: &State, variables: usize) -> Multipliers {
+        let scale = self.length / self.unit;
+        let scaled = |&key| -state.multipliers.of(key) * scale;
+        Multipliers {
+            constraints: self.gaps.keys().iter().map(scaled).collect(),
+            lower: vec![0.0; variables],
+            upper: vec![0.0; variables],
+        }
+    }
+
+    /// Back in the user's units, λ kept ≥ 0.
+    pub fn minimum(&self, run: Run, effort: Effort) -> Minimum {
+        let solved = self.solved(&run);
+        let solution = run.solution;
+        let force = |l: f64| (-l * self.unit / self.length).max(0.0);
+        let u = &solution.x[..self.dofs()];
+        Minimum {
+            solved,
+            u: u.iter().map(|x| x * self.length).collect(),
+            lambda: solution.multipliers.map_or_else(
+                || vec![0.0; self.gaps.len()],
+                |m| m.constraints.into_iter().map(force).collect(),
+            ),
+            energy: solution.objective * self.unit,
+            effort,
+        }
+    }
+
+    /// Runs `f` on the subproblem and u = L x, and counts the time.
+    fn timed<T>(&mut self, x: &[f64], f: impl FnOnce(&mut Self) -> T) -> T {
         let clock = Instant::now();
         for (u, x) in self.u.iter_mut().zip(x) {
             *u = x * self.length;
@@ -71,11 +112,6 @@ impl<'a> ScaledEnergy<'a> {
         let result = f(self);
         self.seconds += clock.elapsed().as_secs_f64();
         result
-    }
-
-    /// u, within [`ScaledEnergy::timed`].
-    pub fn u(&self) -> &[f64] {
-        &self.u
     }
 
     /// Where a solve begins counts as accepted.
@@ -118,6 +154,22 @@ impl<'a> ScaledEnergy<'a> {
         });
     }
 
+    /// g = c/L (m).
+    pub fn constraints(&mut self, x: &[f64], g: &mut [f64]) {
+        self.timed(x, |this| {
+            this.gaps.value(&this.u, g);
+            g.iter_mut().for_each(|g| *g /= this.length);
+        });
+    }
+
+    /// The nonzeros of C, which are those of ∇g.
+    pub fn jacobian(&mut self, values: &mut [f64]) {
+        let clock = Instant::now();
+        let entries = values.iter_mut().zip(self.gaps.entries());
+        entries.for_each(|(value, entry)| *value = entry.2);
+        self.seconds += clock.elapsed().as_secs_f64();
+    }
+
     /// How a run ended.
     pub fn solved(&self, run: &Run) -> Solved {
         match run.solution.status {
@@ -146,5 +198,40 @@ impl<'a> ScaledEnergy<'a> {
                 reallocations: mumps.reallocations,
             }),
         }
+    }
+}
+
+/// A solve that cannot make progress any more counts as solved up to this many tolerances.
+const ATTAINABLE: f64 = 100.0;
+/// Tolerances closer to round-off than this are not asked for.
+const ABOVE_ROUNDOFF: f64 = 10.0;
+
+/// Ipopt's tolerance for a problem of this scale.
+pub(super) fn attainable(tolerance: f64, scale: &Scale) -> f64 {
+    tolerance.max(ABOVE_ROUNDOFF * scale.roundoff)
+}
+
+/// How Ipopt is to solve subproblems in scaled numbers, to this tolerance and with this much left of
+/// complementarity. `warm` are options of warm solves, `given` those that override everything.
+pub(super) fn settings(
+    tolerance: f64,
+    complementarity: f64,
+    max_iterations: usize,
+    warm: Options,
+    given: &Options,
+) -> SequenceSettings {
+    let options = Options::new()
+        .with("tol", tolerance)
+        .with("compl_inf_tol", complementarity)
+        .with("acceptable_tol", ATTAINABLE * tolerance)
+        .with("acceptable_compl_inf_tol", ATTAINABLE * complementarity)
+        .with("mu_strategy", "adaptive")
+        .with("nlp_scaling_method", "none")
+        .with("max_iter", max_iterations);
+    SequenceSettings {
+        options: options.and(given),
+        warm: warm.and(given),
+        attainable_error: ATTAINABLE * tolerance,
+        ..SequenceSettings::default()
     }
 }

@@ -7,6 +7,7 @@ use contact_core::{InteriorPoint, Method};
 use contact_fem::mesh::generators::{Diagonals, annulus, disc};
 use contact_fem::scene::{Passes, Problem};
 use contact_fem::simulation::History;
+use contact_fem::tensor::Vector;
 use contact_fem::{Body, NeoHookean, Scene, Simulation};
 
 /// Which of the two bodies comes first in the scene.
@@ -91,6 +92,18 @@ pub fn run_with<const D: usize>(
     simulation
         .run(problem, method, |_| ControlFlow::Continue(()))
         .expect("no misuse")
+}
+
+/// The largest error of σ along the last axis in any cell, relative to `exact`.
+pub fn stress_error<const D: usize>(problem: &Problem<D>, U: &[Vector<D>], exact: f64) -> f64 {
+    let mut worst: f64 = 0.0;
+    for (body, energy) in problem.body_energies().iter().enumerate() {
+        let mesh = problem.scene().bodies()[body].mesh();
+        for state in energy.cell_states(mesh, &U[problem.nodes(body)]) {
+            worst = worst.max(relative(state.sigma[(D - 1, D - 1)], exact));
+        }
+    }
+    worst
 }
 
 /// |a − b| / |b|.
