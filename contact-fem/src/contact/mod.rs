@@ -1,6 +1,7 @@
 //! The weak non-penetration constraints, step by step:
 //! [`surface`] → [`cut`] → [`search`] → [`projection`] → [`normals`] → [`gaps`].
 
+mod clip;
 pub mod cut;
 pub mod gaps;
 pub mod normals;

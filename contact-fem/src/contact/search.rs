@@ -186,11 +186,11 @@ impl<'a, const D: usize> Master<'a, D> {
     /// How far `seeker` is from the surface (UL); on its own body, from the point that it must not
     /// penetrate, or all of its reach if there is none.
     pub(super) fn distance(&self, seeker: &Seeker<'_, D>) -> f64 {
-        let (found, else_) = match seeker.own {
+        let (found, unless) = match seeker.own {
             Some(_) => (self.find(seeker), seeker.reach),
             None => (self.project(&seeker.x), f64::INFINITY),
         };
-        found.map_or(else_, |p| p.distance)
+        found.map_or(unless, |p| p.distance)
     }
 
     /// The facets with a point within `distance` of `x`, with their indices.

@@ -128,6 +128,7 @@ pub(super) mod tests {
     }
 
     /// One tetrahedron.
+    #[cfg(any(feature = "vtk", feature = "plot"))]
     pub fn tetrahedron() -> Problem<3> {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mesh = Mesh::new(corners.to_vec(), vec![0, 1, 2, 3]).expect("a mesh");
