@@ -57,7 +57,7 @@ pub enum Outcome {
     SubproblemFailed(String),
     /// Converged, but to a state in which bodies have gone through each other.
     Tunnelled {
-        /// How deep a node is inside another body (UL).
+        /// How deep a node is inside another body, or how far it has gone through one (UL).
         depth: f64,
     },
     /// The energy is infinite at the start (J ≤ 0 somewhere): there is nowhere to begin.
@@ -81,7 +81,7 @@ impl std::fmt::Display for Outcome {
             Outcome::Tunnelled { depth } => {
                 write!(
                     f,
-                    "bodies have gone {depth:.2e} into each other: smaller steps or a longer reach"
+                    "bodies have gone {depth:.2e} into or through each other: smaller steps or a longer reach"
                 )
             }
             Outcome::InadmissibleStart => write!(f, "inadmissible start (J ≤ 0)"),

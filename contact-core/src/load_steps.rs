@@ -12,10 +12,11 @@ pub trait LoadStepped: ContactProblem {
     /// Sets loads and prescribed displacements to `factor` times their full value.
     fn set_load(&mut self, factor: f64) -> Result<(), Error>;
 
-    /// Whether the bodies have gone through each other at `u`, and how deep (UL): weak constraints
-    /// leave a little, but what exceeds a facet was missed by the search. By default nothing is
-    /// known of that. A step that tunnels is not accepted but cut.
-    fn tunnels(&self, _u: &[f64]) -> Option<f64> {
+    /// Whether the bodies have gone through each other at `u`, or on the way there from `last`,
+    /// converged at load factor `from`, and how far (UL): weak constraints leave a little, but what
+    /// exceeds a facet was missed by the search. By default nothing is known of that. A step that
+    /// tunnels is not accepted but cut.
+    fn tunnels(&self, _u: &[f64], _last: &[f64], _from: f64) -> Option<f64> {
         None
     }
 
@@ -299,7 +300,8 @@ impl Path<'_> {
         let start = prediction.unwrap_or_else(|| self.lifted(problem));
         let mut solution = self.converge(problem, method, start)?;
         if solution.outcome == Outcome::Converged {
-            if let Some(depth) = problem.tunnels(&solution.state.u) {
+            let last = &self.last;
+            if let Some(depth) = problem.tunnels(&solution.state.u, &last.state.u, last.factor) {
                 solution.outcome = Outcome::Tunnelled { depth };
             }
         }

@@ -155,3 +155,49 @@ fn coarse_facets_do_not_hide_a_tunnel() {
         assert!(ten > 10.0 && relative(one, ten) < 1e-4, "{one} {ten}");
     }
 }
+
+/// A block that would jump over a thin plate in one increment, all of whose sides may touch: where it
+/// arrives no node is inside anything. It is caught, whichever body comes first, and what comes of it is
+/// what small increments find.
+#[test]
+fn thin_bodies_are_not_jumped_over() {
+    let energy = |increments: usize, block_first: bool| {
+        let grid = |x: [f64; 2], y: [f64; 2], cells: [usize; 2]| {
+            let line = |[low, high]: [f64; 2], n| linspace(low, high, n);
+            let mut mesh =
+                rectangle(&line(x, cells[0]), &line(y, cells[1]), Diagonals::Rising).expect("mesh");
+            mesh.name_boundary("all", |_| true);
+            mesh
+        };
+        let law = |young: f64| NeoHookean::new(young, 0.3).expect("law");
+        let mut plate = Body::new(grid([0.0, 1.0], [0.0, 0.1], [20, 2]), law(1e3));
+        plate.prescribe("left", [Some(0.0); 2]).expect("support");
+        plate.prescribe("right", [Some(0.0); 2]).expect("support");
+        let mut block = Body::new(grid([0.32, 0.68], [0.25, 0.35], [7, 2]), law(1e3));
+        block
+            .prescribe("top", [Some(0.0), Some(-0.4)])
+            .expect("support");
+        let mut scene = Scene::new(match block_first {
+            true => vec![block, plate],
+            false => vec![plate, block],
+        });
+        scene.contact((0, "all"), (1, "all")).expect("surfaces");
+        let mut problem = scene.problem().expect("valid scene");
+        let history = run(&mut problem, increments, 1e-8);
+        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        let caught = history.run.attempts.iter().any(|attempt| {
+            matches!(
+                attempt.outcome,
+                contact_core::fixed_point::Outcome::Tunnelled { .. }
+            )
+        });
+        assert_eq!(caught, increments == 1);
+        history.steps.last().expect("converged").energy
+    };
+    let small_steps = energy(16, false);
+    assert!(small_steps > 1.0);
+    for block_first in [false, true] {
+        let one = energy(1, block_first);
+        assert!(relative(one, small_steps) < 1e-3, "{one} for {small_steps}");
+    }
+}

@@ -11,7 +11,7 @@
 //! What no facet covers is integrated, too: whether a point counts is decided where it is projected.
 
 use super::clip::{Clipper, EMPTY, area, centroid, corners, fan, measure};
-use super::projection::interpolate;
+use super::projection::{along_normal, interpolate};
 use super::search::{Master, Seeker};
 use super::surface::Surface;
 use crate::element::{Facet, FacetRule};
@@ -136,7 +136,7 @@ impl<const D: usize> Cutter<D> {
         let own_measure = facet_normal(&corners).norm();
         let shadows = near.filter_map(|(index, other)| {
             let other = other.corners();
-            let shadow = other.map(|x| project(&x, &corners));
+            let shadow = other.map(|x| along_normal(&x, &corners));
             let least = EDGE_ON * facet_normal(&other).norm() / own_measure;
             faces(&shadow, least).then_some((index, shadow))
         });
@@ -201,17 +201,6 @@ impl<const D: usize> Cutter<D> {
         }
         self.pieces.append(&mut self.clipper.rest);
     }
-}
-
-/// The barycentric coordinates of `x` on the flat facet with these corners, along its normal; not
-/// numbers if it has none.
-fn project<const D: usize>(x: &Vector<D>, corners: &[Vector<D>; D]) -> Vector<D> {
-    let n = facet_normal(corners);
-    Vector::from_fn(|k, _| {
-        let mut opposite = *corners;
-        opposite[k] = *x;
-        facet_normal(&opposite).dot(&n) / n.norm_squared()
-    })
 }
 
 /// Whether a shadow is that of a facet that faces the slave's, and larger than `least`.
@@ -296,11 +285,11 @@ mod tests {
         }
         let flat = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]].map(Vector::<3>::from);
         assert!(
-            measure(&flat.map(|x| project(&x, &flat))).is_nan(),
+            measure(&flat.map(|x| along_normal(&x, &flat))).is_nan(),
             "no shadow on it"
         );
         let point = [Vector::<2>::zeros(); 2];
-        assert!(measure(&point.map(|x| project(&x, &point))).is_nan());
+        assert!(measure(&point.map(|x| along_normal(&x, &point))).is_nan());
     }
 
     #[test]

@@ -4,6 +4,7 @@
 mod clip;
 pub mod cut;
 pub mod gaps;
+pub mod motion;
 pub mod normals;
 pub mod pressure;
 pub mod projection;

@@ -1,7 +1,7 @@
 //! The closest point of one facet.
 
 use crate::element::Facet;
-use crate::tensor::{Matrix, Vector};
+use crate::tensor::{Matrix, Vector, facet_normal};
 
 /// Barycentric coordinates (D of them, ≥ 0, sum 1) of the point of a facet, flat or curved, that is
 /// closest to `x`.
@@ -10,6 +10,17 @@ pub fn closest_on<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<D> 
         true => closest(x, &facet.corners()),
         false => closest_on_curved(x, facet),
     }
+}
+
+/// The barycentric coordinates of `x` on the flat facet with these corners, along its normal; not
+/// numbers if it has none.
+pub(super) fn along_normal<const D: usize>(x: &Vector<D>, corners: &[Vector<D>; D]) -> Vector<D> {
+    let n = facet_normal(corners);
+    Vector::from_fn(|k, _| {
+        let mut opposite = *corners;
+        opposite[k] = *x;
+        facet_normal(&opposite).dot(&n) / n.norm_squared()
+    })
 }
 
 /// As [`closest_on`], by Newton's method on ½|x − x̄(λ)|² over λ ≥ 0, Σλ = 1: each step is the closest

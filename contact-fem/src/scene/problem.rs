@@ -7,6 +7,7 @@ use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale}
 use super::{Body, Integration, Passes, Scene, SurfaceName};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
 use crate::contact::gaps::{PassRows, Unknowns, nodes_inside};
+use crate::contact::motion::Motion;
 use crate::contact::{Master, Pass, Surface, pressure};
 use crate::tensor::Vector;
 
@@ -156,13 +157,27 @@ impl<const D: usize> Problem<D> {
 
     /// The displacements of all nodes (UL) from the free unknowns, at the present load.
     pub fn displacements(&self, u: &[f64]) -> Vec<Vector<D>> {
-        let all = self.dofs.expand(u, &self.prescribed);
+        self.expand(u, &self.prescribed)
+    }
+
+    /// One vector a node from the free components and the prescribed ones.
+    fn expand(&self, free: &[f64], prescribed: &[f64]) -> Vec<Vector<D>> {
+        let all = self.dofs.expand(free, prescribed);
         all.chunks_exact(D).map(Vector::from_column_slice).collect()
     }
 
     /// The positions x = X + u of all nodes (UL).
     pub fn positions(&self, u: &[f64]) -> Vec<Vector<D>> {
         let U = self.displacements(u);
+        self.X.iter().zip(U).map(|(X, u)| X + u).collect()
+    }
+
+    /// As [`Problem::positions`], at another load factor.
+    fn positions_at(&self, u: &[f64], factor: f64) -> Vec<Vector<D>> {
+        let bodies = self.scene.bodies.iter();
+        let prescribed = bodies.flat_map(|body| body.prescribed_values());
+        let prescribed: Vec<f64> = prescribed.map(|value| factor * value).collect();
+        let U = self.expand(u, &prescribed);
         self.X.iter().zip(U).map(|(X, u)| X + u).collect()
     }
 
@@ -182,8 +197,7 @@ impl<const D: usize> Problem<D> {
         let mut prescribed = vec![0.0; self.dofs.prescribed()];
         gaps.add_forces(lambda, &mut free);
         gaps.add_prescribed_forces(lambda, &mut prescribed);
-        let all = self.dofs.expand(&free, &prescribed);
-        all.chunks_exact(D).map(Vector::from_column_slice).collect()
+        self.expand(&free, &prescribed)
     }
 
     /// The forces (UF) that the supports exert on each body: ∂E/∂U − Cᵀλ summed over its prescribed
@@ -439,14 +453,28 @@ impl<const D: usize> LoadStepped for Problem<D> {
         Ok(())
     }
 
-    fn tunnels(&self, u: &[f64]) -> Option<f64> {
+    fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<f64> {
         let facet = self
             .surfaces
             .iter()
             .map(Surface::facet_size)
             .fold(0.0, f64::max);
         let depth = self.penetration(u);
-        (depth > facet.min(self.reach)).then_some(depth)
+        if depth > facet.min(self.reach) {
+            return Some(depth);
+        }
+        if self.small_strain {
+            return None; // contact lives in the reference configuration
+        }
+        let motion = Motion {
+            before: &self.positions_at(last, from),
+            after: &self.positions(u),
+        };
+        let through = |pass: &Pass| {
+            let [slave, master] = [pass.slave, pass.master].map(|k| &self.surfaces[k]);
+            motion.through(slave, master)
+        };
+        self.passes.iter().filter_map(through).reduce(f64::max)
     }
 
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {

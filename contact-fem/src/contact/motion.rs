@@ -1,0 +1,284 @@
+//! Nodes that a load step has carried right through a body.
+//!
+//! Where a step is longer than a body is thick, nodes may arrive beyond it, and nothing about the place
+//! where they are tells. Their way does: from one state to the next all nodes are taken to go straight
+//! and evenly, and a node that leaves a body through a facet on the other side than the one it came from
+//! has gone through it. One that emerges where it went in, as nodes do that slide over facets and corners,
+//! has not.
+
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+
+use super::projection::{along_normal, closest, interpolate};
+use super::search::{Master, Seeker};
+use super::surface::Surface;
+use crate::tensor::{Vector, facet_normal};
+
+/// Two positions of all scene nodes (UL), one after the other.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a, const D: usize> {
+    /// Where nodes start.
+    pub before: &'a [Vector<D>],
+    /// Where they end.
+    pub after: &'a [Vector<D>],
+}
+
+/// Where a path meets a facet.
+struct Crossing<const D: usize> {
+    /// When, in (0, 1].
+    time: f64,
+    /// From behind the facet, not from before it.
+    leaves: bool,
+    /// The facet's normal then.
+    normal: Vector<D>,
+    /// How far the node moves relative to the facet (UL).
+    way: f64,
+}
+
+impl<const D: usize> Motion<'_, D> {
+    /// Half way through a body, a node that is no deeper in it than this share of a facet has but
+    /// slid along it: weak constraints leave that much of a penetration.
+    const GRAZED: f64 = 0.01;
+
+    /// A node at `time` between start (0) and end (1).
+    fn at(&self, node: usize, time: f64) -> Vector<D> {
+        self.before[node] * (1.0 - time) + self.after[node] * time
+    }
+
+    /// The furthest that a node of `slave` goes through `master` and beyond, as the length of its way
+    /// relative to that (UL).
+    pub fn through(&self, slave: &Surface<D>, master: &Surface<D>) -> Option<f64> {
+        let tree = RTree::bulk_load(self.swept_facets(master));
+        let ways = slave.nodes().iter().enumerate().map(|(k, &node)| {
+            let path = AABB::from_corners(self.before[node].into(), self.after[node].into());
+            let near = tree.locate_in_envelope_intersecting(&path);
+            let facets = near.map(|facet| self.corners(master, facet.data));
+            let others = facets.filter(|corners| !corners.contains(&node));
+            let crossings = others.filter_map(|corners| self.crossing(node, &corners));
+            (k, crossings.collect::<Vec<_>>())
+        });
+        let leaving = ways.filter(|(_, crossings)| crossings.iter().any(|c| c.leaves));
+        let leaving: Vec<_> = leaving.collect();
+        if leaving.is_empty() {
+            return None;
+        }
+        let [slave_before, before] = [slave, master].map(|s| Master::new(s, self.before));
+        let through = leaving.into_iter().filter_map(|(k, mut crossings)| {
+            crossings.sort_by(|a, b| a.time.total_cmp(&b.time));
+            let facing = slave_before.normals()[k];
+            let mut came = self.side(slave, k, facing, &before).map(|n| (0.0, n));
+            for crossing in crossings {
+                if !crossing.leaves {
+                    came = Some((crossing.time, crossing.normal));
+                } else if came.is_some_and(|(_, n)| n.dot(&crossing.normal) < 0.0) {
+                    let since = came.map_or(0.0, |(time, _)| time);
+                    let middle = 0.5 * (since + crossing.time);
+                    let depth = self.distance(slave.nodes()[k], master, middle);
+                    if depth > Self::GRAZED * master.facet_size() {
+                        return Some(crossing.way);
+                    }
+                }
+            }
+            None
+        });
+        through.reduce(f64::max)
+    }
+
+    /// The normal of the side of `master` that the slave's k-th node faces at the start.
+    fn side(
+        &self,
+        slave: &Surface<D>,
+        k: usize,
+        facing: Vector<D>,
+        master: &Master<'_, D>,
+    ) -> Option<Vector<D>> {
+        let seeker = Seeker {
+            x: self.before[slave.nodes()[k]],
+            facing,
+            reach: f64::INFINITY,
+            X: slave.reference_nodes()[k],
+            N: slave.reference_normals()[k],
+            facet_size: slave.facet_size(),
+            own: None,
+        };
+        let same_body = slave.body() == master.surface().body();
+        let found = if same_body {
+            None
+        } else {
+            master.find(&seeker)
+        };
+        found.map(|p| p.normal)
+    }
+
+    /// How far a node is from the surface at `time` (UL).
+    fn distance(&self, node: usize, surface: &Surface<D>, time: f64) -> f64 {
+        let x = self.at(node, time);
+        let facets = (0..surface.facets().len()).map(|facet| self.corners(surface, facet));
+        let distances = facets.map(|corners| {
+            let corners = corners.map(|a| self.at(a, time));
+            (x - interpolate(&closest(&x, &corners), &corners)).norm()
+        });
+        distances.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The scene nodes at the corners of a facet.
+    fn corners(&self, surface: &Surface<D>, facet: usize) -> [usize; D] {
+        std::array::from_fn(|k| surface.nodes()[surface.facet(facet)[k]])
+    }
+
+    /// The boxes that facets stay in on their way.
+    fn swept_facets(&self, surface: &Surface<D>) -> Vec<GeomWithData<Rectangle<[f64; D]>, usize>> {
+        let swept = |facet: usize| {
+            let nodes = self.corners(surface, facet);
+            let ends = nodes.map(|a| [self.before[a], self.after[a]]);
+            let low = ends.as_flattened().iter().fold(ends[0][0], |m, x| m.inf(x));
+            let high = ends.as_flattened().iter().fold(ends[0][0], |m, x| m.sup(x));
+            GeomWithData::new(Rectangle::from_corners(low.into(), high.into()), facet)
+        };
+        (0..surface.facets().len()).map(swept).collect()
+    }
+
+    /// The first time that a node is on the facet with these corners, if it crosses it.
+    fn crossing(&self, node: usize, corners: &[usize; D]) -> Option<Crossing<D>> {
+        /// The height over the facet is a polynomial of degree D in time: few intervals tell its signs.
+        const INTERVALS: usize = 8;
+        const BISECTIONS: usize = 40;
+        /// Facets reach so far beyond their sides that nothing slips between them.
+        const SEAM: f64 = 1e-6;
+        let facet = |time: f64| corners.map(|a| self.at(a, time));
+        let height = |time: f64| {
+            let corners = facet(time);
+            facet_normal(&corners).dot(&(self.at(node, time) - corners[0]))
+        };
+        (0..INTERVALS).find_map(|k| {
+            let [mut from, mut to] = [k, k + 1].map(|k| k as f64 / INTERVALS as f64);
+            let [start, end] = [height(from), height(to)];
+            if start * end >= 0.0 && !(end == 0.0 && start != 0.0) {
+                return None;
+            }
+            for _ in 0..BISECTIONS {
+                let middle = 0.5 * (from + to);
+                match height(middle) * start > 0.0 {
+                    true => from = middle,
+                    false => to = middle,
+                }
+            }
+            let corners_then = facet(to);
+            let lambda = along_normal(&self.at(node, to), &corners_then);
+            lambda.iter().all(|l| *l >= -SEAM).then(|| {
+                let moved = |a: usize| self.after[a] - self.before[a];
+                let carried: Vector<D> = corners
+                    .iter()
+                    .zip(&lambda)
+                    .map(|(&a, l)| moved(a) * *l)
+                    .sum();
+                Crossing {
+                    time: to,
+                    leaves: start < 0.0,
+                    normal: facet_normal(&corners_then),
+                    way: (moved(node) - carried).norm(),
+                }
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::Order;
+    use crate::mesh::Mesh;
+    use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
+
+    /// Two bodies' surfaces, all around, and the positions of all nodes.
+    struct Pair<const D: usize> {
+        surfaces: [Surface<D>; 2],
+        X: Vec<Vector<D>>,
+        first: usize,
+    }
+
+    impl<const D: usize> Pair<D> {
+        fn new(meshes: [Mesh<D>; 2]) -> Self {
+            let first = meshes[0].nodes().len();
+            let X: Vec<_> = meshes
+                .iter()
+                .flat_map(|mesh| mesh.nodes())
+                .copied()
+                .collect();
+            let surface = |body: usize| {
+                let shift = |nodes: &[usize]| nodes.iter().map(|a| a + body * first).collect();
+                let facets: Vec<Vec<usize>> = meshes[body].exterior().map(shift).collect();
+                Surface::new(body, Order::Linear, facets.iter().map(Vec::as_slice), &X)
+            };
+            let surfaces = [surface(0), surface(1)];
+            Pair { surfaces, X, first }
+        }
+
+        /// How far the second body goes through the first one when it is moved from `from` to `to`,
+        /// by its own nodes and by those of the first.
+        fn through(&self, from: [f64; D], to: [f64; D]) -> [Option<f64>; 2] {
+            let moved = |by: [f64; D]| -> Vec<Vector<D>> {
+                let mut x = self.X.clone();
+                x[self.first..]
+                    .iter_mut()
+                    .for_each(|x| *x += Vector::from(by));
+                x
+            };
+            let motion = Motion {
+                before: &moved(from),
+                after: &moved(to),
+            };
+            let [first, second] = &self.surfaces;
+            [motion.through(second, first), motion.through(first, second)]
+        }
+    }
+
+    /// Through a plate of thickness 0.1 by nodes of the coarse punch and of the plate; beside it and into
+    /// it is not through it, nor is sliding on it with a little penetration, and around its corner.
+    #[test]
+    fn through_and_not_through_in_the_plane() {
+        let grid = |x: [f64; 2], y: [f64; 2], n: usize| {
+            let line = |[low, high]: [f64; 2], n| linspace(low, high, n);
+            rectangle(&line(x, n), &line(y, 1), Diagonals::Rising).expect("mesh")
+        };
+        let plate = grid([0.0, 1.0], [0.0, 0.1], 9);
+        let pair = Pair::new([plate, grid([0.3, 0.7], [0.2, 0.25], 2)]);
+        let [by_punch, by_plate] = pair.through([0.0; 2], [0.05, -0.5]);
+        let way = 0.5f64.hypot(0.05);
+        assert!((by_punch.expect("through") - way).abs() < 1e-9);
+        assert!((by_plate.expect("through") - way).abs() < 1e-9);
+        // back up again from beyond
+        assert!(
+            pair.through([0.0, -0.5], [0.0; 2])
+                .iter()
+                .all(Option::is_some)
+        );
+        for (from, to) in [
+            ([0.0, 0.0], [0.0, -0.12]),       // into it
+            ([0.8, 0.0], [0.8, -0.5]),        // beside it
+            ([0.0, -0.1001], [0.4, -0.1001]), // on it
+            ([0.1, -0.1001], [0.9, -0.1001]), // and off its end
+            ([0.69, -0.1001], [0.75, -0.2]),  // around its corner
+            ([0.0, -0.1001], [0.0, 0.3]),     // away
+        ] {
+            assert_eq!(pair.through(from, to), [None, None], "{from:?} {to:?}");
+        }
+    }
+
+    #[test]
+    fn through_and_not_through_in_space() {
+        let plate = cuboid([0.0; 3], [1.0, 1.0, 0.1], [5, 4, 1]).expect("mesh");
+        let punch = cuboid([0.31, 0.29, 0.2], [0.3, 0.4, 0.05], [2, 2, 1]).expect("mesh");
+        let pair = Pair::new([plate, punch]);
+        let through = pair.through([0.0; 3], [0.02, 0.01, -0.5]);
+        assert!(through.iter().all(Option::is_some), "{through:?}");
+        for (from, to) in [
+            ([0.0, 0.0, 0.0], [0.0, 0.0, -0.12]),
+            ([0.9, 0.0, 0.0], [0.9, 0.0, -0.5]),
+            ([0.0, 0.0, -0.1001], [0.3, -0.2, -0.1001]),
+            ([0.1, 0.1, -0.1001], [0.9, 0.8, -0.1001]),
+        ] {
+            assert_eq!(pair.through(from, to), [None, None], "{from:?} {to:?}");
+        }
+    }
+}
