@@ -42,6 +42,35 @@
 //! }
 //! ```
 //!
+//! # Another method, a single pass, exact integration, and what the result is worth
+//! ```
+//! # use ipopt_contact::prelude::*;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let block = |y, cells| rectangle(&linspace(0.0, 1.0, cells), &linspace(y, y + 1.0, cells), Diagonals::Rising);
+//! let mut lower = Body::new(block(0.0, 5)?, LinearElastic::new(210.0, 0.3)?);
+//! lower.prescribe("bottom", [Some(0.0), Some(0.0)])?;
+//! let mut upper = Body::new(block(1.0, 7)?, LinearElastic::new(210.0, 0.3)?);
+//! upper.prescribe("top", [Some(0.0), Some(-0.01)])?;
+//! let mut scene = Scene::new(vec![lower, upper]);
+//! scene.integration = Integration::Exact;
+//! // the lower block's surface alone is slave; `contact` takes both in turn
+//! scene.contact_in_passes((0, "top"), (1, "bottom"), Passes::FirstIsSlave)?;
+//!
+//! // method (37) with a penalty factor that grows until 1e-4 of what matters is left of penetration
+//! let continuation = Continuation { penetration: 1e-4, ..Continuation::default() };
+//! let mut method = PenalizedSlack::with(continuation);
+//! let simulation = Simulation::with_increments(1);
+//! let history = simulation.run(&mut scene.problem()?, &mut method, |_| ControlFlow::Continue(()))?;
+//! let certificate = history.certificate().ok_or("no step converged")?;
+//! println!("{certificate}");
+//! assert!(certificate.holds(&Limits::default()));
+//! for entry in certificate.entries(&Limits::default()) {
+//!     println!("{} {:?} of {:e}", entry.name, entry.value, entry.limit);
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Features
 //! `vtk`, `csv` and `plot`, all on by default, are the output formats of [`contact_fem::output`].
 
@@ -59,8 +88,10 @@ pub mod prelude {
     pub use contact_core::fixed_point::Outcome;
     pub use contact_core::load_steps::RunOutcome;
     pub use contact_core::{
-        Acceleration, FixedPoint, InteriorPoint, LoadSteps, Method, PenalizedSlack, Penalty,
+        Acceleration, Continuation, FixedPoint, InteriorPoint, LoadSteps, Method, PenalizedSlack,
+        Penalty,
     };
+    pub use contact_fem::certificate::Limits;
     pub use contact_fem::mesh::generators::{
         Diagonals, annulus, cuboid, cuboid_graded, cylinder, disc, eighth_sphere, equilateral_disc,
         extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,

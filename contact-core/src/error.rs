@@ -53,6 +53,23 @@ impl Error {
         Error::Problem(Box::new(error))
     }
 
+    /// Checks a number among the settings.
+    pub(crate) fn check_setting(
+        is_valid: bool,
+        name: &'static str,
+        value: f64,
+        remedy: &'static str,
+    ) -> Result<(), Self> {
+        match is_valid {
+            true => Ok(()),
+            false => Err(Error::Setting {
+                name,
+                value: format!("{value:?}"),
+                remedy,
+            }),
+        }
+    }
+
     /// Checks that `slice` has `expected` finite entries.
     pub fn check_vector(what: &'static str, slice: &[f64], expected: usize) -> Result<(), Self> {
         if slice.len() != expected {

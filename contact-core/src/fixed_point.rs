@@ -120,11 +120,12 @@ pub struct Solution {
     pub history: Vec<Iteration>,
 }
 
-/// ‖U_n − U_{n−1}‖∞ / max(‖U_{n−1}‖∞, ‖U_n‖∞) over all unknowns, prescribed ones included through
-/// their largest magnitude; zero if nothing moved at all.
-pub fn relative_change(u: &[f64], before: &[f64], prescribed_magnitude: f64) -> f64 {
+/// ‖U_n − U_{n−1}‖∞ / max(‖U_{n−1}‖∞, ‖U_n‖∞) over all unknowns, zero if nothing moved at all. The
+/// norms count as `least` at least: as large as what is prescribed, and as displacements must be to
+/// differ from none.
+pub fn relative_change(u: &[f64], before: &[f64], least: f64) -> f64 {
     let change = max_norm(u.iter().zip(before).map(|(a, b)| a - b));
-    let size = max_norm(u.iter().chain(before).copied()).max(prescribed_magnitude);
+    let size = max_norm(u.iter().chain(before).copied()).max(least);
     if change == 0.0 { 0.0 } else { change / size }
 }
 
@@ -133,15 +134,15 @@ fn max_norm(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 impl FixedPoint {
+    /// Displacements below this share of [`Scale::length`](crate::Scale) are those of bodies that
+    /// carry nothing.
+    const NONE: f64 = 1e-6;
+
     /// Checks the settings.
     pub fn validate(&self) -> Result<(), Error> {
-        if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
-            return Err(Error::Setting {
-                name: "tolerance",
-                value: self.tolerance.to_string(),
-                remedy: "choose it between 0 and 1, 1e-6 by default",
-            });
-        }
+        let is_share = self.tolerance > 0.0 && self.tolerance < 1.0;
+        let remedy = "choose it between 0 and 1, 1e-6 by default";
+        Error::check_setting(is_share, "tolerance", self.tolerance, remedy)?;
         if self.max_iterations == 0 {
             return Err(Error::Setting {
                 name: "max_iterations",
@@ -171,6 +172,9 @@ impl FixedPoint {
             Acceleration::Plain => 0,
             Acceleration::Anderson(depth) => depth,
         });
+        let least = problem
+            .prescribed_magnitude()
+            .max(Self::NONE * problem.scale().length);
         let mut cycles = CycleDetector::default();
         let mut point = start.clone();
         let mut run = Solution::at(problem, start);
@@ -190,9 +194,7 @@ impl FixedPoint {
             };
             let minimum = method.minimize(&subproblem, &point)?; // steps 4–5
             let error = match minimum.solved {
-                Solved::Optimal => {
-                    relative_change(&minimum.u, &point.u, problem.prescribed_magnitude())
-                }
+                Solved::Optimal => relative_change(&minimum.u, &point.u, least),
                 _ => f64::INFINITY,
             }; // step 6
             run.history.push(Iteration {

@@ -167,6 +167,16 @@ impl LinearGaps {
         (0..self.len()).flat_map(|i| self.free.row(i).map(move |(j, a)| (i, j, a)))
     }
 
+    /// The row at a position, to be appended elsewhere.
+    pub fn row(&self, i: usize) -> Row {
+        Row {
+            free: self.free.row(i).collect(),
+            prescribed: self.prescribed.row(i).collect(),
+            constant: self.constant[i],
+            weight: self.weights[i],
+        }
+    }
+
     /// c(u) = C u + c₀ into `c` (m, UL).
     pub fn value(&self, u: &[f64], c: &mut [f64]) {
         for (i, c) in c.iter_mut().enumerate() {

@@ -45,7 +45,7 @@ pub use fixed_point::{Acceleration, FixedPoint};
 pub use gaps::{LinearGaps, RowKey};
 pub use load_steps::{LoadStepped, LoadSteps};
 #[cfg(feature = "ipopt")]
-pub use method::{InteriorPoint, PenalizedSlack, Penalty};
+pub use method::{Continuation, InteriorPoint, PenalizedSlack, Penalty};
 pub use method::{Method, Minimum};
 pub use nlp::Bounds;
 pub use problem::{ContactProblem, Multipliers, Scale, State};

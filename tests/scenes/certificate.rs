@@ -3,19 +3,19 @@
 use crate::support::hairpin;
 use std::ops::ControlFlow;
 
-use crate::common::{Order, disc_in_disc, run, run_with};
+use crate::common::{Order, disc_in_disc, disc_in_disc_scene, run, run_with};
 use contact_core::fixed_point::{Outcome, Solution};
-use contact_core::gaps::{LinearGaps, Row};
+use contact_core::gaps::LinearGaps;
 use contact_core::load_steps::RunOutcome;
 use contact_core::nlp::Bounds;
 use contact_core::{
-    ContactProblem, Energy, Error, FixedPoint, InteriorPoint, Method, PenalizedSlack, Penalty,
-    Scale, State,
+    ContactProblem, Continuation, Energy, Error, FixedPoint, InteriorPoint, Method, PenalizedSlack,
+    Penalty, Scale, State,
 };
 use contact_fem::certificate::Limits;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Passes, Problem};
-use contact_fem::{Body, Certificate, LinearElastic, Scene};
+use contact_fem::scene::{Integration, Passes, Problem};
+use contact_fem::{Body, Certificate, LinearElastic, Mesh, NeoHookean, Scene};
 
 /// The names of what is beyond its limit.
 fn failures(certificate: &Certificate) -> Vec<&'static str> {
@@ -87,18 +87,13 @@ fn values_are_what_they_say() {
 
 /// The rows of `gaps` for which `keep` gives a sign, times that sign.
 fn rows(gaps: &LinearGaps, keep: impl Fn(usize) -> Option<f64>) -> LinearGaps {
-    let mut kept = LinearGaps::new(false);
+    let mut kept = LinearGaps::new(false).sampled_at(gaps.sampling());
     for (i, &key) in gaps.keys().iter().enumerate() {
         let Some(sign) = keep(i) else { continue };
-        let mut unit = vec![0.0; gaps.len()];
-        unit[i] = sign;
-        let mut row = Row {
-            constant: sign * gaps.constant()[i],
-            weight: gaps.weights()[i],
-            ..Row::default()
-        };
-        let free = gaps.entries().filter(|entry| entry.0 == i);
-        row.free.extend(free.map(|(_, j, c)| (j, sign * c)));
+        let mut row = gaps.row(i);
+        row.constant *= sign;
+        let entries = row.free.iter_mut().chain(&mut row.prescribed);
+        entries.for_each(|(_, c)| *c *= sign);
         kept.push(key, &row);
     }
     kept
@@ -115,11 +110,20 @@ fn active(solution: &Solution) -> usize {
 fn a_flipped_normal_is_found() {
     let (problem, mut solution) = solved();
     let flipped = active(&solution);
-    solution.gaps = rows(&solution.gaps, |i| {
-        Some(if i == flipped { -1.0 } else { 1.0 })
-    });
+    let with = |sign: f64| {
+        rows(&solution.gaps, |i| {
+            Some(if i == flipped { sign } else { 1.0 })
+        })
+    };
+    let (as_it_is, flipped) = (with(1.0), with(-1.0));
+    solution.gaps = as_it_is;
+    assert!(failures(&Certificate::new(&problem, &solution)).is_empty());
+    solution.gaps = flipped;
     let found = failures(&Certificate::new(&problem, &solution));
-    assert!(found.contains(&"drift"), "{found:?}");
+    assert!(
+        found.contains(&"drift") && found.contains(&"stationarity"),
+        "{found:?}"
+    );
 }
 
 /// Forces that pull instead of pushing: with λ and the rows of the other sign all is in balance.
@@ -295,4 +299,185 @@ fn an_observer_may_stop_at_a_bad_certificate() {
         history.run.outcome,
         RunOutcome::Interrupted { .. }
     ));
+}
+
+/// The lower of two square blocks, held below, and the upper one.
+fn blocks(cells: [usize; 2], x: [f64; 2], low: impl Fn(Mesh<2>) -> Body<2>) -> [Body<2>; 2] {
+    let block = |[from, to]: [f64; 2], y: f64, n: usize| {
+        let (xs, ys) = (linspace(from, to, n), linspace(y, y + 1.0, n));
+        low(rectangle(&xs, &ys, Diagonals::Rising).expect("mesh"))
+    };
+    let (mut lower, upper) = (block([0.0, 1.0], 0.0, cells[0]), block(x, 1.0, cells[1]));
+    lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
+    [lower, upper]
+}
+
+fn elastic(young: f64) -> impl Fn(Mesh<2>) -> Body<2> {
+    move |mesh| Body::new(mesh, LinearElastic::new(young, 0.3).expect("law"))
+}
+
+fn touching(bodies: [Body<2>; 2], integration: Option<Integration>) -> Problem<2> {
+    let mut scene = Scene::new(bodies.into());
+    if let Some(integration) = integration {
+        scene.integration = integration;
+    }
+    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    scene.problem().expect("valid scene")
+}
+
+fn methods() -> [Box<dyn Method>; 3] {
+    [
+        Box::new(InteriorPoint::default()),
+        Box::new(PenalizedSlack::default()),
+        Box::new(Penalty::default()),
+    ]
+}
+
+/// Bodies so stiff that all of their displacements are a tiny part of a facet, which go through each
+/// other for want of a penalty or by a planted shift.
+#[test]
+fn stiff_bodies_inside_each_other_are_found() {
+    for pressed in [1e-3, 1e-5] {
+        let stiff = || {
+            let [lower, mut upper] = blocks([4, 5], [0.0, 1.0], elastic(2e5));
+            let down = [Some(0.0), Some(-pressed)];
+            upper.prescribe("top", down).expect("support");
+            touching([lower, upper], None)
+        };
+        for mut method in methods() {
+            let certificate = run_with(&mut *method, &mut stiff(), 1, 1e-6).certificate();
+            let certificate = certificate.expect("a step");
+            assert!(
+                failures(&certificate).is_empty(),
+                "{pressed}: {certificate}"
+            );
+        }
+        let weak: [Box<dyn Method>; 2] = [
+            Box::new(PenalizedSlack::with(Continuation::fixed(1.0))),
+            Box::new(Penalty::with(Continuation::fixed(1.0))),
+        ];
+        for mut method in weak {
+            let certificate = run_with(&mut *method, &mut stiff(), 1, 1e-6).certificate();
+            let found = failures(&certificate.expect("a step"));
+            assert!(found.contains(&"weak_penetration"), "{pressed}: {found:?}");
+        }
+        let mut problem = stiff();
+        let mut solution = run(&mut problem, 1, 1e-6).run.solution.expect("converged");
+        let upper = problem.dofs().free() / 2;
+        let moved = solution.state.u[upper..].iter_mut().skip(1).step_by(2);
+        moved.for_each(|u| *u -= 0.1 * pressed);
+        let found = failures(&Certificate::new(&problem, &solution));
+        assert!(found.contains(&"weak_penetration"), "{pressed}: {found:?}");
+    }
+}
+
+/// A pair beside one that is 1e8 times stiffer is judged by its own forces.
+#[test]
+fn a_soft_pair_is_judged_by_its_own_forces() {
+    let mut bodies = Vec::new();
+    for (young, x) in [(1.0, 0.0), (1e8, 5.0)] {
+        let aside = |mesh: Mesh<2>| mesh.translated([x, 0.0]).expect("mesh");
+        let law = |mesh| elastic(young)(aside(mesh));
+        let [lower, mut upper] = blocks([3, 4], [0.0, 1.0], law);
+        let down = [Some(0.0), Some(-0.01)];
+        upper.prescribe("top", down).expect("support");
+        bodies.extend([lower, upper]);
+    }
+    let mut scene = Scene::new(bodies);
+    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    scene.contact((2, "top"), (3, "bottom")).expect("surfaces");
+    let mut problem = scene.problem().expect("valid scene");
+    let solution = run(&mut problem, 1, 1e-6).run.solution.expect("converged");
+    let sound = Certificate::new(&problem, &solution);
+    assert!(failures(&sound).is_empty(), "{sound}");
+    let mut without = solution.clone();
+    for (lambda, key) in without.lambda.iter_mut().zip(solution.gaps.keys()) {
+        if key.pass < 2 {
+            *lambda = 0.0;
+        }
+    }
+    let found = failures(&Certificate::new(&problem, &without));
+    assert!(found.contains(&"stationarity"), "{found:?}");
+}
+
+/// Exact integration leaves slivers of facets where the other surface all but ends: what is left of
+/// penetration there is no more than elsewhere.
+#[test]
+fn slivers_are_no_false_alarm() {
+    for half in [0.2499999, 0.249, 0.251] {
+        for mut method in methods() {
+            let [lower, _] = blocks([4, 3], [0.0, 1.0], elastic(10.0));
+            let x = [0.5 - half, 0.5 + half];
+            let [_, mut punch] = blocks([4, 3], x, elastic(1e3));
+            let down = [Some(0.0), Some(-0.05)];
+            punch.prescribe("top", down).expect("support");
+            let mut problem = touching([lower, punch], Some(Integration::Exact));
+            let certificate = run_with(&mut *method, &mut problem, 1, 1e-6).certificate();
+            let certificate = certificate.expect("a step");
+            assert!(failures(&certificate).is_empty(), "{half}: {certificate}");
+        }
+    }
+}
+
+/// Bodies that touch and carry nothing stay where they are, and that is the solution.
+#[test]
+fn rest_is_certified() {
+    let neo_hookean = |mesh| Body::new(mesh, NeoHookean::new(1e3, 0.3).expect("law"));
+    let laws: [&dyn Fn(Mesh<2>) -> Body<2>; 2] = [&elastic(1e3), &neo_hookean];
+    for law in laws {
+        let [lower, mut upper] = blocks([3, 4], [0.0, 1.0], law);
+        upper.prescribe("top", [Some(0.0); 2]).expect("support");
+        let mut problem = touching([lower, upper], None);
+        let history = run(&mut problem, 1, 1e-6);
+        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        let certificate = history.certificate().expect("a step");
+        assert!(failures(&certificate).is_empty(), "{certificate}");
+    }
+}
+
+/// Points that method (39) forgets, and passes, with both kinds of integration.
+#[test]
+fn forgotten_points_are_found() {
+    for integration in [Integration::Gauss(4), Integration::Exact] {
+        let mut scene = disc_in_disc_scene(32, Passes::Both, Order::RingFirst);
+        scene.integration = integration;
+        let mut problem = scene.problem().expect("valid scene");
+        let history = run_with(&mut Penalty::default(), &mut problem, 16, 1e-6);
+        let certificate = history.certificate().expect("steps");
+        assert!(
+            failures(&certificate).is_empty(),
+            "{integration:?}: {certificate}"
+        );
+        let sound = history.run.solution.expect("converged");
+        let every_other = |i: usize| (i % 2 == 0).then_some(1.0);
+        let second = |i: usize| (sound.gaps.keys()[i].pass == 1).then_some(1.0);
+        let keeps: [&dyn Fn(usize) -> Option<f64>; 2] = [&every_other, &second];
+        for keep in keeps {
+            let mut solution = sound.clone();
+            let kept = |i: &usize| keep(*i).is_some();
+            solution.gaps = rows(&sound.gaps, keep);
+            solution.lambda = (0..sound.lambda.len())
+                .filter(kept)
+                .map(|i| sound.lambda[i])
+                .collect();
+            let found = failures(&Certificate::new(&problem, &solution));
+            assert!(found.contains(&"closed"), "{integration:?}: {found:?}");
+        }
+    }
+}
+
+/// With the hole alone as slave, the disc's nodes go through between its nodes; both passes have no
+/// other side.
+#[test]
+fn the_other_side_of_a_single_pass_is_told() {
+    let other_side = |passes: Passes| {
+        let mut problem = disc_in_disc(32, passes, Order::RingFirst);
+        let history = run(&mut problem, 8, 1e-6);
+        let certificate = history.certificate().expect("steps");
+        assert!(failures(&certificate).is_empty(), "{certificate}");
+        certificate.other_side
+    };
+    assert_eq!(other_side(Passes::Both), None);
+    let depth = other_side(Passes::FirstIsSlave).expect("another side");
+    assert!(depth > 10.0 * Limits::default().weak_penetration, "{depth}");
 }

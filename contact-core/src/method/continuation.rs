@@ -30,7 +30,7 @@ impl Default for Continuation {
 }
 
 impl Continuation {
-    /// One μ and no other, whatever it lets through.
+    /// One μ and no other, whatever it lets through; (37) fails where that is all of its bound.
     pub fn fixed(mu: f64) -> Self {
         Continuation {
             start: mu,
@@ -42,28 +42,26 @@ impl Continuation {
 
     /// Checks the settings.
     pub(super) fn validate(&self) -> Result<(), Error> {
-        let setting = |name, value: f64, remedy| {
-            Err(Error::Setting {
-                name,
-                value: value.to_string(),
-                remedy,
-            })
-        };
         let positive = |value: f64| value > 0.0 && value.is_finite();
-        if !positive(self.start) {
-            return setting("start", self.start, "a positive penalty factor, such as 1");
-        }
-        if !(positive(self.growth) && self.growth > 1.0) {
-            return setting("growth", self.growth, "more than 1, such as 100");
-        }
-        if !(positive(self.limit) && self.limit >= self.start) {
-            return setting("limit", self.limit, "at least as large as the start");
-        }
-        if self.penetration.is_nan() || self.penetration <= 0.0 {
-            let remedy = "a positive share of a facet's displacement, such as 1e-3";
-            return setting("penetration", self.penetration, remedy);
-        }
-        Ok(())
+        let check = Error::check_setting;
+        let factor = "a positive penalty factor, such as 1";
+        check(positive(self.start), "start", self.start, factor)?;
+        let grows = positive(self.growth) && self.growth > 1.0;
+        check(grows, "growth", self.growth, "more than 1, such as 100")?;
+        let is_last = positive(self.limit) && self.limit >= self.start;
+        check(
+            is_last,
+            "limit",
+            self.limit,
+            "at least as large as the start",
+        )?;
+        let remedy = "a positive share of a facet's displacement, such as 1e-3";
+        check(
+            self.penetration > 0.0,
+            "penetration",
+            self.penetration,
+            remedy,
+        )
     }
 
     /// What may be left of penetration, over [`Scale::length`].

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::scaled::{Scaled, attainable, settings};
+use super::scaled::{Scaled, attainable, check_tolerance, settings};
 use super::{Method, Minimum, Subproblem};
 use crate::ipopt::{Options, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Structure};
@@ -86,6 +86,8 @@ impl InteriorPoint {
 
 impl Method for InteriorPoint {
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        check_tolerance("tolerance", self.tolerance)?;
+        check_tolerance("complementarity", self.complementarity)?;
         let clock = Instant::now();
         let mut scaled = Scaled::new(subproblem, self.stop.as_deref());
         let x = scaled.displacements(start);

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::scaled::{Scaled, attainable, settings};
+use super::scaled::{Scaled, attainable, check_tolerance, settings};
 use super::{Continuation, Effort, Minimum, Solved, Subproblem};
 use crate::ipopt::{Options, Run, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
@@ -106,9 +106,16 @@ impl Penalization {
         start: &State,
     ) -> Result<Minimum, Error> {
         self.continuation.validate()?;
-        let Continuation { start: first, .. } = self.continuation;
-        let warm = !start.multipliers.is_empty();
-        let resumed = if warm { first.max(self.reached) } else { first };
+        check_tolerance("tolerance", self.tolerance)?;
+        let Continuation {
+            start: first,
+            limit,
+            ..
+        } = self.continuation;
+        let resumed = match start.multipliers.is_empty() {
+            true => first,
+            false => self.reached.clamp(first, limit),
+        };
         let mut minimum = self.from(resumed, problem, start)?;
         if resumed > first && matches!(minimum.solved, Solved::Failed(_)) {
             let spent = minimum.effort;
@@ -142,7 +149,13 @@ impl Penalization {
             let steps = run.solution.x.iter().zip(&x).take(n);
             let step = steps.fold(0.0, |step: f64, (a, b)| step.max((a - b).abs()));
             x.clone_from(&run.solution.x);
-            if limit.is_some_and(|limit| step > Self::AT_BOUND * limit) && moves < Self::MOVES {
+            if limit.is_some_and(|limit| step > Self::AT_BOUND * limit) {
+                if moves == Self::MOVES {
+                    break (
+                        run,
+                        Some(format!("still at its move limit after {moves} moves")),
+                    );
+                }
                 moves += 1;
                 limit = limit.map(|limit| Self::WIDER * limit);
                 let rows = Bounds::zero(problem.weights.len());

@@ -37,13 +37,8 @@ impl PenalizedSlack {
 
 impl Method for PenalizedSlack {
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
-        if !(self.bound > 0.0) {
-            return Err(Error::Setting {
-                name: "bound",
-                value: self.bound.to_string(),
-                remedy: "a positive multiple of the scale of lengths, such as 1",
-            });
-        }
+        let remedy = "a positive multiple of the scale of lengths, such as 1";
+        Error::check_setting(self.bound > 0.0, "bound", self.bound, remedy)?;
         let problem = Penalized {
             subproblem,
             weights: vec![1.0; subproblem.gaps.len()],

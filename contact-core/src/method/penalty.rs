@@ -23,6 +23,10 @@ pub struct Penalty {
 }
 
 impl Penalty {
+    /// Of [`Scale::length`](crate::Scale): the interior point method stays away from bounds by what
+    /// would be all of a smaller move.
+    const LEAST_MOVE: f64 = 1e-6;
+
     /// All by default but the continuation.
     pub fn with(continuation: Continuation) -> Self {
         let mut method = Penalty::default();
@@ -32,16 +36,11 @@ impl Penalty {
 
     /// The move limit for a start at which the gaps are those of `subproblem` at `u` (UL).
     fn limit(&self, subproblem: &Subproblem<'_>, u: &[f64]) -> Result<f64, Error> {
-        match self.move_limit {
-            Some(limit) if limit > 0.0 => return Ok(limit),
-            Some(limit) => {
-                return Err(Error::Setting {
-                    name: "move_limit",
-                    value: limit.to_string(),
-                    remedy: "a positive length, or None for the default",
-                });
-            }
-            None => {}
+        if let Some(limit) = self.move_limit {
+            let is_seen = limit >= Self::LEAST_MOVE * subproblem.scale.length;
+            let remedy = "at least a millionth of the scale of lengths, or None for the default";
+            Error::check_setting(is_seen, "move_limit", limit, remedy)?;
+            return Ok(limit);
         }
         let mut c = vec![0.0; subproblem.gaps.len()];
         subproblem.gaps.value(u, &mut c);

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::{Effort, Factor, Minimum, Solved, Subproblem};
 use crate::ipopt::{Options, Run, SequenceSettings, Totals};
 use crate::nlp::Multipliers;
-use crate::{Energy, LinearGaps, Scale, State};
+use crate::{Energy, Error, LinearGaps, Scale, State};
 
 /// A subproblem as Ipopt sees it, the guard of its domain, and what evaluating it has cost. The x of
 /// its functions may go on after the n displacements.
@@ -205,6 +205,13 @@ impl<'a> Scaled<'a> {
 const ATTAINABLE: f64 = 100.0;
 /// Tolerances closer to round-off than this are not asked for.
 const ABOVE_ROUNDOFF: f64 = 10.0;
+
+/// Checks a tolerance relative to the scales.
+pub(super) fn check_tolerance(name: &'static str, tolerance: f64) -> Result<(), Error> {
+    let is_share = tolerance > 0.0 && tolerance < 1.0;
+    let remedy = "choose it between 0 and 1, see the default";
+    Error::check_setting(is_share, name, tolerance, remedy)
+}
 
 /// Ipopt's tolerance for a problem of this scale.
 pub(super) fn attainable(tolerance: f64, scale: &Scale) -> f64 {

@@ -103,7 +103,7 @@ const COST_COLUMNS: [&str; 13] = [
 ];
 
 /// What a converged step is worth, see [`Certificate`](crate::Certificate).
-const CERTIFICATE_COLUMNS: [&str; 12] = [
+const CERTIFICATE_COLUMNS: [&str; 14] = [
     "nodal_penetration",
     "weak_penetration",
     "adhesion",
@@ -114,7 +114,9 @@ const CERTIFICATE_COLUMNS: [&str; 12] = [
     "balance",
     "inverted",
     "closed",
+    "other_side",
     "dropped",
+    "roundoff",
     "holds",
 ];
 
@@ -202,8 +204,10 @@ fn step_line<const D: usize>(
 fn certificate(certificate: &Certificate) -> Vec<String> {
     let limits = Limits::default();
     let entries = certificate.entries(&limits).map(|entry| entry.value);
-    let mut line: Vec<String> = entries.map(|v| v.map_or_else(String::new, number)).into();
+    let values = entries.into_iter().chain([certificate.other_side]);
+    let mut line: Vec<String> = values.map(|v| v.map_or_else(String::new, number)).collect();
     line.push(certificate.dropped.to_string());
+    line.push(number(certificate.roundoff));
     line.push(certificate.holds(&limits).to_string());
     line
 }
@@ -352,18 +356,11 @@ mod tests {
             penetration: 0.0,
             weak_penetration: 1e-12,
             certificate: Certificate {
-                nodal_penetration: 0.0,
                 weak_penetration: 0.5,
-                adhesion: 0.0,
-                complementarity: 0.0,
                 stationarity: 1e-9,
-                drift: None,
-                action_reaction: 0.0,
-                balance: 0.0,
                 min_j: 0.75,
                 dropped: 3,
-                closed: 0,
-                roundoff: 0.0,
+                ..Certificate::flawless()
             },
             attempt: attempt(to, Outcome::Converged),
         }

@@ -141,7 +141,11 @@ fn metadata(certificate: &Certificate) -> String {
             array(entry.name, value);
         }
     }
+    if let Some(depth) = certificate.other_side {
+        array("other_side", depth);
+    }
     array("dropped", certificate.dropped as f64);
+    array("roundoff", certificate.roundoff);
     array("holds", f64::from(u8::from(certificate.holds(&limits))));
     text + "\n</FieldData>"
 }
@@ -273,18 +277,8 @@ mod tests {
     fn what_is_written_reads_back() {
         let plane = squares();
         let certificate = Certificate {
-            nodal_penetration: 0.0,
-            weak_penetration: 0.0,
-            adhesion: 0.0,
-            complementarity: 0.0,
-            stationarity: 0.0,
             drift: Some(0.25),
-            action_reaction: 0.0,
-            balance: 0.0,
-            min_j: 1.0,
-            dropped: 0,
-            closed: 0,
-            roundoff: 0.0,
+            ..Certificate::flawless()
         };
         let mut snapshot = displaced(&plane);
         snapshot.certificate = Some(certificate);

@@ -37,6 +37,8 @@ pub struct Problem<const D: usize> {
 impl<const D: usize> Problem<D> {
     /// Default reach as a share of the scene's diagonal.
     const REACH: f64 = 0.1;
+    /// Strains below this are round-off in F = I + ∇u.
+    const NO_STRAIN: f64 = 1e-9;
     /// A small-strain scene takes one solve, which may well resolve gaps this much finer.
     const FINER: f64 = 0.03;
 
@@ -67,6 +69,11 @@ impl<const D: usize> Problem<D> {
             .fold(length, f64::min);
         let stiffness = softest(&energies);
         let strain = expected_strain(&scene, stiffness, length, facet);
+        let strain = if small_strain {
+            strain
+        } else {
+            strain.max(Self::NO_STRAIN)
+        };
         Problem {
             small_strain,
             prescribed: vec![0.0; dofs.prescribed()],
@@ -279,8 +286,13 @@ impl<const D: usize> Problem<D> {
 
     /// The rows c(u) = C u + c₀ with projections and normals frozen at `u`.
     pub fn rows(&self, u: &[f64], sampling: Sampling) -> LinearGaps {
+        self.rows_of(&self.passes, u, sampling)
+    }
+
+    /// As [`Problem::rows`], of any roles of its surfaces.
+    pub fn rows_of(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
         let mut gaps = LinearGaps::new(self.is_exact()).sampled_at(sampling);
-        if self.passes.is_empty() {
+        if passes.is_empty() {
             return gaps;
         }
         let now = self.positions(u);
@@ -291,7 +303,7 @@ impl<const D: usize> Problem<D> {
             supports: &self.supports,
             prescribed: &self.prescribed,
         };
-        for (k, pass) in self.passes.iter().enumerate() {
+        for (k, pass) in passes.iter().enumerate() {
             let (slave, master) = (&self.surfaces[pass.slave], &masters[pass.master]);
             let integration = self.scene.integration;
             let rows = PassRows::new(slave, master, x, integration, self.reach, sampling);

@@ -1,0 +1,250 @@
+//! What a certificate says of a state, measured from scratch.
+
+use std::collections::{HashMap, HashSet};
+
+use contact_core::fixed_point::Solution;
+use contact_core::gaps::Sampling;
+use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
+
+use super::{Certificate, Limits};
+use crate::contact::Pass;
+use crate::scene::Problem;
+use crate::tensor::Vector;
+
+impl Certificate {
+    /// Of the state `solution` of `problem`, which must be at the load that belongs to it.
+    pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
+        let u = &solution.state.u;
+        let (gaps, lambda) = (&solution.gaps, &solution.lambda);
+        if !u.iter().chain(lambda).all(|value| value.is_finite()) {
+            return Self::of_no_state();
+        }
+        let multipliers = Multipliers::new(gaps, lambda);
+        let units = Units::new(problem);
+        let passes = problem.passes();
+        let rows = problem.rows(u, Sampling::Nodes);
+        let forces = problem.contact_forces(gaps, lambda);
+        let residual = Residual::new(problem, u, &forces, units.noticed);
+        let force = |key: &RowKey| residual.forces[units.bodies[key.pass as usize]];
+        let force_of = |body: usize| residual.forces[body];
+        let any_force = residual.forces.iter().copied().fold(0.0, f64::max);
+
+        let relative = units.relative(&rows, u, passes);
+        // rows of the solver's kind at the state: one a node, or one a point
+        let points;
+        let (same, relative_same) = match gaps.sampling() {
+            Sampling::Nodes => (&rows, relative.clone()),
+            Sampling::Points => {
+                points = problem.rows(u, Sampling::Points);
+                (&points, units.relative(&points, u, passes))
+            }
+        };
+        let has_names = problem.has_lasting_names(gaps.sampling());
+        let present = match gaps.sampling() {
+            Sampling::Nodes => gaps.len(),
+            Sampling::Points => rows.len(),
+        };
+        let pulls = gaps.keys().iter().zip(lambda);
+        let pulls = pulls.map(|(key, l)| over(-l, force(key)));
+        Certificate {
+            nodal_penetration: problem.relative_penetration(u),
+            weak_penetration: deepest(&relative),
+            other_side: units.other_side(problem, u),
+            adhesion: pulls.fold(0.0, f64::max),
+            complementarity: {
+                let c = values(same, u);
+                let products = same.keys().iter().zip(&c).map(|(key, c)| {
+                    let product = (multipliers.of(*key) * c).abs();
+                    over(product, force(key) * problem.scale().resolution)
+                });
+                products.fold(0.0, f64::max)
+            },
+            stationarity: residual.free,
+            drift: has_names.then(|| {
+                let lambda: Vec<f64> = same.keys().iter().map(|&k| multipliers.of(k)).collect();
+                let now = problem.contact_forces(same, &lambda);
+                let bodies = 0..problem.scene().bodies().len();
+                let nodes = bodies.flat_map(|b| problem.nodes(b).map(move |a| (a, b)));
+                let change = nodes.map(|(a, b)| over((forces[a] - now[a]).amax(), force_of(b)));
+                change.fold(0.0, f64::max)
+            }),
+            action_reaction: {
+                let all: Vector<D> = forces.iter().sum();
+                let magnitude: f64 = forces.iter().map(Vector::norm).sum();
+                over(all.norm(), magnitude.max(any_force))
+            },
+            balance: over(residual.sum, residual.magnitude.max(any_force)),
+            min_j: problem.min_j(u),
+            dropped: problem.contact_nodes().saturating_sub(present),
+            closed: match has_names {
+                true => closed(same, &relative_same, gaps),
+                false => {
+                    let solver = units.relative(gaps, u, passes);
+                    uncovered(passes.len(), (same, &relative_same), (gaps, &solver))
+                }
+            },
+            roundoff: problem.scale().roundoff,
+        }
+    }
+}
+
+/// What lengths and forces are measured in.
+struct Units {
+    /// The slave's body, pass by pass.
+    bodies: Vec<usize>,
+    /// By surface, what of a gap matters around each scene node, and around any of its points (UL).
+    lengths: Vec<(HashMap<usize, f64>, f64)>,
+    /// What force is no force at all (UF).
+    noticed: f64,
+}
+
+impl Units {
+    /// The share of the scale of forces below which forces are not resolved.
+    const NOTICED: f64 = 1e-4;
+
+    fn new<const D: usize>(problem: &Problem<D>) -> Self {
+        let scale = problem.scale();
+        let strain = scale.resolution / scale.area.powf(1.0 / (D as f64 - 1.0));
+        let surfaces = problem.surfaces().iter();
+        Units {
+            bodies: {
+                let slaves = problem.passes().iter().map(|pass| pass.slave);
+                slaves.map(|s| problem.surfaces()[s].body()).collect()
+            },
+            lengths: surfaces
+                .map(|surface| {
+                    let sizes = surface.node_sizes().into_iter().map(|size| strain * size);
+                    let by_node = surface.nodes().iter().copied().zip(sizes).collect();
+                    (by_node, strain * surface.facet_size())
+                })
+                .collect(),
+            noticed: Self::NOTICED * scale.energy / scale.length,
+        }
+    }
+
+    /// The rows' gaps at `u` in their units.
+    fn relative(&self, rows: &LinearGaps, u: &[f64], passes: &[Pass]) -> Vec<f64> {
+        let gaps = values(rows, u).into_iter().zip(rows.keys());
+        let relative = gaps.map(|(c, key)| {
+            let (by_node, anywhere) = &self.lengths[passes[key.pass as usize].slave];
+            let unit = match rows.sampling() {
+                Sampling::Nodes => by_node.get(&(key.node as usize)).unwrap_or(anywhere),
+                Sampling::Points => anywhere,
+            };
+            c / unit
+        });
+        relative.collect()
+    }
+
+    /// The deepest weak penetration over the roles that are no pass of the scene.
+    fn other_side<const D: usize>(&self, problem: &Problem<D>, u: &[f64]) -> Option<f64> {
+        let passes = problem.passes();
+        let turned = |pass: &Pass| Pass {
+            slave: pass.master,
+            master: pass.slave,
+        };
+        let others = passes.iter().map(turned);
+        let others: Vec<Pass> = others.filter(|pass| !passes.contains(pass)).collect();
+        let rows = problem.rows_of(&others, u, Sampling::Nodes);
+        (!others.is_empty()).then(|| deepest(&self.relative(&rows, u, &others)))
+    }
+}
+
+/// `value` in these units; nothing is nothing, whatever the unit.
+fn over(value: f64, unit: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value / unit }
+}
+
+/// c(u) (UL).
+fn values(rows: &LinearGaps, u: &[f64]) -> Vec<f64> {
+    let mut c = vec![0.0; rows.len()];
+    rows.value(u, &mut c);
+    c
+}
+
+/// max(−c_i), at least 0.
+fn deepest(gaps: &[f64]) -> f64 {
+    gaps.iter().fold(0.0, |depth, c| depth.max(-c))
+}
+
+/// How many rows at the state, whose gaps in their units are `relative`, are not open and not among
+/// those of the solver.
+fn closed(rows: &LinearGaps, relative: &[f64], solver: &LinearGaps) -> usize {
+    let named: HashSet<&RowKey> = solver.keys().iter().collect();
+    let limit = Limits::default().weak_penetration;
+    let gaps = rows.keys().iter().zip(relative);
+    gaps.filter(|(key, c)| **c < limit && !named.contains(key))
+        .count()
+}
+
+/// In how many passes the solver's points that are not open speak for less of the surface than those
+/// at the state do. A point that is all but open by one is given to the solver.
+fn uncovered(passes: usize, state: (&LinearGaps, &[f64]), solver: (&LinearGaps, &[f64])) -> usize {
+    const MISSING: f64 = 1e-4;
+    let limit = Limits::default().weak_penetration;
+    let areas = |(rows, relative): (&LinearGaps, &[f64]), limit: f64| {
+        let mut areas = vec![0.0; passes];
+        let all = rows.keys().iter().zip(rows.weights()).zip(relative);
+        for ((key, weight), _) in all.filter(|(_, c)| **c < limit) {
+            areas[key.pass as usize] += weight;
+        }
+        areas
+    };
+    let (needed, found) = (areas(state, limit), areas(solver, 2.0 * limit));
+    let pairs = needed.iter().zip(&found);
+    pairs
+        .filter(|(needed, found)| **found < (1.0 - MISSING) * **needed)
+        .count()
+}
+
+/// What is left of ∂E/∂U − Cᵀλ.
+struct Residual {
+    /// The largest component that no support holds, over the forces on its body.
+    free: f64,
+    /// The largest force on a node of each body, or what is noticed at least (UF).
+    forces: Vec<f64>,
+    /// |Σ reactions + Σ loads| and the sum of their components' magnitudes (UF).
+    sum: f64,
+    magnitude: f64,
+}
+
+impl Residual {
+    fn new<const D: usize>(
+        problem: &Problem<D>,
+        u: &[f64],
+        contact: &[Vector<D>],
+        noticed: f64,
+    ) -> Self {
+        let (mut free, mut forces) = (0.0, Vec::new());
+        let (mut sum, mut magnitude) = (Vector::<D>::zeros(), 0.0);
+        for (body, owner) in problem.scene().bodies().iter().enumerate() {
+            let residual = problem.residual(body, u);
+            let (mut rest_free, mut largest) = (0.0, noticed);
+            for (k, node) in problem.nodes(body).enumerate() {
+                for i in 0..D {
+                    let dof = D * k + i;
+                    let rest: f64 = residual[dof] - contact[node][i];
+                    let load = problem.load() * owner.forces()[dof];
+                    let reaction = match owner.prescribed()[dof] {
+                        Some(_) => rest,
+                        None => 0.0,
+                    };
+                    rest_free = (rest - reaction).abs().max(rest_free);
+                    sum[i] += load + reaction;
+                    magnitude += (load + reaction).abs();
+                    for force in [load, reaction, contact[node][i]] {
+                        largest = force.abs().max(largest);
+                    }
+                }
+            }
+            free = over(rest_free, largest).max(free);
+            forces.push(largest);
+        }
+        Residual {
+            free,
+            forces,
+            sum: sum.norm(),
+            magnitude,
+        }
+    }
+}
