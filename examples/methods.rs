@@ -62,7 +62,7 @@ struct Arguments {
     /// Folder for all files
     #[arg(long, value_name = "DIR", default_value = "out/methods")]
     out: PathBuf,
-    /// Only files, nothing on the standard output
+    /// Only files, nothing on the standard output; rows still show on the standard error as they come
     #[arg(long)]
     quiet: bool,
 }

@@ -19,6 +19,7 @@ mod blocks;
 use std::process::ExitCode;
 
 use blocks::{Blocks, errors};
+use clap::Parser;
 use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::element::Order;
 use ipopt_contact::prelude::*;
@@ -30,7 +31,12 @@ const ROUND_OFF: f64 = 1e-10;
 /// The same where the constraints of both passes all but depend on each other.
 const DEPENDENT: f64 = 1e-7;
 
+/// The contact patch test in numbers: the error of the stress by integration; it has no options
+#[derive(Parser, Debug)]
+struct Arguments {}
+
 fn main() -> Result<ExitCode, Error> {
+    let Arguments {} = Arguments::parse();
     let mut table = Table::default();
     for passes in [Passes::Both, Passes::FirstIsSlave] {
         println!("{passes:?}");

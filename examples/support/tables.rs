@@ -21,8 +21,9 @@ impl Table {
         }
     }
 
-    /// Appends a row, a cell a column.
+    /// Appends a row, a cell a column, and shows it on the standard error, as progress.
     pub fn push(&mut self, cells: Vec<String>) {
+        eprintln!("{}: {}", self.name, cells.join("  "));
         self.rows.push(cells);
     }
 
