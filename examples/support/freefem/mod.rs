@@ -1,0 +1,3 @@
+//! What the comparison with FreeFEM is made of.
+
+pub mod cases;
