@@ -11,6 +11,7 @@ mod certificate;
 mod derivatives;
 mod disc_in_disc;
 mod extremes;
+mod freefem;
 mod hertz;
 mod left_out;
 mod many_bodies;
@@ -21,3 +22,6 @@ mod rows;
 mod space;
 mod toy;
 mod units;
+
+// where parts of examples find each other
+use support::{beams as beam_scene, discs, hertz as hertz_scene, tables};

@@ -11,7 +11,7 @@ use crate::discs::{self, Roles};
 use crate::hertz::{self, Hertz};
 
 /// How fine the meshes are.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
 pub enum Size {
     /// Seconds, with either program; what tests use.
     Tiny,
@@ -32,8 +32,10 @@ pub struct Case {
     pub scripts: &'static [Script],
     /// The bodies' names, of mesh files too.
     pub bodies: &'static [&'static str],
-    /// Load increments.
-    pub increments: usize,
+    /// The bodies whose supports' forces are the scene's reaction.
+    pub supports: &'static [usize],
+    /// Load increments, by size.
+    pub increments: [usize; 4],
     /// The relative change of the displacement at which fixed points have converged.
     pub tolerance: f64,
     /// The scene.
@@ -61,7 +63,7 @@ pub enum Built {
 }
 
 /// All of them.
-pub const CASES: [Case; 4] = [
+pub static CASES: [Case; 4] = [
     Case {
         name: "disc_in_disc",
         scripts: &[
@@ -79,7 +81,8 @@ pub const CASES: [Case; 4] = [
             },
         ],
         bodies: &["ring", "disc"],
-        increments: 100,
+        supports: &[0],
+        increments: [20, 100, 100, 100],
         tolerance: 1e-8,
         build: disc_in_disc,
     },
@@ -92,7 +95,8 @@ pub const CASES: [Case; 4] = [
             up_to: Size::Large,
         }],
         bodies: &["beam1", "beam2", "beam3"],
-        increments: 1,
+        supports: &[0, 1, 2],
+        increments: [1; 4],
         tolerance: 1e-8,
         build: |size| beams(Law::SmallStrain, [[2, 8], [3, 24], [6, 48], [10, 80]], size),
     },
@@ -105,7 +109,8 @@ pub const CASES: [Case; 4] = [
             up_to: Size::Large,
         }],
         bodies: &["beam1", "beam2", "beam3"],
-        increments: 4,
+        supports: &[0, 1, 2],
+        increments: [4; 4],
         tolerance: 1e-8,
         build: |size| beams(Law::NeoHookean, [[2, 8], [3, 24], [5, 40], [8, 64]], size),
     },
@@ -118,15 +123,25 @@ pub const CASES: [Case; 4] = [
             up_to: Size::Large,
         }],
         bodies: &["cylinder", "block"],
-        increments: 1,
+        supports: &[1],
+        increments: [1; 4],
         tolerance: 1e-8,
         build: half_cylinder,
     },
 ];
 
+impl Case {
+    /// The case of that name.
+    pub fn named(name: &str) -> Result<&'static Case, String> {
+        let known = || CASES.each_ref().map(|case| case.name).join(", ");
+        let found = CASES.iter().find(|case| case.name == name);
+        found.ok_or_else(|| format!("there is no scene `{name}`; there are {}", known()))
+    }
+}
+
 impl Size {
     /// The one of four that belongs to this size.
-    fn of<T: Copy>(self, all: [T; 4]) -> T {
+    pub fn of<T: Copy>(self, all: [T; 4]) -> T {
         all[self as usize]
     }
 
@@ -162,14 +177,6 @@ impl Built {
         match self {
             Built::Plane(scene) => export(scene, names, folder, "msh"),
             Built::Space(scene) => export(scene, names, folder, "mesh"),
-        }
-    }
-
-    /// Cells of all bodies.
-    pub fn cells(&self) -> usize {
-        match self {
-            Built::Plane(scene) => scene.bodies().iter().map(|b| b.mesh().len()).sum(),
-            Built::Space(scene) => scene.bodies().iter().map(|b| b.mesh().len()).sum(),
         }
     }
 }
