@@ -22,6 +22,3 @@ mod rows;
 mod space;
 mod toy;
 mod units;
-
-// where parts of examples find each other
-use support::{beams as beam_scene, discs, hertz as hertz_scene, tables};

@@ -6,9 +6,9 @@ use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::element::Order;
 use ipopt_contact::prelude::*;
 
-use crate::beams::{Beams, Law};
-use crate::discs::{self, Roles};
-use crate::hertz::{self, Hertz};
+use super::super::beams::{Beams, Law};
+use super::super::discs::{self, Roles};
+use super::super::hertz::{self, Hertz};
 
 /// How fine the meshes are.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]

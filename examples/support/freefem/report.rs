@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Failure;
 use super::outcome::Outcome;
 use super::process::Usage;
-use crate::tables::Table;
+use super::super::tables::Table;
 
 /// One program on one scene.
 #[derive(Clone, Debug, Serialize)]
