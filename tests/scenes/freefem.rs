@@ -28,7 +28,10 @@ fn agrees(name: &str, size: Size) {
     let energy = ours.energy_difference(&theirs);
     assert!(energy < 1e-6, "energy off by {energy:.1e}");
     let displacement = reference.displacement_difference(case, &ours.displacements);
-    assert!(displacement < 1e-5, "displacement off by {displacement:.1e}");
+    assert!(
+        displacement < 1e-5,
+        "displacement off by {displacement:.1e}"
+    );
     let reaction = ours.reaction_difference(&theirs);
     assert!(reaction < 1e-5, "reaction off by {reaction:.1e}");
 }

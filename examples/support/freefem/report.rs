@@ -5,10 +5,10 @@ use std::path::Path;
 use ipopt_contact::contact_fem::output::picture::{Curve, Curves};
 use serde::Serialize;
 
+use super::super::tables::Table;
 use super::Failure;
 use super::outcome::Outcome;
 use super::process::Usage;
-use super::super::tables::Table;
 
 /// One program on one scene.
 #[derive(Clone, Debug, Serialize)]

@@ -24,19 +24,19 @@ impl FreeFem {
     pub fn find() -> Option<Self> {
         let banner = printed(Command::new("FreeFem++").arg("-nw"))?;
         let name = banner.lines().find(|line| line.contains("FreeFem++"))?;
+        let name = name.split('(').next().unwrap_or(name).trim();
         let package = printed(Command::new("dpkg-query").args(["-W", "freefem++"]));
-        let package = package.unwrap_or_default();
-        let version: Vec<&str> = name
-            .split_whitespace()
-            .chain(package.split_whitespace())
-            .collect();
+        let package = package.map(|found| found.split_whitespace().collect::<Vec<_>>().join(" "));
         let set = std::env::var_os("FF_LOADPATH").map(PathBuf::from);
         let places = set.into_iter().chain([PathBuf::from("/usr/lib/freefem++")]);
         let plugins = places
             .into_iter()
             .find(|p| p.join("ff-Ipopt.so").exists())?;
         Some(FreeFem {
-            version: version.join(" "),
+            version: match package {
+                Some(package) => format!("{name}, package {package}"),
+                None => name.into(),
+            },
             plugins,
             scripts: Path::new(env!("CARGO_MANIFEST_DIR")).join("freefem"),
         })
