@@ -21,6 +21,8 @@
 //! says so in the table.
 #![allow(non_snake_case)] // the symbols of the field
 
+#[path = "support/arch.rs"]
+mod arch;
 #[path = "support/beams.rs"]
 #[allow(dead_code)] // another example uses more of it
 mod beams;

@@ -1,6 +1,8 @@
 //! Scenes of the examples, which use more of them.
 #![allow(dead_code)]
 
+#[path = "../../examples/support/arch.rs"]
+pub mod arch;
 #[path = "../../examples/support/beams.rs"]
 pub mod beams;
 #[path = "../../examples/support/blocks.rs"]

@@ -6,6 +6,7 @@ use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::element::Order;
 use ipopt_contact::prelude::*;
 
+use super::super::arch;
 use super::super::beams::{Beams, Law};
 use super::super::discs::{self, Roles};
 use super::super::hertz::{self, Hertz};
@@ -63,7 +64,7 @@ pub enum Built {
 }
 
 /// All of them.
-pub static CASES: [Case; 4] = [
+pub static CASES: [Case; 5] = [
     Case {
         name: "disc_in_disc",
         scripts: &[
@@ -127,6 +128,20 @@ pub static CASES: [Case; 4] = [
         increments: [1; 4],
         tolerance: 1e-8,
         build: half_cylinder,
+    },
+    Case {
+        name: "arch",
+        scripts: &[Script {
+            file: "arch",
+            style: "tuned",
+            arguments: &[],
+            up_to: Size::Large,
+        }],
+        bodies: &["arch"],
+        supports: &[0],
+        increments: [1; 4],
+        tolerance: 1e-8,
+        build: |size| Ok(Built::Plane(arch::scene(size.of([2, 4, 9, 18]))?)),
     },
 ];
 
