@@ -42,6 +42,26 @@ fn the_disc_in_disc_agrees() {
 }
 
 #[test]
+fn the_beams_agree_at_small_strains() {
+    agrees("beams_small_strain", Size::Tiny);
+}
+
+#[test]
+fn the_neo_hookean_beams_agree() {
+    agrees("beams_neo_hookean", Size::Tiny);
+}
+
+#[test]
+fn hertz_agrees() {
+    agrees("hertz", Size::Tiny);
+}
+
+#[test]
+fn the_arch_agrees() {
+    agrees("arch", Size::Tiny);
+}
+
+#[test]
 fn every_stored_result_belongs_to_a_scene() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("freefem/reference");
     let mut stored = 0;
