@@ -72,6 +72,9 @@ struct Arguments {
     /// Only one of the two; what the other one left before is compared with, if it is there
     #[arg(long, value_enum)]
     only: Option<Program>,
+    /// Only FreeFEM's scripts of this style: tuned or literal
+    #[arg(long, value_parser = ["tuned", "literal"])]
+    style: Option<String>,
     /// Keep FreeFEM's results of the first script of each scene in freefem/reference
     #[arg(long)]
     save_reference: bool,
@@ -149,8 +152,7 @@ fn compare(arguments: &Arguments, cases: &[&Case]) -> Result<(), Failure> {
     };
     for (case, size) in arguments.pairs(cases) {
         let bench = Bench::new(arguments, case, size)?;
-        report.entries.extend(bench.entries(freefem.as_ref())?);
-        report.save(&arguments.out)?;
+        bench.run(freefem.as_ref(), &mut report)?;
     }
     for table in report.tables() {
         println!("{}", table.markdown());
@@ -181,16 +183,21 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Runs everything that was asked for and compares it.
-    fn entries(&self, freefem: Option<&FreeFem>) -> Result<Vec<Entry>, Failure> {
+    /// Runs everything that was asked for, compares it, and saves the report after every program.
+    fn run(&self, freefem: Option<&FreeFem>, report: &mut Report) -> Result<(), Failure> {
         let meshes = self.folder.join("meshes");
         std::fs::create_dir_all(&meshes)?;
         measured(&mut self.child(Child::Export, &meshes)?, &meshes)?;
         let (ours, outcome) =
             self.entry("ours", Program::Ours, |out| self.child(Child::Solve, out))?;
-        let mut entries = vec![ours];
-        for script in self.case.scripts.iter().filter(|s| self.size <= s.up_to) {
-            let Some(freefem) = freefem else { continue };
+        report.add(ours.clone(), &self.arguments.out)?;
+        let Some(freefem) = freefem else {
+            return match self.stored(&ours, &outcome)? {
+                Some(entry) => report.add(entry, &self.arguments.out),
+                None => Ok(()),
+            };
+        };
+        for script in self.case.scripts.iter().filter(|s| self.runs(s)) {
             let command = |out: &Path| freefem.command(self.case, script, self.size, &meshes, out);
             let (mut entry, theirs) = self.entry(script.style, Program::Freefem, command)?;
             let differences = [
@@ -199,14 +206,18 @@ impl<'a> Bench<'a> {
                 theirs.reaction_difference(&outcome),
                 theirs.pressure_difference(&outcome),
             ];
-            entry.compare(&entries[0], differences);
-            entries.push(entry);
+            entry.compare(&ours, differences);
+            report.add(entry, &self.arguments.out)?;
             self.keep(script, freefem, &theirs)?;
         }
-        if freefem.is_none() {
-            entries.extend(self.stored(&entries[0], &outcome)?);
-        }
-        Ok(entries)
+        Ok(())
+    }
+
+    /// Whether a script is asked for and meant for this size.
+    fn runs(&self, script: &Script) -> bool {
+        let style = &self.arguments.style;
+        let is_asked = style.as_ref().is_none_or(|style| style == script.style);
+        is_asked && self.size <= script.up_to
     }
 
     /// Runs a program as often as it has to be, unless only the other one was asked for.

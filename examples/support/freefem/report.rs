@@ -81,6 +81,12 @@ pub struct Report {
 }
 
 impl Report {
+    /// Adds a program and saves everything so far, since the next one may take long.
+    pub fn add(&mut self, entry: Entry, folder: &Path) -> Result<(), Failure> {
+        self.entries.push(entry);
+        self.save(folder)
+    }
+
     /// The differences of every program from ours, and what each took.
     pub fn tables(&self) -> [Table; 2] {
         let mut results = Table::new(
