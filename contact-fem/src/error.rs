@@ -254,6 +254,19 @@ pub enum Error {
     /// From the optimisation layer.
     #[error(transparent)]
     Core(contact_core::Error),
+    /// A facet on two boundaries, which a format with one label a facet cannot tell.
+    #[error(
+        "the facet {nodes:?} is on the boundaries `{first}` and `{second}`: FreeFEM's formats have \
+         one label a facet, so give it one name"
+    )]
+    SharedFacet {
+        /// Its corners.
+        nodes: Vec<usize>,
+        /// One boundary.
+        first: String,
+        /// The other.
+        second: String,
+    },
     /// A file could not be read.
     #[error("cannot read {path}: {source}")]
     Read {

@@ -11,6 +11,7 @@ mod certificate;
 mod derivatives;
 mod disc_in_disc;
 mod extremes;
+mod freefem;
 mod hertz;
 mod left_out;
 mod many_bodies;

@@ -4,6 +4,7 @@ mod boundary;
 pub mod generators;
 mod quadratic;
 pub mod read;
+pub mod write;
 
 use std::collections::BTreeMap;
 

@@ -1,0 +1,317 @@
+//! The same scenes, meshes and tolerances solved by FreeFEM's scripts in `freefem/` and by this
+//! library, side by side.
+//!
+//! ```text
+//! cargo run --release --example freefem_compare
+//! cargo run --release --example freefem_compare -- --scene disc_in_disc --size small --size medium
+//! cargo run --release --example freefem_compare -- --export-only meshes
+//! ```
+//!
+//! Every run is a process of its own on one thread, so that CPU time and peak memory are its own.
+//! Of runs that take less than a minute there are `--runs`, and the table has medians. Tables go
+//! to the standard output and to `out/freefem_compare`: `results` and `costs` as Markdown and
+//! comma-separated values, `compare.json`, the picture `cpu.svg`, and for every run the folder
+//! `SCENE/SIZE/PROGRAM` with what it left. Where FreeFEM is missing, stored results of
+//! `freefem/reference` take its place.
+//!
+//! Meshes are written as `BODY.msh` in the plane and `BODY.mesh` in space. FreeFEM's vertices are
+//! numbered as the nodes here; boundaries have the numbers of their names in alphabetical order.
+//!
+//! It ends with exit code 0 once all tables are written, 2 on errors. A run that does not converge
+//! says so in the table.
+#![allow(non_snake_case)] // the symbols of the field
+
+#[path = "support/arch.rs"]
+mod arch;
+#[path = "support/beams.rs"]
+#[allow(dead_code)] // another example uses more of it
+mod beams;
+#[path = "support/discs.rs"]
+#[allow(dead_code)] // another example uses more of it
+mod discs;
+#[path = "support/freefem/mod.rs"]
+mod freefem;
+#[path = "support/hertz.rs"]
+#[allow(dead_code)] // tests use more of it
+mod hertz;
+mod support;
+#[path = "support/tables.rs"]
+#[allow(dead_code)] // another example uses more of it
+mod tables;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use clap::Parser;
+use freefem::cases::{Built, CASES, Case, Script, Size};
+use freefem::outcome::Outcome;
+use freefem::process::{Usage, measured};
+use freefem::reference::Reference;
+use freefem::report::{Entry, Report};
+use freefem::solve::solve;
+use freefem::theirs::{FreeFem, INSTALL};
+use support::Failure;
+use support::options::positive;
+use support::run::exit;
+
+/// Runs that take longer than this (seconds of CPU time) are not repeated.
+const LONG: f64 = 60.0;
+
+/// FreeFEM and this library on the same scenes
+#[derive(Parser, Debug)]
+struct Arguments {
+    /// Only this scene; may be repeated
+    #[arg(long, value_name = "NAME")]
+    scene: Vec<String>,
+    /// Only this size; may be repeated
+    #[arg(long, value_enum, default_values_t = [Size::Tiny])]
+    size: Vec<Size>,
+    /// Runs of each program, if they take less than a minute
+    #[arg(long, default_value_t = 3, value_parser = positive)]
+    runs: usize,
+    /// Only one of the two; what the other one left before is compared with, if it is there
+    #[arg(long, value_enum)]
+    only: Option<Program>,
+    /// Only FreeFEM's scripts of this style: tuned or literal
+    #[arg(long, value_parser = ["tuned", "literal"])]
+    style: Option<String>,
+    /// Keep FreeFEM's results of the first script of each scene in freefem/reference
+    #[arg(long)]
+    save_reference: bool,
+    /// Write the meshes for FreeFEM to DIR/SCENE/SIZE, and nothing else
+    #[arg(long, value_name = "DIR")]
+    export_only: Option<PathBuf>,
+    /// Folder for all files
+    #[arg(long, value_name = "DIR", default_value = "out/freefem_compare")]
+    out: PathBuf,
+    /// Do one thing in this process
+    #[arg(long, hide = true, value_enum)]
+    child: Option<Child>,
+}
+
+/// `--only`
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Program {
+    Ours,
+    Freefem,
+}
+
+/// `--child`
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Child {
+    Export,
+    Solve,
+}
+
+fn main() -> ExitCode {
+    exit(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let cases = arguments.cases()?;
+    if let Some(folder) = &arguments.export_only {
+        for (case, size) in arguments.pairs(&cases) {
+            let folder = folder.join(case.name).join(size.name());
+            export(case, size, &folder)?;
+            println!("{}", folder.display());
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    if let Some(child) = arguments.child {
+        for (case, size) in arguments.pairs(&cases) {
+            match child {
+                Child::Export => export(case, size, &arguments.out)?,
+                Child::Solve => solve(case, size, &arguments.out)?,
+            }
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    compare(arguments, &cases)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn export(case: &Case, size: Size, folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)?;
+    Ok((case.build)(size)?.export(case.bodies, folder)?)
+}
+
+fn compare(arguments: &Arguments, cases: &[&Case]) -> Result<(), Failure> {
+    let freefem = FreeFem::find();
+    if freefem.is_none() {
+        println!("{INSTALL}");
+    }
+    let versions = ipopt_contact::versions();
+    let mut report = Report {
+        freefem: freefem.as_ref().map(|found| found.version.clone()),
+        ipopt: versions.ipopt.into(),
+        libraries: [
+            versions.linear_solver,
+            versions.blas.map(|blas| blas.to_string()),
+        ],
+        entries: Vec::new(),
+    };
+    for (case, size) in arguments.pairs(cases) {
+        let bench = Bench::new(arguments, case, size)?;
+        bench.run(freefem.as_ref(), &mut report)?;
+    }
+    for table in report.tables() {
+        println!("{}", table.markdown());
+    }
+    println!("files in {}", arguments.out.display());
+    Ok(())
+}
+
+/// One scene of one size, to be run by every program.
+struct Bench<'a> {
+    arguments: &'a Arguments,
+    case: &'a Case,
+    size: Size,
+    folder: PathBuf,
+}
+
+impl<'a> Bench<'a> {
+    fn new(arguments: &'a Arguments, case: &'a Case, size: Size) -> Result<Self, Failure> {
+        std::fs::create_dir_all(&arguments.out)?;
+        let out = arguments.out.canonicalize()?;
+        let folder = out.join(case.name).join(size.name());
+        std::fs::create_dir_all(&folder)?;
+        Ok(Bench {
+            arguments,
+            case,
+            size,
+            folder,
+        })
+    }
+
+    /// Runs everything that was asked for, compares it, and saves the report after every program.
+    fn run(&self, freefem: Option<&FreeFem>, report: &mut Report) -> Result<(), Failure> {
+        let meshes = self.folder.join("meshes");
+        std::fs::create_dir_all(&meshes)?;
+        measured(&mut self.child(Child::Export, &meshes)?, &meshes)?;
+        let (ours, outcome) =
+            self.entry("ours", Program::Ours, |out| self.child(Child::Solve, out))?;
+        report.add(ours.clone(), &self.arguments.out)?;
+        let Some(freefem) = freefem else {
+            return match self.stored(&ours, &outcome)? {
+                Some(entry) => report.add(entry, &self.arguments.out),
+                None => Ok(()),
+            };
+        };
+        for script in self.case.scripts.iter().filter(|s| self.runs(s)) {
+            let command = |out: &Path| freefem.command(self.case, script, self.size, &meshes, out);
+            let (mut entry, theirs) = self.entry(script.style, Program::Freefem, command)?;
+            let differences = [
+                theirs.energy_difference(&outcome),
+                theirs.displacement_difference(&outcome),
+                theirs.reaction_difference(&outcome),
+                theirs.pressure_difference(&outcome),
+            ];
+            entry.compare(&ours, differences);
+            report.add(entry, &self.arguments.out)?;
+            self.keep(script, freefem, &theirs)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a script is asked for and meant for this size.
+    fn runs(&self, script: &Script) -> bool {
+        let style = &self.arguments.style;
+        let is_asked = style.as_ref().is_none_or(|style| style == script.style);
+        is_asked && self.size <= script.up_to
+    }
+
+    /// Runs a program as often as it has to be, unless only the other one was asked for.
+    fn entry(
+        &self,
+        name: &str,
+        program: Program,
+        command: impl Fn(&Path) -> Result<Command, Failure>,
+    ) -> Result<(Entry, Outcome), Failure> {
+        let out = self.folder.join(name);
+        std::fs::create_dir_all(&out)?;
+        let mut runs: Vec<Usage> = Vec::new();
+        let is_asked = self.arguments.only.is_none_or(|only| only == program);
+        while is_asked && runs.len() < self.arguments.runs {
+            eprintln!(
+                "{} {} {name}, run {}",
+                self.case.name,
+                self.size.name(),
+                runs.len() + 1
+            );
+            runs.push(measured(&mut command(&out)?, &out)?);
+            if runs[0].cpu > LONG {
+                break;
+            }
+        }
+        let outcome = Outcome::read(self.case, &out)?;
+        let mut entry = Entry::new(self.case.name, self.size.name(), name, &outcome);
+        entry.runs = runs.len();
+        entry.usage = (!runs.is_empty()).then(|| Usage::median(&runs));
+        Ok((entry, outcome))
+    }
+
+    /// This program again, for one thing on this scene.
+    fn child(&self, child: Child, out: &Path) -> Result<Command, Failure> {
+        let mut command = Command::new(std::env::current_exe()?);
+        let child = match child {
+            Child::Export => "export",
+            Child::Solve => "solve",
+        };
+        command
+            .args(["--child", child, "--scene", self.case.name])
+            .args(["--size", self.size.name(), "--out"])
+            .arg(out);
+        Ok(command)
+    }
+
+    /// Stores the result of the scene's first script, if that was asked for.
+    fn keep(&self, script: &Script, freefem: &FreeFem, outcome: &Outcome) -> Result<(), Failure> {
+        let is_first = std::ptr::eq(script, &self.case.scripts[0]);
+        if !self.arguments.save_reference || !is_first {
+            return Ok(());
+        }
+        let dimension = match (self.case.build)(self.size)? {
+            Built::Plane(_) => 2,
+            Built::Space(_) => 3,
+        };
+        let version = &freefem.version;
+        let reference = Reference::new(self.case, dimension, outcome, script.file, version);
+        reference.save(self.case, self.size)
+    }
+
+    /// The stored result in place of FreeFEM's.
+    fn stored(&self, ours: &Entry, outcome: &Outcome) -> Result<Option<Entry>, Failure> {
+        let Some(reference) = Reference::read(self.case, self.size)? else {
+            return Ok(None);
+        };
+        let theirs = reference.outcome();
+        let mut entry = Entry::new(self.case.name, self.size.name(), "stored", &theirs);
+        let differences = [
+            theirs.energy_difference(outcome),
+            reference.displacement_difference(self.case, &outcome.displacements),
+            theirs.reaction_difference(outcome),
+            f64::NAN,
+        ];
+        entry.compare(ours, differences);
+        Ok(Some(entry))
+    }
+}
+
+impl Arguments {
+    fn cases(&self) -> Result<Vec<&'static Case>, Failure> {
+        match self.scene.is_empty() {
+            true => Ok(CASES.iter().collect()),
+            false => Ok(self
+                .scene
+                .iter()
+                .map(|name| Case::named(name))
+                .collect::<Result<_, _>>()?),
+        }
+    }
+
+    /// Every scene with every size.
+    fn pairs<'a>(&self, cases: &[&'a Case]) -> Vec<(&'a Case, Size)> {
+        let sizes = |&case| self.size.iter().map(move |&size| (case, size));
+        cases.iter().flat_map(sizes).collect()
+    }
+}
