@@ -228,7 +228,8 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area,
-    /// compression positive), recovered from the nodal forces of the passes that it takes part in.
+    /// compression positive), recovered from the nodal forces of the passes that it takes part in; in
+    /// small-strain scenes along the normals of the reference configuration.
     ///
     /// # Errors
     /// See [`pressure::tractions`].
@@ -238,7 +239,8 @@ impl<const D: usize> Problem<D> {
         gaps: &LinearGaps,
         lambda: &[f64],
     ) -> Result<Vec<Vec<f64>>, crate::Error> {
-        let x = self.positions(u);
+        let now = self.positions(u);
+        let x = self.contact_positions(&now);
         let of_surface = |(index, surface): (usize, &Surface<D>)| {
             let takes_part = |pass: &Pass| pass.slave == index || pass.master == index;
             let own = gaps.keys().iter().zip(lambda);
@@ -251,7 +253,7 @@ impl<const D: usize> Problem<D> {
             let all_forces = self.contact_forces(gaps, &own.collect::<Vec<_>>());
             let forces: Vec<_> = surface.nodes().iter().map(|&a| all_forces[a]).collect();
             let tractions = pressure::tractions(surface, &forces)?;
-            let normals = crate::contact::normals::averaged(surface, &surface.gather(&x));
+            let normals = crate::contact::normals::averaged(surface, &surface.gather(x));
             let pairs = tractions.iter().zip(&normals);
             Ok(pairs.map(|(t, n)| -t.dot(n)).collect())
         };
