@@ -75,12 +75,14 @@ impl InteriorPoint {
         ] {
             warm.set(name, push);
         }
+        // residuals are checked all the same, and refined where they are too large
+        let options = Options::new().with("min_refinement_steps", 0);
         settings(
             tolerance,
             complementarity,
             self.max_iterations,
             warm,
-            &self.options,
+            &options.and(&self.options),
         )
     }
 }

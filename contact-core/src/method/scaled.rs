@@ -234,8 +234,6 @@ pub(super) fn settings(
         .with("acceptable_compl_inf_tol", ATTAINABLE * complementarity)
         .with("mu_strategy", "adaptive")
         .with("nlp_scaling_method", "none")
-        // residuals are checked all the same, and refined where they are too large
-        .with("min_refinement_steps", 0)
         .with("max_iter", max_iterations);
     SequenceSettings {
         options: options.and(given),
