@@ -1,0 +1,187 @@
+//! Hertz's contact of a cylinder on a block, in plane strain.
+
+use std::path::Path;
+
+use ipopt_contact::contact_core::fixed_point::Solution;
+
+use super::{Bound, Claim, Family, Kind, Quantity, Scope, ladder};
+use crate::Failure;
+use crate::case::{Case, Formulation, Points};
+use crate::hertz::{Fineness, Hertz};
+use crate::measure::Solved;
+use crate::norms;
+use crate::record::Measured;
+use crate::refined::{Kept, Refined};
+
+const NAME: &str = "hertz-2d";
+
+fn hertz(case: &Case) -> Hertz {
+    Hertz::new(Fineness::family(case.level), case.order())
+}
+
+fn run(case: &Case, kept: &Path) -> Result<Measured, Failure> {
+    let hertz = hertz(case);
+    let solved = Solved::new(case, 1, || hertz.scene())?;
+    let mut measured = solved.measured(hertz.facets()[0]);
+    let Some(solution) = solved.solution() else {
+        return Ok(measured);
+    };
+    let contact = Contact::new(&hertz, &solved, solution)?;
+    measured.errors.extend(contact.errors(&hertz));
+    measured.values.extend(contact.values());
+    let u = solved.displacements();
+    match Kept::load(kept)? {
+        None => Kept::save(case, &u, kept)?,
+        Some(refined) if refined.case == *case => {}
+        Some(refined) => {
+            let refined = Refined::new(self::hertz(&refined.case).scene()?, &refined)?;
+            let exact = |body: usize, X: &_| refined.at(body, X);
+            let [l2, h1] = norms::of_displacement(&solved.problem, &u, &[0, 1], exact);
+            measured
+                .errors
+                .extend([("l2".into(), l2), ("h1".into(), h1)]);
+        }
+    }
+    Ok(measured)
+}
+
+/// What Hertz's theory speaks of, on the surfaces of cylinder and block.
+struct Contact {
+    /// The pressure in the centre (UF/UL²).
+    peak: [f64; 2],
+    /// The half-width (UL), of the second moment of the nodal forces: a²/4 for a half-ellipse.
+    half_width: [f64; 2],
+    /// The relative error of the pressure in L².
+    profile: [f64; 2],
+}
+
+impl Contact {
+    fn new(hertz: &Hertz, solved: &Solved<2>, solution: &Solution) -> Result<Self, Failure> {
+        let problem = &solved.problem;
+        let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
+        let (p0, a) = (hertz.peak_pressure(), hertz.half_width());
+        let exact = |x: f64| p0 * (1.0 - (x / a).powi(2)).max(0.0).sqrt();
+        let mut contact = Contact {
+            peak: [0.0; 2],
+            half_width: [0.0; 2],
+            profile: [0.0; 2],
+        };
+        for (surface, pressure) in problem.surfaces().iter().zip(solved.pressures()?) {
+            let x = |&node: &usize| problem.reference()[node][0];
+            let body = surface.body();
+            let mut nodes = surface.nodes().iter().zip(&pressure);
+            let centre = nodes.find(|(node, _)| x(node).abs() < 1e-9 * a);
+            let (_, peak) = centre.ok_or("no node in the centre of contact")?;
+            let moment = |power: i32| -> f64 {
+                let nodes = surface.nodes().iter();
+                nodes
+                    .map(|node| forces[*node][1] * x(node).powi(power))
+                    .sum()
+            };
+            contact.peak[body] = *peak;
+            contact.half_width[body] = 2.0 * (moment(2) / moment(0)).sqrt();
+            contact.profile[body] = norms::of_pressure(surface, &pressure, |X| exact(X[0]));
+        }
+        Ok(contact)
+    }
+
+    /// Of the two surfaces the worse.
+    fn errors(&self, hertz: &Hertz) -> [(String, f64); 3] {
+        let worse = |values: [f64; 2], exact: f64| {
+            let [a, b] = values.map(|value| (value / exact - 1.0).abs());
+            a.max(b)
+        };
+        let [a, b] = self.profile;
+        [
+            ("p0".into(), worse(self.peak, hertz.peak_pressure())),
+            ("a".into(), worse(self.half_width, hertz.half_width())),
+            ("pressure".into(), a.max(b)),
+        ]
+    }
+
+    fn values(&self) -> [(String, f64); 4] {
+        [
+            ("p0, cylinder".into(), self.peak[0]),
+            ("p0, block".into(), self.peak[1]),
+            ("a, cylinder".into(), self.half_width[0]),
+            ("a, block".into(), self.half_width[1]),
+        ]
+    }
+}
+
+const QUANTITIES: &[Quantity] = &[
+    Quantity::new("p0", "pressure in the centre, p₀", Kind::Pressure),
+    Quantity::new("pressure", "pressure, L²", Kind::Pressure).of_orders(1.0, 1.0),
+    Quantity::new("a", "half-width, a", Kind::Other),
+    Quantity::new("h1", "displacement, H¹", Kind::Gradient).of_orders(1.0, 1.5),
+    Quantity::new("l2", "displacement, L²", Kind::Displacement).of_orders(2.0, 2.5),
+];
+
+fn cases(scope: Scope) -> Vec<Case> {
+    let (p1, p2): (&[usize], &[usize]) = scope.pick(
+        (&[4, 8, 16, 32], &[2, 4, 8, 12]),
+        (&[4, 8, 16, 32, 64, 96], &[2, 4, 8, 16, 24, 32]),
+    );
+    let mut cases = ladder(NAME, p1, p2);
+    let exact = ladder(NAME, p1, p2).into_iter();
+    cases.extend(exact.map(|case| case.with_points(Points::Exact)));
+    for (degree, level) in [(1, 16), (2, 8)] {
+        for method in [Formulation::PenalizedSlack, Formulation::Penalty] {
+            cases.push(Case::new(NAME, degree, level).with_method(method));
+        }
+        for complementarity in [1e-2, 1e-4, 1e-6, 1e-10] {
+            cases.push(Case {
+                complementarity,
+                ..Case::new(NAME, degree, level)
+            });
+        }
+    }
+    cases
+}
+
+/// In the plane.
+pub fn family() -> Family {
+    Family {
+        name: NAME,
+        title: "Hertz, cylinder on a block, plane strain",
+        about: "A half-cylinder of radius 50 (E = 210) on a block (E = 70), ν = 0.3, pressed by 7 a unit of \
+            thickness; their right halves, on meshes graded towards the contact. Mesh, order, integration, method \
+            and what Ipopt may leave of gap times force vary. Pressure in the centre p₀, half-width a = 2 √(Σ f x² / \
+            Σ f) of the nodal forces f, which is exact for a half-ellipse, pressure in L² and displacement; of the \
+            two bodies the larger error.",
+        reference: "p₀ = √(P E*/(πR)), a = √(4PR/(πE*)) and the half-ellipse between: Hertz's theory of half-spaces \
+            with parabolic surfaces, not of these two bodies. The displacement is compared with that of the finest \
+            quadratic mesh, computed by this command (P2, Gauss points, method (7)) and interpolated.",
+        theory: "u is in H^s for s < 5/2, as at every end of a contact zone: order 1 (P1) and 3/2 (P2) in H¹ on \
+            uniform meshes, and no order beyond 1 of the pressure in L², whose profile is a square root at its end. \
+            These meshes are graded and halved as a whole. What Hertz's theory leaves out, finite size and \
+            curvature, is a floor below p₀, a and the pressure.",
+        size: "the facet in the centre of contact",
+        quantities: QUANTITIES,
+        claims: &[
+            Claim {
+                quantity: "p0",
+                degree: 2,
+                bound: Bound::Finest(1e-3),
+            },
+            Claim {
+                quantity: "a",
+                degree: 2,
+                bound: Bound::Finest(1e-2),
+            },
+            Claim {
+                quantity: "h1",
+                degree: 1,
+                bound: Bound::Order(0.95),
+            },
+            Claim {
+                quantity: "h1",
+                degree: 2,
+                bound: Bound::Order(1.45),
+            },
+        ],
+        cases,
+        refined: Some(|scope| Case::new(NAME, 2, scope.pick(24, 64))),
+        run,
+    }
+}

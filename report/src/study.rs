@@ -1,0 +1,269 @@
+//! What the runs of one family show.
+
+use crate::case::{Case, Setting};
+use crate::families::{Bound, Claim, Family, Kind, Quantity};
+use crate::fit::Fit;
+use crate::record::{Measured, Numbers, Record};
+
+/// What an error may be drawn against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Wall time.
+    Wall,
+    /// Processor time.
+    Cpu,
+    /// Free unknowns.
+    Dofs,
+    /// Numerical factorisations.
+    Factorizations,
+    /// The mesh size.
+    Size,
+}
+
+impl Axis {
+    /// All, in the order of the page.
+    pub const ALL: [Axis; 5] = [
+        Axis::Wall,
+        Axis::Cpu,
+        Axis::Dofs,
+        Axis::Factorizations,
+        Axis::Size,
+    ];
+
+    /// Its label, with the unit.
+    pub fn label(self) -> &'static str {
+        match self {
+            Axis::Wall => "wall time (s)",
+            Axis::Cpu => "CPU time (s)",
+            Axis::Dofs => "free dofs",
+            Axis::Factorizations => "factorisations",
+            Axis::Size => "mesh size h (UL)",
+        }
+    }
+
+    /// The run's value, where it is known.
+    pub fn of(self, run: &Measured) -> Option<f64> {
+        let value = match self {
+            Axis::Wall => run.cost.wall,
+            Axis::Cpu => run.cost.cpu?,
+            Axis::Dofs => run.dofs as f64,
+            Axis::Factorizations => run.cost.factorizations as f64,
+            Axis::Size => run.h,
+        };
+        (value > 0.0).then_some(value)
+    }
+}
+
+/// A run with all its errors, those against the refined solution included.
+pub struct Run<'a> {
+    /// What was measured.
+    pub record: &'a Record,
+    /// By quantity.
+    pub errors: Numbers,
+}
+
+impl Run<'_> {
+    /// Its settings.
+    pub fn case(&self) -> &Case {
+        &self.record.case
+    }
+
+    /// What was measured.
+    pub fn result(&self) -> &Measured {
+        &self.record.result
+    }
+}
+
+/// Runs that differ in their mesh alone, the coarsest first.
+pub struct Series<'a> {
+    /// What they have in common.
+    pub setting: Setting,
+    /// The runs.
+    pub runs: Vec<&'a Run<'a>>,
+}
+
+impl Series<'_> {
+    /// (value on the axis, error) of the runs that converged.
+    pub fn points(&self, axis: Axis, quantity: &str) -> Vec<(f64, f64)> {
+        let point = |run: &&Run| {
+            let error = run.errors.get(quantity)?;
+            Some((axis.of(run.result())?, *error))
+        };
+        self.runs.iter().filter_map(point).collect()
+    }
+
+    /// The order in h.
+    pub fn fit(&self, quantity: &str) -> Option<Fit> {
+        Fit::new(&self.points(Axis::Size, quantity))
+    }
+
+    /// Whether only mesh and degree differ from the default.
+    pub fn is_default(&self) -> bool {
+        let case = self.setting.case();
+        *case == Case::new(&case.family, case.degree, 0)
+    }
+}
+
+/// A claim and what was found.
+pub struct Verdict<'a> {
+    /// The claim.
+    pub claim: &'a Claim,
+    /// The order or error that was found.
+    pub found: Option<f64>,
+}
+
+impl Verdict<'_> {
+    /// Whether the claim holds; it does not if nothing was found.
+    pub fn holds(&self) -> bool {
+        let Some(found) = self.found else {
+            return false;
+        };
+        match self.claim.bound {
+            Bound::Order(least) => found >= least,
+            Bound::Finest(most) => found <= most,
+        }
+    }
+}
+
+/// A family and its runs.
+pub struct Study<'a> {
+    /// The family.
+    pub family: &'a Family,
+    /// The run that others are compared with.
+    pub refined: Option<&'a Record>,
+    /// All others.
+    pub runs: Vec<Run<'a>>,
+}
+
+impl<'a> Study<'a> {
+    /// Of all `records` those that belong to the family; `refined` are the settings of its refined run.
+    pub fn new(family: &'a Family, records: &'a [Record], refined: Option<&Case>) -> Self {
+        let own = || records.iter().filter(|r| r.case.family == family.name);
+        let refined = own().find(|record| Some(&record.case) == refined);
+        let others = own().filter(|record| refined.is_none_or(|r| r.case != record.case));
+        let runs = others.map(|record| Run {
+            record,
+            errors: errors(family, record, refined),
+        });
+        Study {
+            family,
+            refined,
+            runs: runs.collect(),
+        }
+    }
+
+    /// Its runs by setting, in the order of the runs.
+    pub fn series(&self) -> Vec<Series<'_>> {
+        let mut all: Vec<Series> = Vec::new();
+        for run in &self.runs {
+            let setting = run.case().setting();
+            match all.iter_mut().find(|series| series.setting == setting) {
+                Some(series) => series.runs.push(run),
+                None => all.push(Series {
+                    setting,
+                    runs: vec![run],
+                }),
+            }
+        }
+        for series in &mut all {
+            series.runs.sort_by_key(|run| run.case().level);
+        }
+        all
+    }
+
+    /// The family's claims on the series with default settings.
+    pub fn verdicts(&self) -> Vec<Verdict<'_>> {
+        let series = self.series();
+        let found = |claim: &Claim| {
+            let is_it = |s: &&Series| s.is_default() && s.setting.case().degree == claim.degree;
+            let series = series.iter().find(is_it)?;
+            match claim.bound {
+                Bound::Order(_) => Some(series.fit(claim.quantity)?.order),
+                Bound::Finest(_) => {
+                    let points = series.points(Axis::Size, claim.quantity);
+                    let finest = points.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+                    Some(finest.1)
+                }
+            }
+        };
+        let claims = self.family.claims.iter();
+        claims
+            .map(|claim| Verdict {
+                claim,
+                found: found(claim),
+            })
+            .collect()
+    }
+
+    /// What bends or fails, in sentences.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        for run in self.runs.iter().filter(|run| !run.result().converged()) {
+            let (case, status) = (run.case(), &run.result().status);
+            remarks.push(format!("{}, level {}: {status}.", case.setting(), case.level));
+        }
+        for series in self.series().iter().filter(|series| series.runs.len() > 2) {
+            for quantity in self.family.quantities {
+                remarks.extend(bend(series, quantity));
+            }
+        }
+        remarks
+    }
+
+    /// The cheapest run by wall time whose error of a kind is at most `most`, and not larger on any finer mesh with
+    /// the same settings, so that no error counts that only changes its sign. The family's first quantity of a kind
+    /// stands for it.
+    pub fn cheapest(&self, kind: Kind, most: f64) -> Option<&Run<'_>> {
+        let quantity = self.family.quantities.iter().find(|q| q.kind == kind)?;
+        let within = |run: &Run| run.errors.get(quantity.name).is_some_and(|e| *e <= most);
+        let stays = |run: &&Run| {
+            let finer = |other: &&Run| {
+                other.case().setting() == run.case().setting()
+                    && other.case().level >= run.case().level
+            };
+            self.runs.iter().filter(finer).all(within)
+        };
+        let found = self.runs.iter().filter(|run| within(run)).filter(stays);
+        found.min_by(|a, b| {
+            let wall = |run: &Run| run.result().cost.wall;
+            wall(a).total_cmp(&wall(b))
+        })
+    }
+}
+
+/// The errors that were measured, and those of values against the refined run's.
+fn errors(family: &Family, record: &Record, refined: Option<&Record>) -> Numbers {
+    let mut errors = record.result.errors.clone();
+    for quantity in family.quantities {
+        let values = || {
+            let name = quantity.refined?;
+            let exact = refined?.result.values.get(name)?;
+            Some((record.result.values.get(name)?, exact))
+        };
+        if let Some((value, exact)) = values() {
+            errors.insert(quantity.name.into(), (value / exact - 1.0).abs());
+        }
+    }
+    errors
+}
+
+/// A sentence if the orders between neighbouring meshes do not agree, or if the fitted one is short of theory's.
+fn bend(series: &Series<'_>, quantity: &Quantity) -> Option<String> {
+    const SHORT: f64 = 0.15;
+    let fit = series.fit(quantity.name)?;
+    let expected = quantity.orders[series.setting.case().degree - 1]?;
+    let [low, high] = fit.local;
+    let name = format!("{}, {}", series.setting, quantity.title);
+    if !fit.is_asymptotic() {
+        Some(format!(
+            "{name}: the curve bends, orders between neighbours go from {low:.2} to {high:.2}."
+        ))
+    } else if fit.order < expected - SHORT {
+        Some(format!(
+            "{name}: order {:.2} is short of theory's {expected}.",
+            fit.order
+        ))
+    } else {
+        None
+    }
+}
