@@ -12,16 +12,23 @@
 mod ball;
 mod campaign;
 mod case;
+mod data;
+mod environment;
 mod exact;
 mod families;
 mod fit;
+mod freefem;
+mod markdown;
 mod measure;
 mod norms;
+mod overview;
+mod page;
 mod pareto;
 mod record;
 mod refined;
 mod revision;
 mod store;
+mod study;
 
 #[path = "../../examples/support/beams.rs"]
 #[allow(dead_code)] // the examples use more of these
@@ -37,14 +44,20 @@ mod discs;
 mod hertz;
 #[path = "../../examples/support/machine.rs"]
 mod machine;
+#[path = "../../examples/support/tables.rs"]
+#[allow(dead_code)]
+mod tables;
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use crate::campaign::Campaign;
-use crate::families::Scope;
+use crate::families::{Family, Scope};
+use crate::page::Page;
+use crate::study::Study;
 
 /// What anything here may fail with, for `main` to print.
 type Failure = Box<dyn std::error::Error>;
@@ -92,6 +105,42 @@ fn report(arguments: &Arguments) -> Result<ExitCode, Failure> {
     families.retain(|family| family.name.contains(&arguments.only));
     let campaign = Campaign::new(&folder, scope, arguments.limit)?;
     let records = campaign.run(&families)?;
-    println!("{} runs in {}", records.len(), folder.display());
-    Ok(ExitCode::SUCCESS)
+    let refined = |family: &Family| family.refined.map(|case| case(scope));
+    let studies: Vec<Study> = families
+        .iter()
+        .map(|family| Study::new(family, &records, refined(family).as_ref()))
+        .collect();
+    let environment = environment::environment(campaign.revision());
+    write(&folder, &studies, &environment)?;
+    let verdicts = studies.iter().flat_map(Study::verdicts);
+    let broken = verdicts.filter(|verdict| !verdict.holds()).count();
+    print!("\n{}", overview::claims(&studies).markdown());
+    println!(
+        "{} runs: {}",
+        records.len(),
+        folder.join("index.html").display()
+    );
+    Ok(match broken {
+        0 => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
+    })
+}
+
+/// The page, the same in Markdown, and the data.
+fn write(
+    folder: &Path,
+    studies: &[Study<'_>],
+    environment: &[(&'static str, String)],
+) -> Result<(), Failure> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../freefem/reference");
+    let (freefem, freefem_remarks) = freefem::load(&source);
+    let page = Page {
+        studies,
+        environment,
+        freefem: &freefem,
+        freefem_remarks: &freefem_remarks,
+    };
+    fs::write(folder.join("index.html"), page.html())?;
+    fs::write(folder.join("report.md"), markdown::markdown(&page))?;
+    data::save(folder, studies, environment)
 }

@@ -200,7 +200,11 @@ impl<'a> Study<'a> {
         let mut remarks = Vec::new();
         for run in self.runs.iter().filter(|run| !run.result().converged()) {
             let (case, status) = (run.case(), &run.result().status);
-            remarks.push(format!("{}, level {}: {status}.", case.setting(), case.level));
+            remarks.push(format!(
+                "{}, level {}: {status}.",
+                case.setting(),
+                case.level
+            ));
         }
         for series in self.series().iter().filter(|series| series.runs.len() > 2) {
             for quantity in self.family.quantities {

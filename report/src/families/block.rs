@@ -1,7 +1,7 @@
 //! A neo-Hookean block under a rigid plate.
 
 use ipopt_contact::contact_fem::Error;
-use ipopt_contact::contact_fem::material::{Lame, Material};
+use ipopt_contact::contact_fem::material::Material;
 use ipopt_contact::contact_fem::tensor::{Matrix, Vector};
 use ipopt_contact::prelude::*;
 
@@ -151,6 +151,8 @@ pub fn family() -> Family {
 
 #[cfg(test)]
 mod tests {
+    use ipopt_contact::contact_fem::material::Lame;
+
     use super::*;
 
     /// P = μ (F − F⁻ᵀ) + λ ln J F⁻ᵀ by components, from the formula.

@@ -8,7 +8,7 @@ use ipopt_contact::contact_fem::element::{Element, FacetRule, P1, P2};
 use ipopt_contact::contact_fem::tensor::unit_vector;
 use ipopt_contact::prelude::*;
 
-use super::{Bound, Claim, Family, Kind, Quantity, Scope, ladder};
+use super::{Bound, Claim, Family, Kind, Quantity, ladder};
 use crate::Failure;
 use crate::case::{Case, Formulation, Points};
 use crate::exact::{Field, Waves, ZoneEnd};

@@ -84,7 +84,12 @@ impl Scale {
             (low.min(v), high.max(v))
         });
         if low > high {
-            return Scale { low: 0.0, high: 1.0, from, to };
+            return Scale {
+                low: 0.0,
+                high: 1.0,
+                from,
+                to,
+            };
         }
         let middle = 0.5 * (low + high);
         let half = (0.5 * (high - low)).max(0.5) * 1.08;
@@ -127,7 +132,11 @@ impl Plot {
         line(&front, "front", &mut svg);
         for curve in &self.curves {
             let points: Vec<_> = curve.points.iter().map(place).collect();
-            let Look { colour, marker, dashed } = curve.look;
+            let Look {
+                colour,
+                marker,
+                dashed,
+            } = curve.look;
             if curve.joined {
                 let dash = if dashed { " dashed" } else { "" };
                 line(&points, &format!("line s{colour}{dash}"), &mut svg);
@@ -136,7 +145,11 @@ impl Plot {
                 mark(*point, marker, colour, title, &mut svg);
             }
             if let (Some(note), Some((a, b))) = (&curve.note, points.last()) {
-                let (anchor, off) = if *a > WIDTH - 90.0 { ("end", -7.0) } else { ("start", 7.0) };
+                let (anchor, off) = if *a > WIDTH - 90.0 {
+                    ("end", -7.0)
+                } else {
+                    ("start", 7.0)
+                };
                 let _ = writeln!(
                     svg,
                     "<text class=\"note f{colour}\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
@@ -197,7 +210,10 @@ fn line(points: &[(f64, f64)], class: &str, svg: &mut String) {
     if points.len() < 2 {
         return;
     }
-    let path: Vec<String> = points.iter().map(|(a, b)| format!("{a:.1} {b:.1}")).collect();
+    let path: Vec<String> = points
+        .iter()
+        .map(|(a, b)| format!("{a:.1} {b:.1}"))
+        .collect();
     let _ = writeln!(svg, "<path class=\"{class}\" d=\"M{}\"/>", path.join("L"));
 }
 
@@ -213,13 +229,26 @@ fn mark((a, b): (f64, f64), marker: Marker, colour: usize, title: &str, svg: &mu
     const SQUARE: [(f64, f64); 4] = [(-3.2, -3.2), (3.2, -3.2), (3.2, 3.2), (-3.2, 3.2)];
     let (class, path) = match marker {
         Marker::Disc | Marker::Ring => {
-            let circle = format!("M{:.1} {b:.1}a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0Z", a - 3.5);
-            (if marker == Marker::Disc { "fill" } else { "open" }, circle)
+            let circle = format!(
+                "M{:.1} {b:.1}a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0Z",
+                a - 3.5
+            );
+            (
+                if marker == Marker::Disc {
+                    "fill"
+                } else {
+                    "open"
+                },
+                circle,
+            )
         }
         Marker::Square => ("fill", polygon(&SQUARE)),
         Marker::Frame => ("open", polygon(&SQUARE)),
         Marker::Triangle => ("fill", polygon(&[(0.0, -4.8), (4.3, 3.2), (-4.3, 3.2)])),
-        Marker::Diamond => ("fill", polygon(&[(0.0, -5.0), (4.2, 0.0), (0.0, 5.0), (-4.2, 0.0)])),
+        Marker::Diamond => (
+            "fill",
+            polygon(&[(0.0, -5.0), (4.2, 0.0), (0.0, 5.0), (-4.2, 0.0)]),
+        ),
         Marker::Plus => {
             let (left, top) = (a - 3.5, b - 3.5);
             ("open", format!("M{left:.1} {b:.1}h7M{a:.1} {top:.1}v7"))
@@ -246,7 +275,11 @@ pub fn key(look: Look, joined: bool) -> String {
     let mut svg = String::from("<svg class=\"key\" viewBox=\"0 0 34 14\">");
     if joined {
         let dash = if look.dashed { " dashed" } else { "" };
-        line(&[(1.0, 7.0), (33.0, 7.0)], &format!("line s{}{dash}", look.colour), &mut svg);
+        line(
+            &[(1.0, 7.0), (33.0, 7.0)],
+            &format!("line s{}{dash}", look.colour),
+            &mut svg,
+        );
     }
     mark((17.0, 7.0), look.marker, look.colour, "", &mut svg);
     svg + "</svg>"
@@ -255,10 +288,15 @@ pub fn key(look: Look, joined: bool) -> String {
 /// Shares of a whole as one stacked bar: (number of the colour, share, title).
 pub fn bar(shares: &[(usize, f64, String)]) -> String {
     let whole: f64 = shares.iter().map(|(_, share, _)| share).sum();
-    let mut svg = String::from("<svg class=\"bar\" viewBox=\"0 0 400 14\" preserveAspectRatio=\"none\">");
+    let mut svg =
+        String::from("<svg class=\"bar\" viewBox=\"0 0 400 14\" preserveAspectRatio=\"none\">");
     let mut from = 0.0;
     for (colour, share, title) in shares {
-        let width = if whole > 0.0 { 400.0 * share / whole } else { 0.0 };
+        let width = if whole > 0.0 {
+            400.0 * share / whole
+        } else {
+            0.0
+        };
         let _ = write!(
             svg,
             "<rect class=\"p{colour}\" x=\"{from:.2}\" y=\"0\" width=\"{width:.2}\" height=\"14\"><title>{}</title></rect>",
@@ -293,8 +331,17 @@ mod tests {
 
     #[test]
     fn nothing_and_zeros_make_a_plot_too() {
-        let look = Look { colour: 0, marker: Marker::Disc, dashed: false };
-        let mut plot = Plot { x: "h".into(), y: "a < b".into(), curves: Vec::new(), front: Vec::new() };
+        let look = Look {
+            colour: 0,
+            marker: Marker::Disc,
+            dashed: false,
+        };
+        let mut plot = Plot {
+            x: "h".into(),
+            y: "a < b".into(),
+            curves: Vec::new(),
+            front: Vec::new(),
+        };
         assert!(plot.svg().contains("a &lt; b"));
         plot.curves.push(Curve {
             titles: vec!["a".into()],
