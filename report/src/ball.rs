@@ -50,7 +50,7 @@ impl Ball {
     /// The ball, which is the first body, and the plane.
     pub fn scene(&self) -> Result<Scene<3>, Error> {
         let mut scene = Scene::new(vec![self.ball()?, self.plane()?]);
-        scene.contact((0, "bottom"), (1, "top"))?;
+        scene.contact((0, "below"), (1, "above"))?;
         Ok(scene)
     }
 
@@ -62,22 +62,29 @@ impl Ball {
             let height = drawn + X[2] * (SIDE - drawn) / SIDE;
             Vector::<3>::new(X[0], X[1], height - RADIUS)
         };
-        let mut mesh = cuboid_graded(&grid, &grid, &grid)?.mapped(onto)?;
+        let mut mesh = Self::block(&grid, &grid)?.mapped(onto)?;
         if self.order == Order::Quadratic {
-            mesh = mesh.quadratic().curved("bottom", onto_sphere(RADIUS))?;
+            mesh = mesh.quadratic().curved("below", onto_sphere(RADIUS))?;
         }
         let mesh = mesh.translated([0.0, 0.0, RADIUS])?;
         let mut ball = Body::new(mesh, LinearElastic::new(MODULI[0], MODULI[1])?);
         ball.prescribe("left", [Some(0.0), None, None])?;
-        ball.prescribe("front", [None, Some(0.0), None])?;
-        ball.traction("top", [0.0, 0.0, -0.25 * Self::force() / (SIDE * SIDE)])?;
+        ball.prescribe("bottom", [None, Some(0.0), None])?;
+        ball.traction("above", [0.0, 0.0, -0.25 * Self::force() / (SIDE * SIDE)])?;
         Ok(ball)
+    }
+
+    /// A square drawn out, all of whose surface nodes have the same surroundings, which keeps pressures of linear
+    /// elements smooth. Sides `left` (x = 0) and `bottom` (y = 0); caps `below` and `above`.
+    fn block(grid: &[f64], z: &[f64]) -> Result<Mesh<3>, Error> {
+        let square = rectangle(grid, grid, Diagonals::Rising)?;
+        extrude(&square, z, ["below", "above"])
     }
 
     /// Rigid, with facets larger by a tenth, so that nodes do not meet.
     fn plane(&self) -> Result<Body<3>, Error> {
         let grid = graded(0.0, SIDE, 1.1 * self.facet(), 3 * self.in_contact)?;
-        let mesh = cuboid_graded(&grid, &grid, &[-0.1 * SIDE, 0.0])?;
+        let mesh = Self::block(&grid, &[-0.1 * SIDE, 0.0])?;
         let mut plane = Body::new(mesh, LinearElastic::new(MODULI[0], MODULI[1])?);
         plane.prescribe_all([Some(0.0); 3])?;
         Ok(plane)

@@ -52,7 +52,8 @@ pub struct Case {
     pub variant: Variant,
     /// TOLER of the fixed point.
     pub tolerance: f64,
-    /// [`InteriorPoint::complementarity`], where the method is (7).
+    /// What (7) may leave of gap times force, [`InteriorPoint::complementarity`]. Larger ones than by default raise
+    /// Ipopt's tolerance with them, which bounds it, too.
     pub complementarity: f64,
 }
 
@@ -97,10 +98,15 @@ impl Case {
     /// The method with its settings.
     pub fn solver(&self) -> Box<dyn Method> {
         match self.method {
-            Formulation::InteriorPoint => Box::new(InteriorPoint {
-                complementarity: self.complementarity,
-                ..InteriorPoint::default()
-            }),
+            Formulation::InteriorPoint => {
+                let default = InteriorPoint::default();
+                let looser = (self.complementarity / default.complementarity).max(1.0);
+                Box::new(InteriorPoint {
+                    tolerance: default.tolerance * looser,
+                    complementarity: self.complementarity,
+                    ..default
+                })
+            }
             Formulation::PenalizedSlack => Box::new(PenalizedSlack::default()),
             Formulation::Penalty => Box::new(Penalty::default()),
         }

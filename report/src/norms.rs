@@ -154,6 +154,29 @@ pub fn of_pressure<const D: usize>(
     sum.relative()
 }
 
+/// The factor by which `shape` carries the same force as the pressure over the facets all of whose corners are
+/// `within`: a peak that does not hang on one node.
+pub fn amplitude<const D: usize>(
+    surface: &Surface<D>,
+    pressure: &[f64],
+    shape: impl Fn(&Vector<D>) -> f64,
+    within: impl Fn(&Vector<D>) -> bool,
+) -> f64 {
+    let rule = FacetRule::<D>::gauss(8);
+    let (mut force, mut of_shape) = (0.0, 0.0);
+    let facets = surface.facets().zip(surface.reference());
+    for (nodes, facet) in facets.filter(|(_, facet)| facet.corners().iter().all(&within)) {
+        for (weight, lambda) in rule.points() {
+            let N = facet_shapes(surface.order(), lambda);
+            let p: f64 = nodes.iter().zip(N).map(|(&a, N)| N * pressure[a]).sum();
+            let w = weight * facet.normal(lambda).norm();
+            force += w * p;
+            of_shape += w * shape(&facet.point(lambda));
+        }
+    }
+    force / of_shape
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
