@@ -56,7 +56,7 @@ impl Ball {
 
     /// A box whose bottom is drawn up to the sphere, heights in proportion.
     fn ball(&self) -> Result<Body<3>, Error> {
-        let grid = graded(0.0, SIDE, self.facet(), 3 * self.in_contact)?;
+        let grid = self.grid(self.facet())?;
         let onto = |X: &Vector<3>| {
             let drawn = RADIUS - (RADIUS * RADIUS - X[0] * X[0] - X[1] * X[1]).sqrt();
             let height = drawn + X[2] * (SIDE - drawn) / SIDE;
@@ -74,6 +74,16 @@ impl Ball {
         Ok(ball)
     }
 
+    /// Steps of `h` up to half again the contact radius, and as many beyond, which grow.
+    fn grid(&self, h: f64) -> Result<Vec<f64>, Error> {
+        let count = 3 * self.in_contact / 2 + 1;
+        let mut grid = linspace(0.0, h * count as f64, count);
+        let end = grid[count];
+        let growing = graded(end, SIDE, h, count)?;
+        grid.extend(&growing[1..]);
+        Ok(grid)
+    }
+
     /// A square drawn out, all of whose surface nodes have the same surroundings, which keeps pressures of linear
     /// elements smooth. Sides `left` (x = 0) and `bottom` (y = 0); caps `below` and `above`.
     fn block(grid: &[f64], z: &[f64]) -> Result<Mesh<3>, Error> {
@@ -83,7 +93,7 @@ impl Ball {
 
     /// Rigid, with facets larger by a tenth, so that nodes do not meet.
     fn plane(&self) -> Result<Body<3>, Error> {
-        let grid = graded(0.0, SIDE, 1.1 * self.facet(), 3 * self.in_contact)?;
+        let grid = self.grid(1.1 * self.facet())?;
         let mesh = Self::block(&grid, &[-0.1 * SIDE, 0.0])?;
         let mut plane = Body::new(mesh, LinearElastic::new(MODULI[0], MODULI[1])?);
         plane.prescribe_all([Some(0.0); 3])?;

@@ -131,7 +131,7 @@ pub struct Study<'a> {
     pub family: &'a Family,
     /// The run that others are compared with.
     pub refined: Option<&'a Record>,
-    /// All others.
+    /// All, that one included, which has no errors against itself.
     pub runs: Vec<Run<'a>>,
 }
 
@@ -140,10 +140,10 @@ impl<'a> Study<'a> {
     pub fn new(family: &'a Family, records: &'a [Record], refined: Option<&Case>) -> Self {
         let own = || records.iter().filter(|r| r.case.family == family.name);
         let refined = own().find(|record| Some(&record.case) == refined);
-        let others = own().filter(|record| refined.is_none_or(|r| r.case != record.case));
-        let runs = others.map(|record| Run {
+        let others = |record: &Record| refined.filter(|refined| refined.case != record.case);
+        let runs = own().map(|record| Run {
             record,
-            errors: errors(family, record, refined),
+            errors: errors(family, record, others(record)),
         });
         Study {
             family,

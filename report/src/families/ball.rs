@@ -75,14 +75,13 @@ const QUANTITIES: &[Quantity] = &[
 ];
 
 fn cases(scope: Scope) -> Vec<Case> {
-    let (p1, p2): (&[usize], &[usize]) = scope.pick(
-        (&[2, 3, 4], &[2, 3, 4]),
-        (&[2, 3, 4, 6, 8, 10], &[2, 3, 4, 5, 6]),
-    );
+    let (p1, p2): (&[usize], &[usize]) =
+        scope.pick((&[2, 3, 4], &[2]), (&[2, 3, 4, 6, 8], &[2, 3, 4]));
     let mut cases = ladder(NAME, p1, p2);
-    let exact = ladder(NAME, &p1[..p1.len() - 1], &p2[..p2.len() - 1]).into_iter();
+    let exact = ladder(NAME, &p1[..p1.len() - 2], &p2[..p2.len() - 1]).into_iter();
     cases.extend(exact.map(|case| case.with_points(Points::Exact)));
-    for (degree, level) in [(1, 3), (2, 2)] {
+    let others: &[(usize, usize)] = scope.pick(&[], &[(1, 3), (2, 2)]);
+    for &(degree, level) in others {
         for method in [Formulation::PenalizedSlack, Formulation::Penalty] {
             cases.push(Case::new(NAME, degree, level).with_method(method));
         }

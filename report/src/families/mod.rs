@@ -159,6 +159,7 @@ impl Family {
 /// All families, in the order of the page.
 pub fn all() -> Vec<Family> {
     let [smooth, zone] = manufactured::plane();
+    let [hertz, published] = hertz::families();
     let [smooth_in_space, zone_in_space] = manufactured::space();
     vec![
         patch::family(),
@@ -166,7 +167,8 @@ pub fn all() -> Vec<Family> {
         zone,
         smooth_in_space,
         zone_in_space,
-        hertz::family(),
+        hertz,
+        published,
         ball::family(),
         block::family(),
         discs::family(),
