@@ -186,10 +186,11 @@ mod tests {
         let factorial = |n: u32| (1..=n).map(f64::from).product::<f64>();
         let exact = powers.map(factorial).iter().product::<f64>()
             / factorial(D as u32 + powers.iter().sum::<u32>());
-        let monomial = |xi: &Vector<D>| (0..D).map(|i| xi[i].powi(powers[i] as i32)).product();
+        let power = |xi: &Vector<D>, i: usize| xi[i].powi(powers[i] as i32);
+        let monomial = |xi: &Vector<D>| (0..D).map(|i| power(xi, i)).product::<f64>();
         let sum: f64 = simplex_rule::<D>(5)
             .iter()
-            .map(|(w, xi)| w * monomial(xi) as f64)
+            .map(|(w, xi)| w * monomial(xi))
             .sum();
         assert!((sum / exact - 1.0).abs() < 1e-12, "{powers:?}");
     }

@@ -143,9 +143,13 @@ fn cases(scope: Scope) -> Vec<Case> {
     let exact = ladder(NAME, p1, p2).into_iter();
     cases.extend(exact.map(|case| case.with_points(Points::Exact)));
     for (degree, level) in [(1, 16), (2, 8)] {
-        for method in [Formulation::PenalizedSlack, Formulation::Penalty] {
-            cases.push(Case::new(NAME, degree, level).with_method(method));
-        }
+        let methods: &[Formulation] =
+            scope.pick(&[], &[Formulation::PenalizedSlack, Formulation::Penalty]);
+        cases.extend(
+            methods
+                .iter()
+                .map(|&method| Case::new(NAME, degree, level).with_method(method)),
+        );
         for complementarity in [1e0, 1e-2, 1e-4, 1e-6] {
             cases.push(Case {
                 complementarity,

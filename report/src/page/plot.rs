@@ -65,7 +65,7 @@ pub struct Plot {
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 300.0;
 /// Left, top, right, bottom.
-const MARGINS: [f64; 4] = [52.0, 10.0, 14.0, 42.0];
+const MARGINS: [f64; 4] = [56.0, 10.0, 14.0, 42.0];
 
 /// A logarithmic axis on a range of pixels.
 #[derive(Clone, Copy, Debug)]
@@ -106,11 +106,22 @@ impl Scale {
         self.from + share * (self.to - self.from)
     }
 
-    /// The decades in range, every one or every second or third if there are many.
-    fn decades(&self) -> Vec<i32> {
-        let all: Vec<i32> = (self.low.ceil() as i32..=self.high.floor() as i32).collect();
-        let step = all.len().div_ceil(7).max(1) as i32;
-        all.into_iter().filter(|k| k % step == 0).collect()
+    /// Values in range with a line and a label as (mantissa, power of ten): every decade, or every second or third if
+    /// there are many, or also their doubles and halves if there are few.
+    fn ticks(&self) -> Vec<(f64, i32)> {
+        let powers = self.low.floor() as i32..=self.high.floor() as i32;
+        let step = ((self.high - self.low) / 6.0).ceil().max(1.0) as i32;
+        let mantissas: &[f64] = match self.high - self.low < 2.0 {
+            true => &[1.0, 2.0, 5.0],
+            false => &[1.0],
+        };
+        let all = powers.filter(|k| k % step == 0);
+        let all = all.flat_map(|k| mantissas.iter().map(move |&m| (m, k)));
+        let inside = |(m, k): &(f64, i32)| {
+            let log = m.log10() + f64::from(*k);
+            (self.low..=self.high).contains(&log)
+        };
+        all.filter(inside).collect()
     }
 }
 
@@ -154,7 +165,7 @@ impl Plot {
                     svg,
                     "<text class=\"note f{colour}\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
                     a + off,
-                    b - 5.0,
+                    b + 13.0,
                     escape(note)
                 );
             }
@@ -165,25 +176,25 @@ impl Plot {
     /// Frame, decades and labels.
     fn grid(&self, x: &Scale, y: &Scale, svg: &mut String) {
         let (left, right, top, bottom) = (x.from, x.to, y.to, y.from);
-        for k in x.decades() {
-            let a = x.at(10f64.powi(k));
+        for (m, k) in x.ticks() {
+            let a = x.at(m * 10f64.powi(k));
             let _ = writeln!(
                 svg,
                 "<path class=\"grid\" d=\"M{a:.1} {top:.1}V{bottom:.1}\"/>\
                  <text class=\"tick\" x=\"{a:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
                 bottom + 14.0,
-                decade(k)
+                power(m, k)
             );
         }
-        for k in y.decades() {
-            let b = y.at(10f64.powi(k));
+        for (m, k) in y.ticks() {
+            let b = y.at(m * 10f64.powi(k));
             let _ = writeln!(
                 svg,
                 "<path class=\"grid\" d=\"M{left:.1} {b:.1}H{right:.1}\"/>\
                  <text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
                 left - 5.0,
                 b + 3.5,
-                decade(k)
+                power(m, k)
             );
         }
         let (cx, cy) = (0.5 * (left + right), 0.5 * (top + bottom));
@@ -201,9 +212,14 @@ impl Plot {
     }
 }
 
-/// 10ᵏ.
-fn decade(k: i32) -> String {
-    format!("10<tspan class=\"power\" dy=\"-4\">{k}</tspan>")
+/// m · 10ᵏ, m being left out if it is 1.
+fn power(m: f64, k: i32) -> String {
+    let factor = if m == 1.0 {
+        String::new()
+    } else {
+        format!("{m}·")
+    };
+    format!("{factor}10<tspan class=\"power\" dy=\"-4\">{k}</tspan>")
 }
 
 fn line(points: &[(f64, f64)], class: &str, svg: &mut String) {
@@ -322,11 +338,13 @@ mod tests {
     #[test]
     fn decades_are_where_they_belong() {
         let scale = Scale::around([1e-3, 1.0].into_iter(), 0.0, 100.0);
-        assert_eq!(scale.decades(), [-3, -2, -1, 0]);
+        assert_eq!(scale.ticks(), [-3, -2, -1, 0].map(|k| (1.0, k)));
         let (a, b, c) = (scale.at(1e-3), scale.at(1e-2), scale.at(1e-1));
         assert!((c - b - (b - a)).abs() < 1e-12 && a > 0.0 && scale.at(1.0) < 100.0);
         let wide = Scale::around([1e-14, 1.0].into_iter(), 0.0, 100.0);
-        assert!(wide.decades().len() <= 7);
+        assert!((4..=7).contains(&wide.ticks().len()));
+        let narrow = Scale::around([0.1, 0.3].into_iter(), 0.0, 100.0);
+        assert_eq!(narrow.ticks(), [(1.0, -1), (2.0, -1), (5.0, -1)]);
     }
 
     #[test]
