@@ -17,12 +17,22 @@ use crate::refined::{Kept, Refined};
 const NAME: &str = "hertz-2d";
 const PUBLISHED: &str = "hertz-2d-published";
 
-/// The published case, or its quarter load.
+/// The share of the published load that is small enough for Hertz's theory.
+const SMALL: f64 = 1.0 / 64.0;
+
+/// The published case, or a small load on meshes that grow more slowly from its smaller contact.
 fn hertz(case: &Case) -> Hertz {
     let published = Hertz::new(Fineness::family(case.level), case.order());
-    Hertz {
-        force: published.force * if case.family == PUBLISHED { 1.0 } else { 0.25 },
-        ..published
+    match case.family == PUBLISHED {
+        true => published,
+        false => Hertz {
+            force: SMALL * published.force,
+            fineness: published.fineness.map(|fineness| Fineness {
+                on_arc: 4 * case.level,
+                ..fineness
+            }),
+            ..published
+        },
     }
 }
 
@@ -39,8 +49,8 @@ fn run(case: &Case, kept: &Path) -> Result<Measured, Failure> {
     let u = solved.displacements();
     match Kept::load(kept)? {
         None => Kept::save(case, &u, kept)?,
-        // a mesh half as fine as the reference at most, whose own error would else count
-        Some(refined) if 2 * case.level > refined.case.level => {}
+        // a quadratic mesh half as fine as the reference at most, whose own error would else count
+        Some(refined) if case.degree * case.level > refined.case.level => {}
         Some(refined) => {
             let refined = Refined::new(self::hertz(&refined.case).scene()?, &refined)?;
             let exact = |body: usize, X: &_| refined.at(body, X);
@@ -136,13 +146,13 @@ const QUANTITIES: &[Quantity] = &[
 
 fn cases(scope: Scope) -> Vec<Case> {
     let (p1, p2): (&[usize], &[usize]) = scope.pick(
-        (&[4, 8, 16, 32], &[3, 6, 12]),
-        (&[4, 8, 16, 32, 64], &[4, 8, 16, 32]),
+        (&[4, 8, 16], &[3, 5, 10]),
+        (&[4, 8, 16, 32], &[4, 6, 10, 20]),
     );
     let mut cases = ladder(NAME, p1, p2);
     let exact = ladder(NAME, p1, p2).into_iter();
     cases.extend(exact.map(|case| case.with_points(Points::Exact)));
-    for (degree, level) in [(1, 16), (2, 8)] {
+    for (degree, level) in [(1, 16), (2, 10)] {
         let methods: &[Formulation] =
             scope.pick(&[], &[Formulation::PenalizedSlack, Formulation::Penalty]);
         cases.extend(
@@ -150,7 +160,8 @@ fn cases(scope: Scope) -> Vec<Case> {
                 .iter()
                 .map(|&method| Case::new(NAME, degree, level).with_method(method)),
         );
-        for complementarity in [1e0, 1e-2, 1e-4, 1e-6] {
+        let tolerances: &[f64] = scope.pick(&[1e4, 1.0], &[1e6, 1e4, 1e2, 1.0, 1e-4]);
+        for &complementarity in tolerances {
             cases.push(Case {
                 complementarity,
                 ..Case::new(NAME, degree, level)
@@ -169,25 +180,25 @@ fn published_cases(scope: Scope) -> Vec<Case> {
     ladder(PUBLISHED, p1, p2)
 }
 
-const ABOUT: &str = "A half-cylinder of radius 50 (E = 210) on a block (E = 70), ν = 0.3, pressed by 1.75 a unit of \
-    thickness, a quarter of the published load; their right halves, on meshes graded towards the contact. Mesh, \
-    order, integration, method and what Ipopt may leave of gap times force vary. Peak pressure p₀, of the half-ellipse \
-    that carries the same force over the facets within 0.6 a; the pressure at the central node for comparison; \
-    half-width a = 2 √(Σ f x² / Σ f) of the nodal forces f, which is exact for a half-ellipse; pressure in L²; \
-    displacement. Of the two bodies the larger error.";
+const ABOUT: &str = "A half-cylinder of radius 50 (E = 210) on a block (E = 70), ν = 0.3, pressed by 7/64 a unit of \
+    thickness, small enough for Hertz's theory; their right halves, on meshes graded towards the contact. Mesh, order, \
+    integration, method and what Ipopt may leave of gap times force vary. Peak pressure p₀, of the half-ellipse that \
+    carries the same force over the facets within 0.6 a; the pressure at the central node for comparison; half-width a \
+    = 2 √(Σ f x² / Σ f) of the nodal forces f, which is exact for a half-ellipse; pressure in L²; displacement. Of the \
+    two bodies the larger error.";
 const REFERENCE: &str = "p₀ = √(P E*/(πR)), a = √(4PR/(πE*)) and the half-ellipse between: Hertz's theory of \
     half-spaces with parabolic surfaces, not of these two bodies. The displacement is compared with that of the finest \
-    quadratic mesh, computed by this command (P2, Gauss points, method (7)) and interpolated, on meshes at most half \
-    as fine.";
+    quadratic mesh, computed by this command (P2, Gauss points, method (7)) and interpolated, quadratic meshes being at \
+    most half as fine.";
 const THEORY: &str = "u is in H^s for s < 5/2, as at every end of a contact zone: order 1 (P1) and 3/2 (P2) in H¹ on \
     uniform meshes, and no order beyond 1 of the pressure in L², whose profile is a square root at its end. These \
     meshes are graded and halved as a whole; the end of the zone is elsewhere in its facet on each of them, for which \
     pressures scatter. What Hertz's theory leaves out, finite size and curvature, is a floor below p₀, a and the \
-    pressure; it is proportional to the load.";
+    pressure, the higher the larger the load.";
 
-/// In the plane: with a quarter of the published load, and the published case.
+/// In the plane: with a small load, and the published case.
 pub fn families() -> [Family; 2] {
-    let quarter = Family {
+    let small = Family {
         name: NAME,
         title: "Hertz, cylinder on a block, plane strain",
         about: ABOUT,
@@ -197,20 +208,21 @@ pub fn families() -> [Family; 2] {
         quantities: QUANTITIES,
         claims: CLAIMS,
         cases,
-        refined: Some(|scope| Case::new(NAME, 2, scope.pick(24, 64))),
+        refined: Some(|scope| Case::new(NAME, 2, scope.pick(20, 40))),
         run,
     };
     let published = Family {
         name: PUBLISHED,
         title: "Hertz, the published load",
         about: "As before with the published load of 7, p₀ = 1.6034 and a = 2.779 by theory, and default settings. It \
-            shows the floor of Hertz's theory: the solution's own p₀ is 0.15 to 0.2 % below.",
+            shows the floor of Hertz's theory: on the finest meshes p₀ is below it and a above by more than with the \
+            small load.",
         claims: &[],
         cases: published_cases,
-        refined: Some(|scope| Case::new(PUBLISHED, 2, scope.pick(24, 64))),
-        ..quarter
+        refined: Some(|scope| Case::new(PUBLISHED, 2, scope.pick(16, 40))),
+        ..small
     };
-    [quarter, published]
+    [small, published]
 }
 
 const CLAIMS: &[Claim] = &[
