@@ -197,8 +197,10 @@ mod tests {
 
     #[test]
     fn the_rule_is_exact_to_its_degree() {
-        [[0, 0], [8, 0], [0, 8], [3, 5], [4, 4]].map(integrates::<2>);
-        [[0, 0, 0], [7, 0, 0], [0, 0, 7], [2, 2, 3], [1, 5, 1]].map(integrates::<3>);
+        let plane = [[0, 0], [8, 0], [0, 8], [3, 5], [4, 4]];
+        plane.into_iter().for_each(integrates::<2>);
+        let space = [[0, 0, 0], [7, 0, 0], [0, 0, 7], [2, 2, 3], [1, 5, 1]];
+        space.into_iter().for_each(integrates::<3>);
     }
 
     #[test]

@@ -344,7 +344,7 @@ mod tests {
         let wide = Scale::around([1e-14, 1.0].into_iter(), 0.0, 100.0);
         assert!((4..=7).contains(&wide.ticks().len()));
         let narrow = Scale::around([0.1, 0.3].into_iter(), 0.0, 100.0);
-        assert_eq!(narrow.ticks(), [(1.0, -1), (2.0, -1), (5.0, -1)]);
+        assert_eq!(narrow.ticks(), [(5.0, -2), (1.0, -1), (2.0, -1), (5.0, -1)]);
     }
 
     #[test]
