@@ -46,7 +46,7 @@ const QUANTITIES: &[Quantity] = &[
 ];
 
 fn cases(scope: Scope) -> Vec<Case> {
-    let levels: &[usize] = scope.pick(&[4, 8, 16], &[4, 8, 16, 32, 64]);
+    let levels: &[usize] = scope.pick(&[4, 8, 16], &[4, 8, 16, 32]);
     let mut cases = Vec::new();
     for points in [Points::Gauss, Points::Exact] {
         for complementarity in [1e-8, 1e-12] {
