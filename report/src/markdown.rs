@@ -27,6 +27,7 @@ pub fn markdown(page: &Page<'_>) -> String {
         for remark in study.remarks() {
             let _ = writeln!(text, "- {remark}");
         }
+        let _ = write!(text, "\n{}\n", family.causes);
         text.push('\n');
         text += &overview::runs(study).markdown();
     }

@@ -271,3 +271,104 @@ fn bend(series: &Series<'_>, quantity: &Quantity) -> Option<String> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::families::Scope;
+
+    const QUANTITIES: &[Quantity] = &[
+        Quantity::new("h1", "displacement, H¹", Kind::Displacement).of_orders(1.0, 2.0),
+        Quantity::new("tip", "tip", Kind::Force).against_refined("tip"),
+    ];
+    const CLAIMS: &[Claim] = &[
+        Claim {
+            quantity: "h1",
+            degree: 1,
+            bound: Bound::Order(0.95),
+        },
+        Claim {
+            quantity: "tip",
+            degree: 1,
+            bound: Bound::Finest(0.1),
+        },
+    ];
+
+    fn family() -> Family {
+        Family {
+            name: "any",
+            title: "",
+            about: "",
+            reference: "",
+            theory: "",
+            causes: "",
+            size: "",
+            quantities: QUANTITIES,
+            claims: CLAIMS,
+            cases: |_: Scope| Vec::new(),
+            refined: None,
+            run: |_: &Case, _: &Path| Ok(Measured::default()),
+        }
+    }
+
+    /// A run on n cells, with an error of H¹, a value of the tip, and a wall time.
+    fn record(level: usize, error: f64, tip: f64, wall: f64) -> Record {
+        let mut result = Measured::failed(Measured::CONVERGED);
+        result.h = 1.0 / level as f64;
+        result.errors.insert("h1".into(), error);
+        result.values.insert("tip".into(), tip);
+        result.cost.wall = wall;
+        Record {
+            case: Case::new("any", 1, level),
+            revision: String::new(),
+            result,
+        }
+    }
+
+    #[test]
+    fn claims_hold_only_where_numbers_do() {
+        let family = family();
+        let holds = |order: f64, tip: f64| {
+            let error = |level: usize| (level as f64).powf(-order);
+            let runs = [2, 4, 8].map(|n| record(n, error(n), tip, 1.0));
+            let refined = record(16, error(16), 10.0, 1.0);
+            let records = [&[refined.clone()][..], &runs].concat();
+            let study = Study::new(&family, &records, Some(&refined.case));
+            let verdicts: Vec<bool> = study.verdicts().iter().map(Verdict::holds).collect();
+            (verdicts, study.remarks())
+        };
+        let (verdicts, remarks) = holds(1.0, 10.5);
+        assert_eq!((verdicts, remarks.len()), (vec![true, true], 0));
+        let (verdicts, remarks) = holds(0.8, 12.0);
+        assert_eq!((verdicts, remarks.len()), (vec![false, false], 1));
+        let nothing = Study::new(&family, &[], None);
+        assert!(nothing.verdicts().iter().all(|verdict| !verdict.holds()));
+    }
+
+    #[test]
+    fn the_cheapest_run_stays_accurate_on_finer_meshes() {
+        let family = family();
+        // the coarsest is accurate by chance
+        let runs = [
+            (2, 0.001, 1.0),
+            (4, 0.1, 2.0),
+            (8, 0.008, 9.0),
+            (16, 0.004, 5.0),
+        ];
+        let records = runs.map(|(n, error, wall)| record(n, error, 1.0, wall));
+        let study = Study::new(&family, &records, None);
+        let found = |most: f64| {
+            let run = study.cheapest(Kind::Displacement, most);
+            run.map(|run| run.case().level)
+        };
+        assert_eq!(found(0.01), Some(16));
+        assert_eq!(found(0.2), Some(2));
+        assert_eq!(found(1e-3), None);
+        assert!(
+            study.cheapest(Kind::Force, 1.0).is_none(),
+            "without a reference"
+        );
+    }
+}

@@ -104,6 +104,9 @@ pub fn family() -> Family {
             parabolic surface, not of this body.",
         theory: "No order beyond 1 of the pressure in L², whose profile is a square root at its end. What Hertz's \
             theory leaves out is a floor.",
+        causes: "Few facets are in contact, and each carries one or two facets' worth of error at the end of the zone. Single \
+            nodes, the central one above all, alternate with how many triangles meet there; the force over many facets \
+            does not.",
         size: "the facet in the centre of contact",
         quantities: QUANTITIES,
         claims: &[Claim {

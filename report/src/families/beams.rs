@@ -107,6 +107,8 @@ pub fn family() -> Family {
         theory: "Linear tetrahedra are far too stiff in bending, order 2 at best. At the clamped end's edges \
             stress is singular, which limits quadratic ones. Beam theory knows neither of these nor how pressure \
             varies near the ends: errors against it level off at its own.",
+        causes: "Linear elements lock in bending; with 1 to 4 of them across a beam their orders are not yet those of fine \
+            meshes. The force follows how few facets share the pressure near the clamped end.",
         size: "the side of a section over its cells",
         quantities: QUANTITIES,
         claims: &[],

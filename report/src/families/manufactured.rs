@@ -204,6 +204,11 @@ const THEORY_ZONE: &str = "u is in H^s for s < 5/2 and no more, the regularity t
     inside has: order 1 (P1) and 3/2 (P2) in H¹ on uniform meshes, the best that is possible. In L² not more than \
     that plus 1. The pressure, with its √, is in H^s for s < 1: no order beyond 1.";
 
+const CAUSES_SMOOTH: &str = "The error of the force is soon that of round-off and of what the solver leaves, and does not \
+    fall further. In space meshes are coarse: orders are on their way to those of theory.";
+const CAUSES_ZONE: &str = "Where the pressure's square root ends, single facets carry most of its error; linear elements \
+    recover it with less than order 1 on these meshes. The force is a mean, whose error changes sign.";
+
 const SMOOTH: &[Quantity] = &[
     Quantity::new("h1", "displacement, H¹", Kind::Gradient).of_orders(1.0, 2.0),
     Quantity::new("l2", "displacement, L²", Kind::Displacement).of_orders(2.0, 3.0),
@@ -244,6 +249,7 @@ pub fn plane() -> [Family; 2] {
         about: ABOUT_SMOOTH,
         reference: REFERENCE_SMOOTH,
         theory: THEORY_SMOOTH,
+        causes: CAUSES_SMOOTH,
         size: SIZE,
         quantities: SMOOTH,
         claims: SMOOTH_CLAIMS,
@@ -263,6 +269,7 @@ pub fn plane() -> [Family; 2] {
         about: ABOUT_ZONE,
         reference: REFERENCE_ZONE,
         theory: THEORY_ZONE,
+        causes: CAUSES_ZONE,
         quantities: ZONE,
         claims: ZONE_CLAIMS,
         cases: |scope| {

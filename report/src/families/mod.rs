@@ -124,6 +124,8 @@ pub struct Family {
     pub reference: &'static str,
     /// What theory says, and why.
     pub theory: &'static str,
+    /// Why curves bend and settings fail, as far as is known.
+    pub causes: &'static str,
     /// What h is.
     pub size: &'static str,
     /// The errors, most important first.

@@ -75,6 +75,9 @@ pub fn family() -> Family {
         reference: "Exact: the stress is the same everywhere, and the elements contain that state.",
         theory: "No error of approximation: what is left is that of the constraints' integration, of what the \
             solver leaves of gap times force, and round-off. Curves need not fall.",
+        causes: "Where there is nothing to approximate, curves show what the solver leaves. Both passes on quadratic meshes \
+            depend on each other up to what one mesh resolves and the other does not, squared; round-off is that much \
+            larger there.",
         size: "1/n, the edge over the lower block's cells",
         quantities: QUANTITIES,
         claims: &[],

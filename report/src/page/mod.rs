@@ -112,7 +112,7 @@ impl Page<'_> {
             for remark in remarks {
                 let _ = writeln!(html, "<li>{}</li>", escape(&remark));
             }
-            html.push_str("</ul>\n");
+            let _ = write!(html, "</ul>\n<p>{}</p>\n", escape(family.causes));
         }
         html.push_str(&phases(study));
         html.push_str("<details><summary>All runs</summary>\n");

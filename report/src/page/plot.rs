@@ -165,7 +165,11 @@ impl Plot {
                     svg,
                     "<text class=\"note f{colour}\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
                     a + off,
-                    b + 13.0,
+                    if *b > HEIGHT - bottom - 18.0 {
+                        b - 8.0
+                    } else {
+                        b + 13.0
+                    },
                     escape(note)
                 );
             }
