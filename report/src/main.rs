@@ -24,6 +24,7 @@ mod norms;
 mod overview;
 mod page;
 mod pareto;
+mod processor;
 mod record;
 mod refined;
 mod revision;

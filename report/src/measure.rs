@@ -13,6 +13,7 @@ use ipopt_contact::prelude::*;
 use crate::Failure;
 use crate::case::Case;
 use crate::machine;
+use crate::processor;
 use crate::record::{Cost, Measured, Phases};
 
 /// A scene at full load, or wherever it came to.
@@ -31,7 +32,7 @@ impl<const D: usize> Solved<D> {
         increments: usize,
         scene: impl FnOnce() -> Result<Scene<D>, Error>,
     ) -> Result<Self, Failure> {
-        let (clock, cpu) = (Instant::now(), machine::cpu_seconds());
+        let (clock, cpu) = (Instant::now(), processor::seconds());
         let mut scene = scene()?;
         scene.integration = case.integration().unwrap_or(scene.integration);
         let mut problem = scene.problem()?;
@@ -42,9 +43,7 @@ impl<const D: usize> Solved<D> {
                 ControlFlow::Continue(())
             })?;
         let wall = clock.elapsed().as_secs_f64();
-        let cpu = machine::cpu_seconds()
-            .zip(cpu)
-            .map(|(now, then)| now - then);
+        let cpu = processor::seconds().zip(cpu).map(|(now, then)| now - then);
         let cost = Cost {
             cpu,
             ..cost(&history, wall, set_up)

@@ -2,7 +2,6 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use ipopt_contact::contact_fem::material::Lame;
 use ipopt_contact::contact_fem::tensor::{Matrix, Vector};
 
 use super::Field;
@@ -109,14 +108,11 @@ impl<const D: usize> Field<D> for Waves<D> {
     fn body_force(&self, X: &Vector<D>) -> Vector<D> {
         let [E, nu] = Self::MODULI;
         let lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
-        let lame = Lame {
-            lambda,
-            mu: E / (2.0 * (1.0 + nu)),
-        };
+        let mu = E / (2.0 * (1.0 + nu));
         Vector::from_fn(|i, _| {
             let laplacian: f64 = (0..D).map(|j| self.second(i, j, j, X)).sum();
             let slope: f64 = (0..D).map(|j| self.second(j, j, i, X)).sum();
-            -lame.mu * laplacian - (lame.lambda + lame.mu) * slope
+            -mu * laplacian - (lambda + mu) * slope
         })
     }
 
