@@ -12,6 +12,7 @@ use crate::Failure;
 use crate::case::Case;
 use crate::families::{self, Family, Scope};
 use crate::record::{Measured, Record};
+use crate::refined::Place;
 use crate::revision::revision;
 use crate::store::Store;
 
@@ -47,53 +48,46 @@ impl Campaign {
             .iter()
             .flat_map(|family| family.all_cases(self.scope))
             .collect();
-        let is_done = |case: &&Case| store.find(case, &self.revision).is_some();
-        let done = cases.iter().filter(is_done).count();
-        let progress = progress((cases.len() - done) as u64);
-        let mut records = Vec::new();
-        for case in cases {
-            let record = match store.find(&case, &self.revision) {
-                Some(record) => record.clone(),
-                None => {
-                    let record = self.measure(case, &progress)?;
-                    store.push(record.clone())?;
-                    record
-                }
-            };
-            records.push(record);
+        let is_open = |case: &&Case| store.find(case, &self.revision).is_none();
+        let mut open: Vec<Case> = cases.iter().filter(is_open).cloned().collect();
+        let refined = families.iter().filter_map(|family| family.refined);
+        let refined: Vec<Case> = refined.map(|case| case(self.scope)).collect();
+        let (progress, clock) = (progress(open.len() as u64), Instant::now());
+        open.reverse();
+        while let Some(case) = open.pop() {
+            let name = format!("{}, {}, {}", case.family, case.setting(), case.level);
+            let left = left(&open, &store, clock.elapsed(), progress.position());
+            progress.set_message(format!("about {left:.0} s left, {name}"));
+            let result = self.in_a_child(&case, refined.contains(&case))?;
+            progress.inc(1);
+            if progress.is_hidden() {
+                let (wall, status) = (result.cost.wall, &result.status);
+                println!("{name}: {wall:.2} s, {status}; about {left:.0} s left");
+            }
+            store.push(Record {
+                case,
+                revision: self.revision.clone(),
+                result,
+            })?;
         }
         progress.finish_and_clear();
-        Ok(records)
-    }
-
-    fn measure(&self, case: Case, progress: &ProgressBar) -> Result<Record, Failure> {
-        let name = format!("{}, {}, {}", case.family, case.setting(), case.level);
-        progress.set_message(name.clone());
-        let result = self.in_a_child(&case)?;
-        progress.inc(1);
-        if progress.is_hidden() {
-            let left = progress.eta().as_secs();
-            let wall = result.cost.wall;
-            println!(
-                "{name}: {wall:.2} s, {}; about {left} s left",
-                result.status
-            );
-        }
-        Ok(Record {
-            case,
-            revision: self.revision.clone(),
-            result,
-        })
+        let records = cases
+            .iter()
+            .filter_map(|case| store.find(case, &self.revision));
+        Ok(records.cloned().collect())
     }
 
     /// Runs this program on one case; what it prints last is the result.
-    fn in_a_child(&self, case: &Case) -> Result<Measured, Failure> {
-        let kept = self.folder.join(format!("refined-{}.json", case.family));
-        self.forget_other_revisions(&kept)?;
+    fn in_a_child(&self, case: &Case, is_refined: bool) -> Result<Measured, Failure> {
+        let place = Place {
+            path: self.folder.join(format!("refined-{}.json", case.family)),
+            revision: self.revision.clone(),
+            is_refined,
+        };
         let output = self.folder.join("run.txt");
         let mut child = Command::new(std::env::current_exe()?)
             .arg("--run")
-            .args([serde_json::to_string(case)?.as_ref(), kept.as_os_str()])
+            .args([serde_json::to_string(case)?, serde_json::to_string(&place)?])
             .envs(["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"].map(|name| (name, "1")))
             .stdin(Stdio::null())
             .stdout(File::create(&output)?)
@@ -120,26 +114,14 @@ impl Campaign {
             (false, _) => Ok(Measured::failed(format!("failed: {last}"))),
         }
     }
-
-    /// A refined solution of another revision is computed anew.
-    fn forget_other_revisions(&self, kept: &Path) -> Result<(), Failure> {
-        let mark = kept.with_extension("revision");
-        let same = mark.exists() && fs::read_to_string(&mark)? == self.revision;
-        if !same {
-            if kept.exists() {
-                fs::remove_file(kept)?;
-            }
-            fs::write(&mark, &self.revision)?;
-        }
-        Ok(())
-    }
 }
 
 /// The other side of [`Campaign::in_a_child`]: one run, and its result on standard output.
-pub fn child(case: &str, kept: &Path) -> Result<ExitCode, Failure> {
+pub fn child(case: &str, place: &str) -> Result<ExitCode, Failure> {
     let case: Case = serde_json::from_str(case)?;
+    let place: Place = serde_json::from_str(place)?;
     let family = families::named(&case.family)?;
-    match (family.run)(&case, kept) {
+    match (family.run)(&case, &place) {
         Ok(mut measured) => {
             let finite = |_: &String, value: &mut f64| value.is_finite();
             measured.errors.retain(finite);
@@ -154,10 +136,17 @@ pub fn child(case: &str, kept: &Path) -> Result<ExitCode, Failure> {
     }
 }
 
+/// Seconds that the `open` cases will take: what they took last time, or the mean of the `done` ones in `elapsed`.
+fn left(open: &[Case], store: &Store, elapsed: Duration, done: u64) -> f64 {
+    let mean = elapsed.as_secs_f64() / done.max(1) as f64;
+    let walls = open.iter().map(|case| store.last_wall(case));
+    walls.map(|wall| wall.unwrap_or(mean)).sum()
+}
+
 /// A bar in a terminal; hidden elsewhere, where there are lines.
 fn progress(runs: u64) -> ProgressBar {
     let bar = ProgressBar::new(runs);
-    let template = "{bar:20} {pos}/{len}, about {eta} left: {wide_msg}";
+    let template = "{bar:20} {pos}/{len}, {wide_msg}";
     let style = ProgressStyle::with_template(template);
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar

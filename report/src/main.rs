@@ -86,7 +86,7 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.run.as_deref() {
-        Some([case, kept]) => campaign::child(case, kept.as_ref()),
+        Some([case, place]) => campaign::child(case, place),
         _ => report(&arguments),
     };
     result.unwrap_or_else(|error| {

@@ -1,7 +1,7 @@
 //! A refined solution that is kept in a file, and its values anywhere in its bodies.
 
 use std::fs;
-use std::path::Path;
+use std::path::PathBuf;
 
 use ipopt_contact::contact_fem::Mesh;
 use ipopt_contact::contact_fem::element::{Element, Order, P1, P2};
@@ -15,31 +15,48 @@ use crate::Failure;
 use crate::case::Case;
 use crate::norms::{Jet, Local};
 
+/// Where a family's refined solution is kept.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Place {
+    /// The file.
+    pub path: PathBuf,
+    /// The revision that it must be of.
+    pub revision: String,
+    /// Whether the run is the refined one itself.
+    pub is_refined: bool,
+}
+
 /// What is kept: the settings, from which the same mesh is built again, and u of all nodes (UL).
 #[derive(Serialize, Deserialize)]
 pub struct Kept {
     /// The settings.
     pub case: Case,
+    revision: String,
     /// Components node by node.
     u: Vec<f64>,
 }
 
-impl Kept {
+impl Place {
     /// Writes a solution.
-    pub fn save<const D: usize>(case: &Case, u: &[Vector<D>], path: &Path) -> Result<(), Failure> {
+    pub fn save<const D: usize>(&self, case: &Case, u: &[Vector<D>]) -> Result<(), Failure> {
         let kept = Kept {
             case: case.clone(),
+            revision: self.revision.clone(),
             u: u.iter().flat_map(|u| u.iter().copied()).collect(),
         };
-        Ok(fs::write(path, serde_json::to_vec(&kept)?)?)
+        Ok(fs::write(&self.path, serde_json::to_vec(&kept)?)?)
     }
 
-    /// Reads one; nothing if there is none.
-    pub fn load(path: &Path) -> Result<Option<Self>, Failure> {
-        match path.exists() {
-            true => Ok(Some(serde_json::from_slice(&fs::read(path)?)?)),
-            false => Ok(None),
-        }
+    /// Reads it; an error if there is none of this revision.
+    pub fn load(&self) -> Result<Kept, Failure> {
+        let kept: Option<Kept> = match self.path.exists() {
+            true => Some(serde_json::from_slice(&fs::read(&self.path)?)?),
+            false => None,
+        };
+        let kept = kept.filter(|kept| kept.revision == self.revision);
+        kept.ok_or_else(|| {
+            "the refined solution is missing; remove runs.jsonl to begin anew".into()
+        })
     }
 }
 
@@ -160,6 +177,7 @@ mod tests {
         let field = |X: &Vector<2>| Vector::<2>::new(X[0] * X[0], X[0] * X[1]);
         let kept = Kept {
             case: Case::new("any", 2, 1),
+            revision: String::new(),
             u: nodes
                 .iter()
                 .flat_map(|X| <[f64; 2]>::from(field(X)))
@@ -190,5 +208,23 @@ mod tests {
             Refined::new(Scene::new(vec![body]), &other).is_err(),
             "another mesh"
         );
+    }
+
+    #[test]
+    fn solutions_of_other_revisions_are_not_taken() {
+        let name = format!("report-refined-{}.json", std::process::id());
+        let place = |revision: &str| Place {
+            path: std::env::temp_dir().join(&name),
+            revision: revision.into(),
+            is_refined: false,
+        };
+        assert!(place("a").load().is_err(), "nothing there");
+        let case = Case::new("any", 1, 3);
+        let u = [Vector::<2>::new(0.1, 1.0 / 3.0)];
+        place("a").save(&case, &u).expect("written");
+        let kept = place("a").load().expect("there");
+        assert_eq!((kept.case, kept.u), (case, vec![0.1, 1.0 / 3.0]));
+        assert!(place("b").load().is_err(), "of another revision");
+        fs::remove_file(place("a").path).expect("removed");
     }
 }

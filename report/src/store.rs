@@ -48,6 +48,13 @@ impl Store {
         self.records.iter().find(is_it)
     }
 
+    /// What the case took when it was run last, at any revision (s).
+    pub fn last_wall(&self, case: &Case) -> Option<f64> {
+        let mut latest = self.records.iter().rev();
+        let found = latest.find(|record| record.case == *case);
+        found.map(|record| record.result.cost.wall)
+    }
+
     /// Appends one, on disk at once.
     pub fn push(&mut self, record: Record) -> Result<(), Failure> {
         let mut line = serde_json::to_string(&record)?;
@@ -95,7 +102,9 @@ mod tests {
             None,
             "another revision"
         );
+        assert_eq!(store.last_wall(&record(2, "a").case), None);
         store.push(record(2, "a")).expect("written");
+        assert_eq!(store.last_wall(&record(2, "b").case), Some(0.0));
         let store = Store::open(&path).expect("read");
         assert_eq!(store.find(&record(2, "a").case, "a"), Some(&record(2, "a")));
         fs::remove_dir_all(&folder).expect("removed");

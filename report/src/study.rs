@@ -274,10 +274,9 @@ fn bend(series: &Series<'_>, quantity: &Quantity) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
     use crate::families::Scope;
+    use crate::refined::Place;
 
     const QUANTITIES: &[Quantity] = &[
         Quantity::new("h1", "displacement, H¹", Kind::Displacement).of_orders(1.0, 2.0),
@@ -309,7 +308,7 @@ mod tests {
             claims: CLAIMS,
             cases: |_: Scope| Vec::new(),
             refined: None,
-            run: |_: &Case, _: &Path| Ok(Measured::default()),
+            run: |_: &Case, _: &Place| Ok(Measured::default()),
         }
     }
 

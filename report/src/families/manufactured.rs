@@ -1,7 +1,5 @@
 //! Signorini problems whose solution is known: the loads are chosen so that it is one.
 
-use std::path::Path;
-
 use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::contact::Surface;
 use ipopt_contact::contact_fem::element::{Element, FacetRule, P1, P2};
@@ -15,6 +13,7 @@ use crate::exact::{Field, Waves, ZoneEnd};
 use crate::measure::Solved;
 use crate::norms;
 use crate::record::Measured;
+use crate::refined::Place;
 
 /// A box of this many cells from `low` with these edges.
 type Block<const D: usize> = fn([f64; D], [f64; D], [usize; D]) -> Result<Mesh<D>, Error>;
@@ -261,7 +260,7 @@ pub fn plane() -> [Family; 2] {
             cases("smooth-2d", p1, p2)
         },
         refined: None,
-        run: |case, _: &Path| smooth::<2>(case, rectangle_of),
+        run: |case, _: &Place| smooth::<2>(case, rectangle_of),
     };
     let zone = Family {
         name: "zone-2d",
@@ -279,7 +278,7 @@ pub fn plane() -> [Family; 2] {
             );
             cases("zone-2d", p1, p2)
         },
-        run: |case, _: &Path| zone::<2>(case, rectangle_of),
+        run: |case, _: &Place| zone::<2>(case, rectangle_of),
         ..smooth
     };
     [smooth, zone]
@@ -300,7 +299,7 @@ pub fn space() -> [Family; 2] {
                 );
                 cases("smooth-3d", p1, p2)
             },
-            run: |case, _: &Path| smooth::<3>(case, cuboid),
+            run: |case, _: &Place| smooth::<3>(case, cuboid),
             ..smooth_in_plane
         },
         Family {
@@ -312,7 +311,7 @@ pub fn space() -> [Family; 2] {
                     scope.pick((&[4, 7, 10], &[1, 4]), (&[4, 7, 10, 13, 16], &[1, 4, 7]));
                 cases("zone-3d", p1, p2)
             },
-            run: |case, _: &Path| zone::<3>(case, cuboid),
+            run: |case, _: &Place| zone::<3>(case, cuboid),
             ..zone_in_plane
         },
     ]

@@ -8,11 +8,10 @@ mod hertz;
 mod manufactured;
 mod patch;
 
-use std::path::Path;
-
 use crate::Failure;
 use crate::case::Case;
 use crate::record::Measured;
+use crate::refined::Place;
 
 /// How much is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,8 +135,8 @@ pub struct Family {
     pub cases: fn(Scope) -> Vec<Case>,
     /// The run that others are compared with, if they are.
     pub refined: Option<fn(Scope) -> Case>,
-    /// Does one; the path is where the refined solution is, or is to be, kept.
-    pub run: fn(&Case, &Path) -> Result<Measured, Failure>,
+    /// Does one, with the place where the refined solution is, or is to be, kept.
+    pub run: fn(&Case, &Place) -> Result<Measured, Failure>,
 }
 
 impl Family {
