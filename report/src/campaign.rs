@@ -140,7 +140,7 @@ pub fn child(case: &str, place: &str) -> Result<ExitCode, Failure> {
 fn left(open: &[Case], store: &Store, elapsed: Duration, done: u64) -> f64 {
     let mean = elapsed.as_secs_f64() / done.max(1) as f64;
     let walls = open.iter().map(|case| store.last_wall(case));
-    walls.map(|wall| wall.unwrap_or(mean)).sum()
+    walls.fold(0.0, |sum, wall| sum + wall.unwrap_or(mean))
 }
 
 /// A bar in a terminal; hidden elsewhere, where there are lines.

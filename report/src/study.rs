@@ -152,7 +152,7 @@ impl<'a> Study<'a> {
         }
     }
 
-    /// Its runs by setting, in the order of the runs.
+    /// Its runs by setting, P1 first, else in the order of the runs.
     pub fn series(&self) -> Vec<Series<'_>> {
         let mut all: Vec<Series> = Vec::new();
         for run in &self.runs {
@@ -168,6 +168,7 @@ impl<'a> Study<'a> {
         for series in &mut all {
             series.runs.sort_by_key(|run| run.case().level);
         }
+        all.sort_by_key(|series| series.setting.case().degree);
         all
     }
 

@@ -79,7 +79,7 @@ fn cases(scope: Scope) -> Vec<Case> {
         scope.pick((&[2, 3, 4], &[2, 3]), (&[2, 3, 4, 6, 8], &[2, 3, 4]));
     let mut cases = ladder(NAME, p1, p2);
     // the finest ones once are enough
-    let exact = ladder(NAME, &p1[..p1.len() - 2], &p2[..p2.len() - 1]).into_iter();
+    let exact = ladder(NAME, &p1[..p1.len() - 1], &p2[..p2.len() - 2]).into_iter();
     cases.extend(exact.map(|case| case.with_points(Points::Exact)));
     let others: &[(usize, usize)] = scope.pick(&[], &[(1, 2), (1, 3)]);
     for &(degree, level) in others {

@@ -195,8 +195,9 @@ const THEORY: &str = "u is in H^s for s < 5/2, as at every end of a contact zone
 
 const CAUSES: &str = "The end of the zone lies elsewhere in its facet on each mesh: p₀, a and the pressure go up and down \
     with that, around a falling trend, so that their orders mean little on so few meshes. With the published load they \
-    level off at what Hertz's theory leaves out. Quadratic elements fall short of order 3/2 in H¹: the clamped corners of \
-    the block are singular, too, and meshes are coarse there; how much that is was not separated.";
+    level off at what Hertz's theory leaves out. Where quadratic elements fall short of order \
+    3/2 in H¹, it may be for the clamped corners of the block, which are singular, too, on coarse cells; this was not \
+    separated.";
 
 /// In the plane: with a small load, and the published case.
 pub fn families() -> [Family; 2] {
