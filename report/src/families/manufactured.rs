@@ -6,7 +6,7 @@ use ipopt_contact::contact_fem::element::{Element, FacetRule, P1, P2};
 use ipopt_contact::contact_fem::tensor::unit_vector;
 use ipopt_contact::prelude::*;
 
-use super::{Bound, Claim, Family, Kind, Quantity, ladder};
+use super::{Bound, Claim, Family, Kind, Quantity, Scope, ladder};
 use crate::Failure;
 use crate::case::{Case, Formulation, Points};
 use crate::exact::{Field, Waves, ZoneEnd};
@@ -315,7 +315,10 @@ pub fn space() -> [Family; 2] {
                 let (p1, p2): (&[usize], &[usize]) =
                     scope.pick((&[4, 7, 10], &[1, 4]), (&[4, 7, 10, 13, 16], &[1, 4, 7]));
                 // penalties take dozens of iterations
-                scope.pick(ladders, cases)("zone-3d", p1, p2)
+                match scope {
+                    Scope::Quick => ladders("zone-3d", p1, p2),
+                    Scope::Full => cases("zone-3d", p1, p2),
+                }
             },
             run: |case, _: &Place| zone::<3>(case, cuboid),
             ..zone_in_plane
