@@ -81,7 +81,7 @@ fn cases(scope: Scope) -> Vec<Case> {
     // the finest ones once are enough
     let exact = ladder(NAME, &p1[..p1.len() - 1], &p2[..p2.len() - 2]).into_iter();
     cases.extend(exact.map(|case| case.with_points(Points::Exact)));
-    let others: &[(usize, usize)] = scope.pick(&[], &[(1, 2), (1, 3)]);
+    let others: &[(usize, usize)] = scope.pick(&[], &[(1, 2)]);
     for &(degree, level) in others {
         for method in [Formulation::PenalizedSlack, Formulation::Penalty] {
             cases.push(Case::new(NAME, degree, level).with_method(method));
