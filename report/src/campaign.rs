@@ -1,6 +1,7 @@
 //! All runs one after another, each in a process of its own.
 
-use std::fs::{self, File};
+use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::thread::sleep;
@@ -84,13 +85,12 @@ impl Campaign {
             revision: self.revision.clone(),
             is_refined,
         };
-        let output = self.folder.join("run.txt");
         let mut child = Command::new(std::env::current_exe()?)
             .arg("--run")
             .args([serde_json::to_string(case)?, serde_json::to_string(&place)?])
             .envs(["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"].map(|name| (name, "1")))
             .stdin(Stdio::null())
-            .stdout(File::create(&output)?)
+            .stdout(Stdio::piped()) // which holds all of what it prints
             .spawn()?;
         let clock = Instant::now();
         let status = loop {
@@ -105,8 +105,10 @@ impl Campaign {
             }
             sleep(Duration::from_millis(5));
         };
-        let text = fs::read_to_string(&output)?;
-        fs::remove_file(&output)?;
+        let mut text = String::new();
+        if let Some(mut output) = child.stdout.take() {
+            output.read_to_string(&mut text)?;
+        }
         let last = text.lines().last().unwrap_or_default();
         match (status.success(), serde_json::from_str(last)) {
             (true, Ok(measured)) => Ok(measured),
