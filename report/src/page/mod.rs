@@ -106,14 +106,11 @@ impl Page<'_> {
         }
         html.push_str("<h3>Observed orders</h3>\n");
         html.push_str(&table(&overview::orders(study)));
-        let remarks = study.remarks();
-        if !remarks.is_empty() {
-            html.push_str("<h3>What bends or fails</h3>\n<ul>\n");
-            for remark in remarks {
-                let _ = writeln!(html, "<li>{}</li>", escape(&remark));
-            }
-            let _ = write!(html, "</ul>\n<p>{}</p>\n", escape(family.causes));
+        html.push_str("<h3>What bends or fails</h3>\n<ul>\n");
+        for remark in study.remarks() {
+            let _ = writeln!(html, "<li>{}</li>", escape(&remark));
         }
+        let _ = write!(html, "</ul>\n<p>{}</p>\n", escape(family.causes));
         html.push_str(&phases(study));
         html.push_str("<details><summary>All runs</summary>\n");
         html.push_str(&table(&overview::runs(study)));
