@@ -210,8 +210,8 @@ const THEORY_ZONE: &str = "u is in H^s for s < 5/2 and no more, the regularity t
 
 const CAUSES_SMOOTH: &str = "The error of the force is soon that of round-off and of what the solver leaves, and does not \
     fall further. In space meshes are coarse: orders are on their way to those of theory.";
-const CAUSES_ZONE: &str = "Where the pressure's square root ends, single facets carry most of its error; linear elements \
-    recover it with less than order 1 on these meshes. The force is a mean, whose error changes sign.";
+const CAUSES_ZONE: &str = "Where the pressure's square root ends, single facets carry most of its error; on coarse meshes \
+    linear elements recover it with less than order 1. The force is a mean, whose error may change sign.";
 
 const SMOOTH: &[Quantity] = &[
     Quantity::new("h1", "displacement, H¹", Kind::Gradient).of_orders(1.0, 2.0),
