@@ -5,7 +5,7 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead msrv bindings fuzz-readers
+.PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead report report-quick msrv bindings fuzz-readers
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -15,6 +15,8 @@ help:
 	@echo "make lint              formatting, clippy and documentation, warnings as errors"
 	@echo "make bench             times the disc-in-disc and the three beams"
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
+	@echo "make report            error against run time: a page, tables and data in out/report, within an hour"
+	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
 	@echo "make bindings          renews the bindings to Ipopt kept in the source"
@@ -55,6 +57,13 @@ bench: install
 
 bench-overhead: install
 	$(CARGO) bench -p contact-core --bench overhead
+
+# Both go on where they were interrupted.
+report: install
+	$(CARGO) run --release -p ipopt-contact-report
+
+report-quick: install
+	$(CARGO) run --release -p ipopt-contact-report -- --quick
 
 msrv: install
 	@./scripts/msrv.sh

@@ -116,9 +116,14 @@ pub fn errors<const D: usize>(scene: Scene<D>) -> Result<[f64; 2], Error> {
     if history.run.outcome != RunOutcome::Complete {
         return Ok([f64::NAN; 2]);
     }
-    let (exact, stress) = exact(&problem);
-    let pressure = stress.norm();
     let u = problem.displacements(&history.run.state.u);
+    Ok(deviation(&problem, &u))
+}
+
+/// By how much the displacements `u` of all nodes miss the exact solution: the errors of [`errors`].
+pub fn deviation<const D: usize>(problem: &Problem<D>, u: &[Vector<D>]) -> [f64; 2] {
+    let (exact, stress) = exact(problem);
+    let pressure = stress.norm();
     let moved = u.iter().zip(&exact).map(|(u, v)| (u - v).amax() / PRESSED);
     let mut worst: f64 = 0.0;
     for (body, energy) in problem.body_energies().iter().enumerate() {
@@ -127,7 +132,7 @@ pub fn errors<const D: usize>(scene: Scene<D>) -> Result<[f64; 2], Error> {
             worst = worst.max((state.sigma - stress).amax() / pressure);
         }
     }
-    Ok([worst, moved.fold(0.0, f64::max)])
+    [worst, moved.fold(0.0, f64::max)]
 }
 
 /// The exact displacement of every node and the Cauchy stress everywhere: u = −(X·a) a PRESSED/2 and

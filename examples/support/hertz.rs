@@ -9,7 +9,7 @@ use ipopt_contact::prelude::*;
 
 /// The cylinder's radius, and the height and half width of the block are twice as much (UL).
 pub const RADIUS: f64 = 50.0;
-/// The force on the whole cylinder (UF per unit of thickness).
+/// The force on the whole cylinder in the published case (UF per unit of thickness).
 pub const FORCE: f64 = 7.0;
 /// Poisson's ratio of both.
 const NU: f64 = 0.3;
@@ -40,6 +40,8 @@ pub struct Hertz {
     pub young: [f64; 2],
     /// Of cylinder and block.
     pub fineness: [Fineness; 2],
+    /// The force on the whole cylinder (UF per unit of thickness).
+    pub force: f64,
     /// P1, or P2 on the true circle.
     pub order: Order,
     /// Which surface is slave, were the cylinder the first body.
@@ -56,6 +58,7 @@ impl Hertz {
         Hertz {
             young: [210.0, 70.0],
             fineness: [fineness; 2],
+            force: FORCE,
             order,
             passes: Passes::Both,
             integration: None,
@@ -79,12 +82,12 @@ impl Hertz {
 
     /// p₀ = √(P E*/(πR)) in the centre (UF/UL²).
     pub fn peak_pressure(&self) -> f64 {
-        (FORCE * self.contact_modulus() / (PI * RADIUS)).sqrt()
+        (self.force * self.contact_modulus() / (PI * RADIUS)).sqrt()
     }
 
     /// a = √(4PR/(πE*)) (UL).
     pub fn half_width(&self) -> f64 {
-        (4.0 * FORCE * RADIUS / (PI * self.contact_modulus())).sqrt()
+        (4.0 * self.force * RADIUS / (PI * self.contact_modulus())).sqrt()
     }
 
     /// The facet in the centre (UL) of cylinder and block.
@@ -125,7 +128,7 @@ impl Hertz {
         let mesh = mesh.translated([0.0, RADIUS])?;
         let mut cylinder = Body::new(mesh, LinearElastic::new(self.young[0], NU)?);
         cylinder.prescribe("axis", [Some(0.0), None])?;
-        cylinder.traction("flat", [0.0, -0.5 * FORCE / RADIUS])?;
+        cylinder.traction("flat", [0.0, -0.5 * self.force / RADIUS])?;
         Ok(cylinder)
     }
 

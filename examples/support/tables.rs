@@ -27,6 +27,11 @@ impl Table {
         self.rows.push(cells);
     }
 
+    /// The head and all rows.
+    pub fn rows(&self) -> &[Vec<String>] {
+        &self.rows
+    }
+
     /// In Markdown, columns aligned.
     pub fn markdown(&self) -> String {
         let width = |k: usize| {

@@ -111,15 +111,22 @@ impl<const D: usize> Body<D> {
     /// # Errors
     /// An unknown boundary, a value that is not finite.
     pub fn traction(&mut self, boundary: &str, traction: [f64; D]) -> Result<&mut Self, Error> {
-        Error::check_finite("traction", &traction)?;
+        self.traction_field(boundary, |_| traction.into())
+    }
+
+    /// As [`Body::traction`] for a traction that depends on the reference position X.
+    ///
+    /// # Errors
+    /// As [`Body::traction`].
+    pub fn traction_field(
+        &mut self,
+        boundary: &str,
+        traction: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<&mut Self, Error> {
         let facets = self.mesh.boundary(boundary)?;
-        add_traction(
-            &self.mesh,
-            &facets,
-            &Vector::from(traction),
-            &mut self.forces,
-        );
-        Ok(self)
+        let mut forces = vec![0.0; self.forces.len()];
+        add_traction(&self.mesh, &facets, traction, &mut forces);
+        self.add_forces("traction", &forces)
     }
 
     /// Adds a dead body force (force per reference volume, UF/UL² in the plane, UF/UL³ in space).
@@ -127,9 +134,27 @@ impl<const D: usize> Body<D> {
     /// # Errors
     /// A value that is not finite.
     pub fn body_force(&mut self, force: [f64; D]) -> Result<&mut Self, Error> {
-        Error::check_finite("body force", &force)?;
-        self.law
-            .add_body_force(&self.mesh, &Vector::from(force), &mut self.forces);
+        self.body_force_field(|_| force.into())
+    }
+
+    /// As [`Body::body_force`] for a force that depends on the reference position X.
+    ///
+    /// # Errors
+    /// As [`Body::body_force`].
+    pub fn body_force_field(
+        &mut self,
+        force: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<&mut Self, Error> {
+        let mut forces = vec![0.0; self.forces.len()];
+        self.law.add_body_force(&self.mesh, &force, &mut forces);
+        self.add_forces("body force", &forces)
+    }
+
+    /// Adds nodal forces that came of a load called `name`, if they are finite.
+    fn add_forces(&mut self, name: &'static str, forces: &[f64]) -> Result<&mut Self, Error> {
+        Error::check_finite(name, forces)?;
+        let sums = self.forces.iter_mut().zip(forces);
+        sums.for_each(|(sum, force)| *sum += force);
         Ok(self)
     }
 
@@ -163,7 +188,12 @@ impl<const D: usize> Body<D> {
 /// Hides the types of element and material behind the body.
 trait Law<const D: usize>: Send + Sync {
     fn energy(&self, body: &Body<D>, keep_everything: bool) -> Box<dyn BodyEnergy<D>>;
-    fn add_body_force(&self, mesh: &Mesh<D>, force: &Vector<D>, forces: &mut [f64]);
+    fn add_body_force(
+        &self,
+        mesh: &Mesh<D>,
+        force: &dyn Fn(&Vector<D>) -> Vector<D>,
+        forces: &mut [f64],
+    );
 }
 
 struct ElasticLaw<E, M>(E, M);
@@ -185,7 +215,12 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> 
         }
     }
 
-    fn add_body_force(&self, mesh: &Mesh<D>, force: &Vector<D>, forces: &mut [f64]) {
+    fn add_body_force(
+        &self,
+        mesh: &Mesh<D>,
+        force: &dyn Fn(&Vector<D>) -> Vector<D>,
+        forces: &mut [f64],
+    ) {
         add_body_force::<D, E>(mesh, force, forces);
     }
 }

@@ -1,0 +1,286 @@
+//! The report as one HTML page without anything from elsewhere.
+
+mod plot;
+
+use std::fmt::Write;
+
+use self::plot::{Curve, Look, Marker, Plot, bar, escape, key};
+use crate::case::{Formulation, Points};
+use crate::families::Quantity;
+use crate::freefem::Point;
+use crate::overview;
+use crate::pareto::front;
+use crate::study::{Axis, Run, Series, Study};
+use crate::tables::Table;
+
+const STYLE: &str = include_str!("style.css");
+
+/// What the page is made of.
+pub struct Page<'a> {
+    /// The families and their runs.
+    pub studies: &'a [Study<'a>],
+    /// The machine and the programs.
+    pub environment: &'a [(&'static str, String)],
+    /// Results of FreeFEM.
+    pub freefem: &'a [Point],
+    /// What there is to say on FreeFEM's results.
+    pub freefem_remarks: &'a [String],
+}
+
+/// What stands above the table of advice.
+pub const ADVICE: &str = "The cheapest run by wall time whose error was at most the target, and stayed there on finer \
+    meshes with the same settings. A star marks runs whose certificate does not hold. `Not reached` means by none of \
+    the runs of this report.";
+
+impl Page<'_> {
+    /// The whole page.
+    pub fn html(&self) -> String {
+        let mut html = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>Error against run time</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+             <h1>Error against run time</h1>\n{INTRODUCTION}"
+        );
+        self.head(&mut html);
+        for study in self.studies {
+            self.family(study, &mut html);
+        }
+        html + "</body>\n</html>\n"
+    }
+
+    fn head(&self, html: &mut String) {
+        html.push_str("<nav><p>");
+        for study in self.studies {
+            let (name, title) = (study.family.name, escape(study.family.title));
+            let _ = write!(html, "<a href=\"#{name}\">{title}</a> · ");
+        }
+        html.push_str("<a href=\"#machine\">machine</a></p></nav>\n<h2>What must hold</h2>\n");
+        html.push_str(&table(&overview::claims(self.studies)));
+        let _ = write!(html, "<h2>What accuracy costs</h2>\n<p>{ADVICE}</p>\n");
+        html.push_str(&table(&overview::advice(self.studies)));
+        html.push_str("<h2 id=\"machine\">Machine and programs</h2>\n<dl>\n");
+        for (name, value) in self.environment {
+            let _ = writeln!(html, "<dt>{name}</dt><dd>{}</dd>", escape(value));
+        }
+        let freefem = match self.freefem.len() {
+            0 => "no stored results".to_string(),
+            n => format!("{n} stored results"),
+        };
+        let _ = writeln!(html, "<dt>FreeFEM</dt><dd>{freefem}</dd>\n</dl>");
+        for remark in self.freefem_remarks {
+            let _ = writeln!(html, "<p class=\"bad\">{}</p>", escape(remark));
+        }
+    }
+
+    fn family(&self, study: &Study<'_>, html: &mut String) {
+        let family = study.family;
+        let _ = write!(
+            html,
+            "<h2 id=\"{}\">{}</h2>\n<dl>\n<dt>what</dt><dd>{}</dd>\n<dt>reference</dt><dd>{}</dd>\n\
+             <dt>theory</dt><dd>{}</dd>\n<dt>h</dt><dd>{}</dd>\n</dl>\n",
+            family.name,
+            escape(family.title),
+            escape(family.about),
+            escape(family.reference),
+            escape(family.theory),
+            escape(family.size)
+        );
+        html.push_str(&legend(study, self.own_freefem(study).next().is_some()));
+        for (k, quantity) in family.quantities.iter().enumerate() {
+            let (open, close) = match k {
+                0 | 1 => ("<section>".to_string(), "</section>"),
+                _ => (
+                    format!("<details><summary>{}</summary>", escape(quantity.title)),
+                    "</details>",
+                ),
+            };
+            let _ = write!(
+                html,
+                "{open}<h3>{}</h3>\n<div class=\"plots\">\n",
+                escape(quantity.title)
+            );
+            for axis in Axis::ALL {
+                html.push_str(&self.plot(study, quantity, axis).svg());
+            }
+            let _ = writeln!(html, "</div>{close}");
+        }
+        html.push_str("<h3>Observed orders</h3>\n");
+        html.push_str(&table(&overview::orders(study)));
+        html.push_str("<h3>What bends or fails</h3>\n<ul>\n");
+        for remark in study.remarks() {
+            let _ = writeln!(html, "<li>{}</li>", escape(&remark));
+        }
+        let _ = write!(html, "</ul>\n<p>{}</p>\n", escape(family.causes));
+        html.push_str(&phases(study));
+        html.push_str("<details><summary>All runs</summary>\n");
+        html.push_str(&table(&overview::runs(study)));
+        html.push_str("</details>\n");
+    }
+
+    fn own_freefem<'b>(&'b self, study: &'b Study<'_>) -> impl Iterator<Item = &'b Point> {
+        let is_own = |point: &&Point| point.family == study.family.name;
+        self.freefem.iter().filter(is_own)
+    }
+
+    fn plot(&self, study: &Study<'_>, quantity: &Quantity, axis: Axis) -> Plot {
+        let series = study.series();
+        let mut curves: Vec<Curve> = series.iter().map(|s| curve(s, quantity, axis)).collect();
+        let all: Vec<(f64, f64)> = curves.iter().flat_map(|c| c.points.clone()).collect();
+        let refined = study.refined.map(|record| &record.result.values);
+        for point in self.own_freefem(study) {
+            let error = point.error(study.family, quantity.name, refined);
+            curves.extend(point.at(axis).zip(error).map(|place| Curve {
+                titles: vec![point.label.clone()],
+                look: FREEFEM,
+                points: vec![place],
+                joined: false,
+                note: None,
+            }));
+        }
+        let is_cost = axis != Axis::Size;
+        Plot {
+            x: axis.label().into(),
+            y: format!("error: {}", quantity.title),
+            front: match is_cost {
+                true => front(&all).into_iter().map(|k| all[k]).collect(),
+                false => Vec::new(),
+            },
+            curves,
+        }
+    }
+}
+
+const INTRODUCTION: &str = "<p>What accuracy costs with this library: benchmark families over meshes, orders, \
+    integration, the paper's methods (7), (37) and (39), fixed-point variants and tolerances. Every number on this \
+    page is computed anew by the command that writes it; every run is a process of its own with one thread, one at a \
+    time, and time counts from building the mesh to the last converged load step. Errors are relative. The broad line \
+    joins the runs that no other beats in both cost and error.</p>\n";
+
+const FREEFEM: Look = Look {
+    colour: 8,
+    marker: Marker::Star,
+    dashed: false,
+};
+
+/// Default settings, exact integration and the other methods have looks of their own; the rest is `other settings`.
+fn look(series: &Series<'_>) -> (Look, String) {
+    let case = series.setting.case();
+    let quadratic = case.degree == 2;
+    let (colour, marker, dashed, name) = match (case.method, case.points) {
+        (Formulation::PenalizedSlack, _) => (4, Marker::Triangle, true, "(37)".to_string()),
+        (Formulation::Penalty, _) => (5, Marker::Diamond, true, "(39)".to_string()),
+        (_, Points::Exact) if quadratic => (3, Marker::Frame, true, "P2, exact, (7)".into()),
+        (_, Points::Exact) => (2, Marker::Ring, true, "P1, exact, (7)".into()),
+        _ if !series.is_default() => {
+            let name = "(7), other tolerances or plain fixed point";
+            (6, Marker::Plus, true, name.into())
+        }
+        _ if quadratic => (1, Marker::Square, false, "P2, Gauss, (7)".into()),
+        _ => (0, Marker::Disc, false, "P1, Gauss, (7)".into()),
+    };
+    let look = Look {
+        colour,
+        marker,
+        dashed,
+    };
+    (look, name)
+}
+
+fn curve(series: &Series<'_>, quantity: &Quantity, axis: Axis) -> Curve {
+    let mut points: Vec<(String, (f64, f64))> = Vec::new();
+    for run in &series.runs {
+        let place = axis
+            .of(run.result())
+            .zip(run.errors.get(quantity.name).copied());
+        points.extend(
+            place
+                .filter(|p| p.1 > 0.0)
+                .map(|place| (title(run, place.1), place)),
+        );
+    }
+    let fit = series.fit(quantity.name).filter(|_| axis == Axis::Size);
+    Curve {
+        look: look(series).0,
+        joined: points.len() > 1,
+        note: fit
+            .filter(|_| series.is_default())
+            .map(|fit| format!("{:.2}", fit.order)),
+        titles: points.iter().map(|(title, _)| title.clone()).collect(),
+        points: points.into_iter().map(|(_, place)| place).collect(),
+    }
+}
+
+fn title(run: &Run<'_>, error: f64) -> String {
+    let (case, result) = (run.case(), run.result());
+    format!(
+        "{}, level {}: error {error:.2e}, {:.2} s, {} dofs",
+        case.setting(),
+        case.level,
+        result.cost.wall,
+        result.dofs
+    )
+}
+
+fn legend(study: &Study<'_>, with_freefem: bool) -> String {
+    let mut looks: Vec<(Look, String, bool)> = Vec::new();
+    for series in study.series() {
+        let ((look, name), joined) = (look(&series), series.runs.len() > 1);
+        match looks.iter_mut().find(|(other, ..)| *other == look) {
+            Some(found) => found.2 |= joined,
+            None => looks.push((look, name, joined)),
+        }
+    }
+    if with_freefem {
+        looks.push((FREEFEM, "FreeFEM".into(), false));
+    }
+    let mut html = String::from("<div class=\"legend\">");
+    for (look, name, joined) in looks {
+        let _ = write!(html, "<span>{}{}</span>", key(look, joined), escape(&name));
+    }
+    html + "</div>\n"
+}
+
+/// The split of wall time in the series with default settings.
+fn phases(study: &Study<'_>) -> String {
+    let mut html = String::from("<h3>Where the time goes</h3>\n<div class=\"legend\">");
+    let names = crate::record::Phases::default().entries();
+    for (k, (name, _)) in names.iter().enumerate() {
+        let _ = write!(html, "<span><i class=\"swatch p{k}\"></i>{name}</span>");
+    }
+    html.push_str("</div>\n<div class=\"phases\">\n");
+    for series in study.series().iter().filter(|series| series.is_default()) {
+        for run in series.runs.iter().filter(|run| run.result().converged()) {
+            let (case, cost) = (run.case(), &run.result().cost);
+            let entries = cost.phases.entries().into_iter().enumerate();
+            let shares = entries.map(|(k, (name, s))| (k, s, format!("{name}: {s:.3} s")));
+            let _ = writeln!(
+                html,
+                "<span>P{}, level {}</span>{}<span>{:.2} s</span>",
+                case.degree,
+                case.level,
+                bar(&shares.collect::<Vec<_>>()),
+                cost.wall
+            );
+        }
+    }
+    html + "</div>\n"
+}
+
+/// A table as HTML; verdicts are coloured.
+fn table(table: &Table) -> String {
+    let mut html = String::from("<div class=\"scroll\"><table>\n");
+    for (k, row) in table.rows().iter().enumerate() {
+        let tag = if k == 0 { "th" } else { "td" };
+        html.push_str("<tr>");
+        for cell in row {
+            let class = match cell.as_str() {
+                "holds" => " class=\"good\"",
+                "DOES NOT HOLD" => " class=\"bad\"",
+                _ => "",
+            };
+            let _ = write!(html, "<{tag}{class}>{}</{tag}>", escape(cell));
+        }
+        html.push_str("</tr>\n");
+    }
+    html + "</table></div>\n"
+}
