@@ -126,8 +126,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         }
         return Ok(ExitCode::SUCCESS);
     }
-    compare(arguments, &cases)?;
-    Ok(ExitCode::SUCCESS)
+    compare(arguments, &cases)
 }
 
 fn export(case: &Case, size: Size, folder: &Path) -> Result<(), Failure> {
@@ -135,7 +134,7 @@ fn export(case: &Case, size: Size, folder: &Path) -> Result<(), Failure> {
     Ok((case.build)(size)?.export(case.bodies, folder)?)
 }
 
-fn compare(arguments: &Arguments, cases: &[&Case]) -> Result<(), Failure> {
+fn compare(arguments: &Arguments, cases: &[&Case]) -> Result<ExitCode, Failure> {
     let freefem = FreeFem::find();
     if freefem.is_none() {
         println!("{INSTALL}");
@@ -149,15 +148,33 @@ fn compare(arguments: &Arguments, cases: &[&Case]) -> Result<(), Failure> {
             versions.blas.map(|blas| blas.to_string()),
         ],
         entries: Vec::new(),
+        failures: Vec::new(),
     };
     for (case, size) in arguments.pairs(cases) {
         let bench = Bench::new(arguments, case, size)?;
-        bench.run(freefem.as_ref(), &mut report)?;
+        if let Err(why) = bench.run(freefem.as_ref(), &mut report) {
+            let failure = format!("{} {}: {why}", case.name, size.name());
+            eprintln!("error: {failure}");
+            report.failures.push(failure);
+            report.save(&arguments.out)?;
+        }
     }
     for table in report.tables() {
         println!("{}", table.markdown());
     }
     println!("files in {}", arguments.out.display());
+    let failed = !report.failures.is_empty();
+    Ok(ExitCode::from(if failed { 2 } else { 0 }))
+}
+
+/// Removes the files of an earlier run, which are not to be taken for those of the next.
+fn clear(folder: &Path) -> Result<(), Failure> {
+    for file in std::fs::read_dir(folder)? {
+        let file = file?;
+        if file.file_type()?.is_file() {
+            std::fs::remove_file(file.path())?;
+        }
+    }
     Ok(())
 }
 
@@ -188,27 +205,40 @@ impl<'a> Bench<'a> {
         let meshes = self.folder.join("meshes");
         std::fs::create_dir_all(&meshes)?;
         measured(&mut self.child(Child::Export, &meshes)?, &meshes)?;
-        let (ours, outcome) =
-            self.entry("ours", Program::Ours, |out| self.child(Child::Solve, out))?;
-        report.add(ours.clone(), &self.arguments.out)?;
+        let ours = self.entry("ours", Program::Ours, |out| self.child(Child::Solve, out))?;
+        if let Some((entry, _)) = &ours {
+            report.add(entry.clone(), &self.arguments.out)?;
+        }
         let Some(freefem) = freefem else {
-            return match self.stored(&ours, &outcome)? {
+            let stored = match &ours {
+                Some((entry, outcome)) => self.stored(entry, outcome)?,
+                None => None,
+            };
+            return match stored {
                 Some(entry) => report.add(entry, &self.arguments.out),
-                None => Ok(()),
+                None => Err("there is no stored result of FreeFEM to compare with".into()),
             };
         };
         for script in self.case.scripts.iter().filter(|s| self.runs(s)) {
             let command = |out: &Path| freefem.command(self.case, script, self.size, &meshes, out);
-            let (mut entry, theirs) = self.entry(script.style, Program::Freefem, command)?;
-            let differences = [
-                theirs.energy_difference(&outcome),
-                theirs.displacement_difference(&outcome),
-                theirs.reaction_difference(&outcome),
-                theirs.pressure_difference(&outcome),
-            ];
-            entry.compare(&ours, differences);
+            let Some((mut entry, theirs)) = self.entry(script.style, Program::Freefem, command)?
+            else {
+                continue;
+            };
+            if let Some((ours, outcome)) = &ours {
+                let differences = [
+                    theirs.energy_difference(outcome),
+                    theirs.displacement_difference(outcome),
+                    theirs.reaction_difference(outcome),
+                    theirs.pressure_difference(outcome),
+                ];
+                entry.compare(ours, differences);
+            }
+            let is_new = entry.usage.is_some() && entry.converged;
             report.add(entry, &self.arguments.out)?;
-            self.keep(script, freefem, &theirs)?;
+            if is_new {
+                self.keep(script, freefem, &theirs)?;
+            }
         }
         Ok(())
     }
@@ -220,17 +250,23 @@ impl<'a> Bench<'a> {
         is_asked && self.size <= script.up_to
     }
 
-    /// Runs a program as often as it has to be, unless only the other one was asked for.
+    /// Runs a program as often as it has to be; what it left before, if anything, where only the other
+    /// one was asked for.
     fn entry(
         &self,
         name: &str,
         program: Program,
         command: impl Fn(&Path) -> Result<Command, Failure>,
-    ) -> Result<(Entry, Outcome), Failure> {
+    ) -> Result<Option<(Entry, Outcome)>, Failure> {
         let out = self.folder.join(name);
         std::fs::create_dir_all(&out)?;
         let mut runs: Vec<Usage> = Vec::new();
         let is_asked = self.arguments.only.is_none_or(|only| only == program);
+        if is_asked {
+            clear(&out)?;
+        } else if !out.join("result.txt").exists() {
+            return Ok(None);
+        }
         while is_asked && runs.len() < self.arguments.runs {
             eprintln!(
                 "{} {} {name}, run {}",
@@ -247,7 +283,7 @@ impl<'a> Bench<'a> {
         let mut entry = Entry::new(self.case.name, self.size.name(), name, &outcome);
         entry.runs = runs.len();
         entry.usage = (!runs.is_empty()).then(|| Usage::median(&runs));
-        Ok((entry, outcome))
+        Ok(Some((entry, outcome)))
     }
 
     /// This program again, for one thing on this scene.

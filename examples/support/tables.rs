@@ -9,6 +9,8 @@ use super::Failure;
 pub struct Table {
     name: &'static str,
     rows: Vec<Vec<String>>,
+    /// Rows do not show on the standard error as they come.
+    pub quiet: bool,
 }
 
 impl Table {
@@ -18,12 +20,15 @@ impl Table {
         Table {
             name,
             rows: vec![head],
+            quiet: false,
         }
     }
 
     /// Appends a row, a cell a column, and shows it on the standard error, as progress.
     pub fn push(&mut self, cells: Vec<String>) {
-        eprintln!("{}: {}", self.name, cells.join("  "));
+        if !self.quiet {
+            eprintln!("{}: {}", self.name, cells.join("  "));
+        }
         self.rows.push(cells);
     }
 

@@ -1,6 +1,7 @@
 //! FreeFEM's results kept in `freefem/reference`, for machines without it.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -19,7 +20,7 @@ pub struct Reference {
     pub script: String,
     /// The FreeFEM that ran it.
     pub freefem: String,
-    /// The Ipopt that it used.
+    /// The Ipopt of the library where it was made; FreeFEM's is the same where both are the system's.
     pub ipopt: String,
     /// The relative change of the displacement at which its fixed points had converged.
     pub tolerance: f64,
@@ -64,10 +65,19 @@ impl Reference {
     /// # Errors
     /// A file that is no such result.
     pub fn read(case: &Case, size: Size) -> Result<Option<Self>, Failure> {
-        match std::fs::read_to_string(path(case, size)) {
-            Ok(text) => Ok(Some(serde_json::from_str(&text)?)),
-            Err(_) => Ok(None),
+        let path = path(case, size);
+        let wrong = |why: String| Failure::from(format!("{}: {why}", path.display()));
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(wrong(error.to_string())),
+        };
+        let read: Reference = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+        let has_all = |name: &&str| read.displacements.contains_key(*name);
+        if read.dimension == 0 || read.stride == 0 || !case.bodies.iter().all(has_all) {
+            return Err(wrong("not a result of this scene".into()));
         }
+        Ok(Some(read))
     }
 
     /// Stores it in the place of an older one.

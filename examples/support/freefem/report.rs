@@ -34,8 +34,8 @@ pub struct Entry {
     pub seconds: [f64; 3],
     /// Energy, displacement, reaction and pressure: relative differences from ours.
     pub differences: Option<[f64; 4]>,
-    /// CPU time over ours.
-    pub ratio: Option<f64>,
+    /// CPU time, wall time and peak memory over ours.
+    pub ratios: Option<[f64; 3]>,
 }
 
 impl Entry {
@@ -54,7 +54,7 @@ impl Entry {
             iterations: pair("fixed_point_iterations", "ipopt_iterations"),
             seconds: [rows, ipopt, outcome.value("seconds_total") - rows - ipopt],
             differences: None,
-            ratio: None,
+            ratios: None,
         }
     }
 
@@ -62,8 +62,10 @@ impl Entry {
     pub fn compare(&mut self, ours: &Entry, differences: [f64; 4]) {
         self.cells = ours.cells;
         self.differences = Some(differences);
-        let cpu = |entry: &Entry| entry.usage.map(|usage| usage.cpu);
-        self.ratio = cpu(self).zip(cpu(ours)).map(|(theirs, ours)| theirs / ours);
+        self.ratios = self.usage.zip(ours.usage).map(|(theirs, ours)| {
+            let memory = theirs.peak as f64 / ours.peak as f64;
+            [theirs.cpu / ours.cpu, theirs.wall / ours.wall, memory]
+        });
     }
 }
 
@@ -78,11 +80,15 @@ pub struct Report {
     pub libraries: [Option<String>; 2],
     /// All runs.
     pub entries: Vec<Entry>,
+    /// What went wrong where.
+    pub failures: Vec<String>,
 }
 
 impl Report {
     /// Adds a program and saves everything so far, since the next one may take long.
     pub fn add(&mut self, entry: Entry, folder: &Path) -> Result<(), Failure> {
+        let (scene, size, program) = (&entry.scene, &entry.size, &entry.program);
+        eprintln!("{scene} {size} {program}: done");
         self.entries.push(entry);
         self.save(folder)
     }
@@ -120,8 +126,11 @@ impl Report {
                 "rest s",
                 "peak MB",
                 "CPU / ours",
+                "wall / ours",
+                "memory / ours",
             ],
         );
+        (results.quiet, costs.quiet) = (true, true);
         for entry in &self.entries {
             let name = || {
                 let cells = format!("{}", entry.cells);
@@ -149,10 +158,11 @@ impl Report {
                 let seconds = [usage.wall, usage.cpu, rows, ipopt, rest];
                 row.extend(seconds.map(|s| format!("{s:.2}")));
                 row.push(format!("{:.0}", usage.peak as f64 / 1e6));
-                row.push(
+                row.extend(
                     entry
-                        .ratio
-                        .map_or("1".into(), |ratio| format!("{ratio:.1}")),
+                        .ratios
+                        .map_or([1.0; 3], |r| r)
+                        .map(|r| format!("{r:.1}")),
                 );
                 costs.push(row);
             }

@@ -34,9 +34,19 @@ type Labelled<'a> = Vec<(&'a [usize], usize)>;
 
 impl<const D: usize> Mesh<D> {
     /// The names of the boundaries with the labels that stand for them in FreeFEM's files: 1, 2, …
-    /// in alphabetical order. Facets of no boundary have label 0.
+    /// in alphabetical order, or the names themselves where all are whole numbers from 1, as those of
+    /// a file that was read. Facets of no boundary have label 0.
     pub fn boundary_labels(&self) -> impl Iterator<Item = (&str, usize)> {
-        self.boundary_names().zip(1..)
+        let number = |name: &str| {
+            let label = name.parse().ok().filter(|&label: &usize| label > 0);
+            label.filter(|label| label.to_string() == name)
+        };
+        let are_labels = self.boundary_names().all(|name| number(name).is_some());
+        let labels = self.boundary_names().zip(1..);
+        labels.map(move |(name, k)| match number(name) {
+            Some(label) if are_labels => (name, label),
+            _ => (name, k),
+        })
     }
 
     /// The mesh as FreeFEM reads it: the text of a `.msh` file in the plane, of Medit's `.mesh` in

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
-use plotters::element::PathElement;
+use plotters::element::{Circle, PathElement};
 use plotters::series::LineSeries;
 use plotters::style::{BLACK, Color, RGBColor, ShapeStyle, WHITE};
 
@@ -43,6 +43,9 @@ impl Curves {
         RGBColor(86, 180, 233),
     ];
 
+    /// Curves of no more points than this show each of them: one alone would have no line.
+    const MARKED: usize = 12;
+
     /// Draws them at `path` as SVG. Points that are not finite are left out.
     ///
     /// # Errors
@@ -64,18 +67,19 @@ impl Curves {
                 false => 0.0..1.0,
             }
         };
+        let (x_range, y_range) = (range(|p| p.0), range(|p| p.1));
         let mut chart = ChartBuilder::on(canvas)
             .caption(&self.title, ("sans-serif", 26))
             .margin(20)
             .x_label_area_size(60)
             .y_label_area_size(90)
-            .build_cartesian_2d(range(|p| p.0), range(|p| p.1))?;
+            .build_cartesian_2d(x_range.clone(), y_range.clone())?;
         chart
             .configure_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
-            .x_label_formatter(&|x| short(*x))
-            .y_label_formatter(&|y| short(*y))
+            .x_label_formatter(&|x| short(nearly_zero(*x, &x_range)))
+            .y_label_formatter(&|y| short(nearly_zero(*y, &y_range)))
             .label_style(("sans-serif", 18))
             .axis_desc_style(("sans-serif", 22))
             .light_line_style(BLACK.mix(0.0))
@@ -87,6 +91,10 @@ impl Curves {
                 .draw_series(LineSeries::new(finite(curve), style))?
                 .label(&curve.name)
                 .legend(sample);
+            if curve.points.len() <= Self::MARKED {
+                let marks = finite(curve).map(|point| Circle::new(point, 5, style.filled()));
+                chart.draw_series(marks)?;
+            }
         }
         if self.curves.len() > 1 {
             chart
@@ -99,6 +107,12 @@ impl Curves {
         }
         Ok(())
     }
+}
+
+/// The value of a tick, which round-off may keep from being zero.
+fn nearly_zero(value: f64, range: &std::ops::Range<f64>) -> f64 {
+    let noise = 1e-9 * (range.end - range.start);
+    if value.abs() < noise { 0.0 } else { value }
 }
 
 fn finite(curve: &Curve) -> impl Iterator<Item = (f64, f64)> + '_ {
