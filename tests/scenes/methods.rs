@@ -471,3 +471,53 @@ fn the_move_limit_does_not_hold_up_bodies_that_touch() {
     let effort = found.history[0].effort;
     assert!(effort.solves <= 5, "{} solves", effort.solves);
 }
+
+/// A setting that would silently be another one is refused by its name.
+#[test]
+fn settings_are_checked() {
+    let interior_point = |tolerance, complementarity| InteriorPoint {
+        tolerance,
+        complementarity,
+        ..InteriorPoint::default()
+    };
+    let mut slack = PenalizedSlack::default();
+    slack.penalization.tolerance = f64::NAN;
+    let penalty = Penalty {
+        move_limit: Some(1e-9),
+        ..Penalty::default()
+    };
+    let refused: [(Box<dyn Method>, &str); 5] = [
+        (Box::new(interior_point(f64::NAN, 1e-8)), "tolerance"),
+        (Box::new(interior_point(1e-12, 0.0)), "complementarity"),
+        (
+            Box::new(interior_point(1e-12, f64::INFINITY)),
+            "complementarity",
+        ),
+        (Box::new(slack), "tolerance"),
+        (Box::new(penalty), "move_limit"),
+    ];
+    for (mut method, name) in refused {
+        let simulation = contact_fem::Simulation::with_increments(1);
+        let run = simulation.run(&mut blocks(), &mut *method, |_| {
+            std::ops::ControlFlow::Continue(())
+        });
+        let error = run.err().expect("refused").to_string();
+        assert!(error.contains(name), "{error}");
+    }
+}
+
+/// A method that went up to a large μ and is then told a smaller one solves with that.
+#[test]
+fn a_method_that_is_used_again_takes_the_mu_it_is_told() {
+    let mut problem = blocks();
+    let mut method = PenalizedSlack::with(Continuation::fixed(1e12));
+    let stiff = from_rest(&mut problem, &mut method);
+    let weak = Continuation::fixed(1e4);
+    let expected = from_rest(&mut problem, &mut PenalizedSlack::with(weak));
+    method.penalization.continuation = weak;
+    let settings = contact_core::FixedPoint::default();
+    let again = settings.solve(&problem, &mut method, stiff.state.clone());
+    let again = again.expect("no misuse").energy;
+    assert!(relative(again, expected.energy) < 1e-9);
+    assert!(relative(again, stiff.energy) > 1e-6);
+}
