@@ -501,7 +501,7 @@ fn settings_are_checked() {
         let run = simulation.run(&mut blocks(), &mut *method, |_| {
             std::ops::ControlFlow::Continue(())
         });
-        let error = run.err().expect("refused").to_string();
+        let error = run.expect_err("refused").to_string();
         assert!(error.contains(name), "{error}");
     }
 }
