@@ -9,6 +9,7 @@
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
+use super::normals;
 use super::projection::{along_normal, closest, interpolate};
 use super::search::{Master, Seeker};
 use super::surface::Surface;
@@ -62,11 +63,11 @@ impl<const D: usize> Motion<'_, D> {
         if leaving.is_empty() {
             return None;
         }
-        let [slave_before, before] = [slave, master].map(|s| Master::new(s, self.before));
+        let before = Master::new(master, self.before);
+        let normals = normals::averaged(slave, &slave.gather(self.before));
         let through = leaving.into_iter().filter_map(|(k, mut crossings)| {
             crossings.sort_by(|a, b| a.time.total_cmp(&b.time));
-            let facing = slave_before.normals()[k];
-            let mut came = self.side(slave, k, facing, &before).map(|n| (0.0, n));
+            let mut came = self.side(slave, k, normals[k], &before).map(|n| (0.0, n));
             for crossing in crossings {
                 if !crossing.leaves {
                     came = Some((crossing.time, crossing.normal));
