@@ -80,6 +80,13 @@ impl Hertz {
         1.0 / self.young.map(|E| (1.0 - NU * NU) / E).iter().sum::<f64>()
     }
 
+    /// Δ: the difference of (1 + ν)(1 − 2ν)/E, block less cylinder, by which their surfaces are shortened where they are
+    /// pressed (UL²/UF).
+    pub fn mismatch(&self) -> f64 {
+        let [cylinder, block] = self.young.map(|E| (1.0 + NU) * (1.0 - 2.0 * NU) / E);
+        block - cylinder
+    }
+
     /// p₀ = √(P E*/(πR)) in the centre (UF/UL²).
     pub fn peak_pressure(&self) -> f64 {
         (self.force * self.contact_modulus() / (PI * RADIUS)).sqrt()

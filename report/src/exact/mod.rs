@@ -1,8 +1,10 @@
-//! Displacement fields that solve a contact problem exactly, with the loads that belong to them.
+//! Contact problems whose solution is known.
 
+mod half_planes;
 mod waves;
 mod zone_end;
 
+pub use half_planes::{HalfPlanes, Pair};
 pub use waves::Waves;
 pub use zone_end::ZoneEnd;
 
