@@ -24,12 +24,14 @@ fn run(case: &Case) -> Result<Measured, Failure> {
         own.for_each(|(&node, p)| nodal[node] += p);
     }
     let [low, high] = [0, 1].map(|below| beams::mid_span_pressure(problem, &nodal, below));
-    let force = solved.history.steps.last().ok_or("no step")?.contact_forces[0][2];
+    let step = solved.history.steps.last().ok_or("no step")?;
+    let force = step.contact_forces[0][2];
     let values = [
         ("tip", tip),
         ("p, low", low),
         ("p, high", high),
         ("force", -force),
+        ("energy", step.energy),
     ];
     measured
         .values
@@ -67,6 +69,7 @@ const QUANTITIES: &[Quantity] = &[
     .against_refined("p, low"),
     Quantity::new("force", "contact force on the lowest beam", Kind::Force)
         .against_refined("force"),
+    Quantity::new("energy", "energy", Kind::Other).against_refined("energy"),
     Quantity::new("tip, beam theory", "tip against beam theory", Kind::Other),
     Quantity::new(
         "p, beam theory",

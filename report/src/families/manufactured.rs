@@ -211,7 +211,9 @@ const THEORY_ZONE: &str = "u is in H^s for s < 5/2 and no more, the regularity t
 const CAUSES_SMOOTH: &str = "The error of the force is soon that of round-off and of what the solver leaves, and does not \
     fall further. In space meshes are coarse: orders are on their way to those of theory.";
 const CAUSES_ZONE: &str = "Where the pressure's square root ends, single facets carry most of its error; on coarse meshes \
-    linear elements recover it with less than order 1. The force is a mean, whose error may change sign.";
+    linear elements recover it with less than order 1. The force is a mean, whose error may change sign. In space \
+    no bound is set for quadratic elements: three meshes of 1, 4 and 7 cells a unit are all that time allows, and on \
+    these their order in H¹ is about 1.4.";
 
 const SMOOTH: &[Quantity] = &[
     Quantity::new("h1", "displacement, H¹", Kind::Gradient).of_orders(1.0, 2.0),
@@ -239,6 +241,9 @@ const SMOOTH_CLAIMS: &[Claim] = &[
     order("l2", 1, 1.9),
     order("h1", 2, 1.9),
 ];
+/// Meshes in space are too coarse for more.
+const SMOOTH_CLAIMS_IN_SPACE: &[Claim] = &[order("h1", 1, 0.95), order("h1", 2, 1.9)];
+const ZONE_CLAIMS_IN_SPACE: &[Claim] = &[order("h1", 1, 0.95)];
 const ZONE_CLAIMS: &[Claim] = &[
     order("h1", 1, 0.95),
     order("l2", 1, 1.9),
@@ -296,7 +301,7 @@ pub fn space() -> [Family; 2] {
         Family {
             name: "smooth-3d",
             title: "Manufactured, smooth, in space",
-            claims: &[],
+            claims: SMOOTH_CLAIMS_IN_SPACE,
             cases: |scope| {
                 let (p1, p2): (&[usize], &[usize]) = scope.pick(
                     (&[4, 6, 8], &[2, 3, 4]),
@@ -310,7 +315,7 @@ pub fn space() -> [Family; 2] {
         Family {
             name: "zone-3d",
             title: "Manufactured, contact zone ends inside, in space",
-            claims: &[],
+            claims: ZONE_CLAIMS_IN_SPACE,
             cases: |scope| {
                 let (p1, p2): (&[usize], &[usize]) =
                     scope.pick((&[4, 7, 10], &[1, 4]), (&[4, 7, 10, 13, 16], &[1, 4, 7]));
