@@ -15,6 +15,9 @@ use ipopt_contact::prelude::*;
 
 use crate::norms::Jet;
 
+/// Young's modulus (UF/UL²) and Poisson's ratio of the bodies of all fields.
+const MODULI: [f64; 2] = [1000.0, 0.3];
+
 /// A displacement of the body above the rigid plane X_D = 0 that satisfies Signorini's conditions there:
 /// u_D ≥ 0, p = −σ_DD ≥ 0, u_D p = 0 and no shear.
 pub trait Field<const D: usize>: Sync {
@@ -22,12 +25,10 @@ pub trait Field<const D: usize>: Sync {
     fn jet(&self, X: &Vector<D>) -> Jet<D>;
     /// b = −div σ at X (UF per volume).
     fn body_force(&self, X: &Vector<D>) -> Vector<D>;
-    /// Young's modulus and Poisson's ratio of the body.
-    fn moduli(&self) -> [f64; 2];
 
     /// The body's law.
     fn law(&self) -> Result<LinearElastic, Error> {
-        let [E, nu] = self.moduli();
+        let [E, nu] = MODULI;
         LinearElastic::new(E, nu)
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use ipopt_contact::contact_fem::tensor::{Matrix, Vector};
 
-use super::Field;
+use super::{Field, MODULI};
 use crate::norms::Jet;
 
 /// A product of sines: amplitude · Π_i sin(k_i X_i + φ_i).
@@ -40,7 +40,6 @@ pub struct Waves<const D: usize> {
 }
 
 impl<const D: usize> Waves<D> {
-    const MODULI: [f64; 2] = [1000.0, 0.3];
     const A: f64 = 0.01;
     const B: f64 = 0.04;
 
@@ -106,7 +105,7 @@ impl<const D: usize> Field<D> for Waves<D> {
 
     /// −div σ = −μ Δu − (λ + μ) ∇ div u.
     fn body_force(&self, X: &Vector<D>) -> Vector<D> {
-        let [E, nu] = Self::MODULI;
+        let [E, nu] = MODULI;
         let lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
         let mu = E / (2.0 * (1.0 + nu));
         Vector::from_fn(|i, _| {
@@ -114,10 +113,6 @@ impl<const D: usize> Field<D> for Waves<D> {
             let slope: f64 = (0..D).map(|j| self.second(j, j, i, X)).sum();
             -mu * laplacian - (lambda + mu) * slope
         })
-    }
-
-    fn moduli(&self) -> [f64; 2] {
-        Self::MODULI
     }
 }
 

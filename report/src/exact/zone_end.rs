@@ -2,7 +2,7 @@
 
 use ipopt_contact::contact_fem::tensor::{Matrix, Vector};
 
-use super::Field;
+use super::{Field, MODULI};
 use crate::norms::Jet;
 
 /// Plane strain under Westergaard's stress function Z(z) = i c √z of z = (x − x₀) + i y, y being the height over the
@@ -21,7 +21,6 @@ pub struct ZoneEnd {
 }
 
 impl ZoneEnd {
-    const MODULI: [f64; 2] = [1000.0, 0.3];
     const C: f64 = 20.0;
 
     /// Z, Ẑ and Z′ as (real part, imaginary part) at x − x₀ and y ≥ 0.
@@ -39,7 +38,7 @@ impl ZoneEnd {
 
 impl<const D: usize> Field<D> for ZoneEnd {
     fn jet(&self, X: &Vector<D>) -> Jet<D> {
-        let [E, nu] = Self::MODULI;
+        let [E, nu] = MODULI;
         let twice_mu = E / (1.0 + nu);
         let y = X[D - 1].max(0.0);
         let [Z, integral, mut slope] = Self::functions(X[0] - self.x0, y);
@@ -59,10 +58,6 @@ impl<const D: usize> Field<D> for ZoneEnd {
 
     fn body_force(&self, _X: &Vector<D>) -> Vector<D> {
         Vector::zeros()
-    }
-
-    fn moduli(&self) -> [f64; 2] {
-        Self::MODULI
     }
 }
 
