@@ -89,12 +89,20 @@ pub static CASES: [Case; 6] = [
     },
     Case {
         name: "beams_small_strain",
-        scripts: &[Script {
-            file: "three_beams",
-            style: "tuned",
-            arguments: &["-law", "small_strain"],
-            up_to: Size::Large,
-        }],
+        scripts: &[
+            Script {
+                file: "three_beams",
+                style: "tuned",
+                arguments: &["-law", "small_strain"],
+                up_to: Size::Large,
+            },
+            Script {
+                file: "three_beams_literal",
+                style: "literal",
+                arguments: &["-law", "small_strain"],
+                up_to: Size::Tiny,
+            },
+        ],
         bodies: &["beam1", "beam2", "beam3"],
         supports: &[0, 1, 2],
         increments: [1; 4],
@@ -110,12 +118,20 @@ pub static CASES: [Case; 6] = [
     },
     Case {
         name: "beams_neo_hookean",
-        scripts: &[Script {
-            file: "three_beams",
-            style: "tuned",
-            arguments: &["-law", "neo_hookean"],
-            up_to: Size::Large,
-        }],
+        scripts: &[
+            Script {
+                file: "three_beams",
+                style: "tuned",
+                arguments: &["-law", "neo_hookean"],
+                up_to: Size::Large,
+            },
+            Script {
+                file: "three_beams_literal",
+                style: "literal",
+                arguments: &["-law", "neo_hookean"],
+                up_to: Size::Tiny,
+            },
+        ],
         bodies: &["beam1", "beam2", "beam3"],
         supports: &[0, 1, 2],
         increments: [4; 4],
@@ -132,12 +148,20 @@ pub static CASES: [Case; 6] = [
     // what a script has of λ shows here only: it is zero in the other two
     Case {
         name: "beams_poisson",
-        scripts: &[Script {
-            file: "three_beams",
-            style: "tuned",
-            arguments: &["-law", "neo_hookean", "-nu", "0.3"],
-            up_to: Size::Large,
-        }],
+        scripts: &[
+            Script {
+                file: "three_beams",
+                style: "tuned",
+                arguments: &["-law", "neo_hookean", "-nu", "0.3"],
+                up_to: Size::Large,
+            },
+            Script {
+                file: "three_beams_literal",
+                style: "literal",
+                arguments: &["-law", "neo_hookean", "-nu", "0.3"],
+                up_to: Size::Tiny,
+            },
+        ],
         bodies: &["beam1", "beam2", "beam3"],
         supports: &[0, 1, 2],
         increments: [4; 4],
