@@ -17,7 +17,8 @@
 //! Meshes are written as `BODY.msh` in the plane and `BODY.mesh` in space. FreeFEM's vertices are
 //! numbered as the nodes here; boundaries have the numbers of their names in alphabetical order.
 //!
-//! It ends with exit code 0 once all tables are written, 2 on errors. A run that does not converge
+//! It ends with exit code 0 once all tables are written, 2 on errors, 130 on Ctrl-C, which ends the
+//! program that runs, too. A run that does not converge
 //! says so in the table.
 #![allow(non_snake_case)] // the symbols of the field
 
@@ -45,14 +46,14 @@ use std::process::{Command, ExitCode};
 use clap::Parser;
 use freefem::cases::{Built, CASES, Case, Script, Size};
 use freefem::outcome::Outcome;
-use freefem::process::{Usage, measured};
+use freefem::process::{Usage, measured, stop_together};
 use freefem::reference::Reference;
 use freefem::report::{Entry, Report};
 use freefem::solve::solve;
 use freefem::theirs::{FreeFem, INSTALL};
-use support::Failure;
 use support::options::positive;
 use support::run::exit;
+use support::{Failure, files};
 
 /// Runs that take longer than this (seconds of CPU time) are not repeated.
 const LONG: f64 = 60.0;
@@ -113,7 +114,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         for (case, size) in arguments.pairs(&cases) {
             let folder = folder.join(case.name).join(size.name());
             export(case, size, &folder)?;
-            println!("{}", folder.display());
+            files::print(folder.display())?;
         }
         return Ok(ExitCode::SUCCESS);
     }
@@ -126,18 +127,19 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         }
         return Ok(ExitCode::SUCCESS);
     }
+    stop_together()?;
     compare(arguments, &cases)
 }
 
 fn export(case: &Case, size: Size, folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder)?;
+    files::make_folder(folder)?;
     Ok((case.build)(size)?.export(case.bodies, folder)?)
 }
 
 fn compare(arguments: &Arguments, cases: &[&Case]) -> Result<ExitCode, Failure> {
     let freefem = FreeFem::find();
     if freefem.is_none() {
-        println!("{INSTALL}");
+        files::print(INSTALL)?;
     }
     let versions = ipopt_contact::versions();
     let mut report = Report {
@@ -160,22 +162,25 @@ fn compare(arguments: &Arguments, cases: &[&Case]) -> Result<ExitCode, Failure> 
         }
     }
     for table in report.tables() {
-        println!("{}", table.markdown());
+        files::print(table.markdown())?;
     }
-    println!("files in {}", arguments.out.display());
+    files::print(format!("files in {}", arguments.out.display()))?;
     let failed = !report.failures.is_empty();
     Ok(ExitCode::from(if failed { 2 } else { 0 }))
 }
 
 /// Removes the files of an earlier run, which are not to be taken for those of the next.
 fn clear(folder: &Path) -> Result<(), Failure> {
-    for file in std::fs::read_dir(folder)? {
-        let file = file?;
-        if file.file_type()?.is_file() {
-            std::fs::remove_file(file.path())?;
+    let clear = || {
+        for file in std::fs::read_dir(folder)? {
+            let file = file?;
+            if file.file_type()?.is_file() {
+                std::fs::remove_file(file.path())?;
+            }
         }
-    }
-    Ok(())
+        Ok(())
+    };
+    clear().map_err(|error: std::io::Error| files::cannot("clear", folder, error))
 }
 
 /// One scene of one size, to be run by every program.
@@ -188,10 +193,11 @@ struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     fn new(arguments: &'a Arguments, case: &'a Case, size: Size) -> Result<Self, Failure> {
-        std::fs::create_dir_all(&arguments.out)?;
-        let out = arguments.out.canonicalize()?;
+        files::make_folder(&arguments.out)?;
+        let out = arguments.out.canonicalize();
+        let out = out.map_err(|error| files::cannot("find", &arguments.out, error))?;
         let folder = out.join(case.name).join(size.name());
-        std::fs::create_dir_all(&folder)?;
+        files::make_folder(&folder)?;
         Ok(Bench {
             arguments,
             case,
@@ -203,7 +209,7 @@ impl<'a> Bench<'a> {
     /// Runs everything that was asked for, compares it, and saves the report after every program.
     fn run(&self, freefem: Option<&FreeFem>, report: &mut Report) -> Result<(), Failure> {
         let meshes = self.folder.join("meshes");
-        std::fs::create_dir_all(&meshes)?;
+        files::make_folder(&meshes)?;
         measured(&mut self.child(Child::Export, &meshes)?, &meshes)?;
         let ours = self.entry("ours", Program::Ours, |out| self.child(Child::Solve, out))?;
         if let Some((entry, _)) = &ours {
@@ -259,7 +265,7 @@ impl<'a> Bench<'a> {
         command: impl Fn(&Path) -> Result<Command, Failure>,
     ) -> Result<Option<(Entry, Outcome)>, Failure> {
         let out = self.folder.join(name);
-        std::fs::create_dir_all(&out)?;
+        files::make_folder(&out)?;
         let mut runs: Vec<Usage> = Vec::new();
         let is_asked = self.arguments.only.is_none_or(|only| only == program);
         if is_asked {
@@ -320,13 +326,13 @@ impl<'a> Bench<'a> {
         let Some(reference) = Reference::read(self.case, self.size)? else {
             return Ok(None);
         };
-        let theirs = reference.outcome();
+        let theirs = reference.outcome(self.case);
         let mut entry = Entry::new(self.case.name, self.size.name(), "stored", &theirs);
         let differences = [
             theirs.energy_difference(outcome),
             reference.displacement_difference(self.case, &outcome.displacements),
             theirs.reaction_difference(outcome),
-            f64::NAN,
+            theirs.pressure_difference(outcome),
         ];
         entry.compare(ours, differences);
         Ok(Some(entry))

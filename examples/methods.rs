@@ -47,8 +47,8 @@ use ipopt_contact::contact_core::method::{Continuation, PenalizedSlack, Penalty}
 use ipopt_contact::contact_fem::element;
 use ipopt_contact::prelude::*;
 use pointwise::{Pointwise, order};
-use support::Failure;
 use support::run::exit;
+use support::{Failure, files};
 use tables::{Table, digits, number};
 
 /// The three methods for the constrained minimisation side by side
@@ -73,8 +73,7 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
-    std::fs::create_dir_all(&arguments.out)
-        .map_err(|error| format!("cannot make {}: {error}", arguments.out.display()))?;
+    files::make_folder(&arguments.out)?;
     let tables = match arguments.asymmetry {
         true => asymmetry::tables(arguments.quick)?,
         false => methods(arguments.quick)?,
@@ -82,7 +81,7 @@ fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     for table in &tables {
         table.save(&arguments.out)?;
         if !arguments.quiet {
-            println!("{}", table.markdown());
+            files::print(table.markdown())?;
         }
     }
     Ok(ExitCode::SUCCESS)

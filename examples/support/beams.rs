@@ -34,6 +34,8 @@ pub struct Beams {
     pub order: Order,
     /// One law for all.
     pub law: Law,
+    /// Poisson's ratio; the paper has 0.
+    pub poisson: f64,
     /// How many beams share the load.
     pub count: usize,
     /// Whether the beams touch; otherwise each goes its own way, the time of which is the floor for
@@ -49,6 +51,7 @@ impl Beams {
             along: 4 * across,
             order,
             law,
+            poisson: 0.0,
             count: 3,
             contact: true,
         }
@@ -76,8 +79,8 @@ impl Beams {
             mesh = mesh.quadratic();
         }
         let mut beam = match self.law {
-            Law::SmallStrain => Body::new(mesh, LinearElastic::new(YOUNG, 0.0)?),
-            Law::NeoHookean => Body::new(mesh, NeoHookean::new(YOUNG, 0.0)?),
+            Law::SmallStrain => Body::new(mesh, LinearElastic::new(YOUNG, self.poisson)?),
+            Law::NeoHookean => Body::new(mesh, NeoHookean::new(YOUNG, self.poisson)?),
         };
         beam.prescribe("left", [Some(0.0); 3])?;
         // without contact every beam gets its share, so that all of them bend

@@ -1,6 +1,7 @@
 //! What the examples share: their options, files, progress, and a clean stop.
 #![allow(dead_code)] // no example uses all of it
 
+pub mod files;
 pub mod machine;
 pub mod options;
 pub mod progress;

@@ -4,6 +4,8 @@ use std::io::IsTerminal;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::files::print;
+
 /// Shows one message a converged step.
 pub enum Progress {
     /// In a terminal.
@@ -39,7 +41,8 @@ impl Progress {
                 }
                 bar.set_message(message);
             }
-            Progress::Lines => println!("load {factor:.4}: {message}"),
+            // the run goes on without a reader
+            Progress::Lines => drop(print(format!("load {factor:.4}: {message}"))),
             Progress::Quiet => {}
         }
     }

@@ -6,6 +6,7 @@ use std::time::Instant;
 use ipopt_contact::contact_fem::certificate::Limits;
 use ipopt_contact::prelude::*;
 
+use super::files::print;
 use super::options::Options;
 use super::recorder::Recorder;
 use super::summary::{Ending, Summary, worst};
@@ -65,7 +66,8 @@ impl<const D: usize> Run<'_, D> {
         if !options.quiet {
             let report = (self.report)(&problem, &recorder);
             let files = folder.display();
-            println!("{}\n  files              {files}{report}", summary.table());
+            let table = summary.table();
+            print(format!("{table}\n  files              {files}{report}"))?;
         }
         let worst = worst(&recorder.records);
         let is_certified = worst.is_none_or(|found| found.holds(&Limits::default()));

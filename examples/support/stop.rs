@@ -1,11 +1,11 @@
-//! Ctrl-C as a request to stop cleanly.
+//! Ctrl-C, or a request to terminate, as one to stop cleanly.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Failure;
 
-/// The exit code of a program that SIGINT ended.
+/// The exit code of a program that a signal asked to end.
 pub const INTERRUPTED: u8 = 130;
 
 /// A flag that the first Ctrl-C raises; the second one ends the program at once.

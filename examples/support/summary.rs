@@ -11,7 +11,7 @@ use ipopt_contact::prelude::*;
 use serde::Serialize;
 
 use super::recorder::Recorder;
-use super::{Failure, machine};
+use super::{Failure, files, machine};
 
 /// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL; what only a
 /// converged step has is null if there is none.
@@ -174,8 +174,7 @@ impl Summary {
     pub fn save(&self, folder: &Path) -> Result<(), Failure> {
         let path = folder.join("summary.json");
         let text = serde_json::to_string_pretty(self)?;
-        std::fs::write(&path, text + "\n")
-            .map_err(|error| format!("cannot write {}: {error}", path.display()).into())
+        files::write(path, text + "\n")
     }
 
     /// A short table for people.

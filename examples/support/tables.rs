@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use super::Failure;
+use crate::support::{Failure, files};
 
 /// A table that grows row by row.
 pub struct Table {
@@ -58,12 +58,12 @@ impl Table {
     /// Writes `.md` and `.csv` with the table's name to `folder`.
     pub fn save(&self, folder: &Path) -> Result<(), Failure> {
         let path = folder.join(self.name);
-        std::fs::write(path.with_extension("md"), self.markdown())?;
-        let mut writer = csv::Writer::from_path(path.with_extension("csv"))?;
+        files::write(path.with_extension("md"), self.markdown())?;
+        let mut writer = csv::Writer::from_writer(Vec::new());
         for row in &self.rows {
             writer.write_record(row)?;
         }
-        Ok(writer.flush()?)
+        files::write(path.with_extension("csv"), writer.into_inner()?)
     }
 }
 

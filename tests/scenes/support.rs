@@ -9,6 +9,8 @@ pub mod beams;
 pub mod blocks;
 #[path = "../../examples/support/discs.rs"]
 pub mod discs;
+#[path = "../../examples/support/files.rs"]
+pub mod files;
 #[path = "../../examples/support/freefem/mod.rs"]
 pub mod freefem;
 #[path = "../../examples/support/hairpin.rs"]
@@ -17,6 +19,8 @@ pub mod hairpin;
 pub mod hertz;
 #[path = "../../examples/support/pointwise.rs"]
 pub mod pointwise;
+#[path = "../../examples/support/stop.rs"]
+pub mod stop;
 #[path = "../../examples/support/tables.rs"]
 pub mod tables;
 

@@ -64,7 +64,7 @@ pub enum Built {
 }
 
 /// All of them.
-pub static CASES: [Case; 5] = [
+pub static CASES: [Case; 6] = [
     Case {
         name: "disc_in_disc",
         scripts: &[
@@ -89,31 +89,83 @@ pub static CASES: [Case; 5] = [
     },
     Case {
         name: "beams_small_strain",
-        scripts: &[Script {
-            file: "three_beams",
-            style: "tuned",
-            arguments: &["-law", "small_strain"],
-            up_to: Size::Large,
-        }],
+        scripts: &[
+            Script {
+                file: "three_beams",
+                style: "tuned",
+                arguments: &["-law", "small_strain"],
+                up_to: Size::Large,
+            },
+            Script {
+                file: "three_beams_literal",
+                style: "literal",
+                arguments: &["-law", "small_strain"],
+                up_to: Size::Tiny,
+            },
+        ],
         bodies: &["beam1", "beam2", "beam3"],
         supports: &[0, 1, 2],
         increments: [1; 4],
         tolerance: 1e-8,
-        build: |size| beams(Law::SmallStrain, [[2, 8], [3, 24], [6, 48], [10, 80]], size),
+        build: |size| {
+            beams(
+                Law::SmallStrain,
+                0.0,
+                [[2, 8], [3, 24], [6, 48], [10, 80]],
+                size,
+            )
+        },
     },
     Case {
         name: "beams_neo_hookean",
+        scripts: &[
+            Script {
+                file: "three_beams",
+                style: "tuned",
+                arguments: &["-law", "neo_hookean"],
+                up_to: Size::Large,
+            },
+            Script {
+                file: "three_beams_literal",
+                style: "literal",
+                arguments: &["-law", "neo_hookean"],
+                up_to: Size::Tiny,
+            },
+        ],
+        bodies: &["beam1", "beam2", "beam3"],
+        supports: &[0, 1, 2],
+        increments: [4; 4],
+        tolerance: 1e-8,
+        build: |size| {
+            beams(
+                Law::NeoHookean,
+                0.0,
+                [[2, 8], [3, 24], [5, 40], [8, 64]],
+                size,
+            )
+        },
+    },
+    // what a script has of λ shows here only: it is zero in the other two
+    Case {
+        name: "beams_poisson",
         scripts: &[Script {
             file: "three_beams",
             style: "tuned",
-            arguments: &["-law", "neo_hookean"],
+            arguments: &["-law", "neo_hookean", "-nu", "0.3"],
             up_to: Size::Large,
         }],
         bodies: &["beam1", "beam2", "beam3"],
         supports: &[0, 1, 2],
         increments: [4; 4],
         tolerance: 1e-8,
-        build: |size| beams(Law::NeoHookean, [[2, 8], [3, 24], [5, 40], [8, 64]], size),
+        build: |size| {
+            beams(
+                Law::NeoHookean,
+                0.3,
+                [[2, 8], [3, 24], [5, 40], [8, 64]],
+                size,
+            )
+        },
     },
     Case {
         name: "hertz",
@@ -172,10 +224,11 @@ fn disc_in_disc(size: Size) -> Result<Built, Error> {
     Ok(Built::Plane(discs::scene(fineness, Roles::default())?))
 }
 
-fn beams(law: Law, divisions: [[usize; 2]; 4], size: Size) -> Result<Built, Error> {
+fn beams(law: Law, poisson: f64, divisions: [[usize; 2]; 4], size: Size) -> Result<Built, Error> {
     let [across, along] = size.of(divisions);
     let beams = Beams {
         along,
+        poisson,
         ..Beams::new(across, Order::Linear, law)
     };
     Ok(Built::Space(beams.scene()?))

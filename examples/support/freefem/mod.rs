@@ -8,4 +8,4 @@ pub mod report;
 pub mod solve;
 pub mod theirs;
 
-use crate::support::Failure;
+use crate::support::{Failure, files};

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
 
-use super::Failure;
 use super::cases::Case;
+use super::{Failure, files};
 
 /// A run's files.
 #[derive(Clone, Debug, Default)]
@@ -114,8 +114,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 fn text(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path)
-        .map_err(|error| format!("cannot read {}: {error}", path.display()).into())
+    std::fs::read_to_string(path).map_err(|error| files::cannot("read", path, error))
 }
 
 fn number<T: FromStr>(word: &str, file: &str) -> Result<T, Failure> {

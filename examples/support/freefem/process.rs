@@ -1,13 +1,18 @@
 //! Running a program and measuring what it took.
 
+use std::io;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
 use serde::{Deserialize, Serialize};
-use wait4::Wait4;
+use wait4::{ResUse, Wait4};
 
-use super::Failure;
+use super::{Failure, files};
+use crate::support::stop::INTERRUPTED;
 
 /// What a process took.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -43,13 +48,48 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     }
 }
 
+/// The process that is measured now.
+static RUNNING: Mutex<Option<Pid>> = Mutex::new(None);
+
+fn running() -> MutexGuard<'static, Option<Pid>> {
+    // a process number is whole whatever panicked
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From here on Ctrl-C and requests to terminate end the process that is measured, and this one.
+pub fn stop_together() -> Result<(), Failure> {
+    ctrlc::set_handler(|| {
+        // held to the end, so that no other process is started
+        let running = running();
+        if let Some(process) = *running {
+            // it may have ended by itself
+            let _ = kill(process, Signal::SIGKILL);
+        }
+        std::process::exit(i32::from(INTERRUPTED));
+    })?;
+    Ok(())
+}
+
+/// Starts a command and waits for its end.
+fn wait(command: &mut Command) -> io::Result<ResUse> {
+    let mut process = {
+        let mut running = running();
+        let process = command.spawn()?;
+        *running = Some(Pid::from_raw(process.id() as i32));
+        process
+    };
+    let ended = process.wait4();
+    *running() = None;
+    ended
+}
+
 /// Runs a command on one thread in `folder`; what it prints goes to `log.txt` there.
 ///
 /// # Errors
 /// If it cannot be started or fails, with the path of the log.
 pub fn measured(command: &mut Command, folder: &Path) -> Result<Usage, Failure> {
     let path = folder.join("log.txt");
-    let log = std::fs::File::create(&path)?;
+    let log = std::fs::File::create(&path).map_err(|error| files::cannot("write", &path, error))?;
     let command = command
         .current_dir(folder)
         .env("OPENBLAS_NUM_THREADS", "1")
@@ -57,11 +97,11 @@ pub fn measured(command: &mut Command, folder: &Path) -> Result<Usage, Failure> 
         .stdin(Stdio::null())
         .stderr(log.try_clone()?)
         .stdout(log);
+    let program = command.get_program().to_string_lossy().into_owned();
     let clock = Instant::now();
-    let ended = command.spawn()?.wait4()?;
+    let ended = wait(command).map_err(|error| files::cannot("run", Path::new(&program), error))?;
     let wall = clock.elapsed().as_secs_f64();
     if !ended.status.success() {
-        let program = command.get_program().to_string_lossy().into_owned();
         let status = ended.status;
         return Err(format!("{program} failed ({status}): see {}", path.display()).into());
     }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::Failure;
 use super::cases::{Case, Size};
 use super::outcome::{Outcome, difference};
+use super::{Failure, files};
 
 /// More nodes than this are thinned out.
 const NODES: usize = 400;
@@ -33,6 +33,8 @@ pub struct Reference {
     /// By body the displacements (UL) of nodes 0, stride, 2 stride, …; components interleaved, nine
     /// digits.
     pub displacements: BTreeMap<String, Vec<f64>>,
+    /// By body the contact pressures (UF/UL²) by node; nine digits.
+    pub pressures: BTreeMap<String, BTreeMap<usize, f64>>,
 }
 
 impl Reference {
@@ -47,7 +49,10 @@ impl Reference {
         let nodes: usize = outcome.displacements.iter().map(Vec::len).sum::<usize>() / dimension;
         let stride = nodes.div_ceil(NODES).max(1);
         let kept = |all: &Vec<f64>| thinned(all, dimension, stride).map(rounded).collect();
-        let names = case.bodies.iter().map(|name| name.to_string());
+        let pressures = |all: &BTreeMap<usize, f64>| -> BTreeMap<usize, f64> {
+            all.iter().map(|(node, p)| (*node, rounded(*p))).collect()
+        };
+        let names = || case.bodies.iter().map(|name| name.to_string());
         Reference {
             script: script.into(),
             freefem: freefem.into(),
@@ -56,7 +61,12 @@ impl Reference {
             result: outcome.values.clone(),
             dimension,
             stride,
-            displacements: names.zip(outcome.displacements.iter().map(kept)).collect(),
+            displacements: names()
+                .zip(outcome.displacements.iter().map(kept))
+                .collect(),
+            pressures: names()
+                .zip(outcome.pressures.iter().map(pressures))
+                .collect(),
         }
     }
 
@@ -73,7 +83,9 @@ impl Reference {
             Err(error) => return Err(wrong(error.to_string())),
         };
         let read: Reference = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
-        let has_all = |name: &&str| read.displacements.contains_key(*name);
+        let has_all = |name: &&str| {
+            read.displacements.contains_key(*name) && read.pressures.contains_key(*name)
+        };
         if read.dimension == 0 || read.stride == 0 || !case.bodies.iter().all(has_all) {
             return Err(wrong("not a result of this scene".into()));
         }
@@ -87,15 +99,19 @@ impl Reference {
     pub fn save(&self, case: &Case, size: Size) -> Result<(), Failure> {
         let path = path(case, size);
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
+            files::make_folder(folder)?;
         }
-        Ok(std::fs::write(path, serde_json::to_string(self)? + "\n")?)
+        files::write(path, serde_json::to_string(self)? + "\n")
     }
 
-    /// As an outcome, without displacements or pressures.
-    pub fn outcome(&self) -> Outcome {
+    /// As an outcome, without displacements.
+    pub fn outcome(&self, case: &Case) -> Outcome {
+        let pressures = case.bodies.iter().map(|name| self.pressures.get(*name));
         Outcome {
             values: self.result.clone(),
+            pressures: pressures
+                .map(|all| all.cloned().unwrap_or_default())
+                .collect(),
             ..Outcome::default()
         }
     }

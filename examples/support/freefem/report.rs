@@ -6,9 +6,9 @@ use ipopt_contact::contact_fem::output::picture::{Curve, Curves};
 use serde::Serialize;
 
 use super::super::tables::Table;
-use super::Failure;
 use super::outcome::Outcome;
 use super::process::Usage;
+use super::{Failure, files};
 
 /// One program on one scene.
 #[derive(Clone, Debug, Serialize)]
@@ -177,7 +177,7 @@ impl Report {
             table.save(folder)?;
         }
         let text = serde_json::to_string_pretty(self)?;
-        std::fs::write(folder.join("compare.json"), text + "\n")?;
+        files::write(folder.join("compare.json"), text + "\n")?;
         Ok(self.picture().save(folder.join("cpu.svg"))?)
     }
 

@@ -8,8 +8,8 @@ use ipopt_contact::contact_core;
 use ipopt_contact::contact_fem::output::Snapshot;
 use ipopt_contact::prelude::*;
 
-use super::Failure;
 use super::cases::{Built, Case, Size};
+use super::{Failure, files};
 
 /// Solves the case and writes `result.txt`, `history.txt`, `displacement_BODY.txt` and
 /// `pressure_BODY.txt` to `folder`.
@@ -35,8 +35,8 @@ fn run<const D: usize>(
         ControlFlow::Continue(())
     })?;
     let seconds = clock.elapsed().as_secs_f64();
-    std::fs::write(folder.join("history.txt"), lines(case, &history))?;
-    std::fs::write(
+    files::write(folder.join("history.txt"), lines(case, &history))?;
+    files::write(
         folder.join("result.txt"),
         result(case, &problem, &history, increments, seconds),
     )?;
@@ -50,7 +50,7 @@ fn run<const D: usize>(
             let line: Vec<String> = u.iter().map(|value| format!("{value:e}")).collect();
             text += &(line.join(" ") + "\n");
         }
-        std::fs::write(folder.join(format!("displacement_{name}.txt")), text)?;
+        files::write(folder.join(format!("displacement_{name}.txt")), text)?;
         let mut text = String::new();
         for surface in problem.surfaces().iter().filter(|s| s.body() == body) {
             for &node in surface.nodes() {
@@ -58,7 +58,7 @@ fn run<const D: usize>(
                 text += &format!("{number} {:e}\n", state.pressures[node]);
             }
         }
-        std::fs::write(folder.join(format!("pressure_{name}.txt")), text)?;
+        files::write(folder.join(format!("pressure_{name}.txt")), text)?;
     }
     Ok(())
 }
