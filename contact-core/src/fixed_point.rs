@@ -32,7 +32,7 @@ impl Default for FixedPoint {
         FixedPoint {
             tolerance: 1e-6,
             max_iterations: 30,
-            acceleration: Acceleration::Anderson(3),
+            acceleration: Acceleration::Anderson(8),
         }
     }
 }
@@ -137,6 +137,14 @@ impl FixedPoint {
     /// Displacements below this share of [`Scale::length`](crate::Scale) are those of bodies that
     /// carry nothing.
     const NONE: f64 = 1e-6;
+    /// The change to expect from a guess of which nothing is known.
+    const GUESS: f64 = 1.0;
+    /// How many solves are rough, since the next ones keep but their first digits. None of them is
+    /// the last.
+    const ROUGH_SOLVES: usize = 2;
+    /// How accurate rough solves are: this share of the change, counted up to [`Self::CHANGE`].
+    const ROUGH: f64 = 1e-6;
+    const CHANGE: f64 = 1e-2;
 
     /// Checks the settings.
     pub fn validate(&self) -> Result<(), Error> {
@@ -190,7 +198,8 @@ impl FixedPoint {
                 bounds: problem.bounds(),
                 gaps: &run.gaps,
                 scale: problem.scale(),
-                first: run.history.is_empty(),
+                change: run.history.last().map_or(Self::GUESS, |last| last.error),
+                accuracy: self.accuracy(&run),
             };
             let minimum = method.minimize(&subproblem, &point)?; // steps 4–5
             let error = match minimum.solved {
@@ -203,7 +212,7 @@ impl FixedPoint {
                 projection,
                 effort: minimum.effort,
             });
-            let ended = self.verdict(&minimum, error, &run.gaps, &mut cycles);
+            let ended = self.verdict(&minimum, error, &subproblem, &mut cycles);
             run.accept(minimum);
             if let Some(outcome) = ended {
                 run.outcome = outcome;
@@ -221,12 +230,24 @@ impl FixedPoint {
         Ok(run)
     }
 
+    /// The accuracy asked of the next solve; 0 in the paper's plain iteration, where rows are exact,
+    /// and once changes are small.
+    fn accuracy(&self, run: &Solution) -> f64 {
+        let rough = Self::ROUGH_SOLVES.min(self.max_iterations - 1);
+        let is_plain = self.acceleration == Acceleration::Plain;
+        if is_plain || run.gaps.is_exact() || run.history.len() >= rough {
+            return 0.0;
+        }
+        let change = run.history.last().map_or(Self::GUESS, |last| last.error);
+        Self::ROUGH * change.min(Self::CHANGE)
+    }
+
     /// Whether the iteration is over, and why.
     fn verdict(
         &self,
         minimum: &Minimum,
         error: f64,
-        gaps: &LinearGaps,
+        subproblem: &Subproblem<'_>,
         cycles: &mut CycleDetector,
     ) -> Option<Outcome> {
         match &minimum.solved {
@@ -234,7 +255,8 @@ impl FixedPoint {
             Solved::Interrupted => return Some(Outcome::Interrupted),
             Solved::Optimal => {}
         }
-        if error < self.tolerance || gaps.is_exact() {
+        let is_accurate = subproblem.accuracy == 0.0;
+        if is_accurate && (error < self.tolerance || subproblem.gaps.is_exact()) {
             return Some(Outcome::Converged);
         }
         let period = cycles.period(&minimum.u, error)?;

@@ -90,6 +90,27 @@ fn large_problems_are_ordered_by_their_density() {
     assert_eq!(dense.asked_for(Ordering::Amd), Ordering::Amd, "as asked");
 }
 
+/// As meshes of linear tetrahedra are; quadratic ones are denser.
+#[test]
+fn larger_ones_of_medium_density_are_left_to_metis() {
+    let mut larger = Banded {
+        n: 20_001,
+        band: DENSE,
+    };
+    let metis = larger.asked_for(Ordering::Metis);
+    assert_eq!(larger.ordering(&Options::new()), metis);
+    // Not every MUMPS was built with METIS.
+    if metis != Ordering::Metis {
+        println!("this MUMPS has {metis} in place of METIS");
+    }
+    let mut denser = Banded {
+        n: 20_001,
+        band: 2 * DENSE,
+    };
+    let pord = denser.asked_for(Ordering::Pord);
+    assert_eq!(denser.ordering(&Options::new()), pord);
+}
+
 /// MUMPS takes minimum fill for both, where the driver would take PORD for the dense one.
 #[test]
 fn others_are_left_to_mumps() {

@@ -119,7 +119,7 @@ impl Case {
         fixed_point.tolerance = self.tolerance;
         fixed_point.acceleration = match self.variant {
             Variant::Plain => Acceleration::Plain,
-            Variant::Anderson => Acceleration::Anderson(3),
+            Variant::Anderson => fixed_point.acceleration,
         };
         simulation
     }

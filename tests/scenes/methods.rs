@@ -226,7 +226,8 @@ fn minimum<const D: usize>(
         bounds: problem.bounds(),
         gaps,
         scale: problem.scale(),
-        first: true,
+        change: 1.0,
+        accuracy: 0.0,
     };
     let start = State {
         u: u.to_vec(),

@@ -48,24 +48,26 @@ impl Default for InteriorPoint {
 }
 
 impl InteriorPoint {
-    /// How far a warm start is moved off its bounds, in the scaled slacks and multipliers: hardly,
-    /// but more when it is a guess from another load, whose active rows need not be the right ones.
-    const PUSH: f64 = 1e-9;
-    const FIRST_PUSH: f64 = 1e-4;
+    /// How far a warm start is moved off its bounds, in the scaled slacks and multipliers: this share
+    /// of the change to expect, since its active rows need not be the right ones; never less than
+    /// `LEAST_PUSH`, nor more than for a change of 1.
+    const PUSH: f64 = 1e-4;
+    const LEAST_PUSH: f64 = 1e-9;
+    /// Iterations before Mehrotra's predictor–corrector is given up; it takes some 20.
+    const MEHROTRA: usize = 40;
 
     /// How Ipopt is to solve a subproblem.
     fn settings(&self, subproblem: &Subproblem<'_>) -> SequenceSettings {
-        let tolerance = attainable(self.tolerance, &subproblem.scale);
+        let tolerance = attainable(self.tolerance, &subproblem.scale).max(subproblem.accuracy);
         let Scale {
             length, resolution, ..
         } = subproblem.scale;
         let share = (resolution / length).powi(2);
-        let complementarity = (self.complementarity * share).min(tolerance);
+        let complementarity = (self.complementarity * share)
+            .min(tolerance)
+            .max(subproblem.accuracy);
         let mut warm = Options::new().with("max_iter", self.max_warm_iterations);
-        let push = match subproblem.first {
-            true => Self::FIRST_PUSH,
-            false => Self::PUSH,
-        };
+        let push = (Self::PUSH * subproblem.change).clamp(Self::LEAST_PUSH, Self::PUSH);
         for name in [
             "warm_start_bound_push",
             "warm_start_bound_frac",
@@ -97,6 +99,10 @@ impl Method for InteriorPoint {
         }
         let mut mehrotra = settings.clone();
         mehrotra.options.set("mehrotra_algorithm", "yes");
+        let most = self.max_iterations.min(Self::MEHROTRA);
+        mehrotra.options.set("max_iter", most);
+        // its last steps are lost without
+        mehrotra.options.set("min_refinement_steps", 1);
         let mut minimum = self.solve(mehrotra, subproblem, start)?;
         if matches!(minimum.solved, Solved::Failed(_)) {
             let spent = minimum.effort;

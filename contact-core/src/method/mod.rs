@@ -36,8 +36,11 @@ pub struct Subproblem<'a> {
     pub gaps: &'a LinearGaps,
     /// Units in which numbers are O(1).
     pub scale: Scale,
-    /// Whether the start is a guess from another load rather than the previous iterate.
-    pub first: bool,
+    /// The relative change of u to expect: the last one, 1 where nothing is known of the start.
+    pub change: f64,
+    /// The accuracy, relative to the scales, beyond which nothing is gained; 0 for all that the
+    /// method is set to.
+    pub accuracy: f64,
 }
 
 /// Step 5: any way to minimise E(u) subject to C u + c₀ ≥ 0.

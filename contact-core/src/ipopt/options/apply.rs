@@ -40,14 +40,23 @@ fn defaults(structure: &Structure) -> Options {
     options
 }
 
-/// PORD for what is dense like a problem in space, as minimum fill leads to far larger factors there. Minimum fill for
-/// the others: its factors are as small, and it takes the least time to find them. MUMPS' own choice for both is
-/// SCOTCH, if it has no METIS: its factors are no smaller, and it takes several times as long, in threads that wait.
+/// As above, for a mesh of quadratic tetrahedra, which has 40 and more.
+const DENSER: usize = 32;
+
+/// Variables above which PORD falls behind on linear tetrahedra.
+const LARGER: usize = 20_000;
+
+/// PORD for what is dense like a problem in space, as minimum fill leads to far larger factors there; METIS for large
+/// ones on linear tetrahedra, or SCOTCH, which MUMPS takes where it has none: solves then take a fifth less time.
+/// Minimum fill for the others: its factors are as small, and it takes the least time to find them, while SCOTCH takes
+/// several times as long, in threads that wait.
 fn ordering(structure: &Structure) -> Ordering {
+    let variables = structure.variables();
     let entries = structure.hessian().map_or(0, |hessian| hessian.len());
-    match entries / structure.variables() >= DENSE {
-        true => Ordering::Pord,
-        false => Ordering::Amf,
+    match entries / variables {
+        0..DENSE => Ordering::Amf,
+        DENSE..DENSER if variables > LARGER => Ordering::Metis,
+        _ => Ordering::Pord,
     }
 }
 

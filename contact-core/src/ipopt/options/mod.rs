@@ -41,7 +41,7 @@ use crate::nlp::Structure;
 /// | `print_level`, `sb` | 0, `yes` | the log is for those who ask |
 /// | `bound_relax_factor` | 0 | Ipopt's 1e-8 would be a real penetration |
 /// | `mumps_mem_percent` | 200 | 1000 (Ipopt's) estimates eleven times the workspace, 50 too little: factorisations are repeated |
-/// | `mumps_pivot_order` | above 10 000 variables: 4 (PORD) if the Hessian has 15 entries a variable, else 2 (AMF) | small factors in space; fast analysis in the plane |
+/// | `mumps_pivot_order` | above 10 000 variables: 4 (PORD) if the Hessian has 15 entries a variable, else 2 (AMF); above 20 000 with 15 to 31 entries a variable: 5 (METIS) | small factors in space; fast analysis in the plane |
 /// | `hessian_approximation` | `limited-memory` without a Hessian | |
 /// | `hessian_constant`, `jac_c_constant`, `jac_d_constant` | as [`Structure`] promises | evaluated once |
 /// | `warm_start_init_point` | `yes` for a start with multipliers | they would be ignored |

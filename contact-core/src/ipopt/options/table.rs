@@ -263,7 +263,8 @@ options! {
     /// Per cent of workspace beyond MUMPS' estimate; this driver's default is 200.
     mumps_mem_percent: usize = Integer(1000);
     /// Ordering: 0 AMD, 2 AMF, 3 SCOTCH, 4 PORD, 5 METIS, 6 QAMD, 7 MUMPS' choice. The driver's default for
-    /// more than 10 000 variables is 4 if the Hessian has 15 entries a variable, else 2.
+    /// more than 10 000 variables is 4 if the Hessian has 15 entries a variable, else 2; 5 for more than 20 000 with 15
+    /// to 31 entries a variable.
     mumps_pivot_order: i32 = Integer(7);
     /// Permutation and scaling before the analysis, 0 to 7.
     mumps_permuting_scaling: i32 = Integer(7);
