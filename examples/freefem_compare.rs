@@ -10,7 +10,8 @@
 //! Every run is a process of its own on one thread, so that CPU time and peak memory are its own.
 //! Of runs that take less than a minute there are `--runs`, and the table has medians. Tables go
 //! to the standard output and to `out/freefem_compare`: `results` and `costs` as Markdown and
-//! comma-separated values, `compare.json`, the picture `cpu.svg`, and for every run the folder
+//! comma-separated values, `compare.json`, the pictures `cpu.svg` and `memory.svg`, and for every
+//! run the folder
 //! `SCENE/SIZE/PROGRAM` with what it left. Where FreeFEM is missing, stored results of
 //! `freefem/reference` take its place.
 //!

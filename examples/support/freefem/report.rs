@@ -170,24 +170,28 @@ impl Report {
         [results, costs]
     }
 
-    /// Writes `results` and `costs` as Markdown and comma-separated values, `compare.json` and
-    /// `cpu.svg`.
+    /// Writes `results` and `costs` as Markdown and comma-separated values, `compare.json`, `cpu.svg`
+    /// and `memory.svg`.
     pub fn save(&self, folder: &Path) -> Result<(), Failure> {
         for table in self.tables() {
             table.save(folder)?;
         }
         let text = serde_json::to_string_pretty(self)?;
         files::write(folder.join("compare.json"), text + "\n")?;
-        Ok(self.picture().save(folder.join("cpu.svg"))?)
+        let cpu = self.picture("CPU time, one thread", "CPU seconds", |usage| usage.cpu);
+        cpu.save(folder.join("cpu.svg"))?;
+        let peak = |usage: Usage| usage.peak as f64 / 1e6;
+        let memory = self.picture("Peak memory", "megabytes", peak);
+        Ok(memory.save(folder.join("memory.svg"))?)
     }
 
-    /// CPU time over cells, a curve for each program on each scene.
-    fn picture(&self) -> Curves {
+    /// What runs took over cells, a curve for each program on each scene.
+    fn picture(&self, title: &str, unit: &str, taken: impl Fn(Usage) -> f64) -> Curves {
         let mut curves: Vec<Curve> = Vec::new();
         for entry in &self.entries {
             let Some(usage) = entry.usage else { continue };
             let name = format!("{}, {}", entry.scene.replace('_', " "), entry.program);
-            let point = (entry.cells.log10(), usage.cpu.log10());
+            let point = (entry.cells.log10(), taken(usage).log10());
             match curves.iter_mut().find(|curve| curve.name == name) {
                 Some(curve) => curve.points.push(point),
                 None => curves.push(Curve {
@@ -197,9 +201,9 @@ impl Report {
             }
         }
         Curves {
-            title: "CPU time, one thread".into(),
+            title: title.into(),
             x_label: "log10 of the number of cells".into(),
-            y_label: "log10 of CPU seconds".into(),
+            y_label: format!("log10 of {unit}"),
             curves,
         }
     }
