@@ -13,12 +13,12 @@ use ipopt_contact::prelude::*;
 use serde::Deserialize;
 
 use crate::Failure;
-use crate::beams::{Beams, Law, SIDE};
-use crate::discs::{self, Roles};
 use crate::families::Family;
-use crate::hertz::{self, Hertz};
 use crate::record::{Cost, Measured, Numbers};
 use crate::study::Axis;
+use crate::support::beams::{Beams, Law, SIDE};
+use crate::support::discs::{self, Roles};
+use crate::support::hertz::{self, Hertz};
 
 /// One result.
 #[derive(Clone, Debug)]

@@ -30,24 +30,7 @@ mod refined;
 mod revision;
 mod store;
 mod study;
-
-#[path = "../../examples/support/beams.rs"]
-#[allow(dead_code)] // the examples use more of these
-mod beams;
-#[path = "../../examples/support/blocks.rs"]
-#[allow(dead_code)]
-mod blocks;
-#[path = "../../examples/support/discs.rs"]
-#[allow(dead_code)]
-mod discs;
-#[path = "../../examples/support/hertz.rs"]
-#[allow(dead_code)]
-mod hertz;
-#[path = "../../examples/support/machine.rs"]
-mod machine;
-#[path = "../../examples/support/tables.rs"]
-#[allow(dead_code)]
-mod tables;
+mod support;
 
 use std::fs;
 use std::path::{Path, PathBuf};

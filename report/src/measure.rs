@@ -12,9 +12,9 @@ use ipopt_contact::prelude::*;
 
 use crate::Failure;
 use crate::case::Case;
-use crate::machine;
 use crate::processor;
 use crate::record::{Cost, Measured, Phases};
+use crate::support::machine;
 
 /// A scene at full load, or wherever it came to.
 pub struct Solved<const D: usize> {

@@ -2,7 +2,7 @@
 
 use crate::families::{Bound, Kind};
 use crate::study::{Run, Series, Study};
-use crate::tables::{Table, digits};
+use crate::support::tables::{Table, digits};
 
 /// What had to be shown, and whether it was.
 pub fn claims(studies: &[Study<'_>]) -> Table {

@@ -2,10 +2,10 @@
 
 use super::{Family, Kind, Quantity, Scope, ladder};
 use crate::Failure;
-use crate::beams::{self, Beams, Law, SIDE};
 use crate::case::{Case, Formulation, Points};
 use crate::measure::Solved;
 use crate::record::Measured;
+use crate::support::beams::{self, Beams, Law, SIDE};
 
 const NAME: &str = "three-beams";
 

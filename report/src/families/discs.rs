@@ -3,9 +3,9 @@
 use super::{Family, Kind, Quantity, Scope};
 use crate::Failure;
 use crate::case::{Case, Formulation, Points, Variant};
-use crate::discs::{self, Fineness, Roles};
 use crate::measure::Solved;
 use crate::record::Measured;
+use crate::support::discs::{self, Fineness, Roles};
 
 const NAME: &str = "disc-in-disc";
 /// Load increments, on every mesh the same.

@@ -7,11 +7,11 @@ use super::{Bound, Claim, Family, Kind, Quantity, Scope, ladder};
 use crate::Failure;
 use crate::case::{Case, Formulation, Points};
 use crate::exact::{HalfPlanes, Pair};
-use crate::hertz::{Fineness, Hertz, RADIUS};
 use crate::measure::Solved;
 use crate::norms;
 use crate::record::Measured;
 use crate::refined::{Place, Refined};
+use crate::support::hertz::{Fineness, Hertz, RADIUS};
 
 const NAME: &str = "hertz-2d";
 const PUBLISHED: &str = "hertz-2d-published";

@@ -6,10 +6,10 @@ use ipopt_contact::prelude::*;
 
 use super::{Family, Kind, Quantity, Scope, ladder};
 use crate::Failure;
-use crate::blocks::{Blocks, deviation};
 use crate::case::{Case, Formulation, Points};
 use crate::measure::Solved;
 use crate::record::Measured;
+use crate::support::blocks::{Blocks, deviation};
 
 fn run<const D: usize>(
     case: &Case,

@@ -11,7 +11,7 @@ use crate::freefem::Point;
 use crate::overview;
 use crate::pareto::front;
 use crate::study::{Axis, Run, Series, Study};
-use crate::tables::Table;
+use crate::support::tables::Table;
 
 const STYLE: &str = include_str!("style.css");
 
