@@ -193,13 +193,14 @@ impl FixedPoint {
             let clock = Instant::now();
             run.gaps = method.linearize(problem, &point.u)?; // steps 1–3, both roles
             let projection = clock.elapsed().as_secs_f64();
+            let change = run.history.last().map_or(Self::GUESS, |last| last.error);
             let subproblem = Subproblem {
                 energy,
                 bounds: problem.bounds(),
                 gaps: &run.gaps,
                 scale: problem.scale(),
-                change: run.history.last().map_or(Self::GUESS, |last| last.error),
-                accuracy: self.accuracy(&run),
+                change,
+                accuracy: self.accuracy(&run, change),
             };
             let minimum = method.minimize(&subproblem, &point)?; // steps 4–5
             let error = match minimum.solved {
@@ -232,13 +233,12 @@ impl FixedPoint {
 
     /// The accuracy asked of the next solve; 0 in the paper's plain iteration, where rows are exact,
     /// and once changes are small.
-    fn accuracy(&self, run: &Solution) -> f64 {
+    fn accuracy(&self, run: &Solution, change: f64) -> f64 {
         let rough = Self::ROUGH_SOLVES.min(self.max_iterations - 1);
         let is_plain = self.acceleration == Acceleration::Plain;
         if is_plain || run.gaps.is_exact() || run.history.len() >= rough {
             return 0.0;
         }
-        let change = run.history.last().map_or(Self::GUESS, |last| last.error);
         Self::ROUGH * change.min(Self::CHANGE)
     }
 
