@@ -221,18 +221,30 @@ impl<'a> Study<'a> {
     pub fn cheapest(&self, kind: Kind, most: f64) -> Option<&Run<'_>> {
         let quantity = self.family.quantities.iter().find(|q| q.kind == kind)?;
         let within = |run: &Run| run.errors.get(quantity.name).is_some_and(|e| *e <= most);
+        // the refined run has no error against itself
+        let speaks =
+            |run: &&Run| run.errors.contains_key(quantity.name) || !run.result().converged();
         let stays = |run: &&Run| {
             let finer = |other: &&Run| {
                 other.case().setting() == run.case().setting()
                     && other.case().level >= run.case().level
             };
-            self.runs.iter().filter(finer).all(within)
+            self.runs.iter().filter(finer).filter(speaks).all(within)
         };
         let found = self.runs.iter().filter(|run| within(run)).filter(stays);
         found.min_by(|a, b| {
             let wall = |run: &Run| run.result().cost.wall;
             wall(a).total_cmp(&wall(b))
         })
+    }
+
+    /// Whether the error was taken on a finer mesh with the same settings, too.
+    pub fn is_confirmed(&self, run: &Run<'_>, quantity: &str) -> bool {
+        let finer = |other: &&Run| {
+            other.case().setting() == run.case().setting() && other.case().level > run.case().level
+        };
+        let mut finer = self.runs.iter().filter(finer);
+        finer.any(|other| other.errors.contains_key(quantity))
     }
 }
 
@@ -370,5 +382,9 @@ mod tests {
             study.cheapest(Kind::Force, 1.0).is_none(),
             "without a reference"
         );
+        // the refined run, of the same settings, has no error and says nothing against coarser ones
+        let study = Study::new(&family, &records, Some(&records[3].case));
+        let found = study.cheapest(Kind::Force, 1e-3);
+        assert_eq!(found.map(|run| run.case().level), Some(2));
     }
 }
