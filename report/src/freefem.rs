@@ -152,10 +152,12 @@ fn point(scenery: &Scenery, size: usize, path: &Path) -> Result<Point, Failure> 
         },
         ..Measured::default()
     };
+    let steps = result.get("increments");
+    let steps = steps.map_or(String::new(), |n| format!(", {n} increments"));
     Ok(Point {
         family: scenery.family,
         label: format!(
-            "{}, {}, P1, {dofs} dofs: {freefem}",
+            "{}, {}, P1, {dofs} dofs{steps}: {freefem}",
             scenery.name, SIZES[size]
         ),
         measured,

@@ -172,12 +172,16 @@ impl<'a> Study<'a> {
         all
     }
 
-    /// The family's claims on the series with default settings.
+    /// The family's claims on the series with default settings; nothing is found where one of its runs failed, so that no
+    /// coarser mesh passes for the finest.
     pub fn verdicts(&self) -> Vec<Verdict<'_>> {
         let series = self.series();
         let found = |claim: &Claim| {
             let is_it = |s: &&Series| s.is_default() && s.setting.case().degree == claim.degree;
             let series = series.iter().find(is_it)?;
+            if !series.runs.iter().all(|run| run.result().converged()) {
+                return None;
+            }
             match claim.bound {
                 Bound::Order(_) => Some(series.fit(claim.quantity)?.order),
                 Bound::Finest(_) => {
@@ -355,6 +359,10 @@ mod tests {
         assert_eq!((verdicts, remarks.len()), (vec![true, true], 0));
         let (verdicts, remarks) = holds(0.8, 12.0);
         assert_eq!((verdicts, remarks.len()), (vec![false, false], 1));
+        let mut records = [2, 4, 8, 16].map(|n| record(n, 1.0 / n as f64, 1.0, 1.0));
+        records[3].result = Measured::failed("given up");
+        let failed = Study::new(&family, &records, None);
+        assert!(failed.verdicts().iter().all(|verdict| !verdict.holds()));
         let nothing = Study::new(&family, &[], None);
         assert!(nothing.verdicts().iter().all(|verdict| !verdict.holds()));
     }
