@@ -113,6 +113,7 @@ impl Campaign {
         match (status.success(), serde_json::from_str(last)) {
             (true, Ok(measured)) => Ok(measured),
             (true, Err(_)) => Ok(Measured::failed("ended without a result")),
+            (false, _) if last.is_empty() => Ok(Measured::failed(format!("failed: {status}"))),
             (false, _) => Ok(Measured::failed(format!("failed: {last}"))),
         }
     }

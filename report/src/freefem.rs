@@ -36,10 +36,16 @@ impl Point {
         axis.of(&self.measured)
     }
 
-    /// Its error, if it has the value that it is an error of.
-    pub fn error(&self, family: &Family, name: &str, refined: Option<&Numbers>) -> Option<f64> {
+    /// Its error, if it has the value that it is an error of and is not about as fine as the refined run.
+    pub fn error(&self, family: &Family, name: &str, refined: Option<&Measured>) -> Option<f64> {
         let value = family.quantity(name)?.refined?;
-        Some((self.measured.values.get(value)? / refined?.get(value)? - 1.0).abs())
+        let refined = refined.filter(|_| self.is_coarser(refined))?;
+        Some((self.measured.values.get(value)? / refined.values.get(value)? - 1.0).abs())
+    }
+
+    /// Whether it has at most half of the refined run's unknowns: on the same mesh there would be no error at all.
+    pub fn is_coarser(&self, refined: Option<&Measured>) -> bool {
+        refined.is_some_and(|refined| 2 * self.measured.dofs <= refined.dofs)
     }
 }
 
@@ -146,10 +152,12 @@ fn point(scenery: &Scenery, size: usize, path: &Path) -> Result<Point, Failure> 
         },
         ..Measured::default()
     };
+    let steps = result.get("increments");
+    let steps = steps.map_or(String::new(), |n| format!(", {n} increments"));
     Ok(Point {
         family: scenery.family,
         label: format!(
-            "{}, {}, P1, {dofs} dofs: {freefem}",
+            "{}, {}, P1, {dofs} dofs{steps}: {freefem}",
             scenery.name, SIZES[size]
         ),
         measured,
@@ -178,8 +186,16 @@ mod tests {
                 .values
                 .iter()
                 .map(|(k, v)| (k.clone(), 2.0 * v));
-            let error = point.error(&family, "energy", Some(&twice.collect()));
+            let mut refined = Measured {
+                dofs: 4 * point.measured.dofs,
+                values: twice.collect(),
+                ..Measured::default()
+            };
+            let error = point.error(&family, "energy", Some(&refined));
             assert!((error.expect("a value") - 0.5).abs() < 1e-15);
+            refined.dofs = point.measured.dofs;
+            let error = point.error(&family, "energy", Some(&refined));
+            assert_eq!(error, None, "on the same mesh");
             assert_eq!(point.error(&family, "energy", None), None);
         }
     }

@@ -7,7 +7,7 @@ use crate::support::tables::{Table, digits};
 /// What had to be shown, and whether it was.
 pub fn claims(studies: &[Study<'_>]) -> Table {
     let columns = ["family", "order", "quantity", "must be", "was", ""];
-    let mut table = Table::new("claims", &columns);
+    let mut table = quiet("claims", &columns);
     for study in studies {
         for verdict in study.verdicts() {
             let claim = verdict.claim;
@@ -40,6 +40,13 @@ pub fn claims(studies: &[Study<'_>]) -> Table {
     table
 }
 
+/// A table whose rows are no progress.
+fn quiet(name: &'static str, columns: &[&str]) -> Table {
+    let mut table = Table::new(name, columns);
+    table.quiet = true;
+    table
+}
+
 fn percent(value: f64) -> String {
     format!("{:.3} %", 100.0 * value)
 }
@@ -47,7 +54,7 @@ fn percent(value: f64) -> String {
 /// For each target and kind of quantity the cheapest setting.
 pub fn advice(studies: &[Study<'_>]) -> Table {
     let columns = ["family", "error in", "1 %", "0.1 %", "0.01 %"];
-    let mut table = Table::new("advice", &columns);
+    let mut table = quiet("advice", &columns);
     for study in studies {
         let kinds = [Kind::Pressure, Kind::Force, Kind::Displacement];
         for (kind, word) in kinds.into_iter().zip(["pressure", "force", "displacement"]) {
@@ -60,7 +67,11 @@ pub fn advice(studies: &[Study<'_>]) -> Table {
             };
             let mut row = vec![study.family.title.to_string(), name];
             let targets = [1e-2, 1e-3, 1e-4].map(|most| study.cheapest(kind, most));
-            row.extend(targets.map(|run| run.map_or("not reached".into(), setting_and_cost)));
+            let cell = |run: &Run| {
+                let confirmed = study.is_confirmed(run, quantity.name);
+                setting_and_cost(run) + if confirmed { "" } else { " †" }
+            };
+            row.extend(targets.map(|run| run.map_or("not reached".into(), cell)));
             table.push(row);
         }
     }
@@ -94,7 +105,7 @@ pub fn orders(study: &Study<'_>) -> Table {
         "between neighbours",
         "finest error",
     ];
-    let mut table = Table::new("orders", &columns);
+    let mut table = quiet("orders", &columns);
     for series in study.series() {
         for quantity in study.family.quantities {
             let Some(fit) = series.fit(quantity.name) else {
@@ -140,7 +151,7 @@ pub fn runs(study: &Study<'_>) -> Table {
         "memory (MB)",
         "certificate",
     ]);
-    let mut table = Table::new("runs", &columns);
+    let mut table = quiet("runs", &columns);
     for series in study.series() {
         for run in &series.runs {
             table.push(row(study, run));

@@ -172,12 +172,16 @@ impl<'a> Study<'a> {
         all
     }
 
-    /// The family's claims on the series with default settings.
+    /// The family's claims on the series with default settings; nothing is found where one of its runs failed, so that no
+    /// coarser mesh passes for the finest.
     pub fn verdicts(&self) -> Vec<Verdict<'_>> {
         let series = self.series();
         let found = |claim: &Claim| {
             let is_it = |s: &&Series| s.is_default() && s.setting.case().degree == claim.degree;
             let series = series.iter().find(is_it)?;
+            if !series.runs.iter().all(|run| run.result().converged()) {
+                return None;
+            }
             match claim.bound {
                 Bound::Order(_) => Some(series.fit(claim.quantity)?.order),
                 Bound::Finest(_) => {
@@ -221,18 +225,30 @@ impl<'a> Study<'a> {
     pub fn cheapest(&self, kind: Kind, most: f64) -> Option<&Run<'_>> {
         let quantity = self.family.quantities.iter().find(|q| q.kind == kind)?;
         let within = |run: &Run| run.errors.get(quantity.name).is_some_and(|e| *e <= most);
+        // the refined run has no error against itself
+        let speaks =
+            |run: &&Run| run.errors.contains_key(quantity.name) || !run.result().converged();
         let stays = |run: &&Run| {
             let finer = |other: &&Run| {
                 other.case().setting() == run.case().setting()
                     && other.case().level >= run.case().level
             };
-            self.runs.iter().filter(finer).all(within)
+            self.runs.iter().filter(finer).filter(speaks).all(within)
         };
         let found = self.runs.iter().filter(|run| within(run)).filter(stays);
         found.min_by(|a, b| {
             let wall = |run: &Run| run.result().cost.wall;
             wall(a).total_cmp(&wall(b))
         })
+    }
+
+    /// Whether the error was taken on a finer mesh with the same settings, too.
+    pub fn is_confirmed(&self, run: &Run<'_>, quantity: &str) -> bool {
+        let finer = |other: &&Run| {
+            other.case().setting() == run.case().setting() && other.case().level > run.case().level
+        };
+        let mut finer = self.runs.iter().filter(finer);
+        finer.any(|other| other.errors.contains_key(quantity))
     }
 }
 
@@ -343,6 +359,10 @@ mod tests {
         assert_eq!((verdicts, remarks.len()), (vec![true, true], 0));
         let (verdicts, remarks) = holds(0.8, 12.0);
         assert_eq!((verdicts, remarks.len()), (vec![false, false], 1));
+        let mut records = [2, 4, 8, 16].map(|n| record(n, 1.0 / n as f64, 1.0, 1.0));
+        records[3].result = Measured::failed("given up");
+        let failed = Study::new(&family, &records, None);
+        assert!(failed.verdicts().iter().all(|verdict| !verdict.holds()));
         let nothing = Study::new(&family, &[], None);
         assert!(nothing.verdicts().iter().all(|verdict| !verdict.holds()));
     }
@@ -370,5 +390,9 @@ mod tests {
             study.cheapest(Kind::Force, 1.0).is_none(),
             "without a reference"
         );
+        // the refined run, of the same settings, has no error and says nothing against coarser ones
+        let study = Study::new(&family, &records, Some(&records[3].case));
+        let found = study.cheapest(Kind::Force, 1e-3);
+        assert_eq!(found.map(|run| run.case().level), Some(2));
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Frictionless contact of a circle of radius R with a flat body in plane strain.
 ///
 /// Hertz's theory has a parabola and vertical normals. Here the gap at x and the contact force are along the circle's
-/// normal, which is inclined by x/R. So the relative tangential displacement w = u_flat − u_round closes gaps by
+/// normal, which is inclined by x/R. So the relative tangential displacement w = u_flat − u_round opens gaps by
 /// w x/R, and the pressure p has a tangential part p x/R. To the order of (a/R)² of Hertz's solution,
 ///
 /// (2/(πE*)) ∫ p(s)/(x − s) ds = x/R + x³/(2R³) + d(w x/R)/dx + Δ p x/R,

@@ -106,7 +106,7 @@ pub fn family() -> Family {
             theory leaves out is a floor.",
         causes: "Few facets are in contact, and each carries one or two facets' worth of error at the end of the zone. Single \
             nodes, the central one above all, alternate with how many triangles meet there; the force over many facets \
-            does not.",
+            does not. On the coarsest meshes no facet lies within 0.6 a, and there is no p₀.",
         size: "the facet in the centre of contact",
         quantities: QUANTITIES,
         claims: &[Claim {

@@ -140,8 +140,8 @@ pub fn family() -> Family {
             bisection on the law's own stress.",
         theory: "No error of approximation, as in the patch test, but through large strains: what is left is that of \
             integration, of TOLER and of gap times force. Curves need not fall.",
-        causes: "Penalties stop at a finite μ, which leaves an error of 1e-4 to 1e-3 whatever the mesh, and here a \
-            certificate that says so. TOLER makes no difference: flat surfaces need no more than two iterations.",
+        causes: "Penalties stop at a finite μ, which leaves an error that no finer mesh takes away. What (7) leaves of gap times \
+            force is its error: surfaces are flat, so that TOLER and acceleration change no more than that.",
         size: "1/n, the block's edge over its cells",
         quantities: QUANTITIES,
         claims: &[],

@@ -74,9 +74,9 @@ pub fn family() -> Family {
         theory: "The energy of linear elements is of order 2 where the solution is smooth; here two polygons slide \
             on each other, whose gaps are of order 2, too, and come and go with how their corners meet: curves are \
             not smooth.",
-        causes: "Plain iterations, as in the paper, fall into cycles or crawl where integration points change facets, and no \
+        causes: "Plain iterations, as in the paper, may fall into cycles or crawl where integration points change facets, and no \
             TOLER below the amplitude helps; halving the load step often enough does not either. Coarse polygons \
-            overestimate the energy by more than 10 %, out of any asymptotic range.",
+            overestimate the energy, out of any asymptotic range.",
         size: "the facet of the hole",
         quantities: QUANTITIES,
         claims: &[],

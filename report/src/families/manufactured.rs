@@ -212,8 +212,8 @@ const CAUSES_SMOOTH: &str = "The error of the force is soon that of round-off an
     fall further. In space meshes are coarse: orders are on their way to those of theory.";
 const CAUSES_ZONE: &str = "Where the pressure's square root ends, single facets carry most of its error; on coarse meshes \
     linear elements recover it with less than order 1. The force is a mean, whose error may change sign. In space \
-    no bound is set for quadratic elements: three meshes of 1, 4 and 7 cells a unit are all that time allows, and on \
-    these their order in H¹ is still short of 1.45.";
+    no bound is set for quadratic elements: time allows few and coarse meshes, whose order in H¹, where there is one, is \
+    on its way to theory's.";
 
 const SMOOTH: &[Quantity] = &[
     Quantity::new("h1", "displacement, H¹", Kind::Gradient).of_orders(1.0, 2.0),

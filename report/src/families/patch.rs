@@ -49,7 +49,7 @@ fn cases(scope: Scope) -> Vec<Case> {
     let levels: &[usize] = scope.pick(&[4, 8, 16], &[4, 8, 16, 32]);
     let mut cases = Vec::new();
     for points in [Points::Gauss, Points::Exact] {
-        for complementarity in [1e-8, 1e-12] {
+        for complementarity in [InteriorPoint::default().complementarity, 1e-12] {
             let ladder = ladder("patch", levels, levels).into_iter();
             cases.extend(ladder.map(|case| Case {
                 points,

@@ -5,7 +5,7 @@ mod plot;
 use std::fmt::Write;
 
 use self::plot::{Curve, Look, Marker, Plot, bar, escape, key};
-use crate::case::{Formulation, Points};
+use crate::case::{Case, Formulation, Points};
 use crate::families::Quantity;
 use crate::freefem::Point;
 use crate::overview;
@@ -29,7 +29,7 @@ pub struct Page<'a> {
 
 /// What stands above the table of advice.
 pub const ADVICE: &str = "The cheapest run by wall time whose error was at most the target, and stayed there on finer \
-    meshes with the same settings. A star marks runs whose certificate does not hold. `Not reached` means by none of \
+    meshes with the same settings. A star marks runs whose certificate does not hold, † those without a finer one to confirm it. “Not reached” means by none of \
     the runs of this report.";
 
 impl Page<'_> {
@@ -64,7 +64,14 @@ impl Page<'_> {
         }
         let freefem = match self.freefem.len() {
             0 => "no stored results".to_string(),
-            n => format!("{n} stored results"),
+            n => format!(
+                "{n} stored results, seconds of the machine that they were stored on; {} on meshes about as fine as the \
+                 refined one, and not shown",
+                self.studies
+                    .iter()
+                    .map(|study| self.too_fine(study))
+                    .sum::<usize>()
+            ),
         };
         let _ = writeln!(html, "<dt>FreeFEM</dt><dd>{freefem}</dd>\n</dl>");
         for remark in self.freefem_remarks {
@@ -87,18 +94,12 @@ impl Page<'_> {
         );
         html.push_str(&legend(study, self.own_freefem(study).next().is_some()));
         for (k, quantity) in family.quantities.iter().enumerate() {
-            let (open, close) = match k {
-                0 | 1 => ("<section>".to_string(), "</section>"),
-                _ => (
-                    format!("<details><summary>{}</summary>", escape(quantity.title)),
-                    "</details>",
-                ),
+            let title = escape(quantity.title);
+            let (open, close) = match k < 2 || self.has_freefem(study, quantity) {
+                true => (format!("<section><h3>{title}</h3>"), "</section>"),
+                false => (format!("<details><summary>{title}</summary>"), "</details>"),
             };
-            let _ = write!(
-                html,
-                "{open}<h3>{}</h3>\n<div class=\"plots\">\n",
-                escape(quantity.title)
-            );
+            let _ = write!(html, "{open}\n<div class=\"plots\">\n");
             for axis in Axis::ALL {
                 html.push_str(&self.plot(study, quantity, axis).svg());
             }
@@ -122,11 +123,26 @@ impl Page<'_> {
         self.freefem.iter().filter(is_own)
     }
 
+    /// How many of FreeFEM's results are on meshes too fine to have an error.
+    fn too_fine(&self, study: &Study<'_>) -> usize {
+        let refined = study.refined.map(|record| &record.result);
+        let own = self.own_freefem(study);
+        own.filter(|point| refined.is_some() && !point.is_coarser(refined))
+            .count()
+    }
+
+    /// Whether one of FreeFEM's results is in the plots of a quantity.
+    fn has_freefem(&self, study: &Study<'_>, quantity: &Quantity) -> bool {
+        let refined = study.refined.map(|record| &record.result);
+        let error = |point: &Point| point.error(study.family, quantity.name, refined);
+        self.own_freefem(study).any(|point| error(point).is_some())
+    }
+
     fn plot(&self, study: &Study<'_>, quantity: &Quantity, axis: Axis) -> Plot {
         let series = study.series();
         let mut curves: Vec<Curve> = series.iter().map(|s| curve(s, quantity, axis)).collect();
         let all: Vec<(f64, f64)> = curves.iter().flat_map(|c| c.points.clone()).collect();
-        let refined = study.refined.map(|record| &record.result.values);
+        let refined = study.refined.map(|record| &record.result);
         for point in self.own_freefem(study) {
             let error = point.error(study.family, quantity.name, refined);
             curves.extend(point.at(axis).zip(error).map(|place| Curve {
@@ -151,8 +167,8 @@ impl Page<'_> {
 }
 
 const INTRODUCTION: &str = "<p>What accuracy costs with this library: benchmark families over meshes, orders, \
-    integration, the paper's methods (7), (37) and (39), fixed-point variants and tolerances. Every number on this \
-    page is computed anew by the command that writes it; every run is a process of its own with one thread, one at a \
+    integration, the paper's methods (7), (37) and (39), fixed-point variants and tolerances. Every result on this \
+    page is computed anew by the command that writes it, but FreeFEM's, which are stored; every run is a process of its own with one thread, one at a \
     time, and time counts from building the mesh to the last converged load step. Errors are relative. The broad line \
     joins the runs that no other beats in both cost and error.</p>\n";
 
@@ -166,9 +182,14 @@ const FREEFEM: Look = Look {
 fn look(series: &Series<'_>) -> (Look, String) {
     let case = series.setting.case();
     let quadratic = case.degree == 2;
+    let default = Case::new(&case.family, case.degree, 0);
     let (colour, marker, dashed, name) = match (case.method, case.points) {
         (Formulation::PenalizedSlack, _) => (4, Marker::Triangle, true, "(37)".to_string()),
         (Formulation::Penalty, _) => (5, Marker::Diamond, true, "(39)".to_string()),
+        (_, Points::Exact) if case.complementarity != default.complementarity => {
+            let name = "exact, (7), other gap × force";
+            (7, Marker::Plus, true, name.into())
+        }
         (_, Points::Exact) if quadratic => (3, Marker::Frame, true, "P2, exact, (7)".into()),
         (_, Points::Exact) => (2, Marker::Ring, true, "P1, exact, (7)".into()),
         _ if !series.is_default() => {

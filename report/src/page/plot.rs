@@ -141,6 +141,7 @@ impl Plot {
         let place = |&(a, b): &(f64, f64)| (x.at(a), y.at(b));
         let front: Vec<_> = self.front.iter().map(place).collect();
         line(&front, "front", &mut svg);
+        let mut notes: Vec<(f64, f64)> = Vec::new();
         for curve in &self.curves {
             let points: Vec<_> = curve.points.iter().map(place).collect();
             let Look {
@@ -161,15 +162,22 @@ impl Plot {
                 } else {
                     ("start", 7.0)
                 };
+                let near_bottom = *b > HEIGHT - bottom - 18.0;
+                let (mut height, step) = match near_bottom {
+                    true => (b - 8.0, -12.0),
+                    false => (b + 13.0, 12.0),
+                };
+                let is_taken = |(x, y): &(f64, f64), height: f64| {
+                    (x - a).abs() < 40.0 && (y - height).abs() < 12.0
+                };
+                while notes.iter().any(|note| is_taken(note, height)) {
+                    height += step;
+                }
+                notes.push((*a, height));
                 let _ = writeln!(
                     svg,
-                    "<text class=\"note f{colour}\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
+                    "<text class=\"note f{colour}\" x=\"{:.1}\" y=\"{height:.1}\" text-anchor=\"{anchor}\">{}</text>",
                     a + off,
-                    if *b > HEIGHT - bottom - 18.0 {
-                        b - 8.0
-                    } else {
-                        b + 13.0
-                    },
                     escape(note)
                 );
             }
