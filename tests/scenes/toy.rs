@@ -142,6 +142,65 @@ fn a_point_on_a_circle() {
     }
 }
 
+/// A method that notes what accuracy it is asked for.
+#[derive(Default)]
+struct Watched {
+    method: InteriorPoint,
+    asked: Vec<f64>,
+}
+
+impl Method for Watched {
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        self.asked.push(subproblem.accuracy);
+        self.method.minimize(subproblem, start)
+    }
+}
+
+/// Two solves are rough, the second in proportion to the change that the first one made; the paper's
+/// plain iteration has none, and none is the last, even of a point that is where it belongs from the
+/// start on or where few iterations are allowed.
+#[test]
+fn the_last_solve_is_never_rough() {
+    let force = [0.6, -1.3];
+    let start = |u: [f64; 2]| State {
+        u: u.to_vec(),
+        ..State::default()
+    };
+    let asked = |acceleration, max_iterations, u| {
+        let settings = FixedPoint {
+            tolerance: 1e-9,
+            acceleration,
+            max_iterations,
+        };
+        let mut method = Watched::default();
+        let problem = Point::pulled(force);
+        let solution = settings.solve(&problem, &mut method, start(u));
+        let solution = solution.expect("no misuse");
+        assert_eq!(method.asked.len(), solution.history.len());
+        (method.asked, solution)
+    };
+    let anderson = Acceleration::Anderson(3);
+    let (end, _) = exact(force);
+
+    let (accuracies, solution) = asked(anderson, 30, [0.0; 2]);
+    let change = solution.history[0].error;
+    assert!(accuracies[0] > 0.0 && accuracies[0] <= 1e-8);
+    assert!(accuracies[1] > 0.0 && accuracies[1] <= 1e-6 * change);
+    assert!(accuracies[2..].iter().all(|a| *a == 0.0) && accuracies.len() > 2);
+
+    let (accuracies, _) = asked(Acceleration::Plain, 30, [0.0; 2]);
+    assert!(accuracies.iter().all(|a| *a == 0.0));
+
+    let (accuracies, solution) = asked(anderson, 30, end);
+    assert_eq!(solution.outcome, Outcome::Converged);
+    assert_eq!(accuracies.last(), Some(&0.0));
+
+    for most in [1, 2] {
+        let (accuracies, _) = asked(anderson, most, end);
+        assert_eq!(accuracies.last(), Some(&0.0), "{most} allowed");
+    }
+}
+
 /// With a penalty μ η(s) the point goes a depth t into the disc at which 3 μ t² = λ, on the same
 /// ray: 3 μ t² + t = t₀ for a spring of stiffness 1 that would bring it t₀ deep.
 #[test]
