@@ -185,7 +185,7 @@ const QUANTITIES: &[Quantity] = &[
 
 fn cases(scope: Scope) -> Vec<Case> {
     let (p1, p2): (&[usize], &[usize]) = scope.pick(
-        (&[4, 8, 16], &[3, 5, 9]),
+        (&[4, 8, 16], &[3, 5, 10]),
         (&[4, 8, 16, 32], &[4, 6, 10, 20]),
     );
     let mut cases = ladder(NAME, p1, p2);
@@ -199,7 +199,7 @@ fn cases(scope: Scope) -> Vec<Case> {
         cases.extend(methods.iter().map(|&method| case().with_method(method)));
     }
     let tolerances: &[f64] = scope.pick(&[1e-1, 1e-4], &[1e-1, 1e-2, 1e-4, 1e-6, 1e-10]);
-    for (degree, level) in [(1, 16), (2, scope.pick(9, 10))] {
+    for (degree, level) in [(1, 16), (2, 10)] {
         cases.extend(tolerances.iter().map(|&complementarity| Case {
             complementarity,
             ..Case::new(NAME, degree, level)
@@ -257,7 +257,7 @@ pub fn families() -> [Family; 2] {
         quantities: QUANTITIES,
         claims: CLAIMS,
         cases,
-        refined: Some(|scope| Case::new(NAME, 2, scope.pick(18, 40))),
+        refined: Some(|scope| Case::new(NAME, 2, scope.pick(20, 40))),
         run,
     };
     let published = Family {
