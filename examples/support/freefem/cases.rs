@@ -63,23 +63,31 @@ pub enum Built {
     Space(Scene<3>),
 }
 
+const fn tuned(file: &'static str, arguments: &'static [&'static str]) -> Script {
+    Script {
+        file,
+        style: "tuned",
+        arguments,
+        up_to: Size::Large,
+    }
+}
+
+const fn literal(file: &'static str, arguments: &'static [&'static str], up_to: Size) -> Script {
+    Script {
+        file,
+        style: "literal",
+        arguments,
+        up_to,
+    }
+}
+
 /// All of them.
 pub static CASES: [Case; 6] = [
     Case {
         name: "disc_in_disc",
         scripts: &[
-            Script {
-                file: "disc_in_disc",
-                style: "tuned",
-                arguments: &[],
-                up_to: Size::Large,
-            },
-            Script {
-                file: "disc_in_disc_literal",
-                style: "literal",
-                arguments: &[],
-                up_to: Size::Small,
-            },
+            tuned("disc_in_disc", &[]),
+            literal("disc_in_disc_literal", &[], Size::Small),
         ],
         bodies: &["ring", "disc"],
         supports: &[0],
@@ -90,91 +98,40 @@ pub static CASES: [Case; 6] = [
     Case {
         name: "beams_small_strain",
         scripts: &[
-            Script {
-                file: "three_beams",
-                style: "tuned",
-                arguments: &["-law", "small_strain"],
-                up_to: Size::Large,
-            },
-            Script {
-                file: "three_beams_literal",
-                style: "literal",
-                arguments: &["-law", "small_strain"],
-                up_to: Size::Tiny,
-            },
+            tuned("three_beams", &["-law", "small_strain"]),
+            literal("three_beams_literal", &["-law", "small_strain"], Size::Tiny),
         ],
         bodies: &["beam1", "beam2", "beam3"],
         supports: &[0, 1, 2],
         increments: [1; 4],
         tolerance: 1e-8,
-        build: |size| {
-            beams(
-                Law::SmallStrain,
-                0.0,
-                [[2, 8], [3, 24], [6, 48], [10, 80]],
-                size,
-            )
-        },
+        build: |size| beams(Law::SmallStrain, 0.0, size),
     },
     Case {
         name: "beams_neo_hookean",
         scripts: &[
-            Script {
-                file: "three_beams",
-                style: "tuned",
-                arguments: &["-law", "neo_hookean"],
-                up_to: Size::Large,
-            },
-            Script {
-                file: "three_beams_literal",
-                style: "literal",
-                arguments: &["-law", "neo_hookean"],
-                up_to: Size::Tiny,
-            },
+            tuned("three_beams", &["-law", "neo_hookean"]),
+            literal("three_beams_literal", &["-law", "neo_hookean"], Size::Tiny),
         ],
         bodies: &["beam1", "beam2", "beam3"],
         supports: &[0, 1, 2],
         increments: [4; 4],
         tolerance: 1e-8,
-        build: |size| {
-            beams(
-                Law::NeoHookean,
-                0.0,
-                [[2, 8], [3, 24], [5, 40], [8, 64]],
-                size,
-            )
-        },
+        build: |size| beams(Law::NeoHookean, 0.0, size),
     },
     // what a script has of λ shows here only: it is zero in the other two
     Case {
         name: "beams_poisson",
-        scripts: &[Script {
-            file: "three_beams",
-            style: "tuned",
-            arguments: &["-law", "neo_hookean", "-nu", "0.3"],
-            up_to: Size::Large,
-        }],
+        scripts: &[tuned("three_beams", &["-law", "neo_hookean", "-nu", "0.3"])],
         bodies: &["beam1", "beam2", "beam3"],
         supports: &[0, 1, 2],
         increments: [4; 4],
         tolerance: 1e-8,
-        build: |size| {
-            beams(
-                Law::NeoHookean,
-                0.3,
-                [[2, 8], [3, 24], [5, 40], [8, 64]],
-                size,
-            )
-        },
+        build: |size| beams(Law::NeoHookean, 0.3, size),
     },
     Case {
         name: "hertz",
-        scripts: &[Script {
-            file: "hertz",
-            style: "tuned",
-            arguments: &[],
-            up_to: Size::Large,
-        }],
+        scripts: &[tuned("hertz", &[])],
         bodies: &["cylinder", "block"],
         supports: &[1],
         increments: [1; 4],
@@ -183,12 +140,7 @@ pub static CASES: [Case; 6] = [
     },
     Case {
         name: "arch",
-        scripts: &[Script {
-            file: "arch",
-            style: "tuned",
-            arguments: &[],
-            up_to: Size::Large,
-        }],
+        scripts: &[tuned("arch", &[])],
         bodies: &["arch"],
         supports: &[0],
         increments: [1; 4],
@@ -224,8 +176,11 @@ fn disc_in_disc(size: Size) -> Result<Built, Error> {
     Ok(Built::Plane(discs::scene(fineness, Roles::default())?))
 }
 
-fn beams(law: Law, poisson: f64, divisions: [[usize; 2]; 4], size: Size) -> Result<Built, Error> {
-    let [across, along] = size.of(divisions);
+fn beams(law: Law, poisson: f64, size: Size) -> Result<Built, Error> {
+    let [across, along] = size.of(match law {
+        Law::SmallStrain => [[2, 8], [3, 24], [6, 48], [10, 80]],
+        Law::NeoHookean => [[2, 8], [3, 24], [5, 40], [8, 64]],
+    });
     let beams = Beams {
         along,
         poisson,
