@@ -23,10 +23,9 @@ use std::time::Instant;
 
 use beams::{Beams, Law};
 use clap::Parser;
-use contact_core::method::Effort;
 use contact_fem::element::Order;
 use ipopt_contact::prelude::*;
-use ipopt_contact::{contact_core, contact_fem, versions};
+use ipopt_contact::{contact_fem, versions};
 
 /// Times the three beams
 #[derive(Parser, Debug)]
@@ -114,32 +113,25 @@ fn measure(arguments: &Arguments, case: usize) -> Result<(), Box<dyn Error>> {
     let set_up = clock.elapsed().as_secs_f64();
     let increments = if law == Law::NeoHookean { 10 } else { 1 };
     let mut tip = f64::NAN;
-    let history = Simulation::with_increments(increments).run(
-        &mut problem,
-        &mut InteriorPoint::default(),
-        |step| {
-            let u = step.problem.displacements(&step.solution.state.u);
-            tip = beams::tip(step.problem, &u, 0)[2];
-            ControlFlow::Break(())
-        },
-    )?;
-    let mut effort = Effort::default();
-    let attempts = &history.run.attempts;
-    for attempt in attempts {
-        effort += attempt.effort();
-    }
+    let mut simulation = Simulation::with_increments(increments);
+    let history = simulation.run_observed(&mut problem, |step| {
+        let u = step.problem.displacements(&step.solution.state.u);
+        tip = beams::tip(step.problem, &u, 0)[2];
+        ControlFlow::Break(())
+    })?;
+    let cost = history.run.cost();
     let peak = machine::peak_memory().map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6));
     println!(
         "{name:<25} {:>9} {:>5} {:>8.2} {set_up:>9.2} {:>13.2} {:>12.2} {:>12.2} {:>6} {:>6} {:>9} {peak:>5} {tip:>6.3}",
         problem.dofs().free(),
         history.steps.last().map_or(0, |step| step.rows),
         clock.elapsed().as_secs_f64(),
-        attempts.iter().map(|a| a.projection()).sum::<f64>(),
-        effort.callbacks,
-        effort.optimizer,
-        attempts.iter().map(|a| a.iterations.len()).sum::<usize>(),
-        effort.iterations,
-        effort.factorizations,
+        cost.projection,
+        cost.callbacks,
+        cost.optimizer,
+        cost.fixed_point,
+        cost.iterations,
+        cost.factorizations,
     );
     Ok(())
 }

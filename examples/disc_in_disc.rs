@@ -72,7 +72,7 @@ fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
 /// What is shown of a step.
 fn message(record: &StepRecord<2>, force: f64) -> String {
     let fixed_point = record.attempt.iterations.len();
-    let ipopt = record.attempt.effort().iterations;
+    let ipopt = record.attempt.cost.iterations;
     format!(
         "energy {:.4}  reaction {force:.2}  iterations {fixed_point} ({ipopt} of Ipopt)",
         record.energy

@@ -42,7 +42,7 @@ use beams::{Beams, Law};
 use clap::Parser;
 use condition::{Weighting, condition};
 use hertz::Hertz;
-use ipopt_contact::contact_core::fixed_point::Solution;
+use ipopt_contact::contact_core::equilibrium::Solution;
 use ipopt_contact::contact_core::method::{Continuation, PenalizedSlack, Penalty};
 use ipopt_contact::contact_fem::element;
 use ipopt_contact::prelude::*;
@@ -282,18 +282,18 @@ fn ended<const D: usize>(
     method: &mut dyn Method,
     increments: usize,
 ) -> Result<Option<Ended>, Failure> {
-    let mut simulation = Simulation::with_increments(increments);
-    simulation.load_steps.fixed_point.tolerance = 1e-7;
+    let mut simulation = Simulation::solved_by(Retry::with(method), increments);
+    simulation.solver.fixed_point.tolerance = 1e-7;
     simulation.load_steps.max_halvings = 2;
-    let history = simulation.run(problem, method, |_| ControlFlow::Continue(()))?;
-    if history.run.outcome != RunOutcome::Complete {
+    let history = simulation.run(problem)?;
+    if history.run.ending != Ending::Complete {
         return Ok(None);
     }
-    let attempts = &history.run.attempts;
+    let cost = history.run.cost();
     Ok(history.run.solution.map(|solution| Ended {
         penetration: problem.relative_penetration(&solution.state.u),
-        fixed_point: attempts.iter().map(|a| a.iterations.len()).sum(),
-        ipopt: attempts.iter().map(|a| a.effort().iterations).sum(),
+        fixed_point: cost.fixed_point,
+        ipopt: cost.iterations,
         solution,
     }))
 }

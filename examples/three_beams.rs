@@ -107,7 +107,7 @@ fn message(step: &StepView<'_, 3>) -> String {
         "tip {:.3}  iterations {} ({} of Ipopt)",
         beams::tip(step.problem, &u, 0)[2],
         attempt.iterations.len(),
-        attempt.effort().iterations
+        attempt.cost.iterations
     )
 }
 

@@ -27,16 +27,16 @@
 //!     let mut scene = Scene::new(vec![ring, inner]);
 //!     scene.contact((0, "inner"), (1, "boundary"))?;
 //!     let (mut work, mut pushed, mut force) = (0.0, 0.0, 0.0);
-//!     let simulation = Simulation::with_increments(10);
+//!     let mut simulation = Simulation::with_increments(10);
 //!     let mut problem = scene.problem()?;
-//!     let history = simulation.run(&mut problem, &mut InteriorPoint::default(), |step| {
+//!     let history = simulation.run_observed(&mut problem, |step| {
 //!         let (by, up) = (1.125 * step.record.factor, step.record.reactions[0][1]);
 //!         work += 0.5 * (force + up) * (by - pushed);
 //!         (pushed, force) = (by, up);
 //!         println!("pushed by {by:.3}: energy {:.2}, force {up:.2}", step.record.energy);
 //!         ControlFlow::Continue(())
 //!     })?;
-//!     assert_eq!(history.run.outcome, RunOutcome::Complete);
+//!     assert_eq!(history.run.ending, Ending::Complete);
 //!     assert!((work / history.steps[9].energy - 1.0).abs() < 0.01);
 //!     Ok(())
 //! }
@@ -58,9 +58,8 @@
 //!
 //! // method (37) with a penalty factor that grows until 1e-4 of what matters is left of penetration
 //! let continuation = Continuation { penetration: 1e-4, ..Continuation::default() };
-//! let mut method = PenalizedSlack::with(continuation);
-//! let simulation = Simulation::with_increments(1);
-//! let history = simulation.run(&mut scene.problem()?, &mut method, |_| ControlFlow::Continue(()))?;
+//! let solver = Retry::with(PenalizedSlack::with(continuation));
+//! let history = Simulation::solved_by(solver, 1).run(&mut scene.problem()?)?;
 //! let certificate = history.certificate().ok_or("no step converged")?;
 //! println!("{certificate}");
 //! assert!(certificate.holds(&Limits::default()));
@@ -85,11 +84,9 @@ pub use versions::{Versions, versions};
 pub mod prelude {
     pub use std::ops::ControlFlow;
 
-    pub use contact_core::fixed_point::Outcome;
-    pub use contact_core::load_steps::RunOutcome;
     pub use contact_core::{
-        Acceleration, Continuation, FixedPoint, InteriorPoint, LoadSteps, Method, PenalizedSlack,
-        Penalty,
+        Acceleration, Continuation, Ending, Equilibrium, FixedPoint, InteriorPoint, LoadSteps,
+        Method, Outcome, PenalizedSlack, Penalty, Retry, Stop,
     };
     pub use contact_fem::certificate::Limits;
     pub use contact_fem::mesh::generators::{

@@ -33,7 +33,7 @@ impl LeftOut {
         let energies = problem.body_energies().iter();
         let assembled: usize = energies.map(|energy| energy.assembled_cells()).sum();
         let last = history.steps.last();
-        let efforts = history.run.attempts.iter().map(|attempt| attempt.effort());
+        let cost = history.run.cost();
         LeftOut {
             dofs: match problem.scene().keep_everything {
                 true => 0,
@@ -45,9 +45,7 @@ impl LeftOut {
                 true => history.run.attempts.len(),
                 false => 0,
             },
-            hessians: efforts
-                .map(|effort| effort.iterations.saturating_sub(effort.hessians))
-                .sum(),
+            hessians: cost.iterations.saturating_sub(cost.hessians),
         }
     }
 }

@@ -2,7 +2,7 @@
 //! proportions.
 
 use ipopt_contact::contact_core::LoadStepped;
-use ipopt_contact::contact_core::fixed_point::Solution;
+use ipopt_contact::contact_core::equilibrium::Solution;
 use ipopt_contact::contact_core::method::{PenalizedSlack, Penalty};
 use ipopt_contact::contact_fem::element;
 use ipopt_contact::prelude::*;
@@ -87,9 +87,8 @@ fn solved(
     method: &mut dyn Method,
     increments: usize,
 ) -> Result<Option<History<2>>, Failure> {
-    let simulation = Simulation::with_increments(increments);
-    let history = simulation.run(problem, method, |_| ControlFlow::Continue(()))?;
-    Ok((history.run.outcome == RunOutcome::Complete).then_some(history))
+    let history = Simulation::solved_by(Retry::with(method), increments).run(problem)?;
+    Ok((history.run.ending == Ending::Complete).then_some(history))
 }
 
 /// What is known of a cylinder on a block.

@@ -105,15 +105,15 @@ impl Blocks {
 /// Ipopt begins to fail where one mesh contains the other, so that both passes say the same.
 pub fn errors<const D: usize>(scene: Scene<D>) -> Result<[f64; 2], Error> {
     let mut problem = scene.problem()?;
-    let mut method = InteriorPoint {
+    let method = InteriorPoint {
         // relative to a length that is smaller for small strains
         complementarity: if problem.is_exact() { 1e-12 } else { 1e-15 },
         ..InteriorPoint::default()
     };
-    let mut simulation = Simulation::with_increments(1);
-    simulation.load_steps.fixed_point.tolerance = 1e-11;
-    let history = simulation.run(&mut problem, &mut method, |_| ControlFlow::Continue(()))?;
-    if history.run.outcome != RunOutcome::Complete {
+    let mut simulation = Simulation::solved_by(Retry::with(method), 1);
+    simulation.solver.fixed_point.tolerance = 1e-11;
+    let history = simulation.run(&mut problem)?;
+    if history.run.ending != Ending::Complete {
         return Ok([f64::NAN; 2]);
     }
     let u = problem.displacements(&history.run.state.u);

@@ -4,7 +4,7 @@ use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
-use ipopt_contact::contact_core::fixed_point::Solution;
+use ipopt_contact::contact_core::equilibrium::Solution;
 use ipopt_contact::contact_core::method::eta;
 use ipopt_contact::contact_core::{ContactProblem, Scale};
 

@@ -1,14 +1,13 @@
 //! Options that every example understands.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use ipopt_contact::contact_core::ipopt::{OptionValue, Solver};
 use ipopt_contact::contact_core::nlp::{Bounds, Pattern, Structure};
 use ipopt_contact::prelude::*;
 
 use super::Failure;
+use ipopt_contact::contact_core::{Retry, Stop};
 
 /// How to solve, and what to write where.
 #[derive(clap::Args, Debug)]
@@ -74,21 +73,24 @@ impl Options {
         self
     }
 
-    /// The load steps and fixed point asked for.
-    pub fn simulation(&self) -> Simulation {
-        let mut simulation = Simulation::with_increments(self.increments());
-        let fixed_point = &mut simulation.load_steps.fixed_point;
+    /// The load steps, fixed point and method asked for; a request to `stop` ends a running solve.
+    ///
+    /// An option that Ipopt does not have is found here, before anything is written.
+    pub fn simulation(&self, stop: Stop) -> Result<Simulation<Retry<Box<dyn Method>>>, Failure> {
+        let solver = Retry::with(self.method()?);
+        let mut simulation = Simulation::solved_by(solver, self.increments());
+        simulation.load_steps.stop = stop;
+        let fixed_point = &mut simulation.solver.fixed_point;
         fixed_point.tolerance = self.tolerance;
         fixed_point.acceleration = match self.acceleration {
             Combine::Plain => Acceleration::Plain,
             Combine::Anderson => Acceleration::Anderson(self.depth),
         };
-        simulation
+        Ok(simulation)
     }
 
-    /// Ipopt with the options asked for; raising `stop` ends a running solve. An option that Ipopt does
-    /// not have is found here, before anything is written.
-    pub fn method(&self, stop: Arc<AtomicBool>) -> Result<Box<dyn Method>, Failure> {
+    /// Ipopt with the options asked for.
+    fn method(&self) -> Result<Box<dyn Method>, Failure> {
         let mut options = ipopt_contact::contact_core::ipopt::Options::new();
         for (name, value) in &self.ipopt {
             options.set(name, value.clone());
@@ -100,23 +102,19 @@ impl Options {
             Some(Pattern::diagonal(1)),
         )?;
         Solver::new(any, &options)?;
-        let stop = Some(stop);
         Ok(match self.method {
             Formulation::InteriorPoint => Box::new(InteriorPoint {
                 options,
-                stop,
                 ..InteriorPoint::default()
             }),
             Formulation::PenalizedSlack => {
                 let mut method = PenalizedSlack::default();
-                let penalization = &mut method.penalization;
-                (penalization.options, penalization.stop) = (options, stop);
+                method.penalization.options = options;
                 Box::new(method)
             }
             Formulation::Penalty => {
                 let mut method = Penalty::default();
-                let penalization = &mut method.penalization;
-                (penalization.options, penalization.stop) = (options, stop);
+                method.penalization.options = options;
                 Box::new(method)
             }
         })

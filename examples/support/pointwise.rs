@@ -1,9 +1,8 @@
 //! What the penalty (39) tends to, and at which rate a method does.
 
+use ipopt_contact::contact_core::gaps::Sampling;
 use ipopt_contact::contact_core::method::Subproblem;
-use ipopt_contact::contact_core::{
-    ContactProblem, Error, InteriorPoint, LinearGaps, Method, Minimum, State,
-};
+use ipopt_contact::contact_core::{Error, InteriorPoint, Method, Minimum, State};
 
 /// Method (7) with a constraint at every integration point in place of one a contact node: the
 /// limit of the penalty (39) for μ → ∞ on a mesh.
@@ -11,8 +10,8 @@ use ipopt_contact::contact_core::{
 pub struct Pointwise(pub InteriorPoint);
 
 impl Method for Pointwise {
-    fn linearize(&self, problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
-        problem.linearize_points(u)
+    fn sampling(&self) -> Sampling {
+        Sampling::Points
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {

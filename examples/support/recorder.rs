@@ -2,10 +2,9 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use ipopt_contact::contact_core::Stop;
 use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::output::Snapshot;
 use ipopt_contact::contact_fem::output::history::Tables;
@@ -24,7 +23,7 @@ pub struct Recorder<const D: usize> {
     series: Series,
     tables: Tables,
     progress: Progress,
-    stop: Arc<AtomicBool>,
+    stop: Stop,
     /// One a converged step.
     pub records: Vec<StepRecord<D>>,
     /// The states at rest, half way and at the last converged step, as far as the run came.
@@ -50,7 +49,7 @@ impl<const D: usize> Recorder<D> {
         name: &str,
         problem: &Problem<D>,
         options: &Options,
-        stop: Arc<AtomicBool>,
+        stop: Stop,
     ) -> Result<Self, Error> {
         let bodies = problem.scene().bodies().len();
         let mut recorder = Recorder {
@@ -87,7 +86,7 @@ impl<const D: usize> Recorder<D> {
         self.failure = self.write(step).err();
         self.records.push(record.clone());
         self.seconds += clock.elapsed().as_secs_f64();
-        match self.failure.is_some() || self.stop.load(Ordering::Relaxed) {
+        match self.failure.is_some() || self.stop.is_requested() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }

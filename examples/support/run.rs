@@ -9,7 +9,7 @@ use ipopt_contact::prelude::*;
 use super::files::print;
 use super::options::Options;
 use super::recorder::Recorder;
-use super::summary::{Ending, Summary, worst};
+use super::summary::{End, Summary, worst};
 use super::{Failure, stop};
 
 /// The exit code of a run that converged to something whose certificate does not hold.
@@ -35,18 +35,16 @@ impl<const D: usize> Run<'_, D> {
     pub fn go(&self, mut problem: Problem<D>, options: &Options) -> Result<ExitCode, Failure> {
         let clock = Instant::now();
         let stop = stop::on_ctrl_c()?;
-        let mut method = options.method(stop.clone())?;
+        let mut simulation = options.simulation(stop.clone())?;
         let folder = options.folder(self.name);
         let mut recorder = Recorder::new(&folder, self.name, &problem, options, stop)?;
-        let result = options
-            .simulation()
-            .run(&mut problem, &mut *method, |step| {
-                let message = (self.message)(step);
-                recorder.observe(step, message)
-            });
+        let result = simulation.run_observed(&mut problem, |step| {
+            let message = (self.message)(step);
+            recorder.observe(step, message)
+        });
         let ending = match &result {
-            Ok(history) => Ending::History(history),
-            Err(error) => Ending::Failure(error),
+            Ok(history) => End::History(history),
+            Err(error) => End::Failure(error),
         };
         let written = recorder.finish(result.as_ref().ok());
         (self.draw)(&problem, &recorder)?;
@@ -72,7 +70,7 @@ impl<const D: usize> Run<'_, D> {
         let worst = worst(&recorder.records);
         let is_certified = worst.is_none_or(|found| found.holds(&Limits::default()));
         Ok(match ending {
-            Ending::Failure(error) => return Err(error.to_string().into()),
+            End::Failure(error) => return Err(error.to_string().into()),
             _ if ending.is_complete() && !is_certified => ExitCode::from(NOT_CERTIFIED),
             _ if ending.is_complete() => ExitCode::SUCCESS,
             _ if ending.is_interrupted() => ExitCode::from(stop::INTERRUPTED),

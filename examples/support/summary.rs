@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ipopt_contact::Blas;
+use ipopt_contact::contact_core::cost::{Cost, FactorSize};
 use ipopt_contact::contact_core::ipopt::doctor;
-use ipopt_contact::contact_core::method::{Effort, Factor};
 use ipopt_contact::contact_fem::certificate::{Certificate, Limits};
 use ipopt_contact::prelude::*;
 use serde::Serialize;
@@ -112,7 +112,7 @@ pub struct VersionNames {
 }
 
 /// How a run ended.
-pub enum Ending<'a, const D: usize> {
+pub enum End<'a, const D: usize> {
     /// With a history, at full load or not.
     History(&'a History<D>),
     /// With an error.
@@ -126,11 +126,11 @@ impl Summary {
         problem: &Problem<D>,
         recorder: &Recorder<D>,
         increments: usize,
-        ending: &Ending<'_, D>,
+        ending: &End<'_, D>,
         wall_seconds: f64,
         reaction: impl Fn(&StepRecord<D>) -> f64,
     ) -> Self {
-        let cost = Cost::new(recorder, ending);
+        let cost = total(recorder, ending);
         let last = recorder.records.last();
         let vectors = last.map_or(&[][..], |record| &record.reactions);
         Summary {
@@ -157,15 +157,25 @@ impl Summary {
             penetration: last.map(|record| record.penetration),
             weak_penetration: last.map(|record| record.weak_penetration),
             certificate: worst(&recorder.records).map(CertificateValues::from),
-            fixed_point_iterations: cost.iterations,
-            ipopt_iterations: cost.effort.iterations,
-            factorisations: cost.effort.factorizations,
-            cold_retries: cost.effort.cold_retries,
+            fixed_point_iterations: cost.fixed_point,
+            ipopt_iterations: cost.iterations,
+            factorisations: cost.factorizations,
+            cold_retries: cost.cold_retries,
             left_out: ending.left_out(problem),
             wall_seconds,
-            seconds: cost.seconds(recorder.seconds, wall_seconds),
+            seconds: Seconds {
+                projection: cost.projection,
+                callbacks: cost.callbacks,
+                optimizer: cost.optimizer,
+                output: recorder.seconds,
+                other: wall_seconds
+                    - cost.projection
+                    - cost.callbacks
+                    - cost.optimizer
+                    - recorder.seconds,
+            },
             peak_memory_bytes: machine::peak_memory(),
-            factor: cost.effort.factor.map(LargestFactor::from),
+            factor: cost.factor.map(LargestFactor::from),
             versions: VersionNames::of_this_program(),
         }
     }
@@ -254,62 +264,27 @@ impl From<Certificate> for CertificateValues {
     }
 }
 
-/// All attempts together.
-struct Cost {
-    effort: Effort,
-    iterations: usize,
-    projection: f64,
-}
-
-impl Cost {
-    fn new<const D: usize>(recorder: &Recorder<D>, ending: &Ending<'_, D>) -> Self {
-        let mut cost = Cost {
-            effort: Effort::default(),
-            iterations: 0,
-            projection: 0.0,
-        };
-        let converged = recorder.records.iter().map(|record| &record.attempt);
-        let attempts: Vec<_> = match ending {
-            Ending::History(history) => history.run.attempts.iter().collect(),
-            Ending::Failure(_) => converged.collect(),
-        };
-        for attempt in attempts {
-            cost.effort += attempt.effort();
-            cost.iterations += attempt.iterations.len();
-            cost.projection += attempt.projection();
-        }
-        cost
-    }
-
-    fn seconds(&self, output: f64, wall: f64) -> Seconds {
-        let Effort {
-            callbacks,
-            optimizer,
-            ..
-        } = self.effort;
-        Seconds {
-            projection: self.projection,
-            callbacks,
-            optimizer,
-            output,
-            other: wall - self.projection - callbacks - optimizer - output,
-        }
+/// What all attempts cost.
+fn total<const D: usize>(recorder: &Recorder<D>, ending: &End<'_, D>) -> Cost {
+    match ending {
+        End::History(history) => history.run.cost(),
+        End::Failure(_) => recorder.records.iter().map(|r| r.attempt.cost).sum(),
     }
 }
 
-impl<const D: usize> Ending<'_, D> {
+impl<const D: usize> End<'_, D> {
     /// Full load, every increment converged.
     pub fn is_complete(&self) -> bool {
-        matches!(self, Ending::History(h) if h.run.outcome == RunOutcome::Complete)
+        matches!(self, End::History(h) if h.run.ending == Ending::Complete)
     }
 
     /// Ctrl-C.
     pub fn is_interrupted(&self) -> bool {
-        matches!(self, Ending::History(h) if matches!(h.run.outcome, RunOutcome::Interrupted { .. }))
+        matches!(self, End::History(h) if matches!(h.run.ending, Ending::Interrupted { .. }))
     }
 
     fn left_out(&self, problem: &Problem<D>) -> Option<Unneeded> {
-        let Ending::History(history) = self else {
+        let End::History(history) = self else {
             return None;
         };
         let left_out = LeftOut::new(problem, history);
@@ -324,23 +299,16 @@ impl<const D: usize> Ending<'_, D> {
 
     fn cuts(&self) -> usize {
         match self {
-            Ending::History(history) => history.run.cuts(),
-            Ending::Failure(_) => 0,
+            End::History(history) => history.run.cuts(),
+            End::Failure(_) => 0,
         }
     }
 
     /// In words.
     pub fn status(&self) -> String {
         match self {
-            Ending::Failure(error) => format!("failed: {error}"),
-            Ending::History(history) => match &history.run.outcome {
-                RunOutcome::Complete => "complete".into(),
-                RunOutcome::NotConverged { at, why } => {
-                    format!("not converged beyond load factor {at}: {why}")
-                }
-                RunOutcome::Interrupted { at } => format!("interrupted at load factor {at}"),
-                other => format!("{other:?}"),
-            },
+            End::Failure(error) => format!("failed: {error}"),
+            End::History(history) => history.run.ending.to_string(),
         }
     }
 }
@@ -362,8 +330,8 @@ impl MeshSize {
     }
 }
 
-impl From<Factor> for LargestFactor {
-    fn from(factor: Factor) -> Self {
+impl From<FactorSize> for LargestFactor {
+    fn from(factor: FactorSize) -> Self {
         LargestFactor {
             ordering: factor.ordering.into(),
             bytes: factor.bytes,

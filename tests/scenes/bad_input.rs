@@ -1,8 +1,5 @@
 //! Bad input is refused before any solve, by a typed error that names it.
 
-use std::ops::ControlFlow;
-
-use contact_core::InteriorPoint;
 use contact_fem::mesh::generators::{
     Diagonals, annulus, cuboid, cuboid_graded, disc, linspace, rectangle,
 };
@@ -476,24 +473,21 @@ fn empty_contact_surface() {
 
 #[test]
 fn settings() {
-    let run = |simulation: &Simulation| {
+    let run = |mut simulation: Simulation| {
         let mut problem = Scene::new(vec![held(0.0)]).problem().expect("valid");
-        let mut method = InteriorPoint::default();
-        simulation
-            .run(&mut problem, &mut method, |_| ControlFlow::Continue(()))
-            .err()
+        simulation.run(&mut problem).err()
     };
-    let error = run(&Simulation::with_increments(0)).expect("refused");
+    let error = run(Simulation::with_increments(0)).expect("refused");
     assert_says(&error, &["increments", "0"]);
     for tolerance in [0.0, -1.0, f64::NAN, 2.0] {
-        let mut simulation = Simulation::default();
-        simulation.load_steps.fixed_point.tolerance = tolerance;
-        let error = run(&simulation).expect("refused");
+        let mut simulation = Simulation::with_increments(1);
+        simulation.solver.fixed_point.tolerance = tolerance;
+        let error = run(simulation).expect("refused");
         assert_says(&error, &["tolerance", &tolerance.to_string()]);
     }
-    let mut simulation = Simulation::default();
-    simulation.load_steps.fixed_point.max_iterations = 0;
-    assert!(run(&simulation).is_some());
+    let mut simulation = Simulation::with_increments(1);
+    simulation.solver.fixed_point.max_iterations = 0;
+    assert!(run(simulation).is_some());
     for points in [0, 65] {
         let mut scene = Scene::new(vec![held(0.0)]);
         scene.integration = Integration::Gauss(points);

@@ -4,14 +4,14 @@ use crate::support::hairpin;
 use std::ops::ControlFlow;
 
 use crate::common::{Order, disc_in_disc, disc_in_disc_scene, run, run_with};
-use contact_core::fixed_point::{Outcome, Solution};
-use contact_core::gaps::LinearGaps;
-use contact_core::load_steps::RunOutcome;
+use contact_core::equilibrium::Solution;
+use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::nlp::Bounds;
 use contact_core::{
     ContactProblem, Continuation, Energy, Error, FixedPoint, InteriorPoint, Method, PenalizedSlack,
     Penalty, Scale, State,
 };
+use contact_core::{Ending, Outcome};
 use contact_fem::certificate::Limits;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Integration, Passes, Problem};
@@ -28,7 +28,7 @@ fn failures(certificate: &Certificate) -> Vec<&'static str> {
 fn solved() -> (Problem<2>, Solution) {
     let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
     let history = run(&mut problem, 8, 1e-8);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let solution = history.run.solution.expect("converged");
     (problem, solution)
 }
@@ -148,8 +148,8 @@ fn nothing_is_certified_of_a_nan() {
         assert!(found.len() >= 9, "{found:?}");
     }
     let nan = vec![f64::NAN; problem.energy().dofs()];
-    assert!(problem.linearize_gaps(&nan).is_err());
-    assert!(problem.linearize_gaps(&[0.0]).is_err());
+    assert!(problem.linearize_gaps(&nan, Sampling::Nodes).is_err());
+    assert!(problem.linearize_gaps(&[0.0], Sampling::Nodes).is_err());
 }
 
 /// Linear scenes under next to no load: what round-off leaves of their forces is allowed for.
@@ -212,8 +212,8 @@ impl ContactProblem for Faulty<'_> {
     fn bounds(&self) -> &Bounds {
         self.problem.bounds()
     }
-    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
-        self.problem.linearize_gaps(u).map(self.tamper)
+    fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
+        Ok((self.tamper)(self.problem.rows(u, sampling)))
     }
     fn scale(&self) -> Scale {
         self.problem.scale()
@@ -229,13 +229,12 @@ fn solved_with(
     from: &State,
     tamper: &dyn Fn(LinearGaps) -> LinearGaps,
 ) -> Solution {
-    let settings = FixedPoint {
+    let mut fixed_point = FixedPoint {
         tolerance: 1e-8,
-        ..FixedPoint::default()
+        ..FixedPoint::with(InteriorPoint::default())
     };
     let faulty = Faulty { problem, tamper };
-    let mut method = InteriorPoint::default();
-    let solution = settings.solve(&faulty, &mut method, from.clone());
+    let solution = fixed_point.solve_from(&faulty, from.clone());
     let solution = solution.expect("no misuse");
     assert_eq!(
         solution.outcome,
@@ -285,20 +284,15 @@ fn an_observer_may_stop_at_a_bad_certificate() {
         ..Limits::default()
     };
     let mut simulation = contact_fem::Simulation::with_increments(8);
-    simulation.load_steps.fixed_point.tolerance = 1e-6;
-    let history = simulation.run(
-        &mut problem,
-        &mut InteriorPoint::default(),
-        |step| match step.record.certificate.holds(&strict) {
+    simulation.solver.fixed_point.tolerance = 1e-6;
+    let history = simulation.run_observed(&mut problem, |step| {
+        match step.record.certificate.holds(&strict) {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),
-        },
-    );
+        }
+    });
     let history = history.expect("no misuse");
-    assert!(matches!(
-        history.run.outcome,
-        RunOutcome::Interrupted { .. }
-    ));
+    assert!(matches!(history.run.ending, Ending::Interrupted { .. }));
 }
 
 /// The lower of two square blocks, held below, and the upper one.
@@ -429,7 +423,7 @@ fn rest_is_certified() {
         upper.prescribe("top", [Some(0.0); 2]).expect("support");
         let mut problem = touching([lower, upper], None);
         let history = run(&mut problem, 1, 1e-6);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        assert_eq!(history.run.ending, Ending::Complete);
         let certificate = history.certificate().expect("a step");
         assert!(failures(&certificate).is_empty(), "{certificate}");
     }

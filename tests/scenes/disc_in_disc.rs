@@ -1,18 +1,14 @@
 //! Section 6.1 of the paper against reference values computed by an independent implementation.
 
-use std::ops::ControlFlow;
-
 use crate::common::{Order, disc_in_disc, disc_in_disc_scene, relative, run};
-use contact_core::fixed_point::Outcome;
-use contact_core::load_steps::RunOutcome;
-use contact_core::{Acceleration, InteriorPoint};
+use contact_core::{Acceleration, Ending, Outcome};
 use contact_fem::Simulation;
 use contact_fem::scene::{Integration, Passes};
 use contact_fem::simulation::History;
 
 /// Energy and the force on the disc at full load, both within 1e-4 of the reference.
 fn assert_reference(history: &History<2>, ring: usize, energy: f64, reaction: f64) {
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     assert_eq!(history.run.cuts(), 0, "nothing was cut");
     let last = history.steps.last().expect("steps");
     assert!(
@@ -67,7 +63,7 @@ fn default_tolerance_reaches_full_load_uncut() {
     let iterations: usize = history
         .steps
         .iter()
-        .map(|s| s.attempt.effort().iterations)
+        .map(|s| s.attempt.cost.iterations)
         .sum();
     assert!(iterations <= 4000, "{iterations} iterations of Ipopt");
 }
@@ -116,14 +112,10 @@ fn the_plain_fixed_point_reports_its_cycle() {
     let mut problem = disc_in_disc(64, Passes::Both, Order::RingFirst);
     let mut simulation = Simulation::with_increments(100);
     simulation.load_steps.max_halvings = 0;
-    simulation.load_steps.fixed_point.tolerance = 1e-8;
-    simulation.load_steps.fixed_point.acceleration = Acceleration::Plain;
-    let history = simulation
-        .run(&mut problem, &mut InteriorPoint::default(), |_| {
-            ControlFlow::Continue(())
-        })
-        .expect("no misuse");
-    let RunOutcome::NotConverged { at, why } = &history.run.outcome else {
+    simulation.solver.fixed_point.tolerance = 1e-8;
+    simulation.solver.fixed_point.acceleration = Acceleration::Plain;
+    let history = simulation.run(&mut problem).expect("no misuse");
+    let Ending::NotConverged { at, why } = &history.run.ending else {
         panic!("the plain iteration was expected to cycle somewhere");
     };
     let Outcome::Cycle { period, amplitude } = why else {

@@ -1,7 +1,7 @@
 //! Loads, stiffnesses and steps far from ordinary.
 
 use crate::common::{Order, disc_in_disc, relative, run};
-use contact_core::load_steps::RunOutcome;
+use contact_core::Ending;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Passes, Problem};
 use contact_fem::{Body, LinearElastic, NeoHookean, Scene};
@@ -37,11 +37,7 @@ fn small_loads_give_small_displacements() {
         top.traction("top", [0.0, -pressure]).expect("load");
         let mut problem = stack(top, 1.0);
         let history = run(&mut problem, 1, 1e-6);
-        assert_eq!(
-            history.run.outcome,
-            RunOutcome::Complete,
-            "pressure {pressure}"
-        );
+        assert_eq!(history.run.ending, Ending::Complete, "pressure {pressure}");
         let displacements = problem.displacements(&history.run.state.u);
         let lowest = displacements.iter().map(|u| u[1]).fold(0.0, f64::min);
         assert!(
@@ -60,7 +56,7 @@ fn stiff_against_soft() {
             .expect("support");
         let mut problem = stack(top, ratio);
         let history = run(&mut problem, 1, 1e-6);
-        assert_eq!(history.run.outcome, RunOutcome::Complete, "ratio {ratio}");
+        assert_eq!(history.run.ending, Ending::Complete, "ratio {ratio}");
         let force = history.steps[0].reactions[0][1];
         let expected = 0.1 / (1.0 + 1.0 / ratio);
         assert!(
@@ -84,7 +80,7 @@ fn nothing_tunnels() {
             step.factor
         );
     }
-    if history.run.outcome == RunOutcome::Complete {
+    if history.run.ending == Ending::Complete {
         let energy = history.steps.last().expect("steps").energy;
         assert!(relative(energy, 965.2329) < 1e-4, "{energy}");
     } else {
@@ -114,7 +110,7 @@ fn small_strain_scenes_are_linear_in_the_load() {
         scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let history = run(&mut problem, 1, 1e-6);
-        assert_eq!(history.run.outcome, RunOutcome::Complete, "load {load}");
+        assert_eq!(history.run.ending, Ending::Complete, "load {load}");
         let step = history.steps.last().expect("converged");
         assert!(step.penetration < 1e-2 * load / 100.0);
         step.energy
@@ -148,7 +144,7 @@ fn coarse_facets_do_not_hide_a_tunnel() {
             scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
             let mut problem = scene.problem().expect("valid scene");
             let history = run(&mut problem, increments, 1e-9);
-            assert_eq!(history.run.outcome, RunOutcome::Complete);
+            assert_eq!(history.run.ending, Ending::Complete);
             history.steps.last().expect("converged").energy
         };
         let (one, ten) = (energy(1), energy(10));
@@ -184,13 +180,12 @@ fn thin_bodies_are_not_jumped_over() {
         scene.contact((0, "all"), (1, "all")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let history = run(&mut problem, increments, 1e-8);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
-        let caught = history.run.attempts.iter().any(|attempt| {
-            matches!(
-                attempt.outcome,
-                contact_core::fixed_point::Outcome::Tunnelled { .. }
-            )
-        });
+        assert_eq!(history.run.ending, Ending::Complete);
+        let caught = history
+            .run
+            .attempts
+            .iter()
+            .any(|attempt| matches!(attempt.outcome, contact_core::Outcome::Tunnelled { .. }));
         assert_eq!(caught, increments == 1);
         history.steps.last().expect("converged").energy
     };

@@ -67,7 +67,7 @@ fn solved<const D: usize>(
         ..InteriorPoint::default()
     };
     let history = run_with(&mut method, &mut problem, increments, 1e-11);
-    assert_eq!(history.steps.len(), increments, "{:?}", history.run.outcome);
+    assert_eq!(history.steps.len(), increments, "{:?}", history.run.ending);
     let step = history.steps.last().expect("converged");
     let solution = history.run.solution.as_ref().expect("converged");
     let contact = problem.contact_forces(&solution.gaps, &solution.lambda);

@@ -2,8 +2,8 @@
 
 use crate::common::{relative, run, run_with};
 use crate::support::hairpin;
+use contact_core::Ending;
 use contact_core::InteriorPoint;
-use contact_core::load_steps::RunOutcome;
 use contact_fem::contact::projection::{closest, interpolate};
 use contact_fem::element::{Element, P1, P2};
 use contact_fem::mesh::Mesh;
@@ -219,7 +219,7 @@ fn closes<const D: usize>(
 ) -> Vec<[Vector<D>; 2]> {
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, increments, tolerance);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let first = history.steps.iter().find(|s| s.rows > 0).expect("rows");
     assert!(first.factor > 0.2, "nothing of the band is near itself");
     let step = history.steps.last().expect("converged");
@@ -305,7 +305,7 @@ where
             ..InteriorPoint::default()
         };
         let history = run_with(&mut method, &mut problem, increments, 2e-11);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        assert_eq!(history.run.ending, Ending::Complete);
         let step = history.steps.last().expect("converged");
         assert!(step.rows > 3);
         let U = problem.displacements(&history.run.state.u);
@@ -340,7 +340,7 @@ fn a_long_reach_adds_no_contact() {
             .filter(|X| X[0] >= 0.0 && (X[1].abs() - 0.2).abs() < 1e-9);
         let arms = arms.count();
         let history = run(&mut problem, 8, 1e-6);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        assert_eq!(history.run.ending, Ending::Complete);
         let step = history.steps.last().expect("converged");
         assert!(
             step.rows <= arms + 12,
@@ -369,7 +369,7 @@ fn without_self_contact_the_arms_cross() {
     let scene = hairpin::scene(3, false).expect("scene");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 8, 1e-6);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let U = problem.displacements(&history.run.state.u);
     let X = problem.reference();
     let arm = (0..X.len()).filter(|&a| hairpin::is_inside_of_upper_arm(&X[a]));
@@ -433,7 +433,7 @@ fn slit_integrated(
     scene.self_contact(0, "slit").expect("a surface");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, increments, 1e-9);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let step = history.steps.last().expect("converged");
     assert!(step.penetration < 1e-3, "{}", step.penetration);
     (step.energy, step.reactions[0].norm())

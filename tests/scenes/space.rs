@@ -2,8 +2,8 @@
 
 use crate::common::{relative, run, run_with, stress_error};
 use crate::support::blocks::Blocks;
+use contact_core::Ending;
 use contact_core::InteriorPoint;
-use contact_core::load_steps::RunOutcome;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::cuboid;
 use contact_fem::scene::{Integration, Problem};
@@ -99,7 +99,7 @@ impl Oblique {
             ..InteriorPoint::default()
         };
         let history = run_with(&mut method, &mut problem, 3, 2e-11);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        assert_eq!(history.run.ending, Ending::Complete);
         (problem, history)
     }
 
@@ -192,7 +192,7 @@ fn three_blocks(elements: Order, order: [usize; 3]) -> (Vec<Vector<3>>, f64) {
         ..InteriorPoint::default()
     };
     let history = run_with(&mut method, &mut problem, 2, 2e-11);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let step = history.steps.last().expect("converged");
     assert!(step.contact_forces[place[0]][2] < -1.0 && step.contact_forces[place[2]][2] > 1.0);
     let U = problem.displacements(&history.run.state.u);

@@ -16,7 +16,7 @@ fn results_and_iterations_do_not_depend_on_units() {
         let other = scaled(length, modulus);
         assert_eq!(other.steps.len(), reference.steps.len());
         for (a, b) in other.steps.iter().zip(&reference.steps) {
-            let (fine, coarse) = (a.attempt.effort(), b.attempt.effort());
+            let (fine, coarse) = (a.attempt.cost, b.attempt.cost);
             assert_eq!(a.attempt.iterations.len(), b.attempt.iterations.len());
             assert_eq!(fine.iterations, coarse.iterations);
             assert!((a.energy / (modulus * length * length) - b.energy).abs() < 1e-7 * 300.0);

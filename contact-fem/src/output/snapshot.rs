@@ -1,7 +1,7 @@
 //! The fields of one state, ready to be written or drawn.
 
 use contact_core::LinearGaps;
-use contact_core::fixed_point::Solution;
+use contact_core::equilibrium::Solution;
 
 use crate::assembly::CellState;
 use crate::certificate::Certificate;
@@ -99,7 +99,7 @@ pub(super) fn cells<const D: usize>(
 
 #[cfg(test)]
 pub(super) mod tests {
-    use contact_core::ContactProblem;
+    use contact_core::gaps::Sampling;
 
     use super::*;
     use crate::element::{Element, P1, P2};
@@ -138,7 +138,7 @@ pub(super) mod tests {
     /// Every free component displaced by 0.1, and a multiplier of 3 on every row.
     pub fn displaced<const D: usize>(problem: &Problem<D>) -> Snapshot<D> {
         let u = vec![0.1; problem.dofs().free()];
-        let gaps = problem.linearize_gaps(&u).expect("rows");
+        let gaps = problem.rows(&u, Sampling::Nodes);
         let lambda = vec![3.0; gaps.len()];
         Snapshot::with_contact(problem, &u, &gaps, &lambda).expect("a snapshot")
     }

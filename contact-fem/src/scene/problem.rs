@@ -28,6 +28,8 @@ pub struct Problem<const D: usize> {
     first_node: Vec<usize>,
     surfaces: Vec<Surface<D>>,
     passes: Vec<Pass>,
+    /// For each pass, whether it is the reversed role of its pair.
+    reversed: Vec<bool>,
     bounds: Bounds,
     reach: f64,
     scale: Scale,
@@ -58,7 +60,7 @@ impl<const D: usize> Problem<D> {
             true => DofMap::new(&vec![false; supports.len()]),
             false => supports.clone(),
         };
-        let (surfaces, passes) = surfaces_and_passes(&scene, &X, &first_node);
+        let (surfaces, passes, reversed) = surfaces_and_passes(&scene, &X, &first_node);
         let low = X.iter().fold(X[0], |m, x| m.inf(x));
         let high = X.iter().fold(X[0], |m, x| m.sup(x));
         let length = (high - low).norm();
@@ -103,6 +105,7 @@ impl<const D: usize> Problem<D> {
             first_node,
             surfaces,
             passes,
+            reversed,
         }
     }
 
@@ -293,6 +296,24 @@ impl<const D: usize> Problem<D> {
 
     /// As [`Problem::rows`], of any roles of its surfaces.
     pub fn rows_of(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
+        let numbered: Vec<_> = passes.iter().copied().enumerate().collect();
+        self.rows_of_numbered(&numbered, u, sampling)
+    }
+
+    /// The rows of the passes as they were declared, or of those in reversed roles.
+    fn rows_in_role(&self, reversed: bool, u: &[f64], sampling: Sampling) -> LinearGaps {
+        let passes = self.passes.iter().copied().enumerate();
+        let in_role = passes.zip(&self.reversed);
+        let in_role = in_role.filter_map(|(pass, role)| (*role == reversed).then_some(pass));
+        self.rows_of_numbered(&in_role.collect::<Vec<_>>(), u, sampling)
+    }
+
+    fn rows_of_numbered(
+        &self,
+        passes: &[(usize, Pass)],
+        u: &[f64],
+        sampling: Sampling,
+    ) -> LinearGaps {
         let mut gaps = LinearGaps::new(self.is_exact()).sampled_at(sampling);
         if passes.is_empty() {
             return gaps;
@@ -305,11 +326,11 @@ impl<const D: usize> Problem<D> {
             supports: &self.supports,
             prescribed: &self.prescribed,
         };
-        for (k, pass) in passes.iter().enumerate() {
+        for (k, pass) in passes {
             let (slave, master) = (&self.surfaces[pass.slave], &masters[pass.master]);
             let integration = self.scene.integration;
             let rows = PassRows::new(slave, master, x, integration, self.reach, sampling);
-            rows.append(k as u32, &self.X, &unknowns, &mut gaps);
+            rows.append(*k as u32, &self.X, &unknowns, &mut gaps);
         }
         gaps
     }
@@ -380,7 +401,7 @@ fn surfaces_and_passes<const D: usize>(
     scene: &Scene<D>,
     X: &[Vector<D>],
     first_node: &[usize],
-) -> (Vec<Surface<D>>, Vec<Pass>) {
+) -> (Vec<Surface<D>>, Vec<Pass>, Vec<bool>) {
     let mut names: Vec<&SurfaceName> = Vec::new();
     let mut passes = Vec::new();
     for pair in &scene.pairs {
@@ -401,10 +422,10 @@ fn surfaces_and_passes<const D: usize>(
             },
         );
         match pair.passes {
-            _ if a == b => passes.push(forth),
-            Passes::Both => passes.extend([forth, back]),
-            Passes::FirstIsSlave => passes.push(forth),
-            Passes::SecondIsSlave => passes.push(back),
+            _ if a == b => passes.push((forth, false)),
+            Passes::Both => passes.extend([(forth, false), (back, true)]),
+            Passes::FirstIsSlave => passes.push((forth, false)),
+            Passes::SecondIsSlave => passes.push((back, true)),
         }
     }
     let surface = |name: &&SurfaceName| {
@@ -416,7 +437,8 @@ fn surfaces_and_passes<const D: usize>(
         let facets: Vec<Vec<usize>> = facets.into_iter().map(facet).collect();
         Surface::new(name.body, mesh.order(), facets.iter().map(Vec::as_slice), X)
     };
-    (names.iter().map(surface).collect(), passes)
+    let (passes, reversed) = passes.into_iter().unzip();
+    (names.iter().map(surface).collect(), passes, reversed)
 }
 
 impl<const D: usize> ContactProblem for Problem<D> {
@@ -436,14 +458,14 @@ impl<const D: usize> ContactProblem for Problem<D> {
         self.prescribed.iter().fold(0.0, |m, v| m.max(v.abs()))
     }
 
-    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+    fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
         Error::check_vector("u", u, self.dofs.free())?;
-        Ok(self.rows(u, Sampling::Nodes))
+        Ok(self.rows_in_role(false, u, sampling))
     }
 
-    fn linearize_points(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+    fn linearize_reversed(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
         Error::check_vector("u", u, self.dofs.free())?;
-        Ok(self.rows(u, Sampling::Points))
+        Ok(self.rows_in_role(true, u, sampling))
     }
 }
 

@@ -4,7 +4,6 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use ipopt_contact::contact_core;
 use ipopt_contact::contact_fem::output::Snapshot;
 use ipopt_contact::prelude::*;
 
@@ -30,10 +29,8 @@ fn run<const D: usize>(
 ) -> Result<(), Failure> {
     let increments = size.of(case.increments);
     let mut simulation = Simulation::with_increments(increments);
-    simulation.load_steps.fixed_point.tolerance = case.tolerance;
-    let history = simulation.run(&mut problem, &mut InteriorPoint::default(), |_| {
-        ControlFlow::Continue(())
-    })?;
+    simulation.solver.fixed_point.tolerance = case.tolerance;
+    let history = simulation.run_observed(&mut problem, |_| ControlFlow::Continue(()))?;
     let seconds = clock.elapsed().as_secs_f64();
     files::write(folder.join("history.txt"), lines(case, &history))?;
     files::write(
@@ -79,7 +76,7 @@ fn lines<const D: usize>(case: &Case, history: &History<D>) -> String {
     let line = |record: &StepRecord<D>| {
         let iterations = record.attempt.iterations.len();
         let (energy, force) = (record.energy, reaction(case, record)[D - 1]);
-        let seconds = record.attempt.seconds;
+        let seconds = record.attempt.cost.wall;
         format!(
             "{} {energy:e} {force:e} {iterations} {seconds}\n",
             record.factor
@@ -95,22 +92,17 @@ fn result<const D: usize>(
     increments: usize,
     seconds: f64,
 ) -> String {
-    let attempts = &history.run.attempts;
-    let effort = |of: fn(&contact_core::method::Effort) -> f64| -> f64 {
-        attempts.iter().map(|attempt| of(&attempt.effort())).sum()
-    };
-    let iterations: usize = attempts.iter().map(|a| a.iterations.len()).sum();
-    let rows: f64 = attempts.iter().map(|attempt| attempt.projection()).sum();
+    let cost = history.run.cost();
     let cells = problem.scene().bodies().iter().map(|b| b.mesh().len());
-    let is_complete = history.run.outcome == RunOutcome::Complete;
+    let is_complete = history.run.ending == Ending::Complete;
     let mut values = vec![
         ("increments", increments as f64),
-        ("fixed_point_iterations", iterations as f64),
-        ("ipopt_iterations", effort(|e| e.iterations as f64)),
+        ("fixed_point_iterations", cost.fixed_point as f64),
+        ("ipopt_iterations", cost.iterations as f64),
         ("seconds_total", seconds),
-        ("seconds_rows", rows),
-        ("seconds_ipopt", effort(|e| e.optimizer)),
-        ("seconds_callbacks", effort(|e| e.callbacks)),
+        ("seconds_rows", cost.projection),
+        ("seconds_ipopt", cost.optimizer),
+        ("seconds_callbacks", cost.callbacks),
         ("converged", f64::from(u8::from(is_complete))),
         ("cuts", history.run.cuts() as f64),
         ("cells", cells.sum::<usize>() as f64),

@@ -1,9 +1,7 @@
 //! Scenes that several tests share.
 #![allow(dead_code)] // each test binary uses its own part
 
-use std::ops::ControlFlow;
-
-use contact_core::{InteriorPoint, Method};
+use contact_core::{InteriorPoint, Method, Retry};
 use contact_fem::mesh::generators::{Diagonals, annulus, disc};
 use contact_fem::scene::{Passes, Problem};
 use contact_fem::simulation::History;
@@ -87,11 +85,9 @@ pub fn run_with<const D: usize>(
     increments: usize,
     tolerance: f64,
 ) -> History<D> {
-    let mut simulation = Simulation::with_increments(increments);
-    simulation.load_steps.fixed_point.tolerance = tolerance;
-    simulation
-        .run(problem, method, |_| ControlFlow::Continue(()))
-        .expect("no misuse")
+    let mut simulation = Simulation::solved_by(Retry::with(method), increments);
+    simulation.solver.fixed_point.tolerance = tolerance;
+    simulation.run(problem).expect("no misuse")
 }
 
 /// The largest error of σ along the last axis in any cell, relative to `exact`.

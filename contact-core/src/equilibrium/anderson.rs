@@ -4,6 +4,22 @@ use std::collections::VecDeque;
 
 use nalgebra::{DMatrix, DVector};
 
+/// How successive iterates are combined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acceleration {
+    /// The paper's plain iteration; it may fall into a cycle.
+    Plain,
+    /// [Anderson acceleration](self) over this many differences.
+    Anderson(usize),
+}
+
+impl Default for Acceleration {
+    /// Anderson's over 8 differences: on the disc-in-disc fewer take more iterations, and more do not take fewer.
+    fn default() -> Self {
+        Acceleration::Anderson(8)
+    }
+}
+
 /// Anderson acceleration (type II) of bounded depth.
 ///
 /// With residuals f_k = G(u_k) − u_k, the next point is G(u_n) − Σ_j γ_j (G(u_{j+1}) − G(u_j)),
@@ -22,6 +38,14 @@ pub struct Anderson {
 impl Anderson {
     /// Differences whose singular value is below this share of the largest carry only noise.
     const NOISE: f64 = 1e-8;
+
+    /// As these settings say; the plain iteration has depth 0.
+    pub fn of(acceleration: Acceleration) -> Self {
+        Anderson::new(match acceleration {
+            Acceleration::Plain => 0,
+            Acceleration::Anderson(depth) => depth,
+        })
+    }
 
     /// Nothing remembered yet.
     pub fn new(depth: usize) -> Self {
