@@ -8,11 +8,6 @@
 //! No files are written. Every size runs in a process of its own, so that the peak of memory is its
 //! own, too. Own code is all but Ipopt with its linear solver.
 
-#[path = "../examples/support/discs.rs"]
-mod discs;
-#[path = "../examples/support/machine.rs"]
-mod machine;
-
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::process::{Command, ExitCode, Stdio};
@@ -20,9 +15,10 @@ use std::time::Instant;
 
 use clap::Parser;
 use contact_core::method::Effort;
-use discs::{Fineness, Roles};
+use contact_fem::output::record::peak_memory;
 use ipopt_contact::prelude::*;
-use ipopt_contact::{contact_core, versions};
+use ipopt_contact::{contact_core, contact_fem, versions};
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 use serde::{Deserialize, Serialize};
 
 /// Times the disc-in-disc scene
@@ -126,7 +122,7 @@ fn child(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 fn measure(arguments: &Arguments, segments: usize) -> Result<Line, Box<dyn Error>> {
     let clock = Instant::now();
     let roles = Roles::default();
-    let mut scene = discs::scene(Fineness::scaled(segments), roles)?;
+    let mut scene = disc_in_disc::scene(Fineness::scaled(segments), roles)?;
     if arguments.exact {
         scene.integration = Integration::Exact;
     }
@@ -154,7 +150,7 @@ fn measure(arguments: &Arguments, segments: usize) -> Result<Line, Box<dyn Error
         projection: attempts.iter().map(|a| a.projection()).sum(),
         callbacks: effort.callbacks,
         optimizer: effort.optimizer,
-        peak_memory: machine::peak_memory(),
+        peak_memory: peak_memory(),
         energy: last.map(|step| step.energy),
         reaction: last.map(|step| step.reactions[roles.ring()][1]),
     })

@@ -72,14 +72,12 @@
 //! ```
 //!
 //! # Features
-//! `vtk`, `csv` and `plot`, all on by default, are the output formats of [`contact_fem::output`].
-
-mod versions;
+//! `vtk`, `csv` and `plot` are the output formats of [`contact_fem::output`], `record` makes all of them while a run
+//! goes on: `simulation.record("out/disc")`. All are on by default.
 
 pub use contact_core;
-pub use contact_core::ipopt::{Blas, BlasKind};
+pub use contact_core::ipopt::{Blas, BlasKind, Versions, versions};
 pub use contact_fem;
-pub use versions::{Versions, versions};
 
 /// What most scenes need, in one `use`.
 pub mod prelude {

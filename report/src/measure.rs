@@ -14,7 +14,7 @@ use crate::Failure;
 use crate::case::Case;
 use crate::processor;
 use crate::record::{Cost, Measured, Phases};
-use crate::support::machine;
+use ipopt_contact::contact_fem::output::record::peak_memory;
 
 /// A scene at full load, or wherever it came to.
 pub struct Solved<const D: usize> {
@@ -119,7 +119,7 @@ fn cost<const D: usize>(history: &History<D>, wall: f64, set_up: f64) -> Cost {
     Cost {
         wall,
         cpu: None,
-        memory: machine::peak_memory(),
+        memory: peak_memory(),
         steps: history.steps.len(),
         cuts: history.run.cuts(),
         fixed_point: attempts.iter().map(|a| a.iterations.len()).sum(),

@@ -1,9 +1,10 @@
 //! The certificate of a step holds where it should, and finds faults that are planted.
 
-use crate::support::hairpin;
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
+use ipopt_contact_scenes::hairpin;
 use std::ops::ControlFlow;
 
-use crate::common::{Order, disc_in_disc, disc_in_disc_scene, run, run_with};
+use crate::common::{disc_in_disc, run, run_with};
 use contact_core::fixed_point::{Outcome, Solution};
 use contact_core::gaps::LinearGaps;
 use contact_core::load_steps::RunOutcome;
@@ -26,7 +27,7 @@ fn failures(certificate: &Certificate) -> Vec<&'static str> {
 
 /// A coarse disc-in-disc at full load.
 fn solved() -> (Problem<2>, Solution) {
-    let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(32, Roles::default());
     let history = run(&mut problem, 8, 1e-8);
     assert_eq!(history.run.outcome, RunOutcome::Complete);
     let solution = history.run.solution.expect("converged");
@@ -36,7 +37,7 @@ fn solved() -> (Problem<2>, Solution) {
 #[test]
 fn sound_runs_hold() {
     let disc = |method: &mut dyn Method| {
-        let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+        let mut problem = disc_in_disc(32, Roles::default());
         run_with(method, &mut problem, 8, 1e-6).certificate()
     };
     let mut hairpin = hairpin::scene(3, true)
@@ -279,7 +280,7 @@ fn a_forgotten_row_is_found() {
 /// A run goes on for its observer's certificate only as long as that holds, if the user wants so.
 #[test]
 fn an_observer_may_stop_at_a_bad_certificate() {
-    let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(32, Roles::default());
     let strict = Limits {
         nodal_penetration: 0.0,
         ..Limits::default()
@@ -439,7 +440,8 @@ fn rest_is_certified() {
 #[test]
 fn forgotten_points_are_found() {
     for integration in [Integration::Gauss(4), Integration::Exact] {
-        let mut scene = disc_in_disc_scene(32, Passes::Both, Order::RingFirst);
+        let mut scene =
+            disc_in_disc::scene(Fineness::scaled(32), Roles::default()).expect("a scene");
         scene.integration = integration;
         let mut problem = scene.problem().expect("valid scene");
         let history = run_with(&mut Penalty::default(), &mut problem, 16, 1e-6);
@@ -471,7 +473,13 @@ fn forgotten_points_are_found() {
 #[test]
 fn the_other_side_of_a_single_pass_is_told() {
     let other_side = |passes: Passes| {
-        let mut problem = disc_in_disc(32, passes, Order::RingFirst);
+        let mut problem = disc_in_disc(
+            32,
+            Roles {
+                passes,
+                ..Roles::default()
+            },
+        );
         let history = run(&mut problem, 8, 1e-6);
         let certificate = history.certificate().expect("steps");
         assert!(failures(&certificate).is_empty(), "{certificate}");

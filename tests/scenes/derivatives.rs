@@ -1,11 +1,12 @@
 //! Derivatives and constraints against finite differences and a second, slower definition.
 
-use crate::common::{Order, disc_in_disc};
+use crate::common::disc_in_disc;
 use contact_core::{ContactProblem, LoadStepped, check};
 use contact_fem::mesh::generators::{Diagonals, annulus, linspace, rectangle};
-use contact_fem::scene::{Passes, Problem};
+use contact_fem::scene::Problem;
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, LinearElastic, Material, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::disc_in_disc::Roles;
 
 /// A body with a prescribed boundary, a traction and a body force, at 70 % load.
 fn loaded<const D: usize>(mut body: Body<D>, support: &str, load: &str) -> Problem<D>
@@ -102,7 +103,7 @@ fn energy_of_a_scene() {
 /// weak gap: brute force over all master facets, no tree, no rows.
 #[test]
 fn gaps_against_brute_force() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     problem.set_load(0.13).expect("load");
     let u = wiggle(problem.energy().dofs(), 0.004);
     let gaps = problem.linearize_gaps(&u).expect("gaps");
@@ -190,7 +191,7 @@ fn foot_by_brute_force(
 /// must not depend on the order of terms in which they were summed.
 #[test]
 fn constraint_jacobian_against_differences() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     problem.set_load(0.13).expect("load");
     let n = problem.energy().dofs();
     let u = wiggle(n, 0.004);
@@ -213,7 +214,7 @@ fn constraint_jacobian_against_differences() {
 /// Forces that act between bodies are in balance, row by row: rigid translations change no gap.
 #[test]
 fn action_equals_reaction() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     problem.set_load(0.13).expect("load");
     let u = wiggle(problem.energy().dofs(), 0.004);
     let gaps = problem.linearize_gaps(&u).expect("gaps");

@@ -2,13 +2,24 @@
 
 use std::ops::ControlFlow;
 
-use crate::common::{Order, disc_in_disc, disc_in_disc_scene, relative, run};
+use crate::common::{disc_in_disc, relative, run};
 use contact_core::fixed_point::Outcome;
 use contact_core::load_steps::RunOutcome;
 use contact_core::{Acceleration, InteriorPoint};
 use contact_fem::Simulation;
 use contact_fem::scene::{Integration, Passes};
 use contact_fem::simulation::History;
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
+
+/// The ring comes first, or the disc.
+const BOTH_ORDERS: [Roles; 2] = [roles(false), roles(true)];
+
+const fn roles(swapped: bool) -> Roles {
+    Roles {
+        swapped,
+        passes: Passes::Both,
+    }
+}
 
 /// Energy and the force on the disc at full load, both within 1e-4 of the reference.
 fn assert_reference(history: &History<2>, ring: usize, energy: f64, reaction: f64) {
@@ -33,8 +44,9 @@ fn assert_reference(history: &History<2>, ring: usize, energy: f64, reaction: f6
 #[test]
 fn both_passes_at_tight_tolerance_whichever_body_comes_first() {
     let mut ends = Vec::new();
-    for (order, ring) in [(Order::RingFirst, 0), (Order::DiscFirst, 1)] {
-        let mut problem = disc_in_disc(64, Passes::Both, order);
+    for roles in BOTH_ORDERS {
+        let ring = roles.ring();
+        let mut problem = disc_in_disc(64, roles);
         let history = run(&mut problem, 100, 1e-8);
         assert_eq!(history.steps.len(), 100);
         assert_reference(&history, ring, 965.2329, 2377.8);
@@ -58,11 +70,7 @@ fn both_passes_at_tight_tolerance_whichever_body_comes_first() {
 
 #[test]
 fn default_tolerance_reaches_full_load_uncut() {
-    let history = run(
-        &mut disc_in_disc(64, Passes::Both, Order::RingFirst),
-        100,
-        1e-6,
-    );
+    let history = run(&mut disc_in_disc(64, Roles::default()), 100, 1e-6);
     assert_reference(&history, 0, 965.2329, 2377.8);
     let iterations: usize = history
         .steps
@@ -76,13 +84,13 @@ fn default_tolerance_reaches_full_load_uncut() {
 /// 6e-6 below the reference with four Gauss points.
 #[test]
 fn exact_integration_whichever_body_comes_first() {
-    let ends = [(Order::RingFirst, 0), (Order::DiscFirst, 1)].map(|(order, ring)| {
-        let mut scene = disc_in_disc_scene(64, Passes::Both, order);
+    let ends = BOTH_ORDERS.map(|roles| {
+        let mut scene = disc_in_disc::scene(Fineness::REFERENCE, roles).expect("a scene");
         scene.integration = Integration::Exact;
         let history = run(&mut scene.problem().expect("valid scene"), 100, 1e-8);
-        assert_reference(&history, ring, 965.2329, 2377.8);
+        assert_reference(&history, roles.ring(), 965.2329, 2377.8);
         let last = history.steps.last().expect("steps");
-        (last.energy, last.reactions[ring][1])
+        (last.energy, last.reactions[roles.ring()][1])
     });
     assert!(relative(ends[0].0, 965.2273) < 1e-6, "{ends:?}");
     assert!(relative(ends[0].0, ends[1].0) < 1e-8, "{ends:?}");
@@ -92,7 +100,13 @@ fn exact_integration_whichever_body_comes_first() {
 #[test]
 fn one_pass_with_the_hole_as_slave() {
     let history = run(
-        &mut disc_in_disc(64, Passes::FirstIsSlave, Order::RingFirst),
+        &mut disc_in_disc(
+            64,
+            Roles {
+                passes: Passes::FirstIsSlave,
+                ..Roles::default()
+            },
+        ),
         100,
         1e-8,
     );
@@ -102,7 +116,13 @@ fn one_pass_with_the_hole_as_slave() {
 #[test]
 fn one_pass_with_the_disc_as_slave() {
     let history = run(
-        &mut disc_in_disc(64, Passes::SecondIsSlave, Order::RingFirst),
+        &mut disc_in_disc(
+            64,
+            Roles {
+                passes: Passes::SecondIsSlave,
+                ..Roles::default()
+            },
+        ),
         100,
         1e-8,
     );
@@ -113,7 +133,7 @@ fn one_pass_with_the_disc_as_slave() {
 /// that the library says so: an attempt that ends in a cycle is on record with its history.
 #[test]
 fn the_plain_fixed_point_reports_its_cycle() {
-    let mut problem = disc_in_disc(64, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(64, Roles::default());
     let mut simulation = Simulation::with_increments(100);
     simulation.load_steps.max_halvings = 0;
     simulation.load_steps.fixed_point.tolerance = 1e-8;

@@ -1,10 +1,11 @@
 //! Loads, stiffnesses and steps far from ordinary.
 
-use crate::common::{Order, disc_in_disc, relative, run};
+use crate::common::{disc_in_disc, relative, run};
 use contact_core::load_steps::RunOutcome;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Passes, Problem};
+use contact_fem::scene::Problem;
 use contact_fem::{Body, LinearElastic, NeoHookean, Scene};
+use ipopt_contact_scenes::disc_in_disc::Roles;
 
 fn square(y: f64, modulus: f64) -> Body<2> {
     let mesh = rectangle(
@@ -74,7 +75,7 @@ fn stiff_against_soft() {
 /// the way to full load, nothing is deeper in the wall than polygons of a circle are.
 #[test]
 fn nothing_tunnels() {
-    let mut problem = disc_in_disc(64, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(64, Roles::default());
     let history = run(&mut problem, 1, 1e-6);
     for step in &history.steps {
         assert!(

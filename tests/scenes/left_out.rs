@@ -1,12 +1,12 @@
 //! What a scene does not need is left out, and doing it all the same changes nothing.
 
 use crate::common::{relative, run_with};
-use crate::support::hairpin;
 use contact_core::InteriorPoint;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, LeftOut, LinearElastic, Material, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::hairpin;
 
 fn of_order<const D: usize>(mesh: Mesh<D>, order: Order) -> Mesh<D> {
     match order {

@@ -1,7 +1,6 @@
 //! Many bodies, whose pairs are found, and bodies that touch themselves.
 
 use crate::common::{relative, run, run_with};
-use crate::support::hairpin;
 use contact_core::InteriorPoint;
 use contact_core::load_steps::RunOutcome;
 use contact_fem::contact::projection::{closest, interpolate};
@@ -11,6 +10,7 @@ use contact_fem::mesh::generators::{Diagonals, equilateral_disc, linspace, recta
 use contact_fem::scene::Integration;
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, LinearElastic, Material, NeoHookean, Scene};
+use ipopt_contact_scenes::hairpin;
 
 const DISCS: usize = 4;
 

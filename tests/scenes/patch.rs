@@ -1,12 +1,12 @@
 //! Patch tests: states that the elements contain exactly.
 
 use crate::common::{relative, run, stress_error};
-use crate::support::blocks::Blocks;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::scene::{Integration, Passes};
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::blocks::Blocks;
 
 /// A square mesh with its interior nodes shaken off the grid.
 fn distorted() -> Mesh<2> {

@@ -1,7 +1,6 @@
 //! Contact in space, of linear and quadratic tetrahedra: patch test, and what must not matter.
 
 use crate::common::{relative, run, run_with, stress_error};
-use crate::support::blocks::Blocks;
 use contact_core::InteriorPoint;
 use contact_core::load_steps::RunOutcome;
 use contact_fem::element::Order;
@@ -10,6 +9,7 @@ use contact_fem::scene::{Integration, Problem};
 use contact_fem::simulation::History;
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::blocks::Blocks;
 
 fn block(order: Order, low: [f64; 3], size: [f64; 3], divisions: usize) -> Mesh<3> {
     let mesh = cuboid(low, size, [divisions; 3]).expect("mesh");
