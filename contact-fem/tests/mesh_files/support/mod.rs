@@ -1,5 +1,4 @@
 //! What the tests of mesh files and the fuzzer share.
-#![allow(dead_code)]
 
 pub mod memory;
 pub mod mutation;

@@ -1,10 +1,8 @@
 //! Wrong and foreign files: each is refused with its place and the reason.
 
-mod support;
-
+use crate::support::{self, mutation::Random};
 use contact_fem::mesh::read::{Place, Problem};
 use contact_fem::{Error, MeshFile};
-use support::mutation::Random;
 
 use Place::{File, Line};
 use Problem::*;

@@ -1,9 +1,10 @@
 //! Files with random damage: whatever comes of them, nothing panics and nothing takes much more
 //! memory than the file has bytes.
 
-mod support;
-
-use support::mutation::{Random, damaged};
+use crate::support::{
+    self,
+    mutation::{Random, damaged},
+};
 
 #[test]
 fn truncated_files_never_panic() {

@@ -3,7 +3,6 @@
 //!
 //! `make fuzz-readers SECONDS=60 SEED=1`, or with arguments: seconds, seed.
 
-#[path = "../tests/support/mod.rs"]
 mod support;
 
 use std::collections::{BTreeMap, HashSet};

@@ -1,12 +1,8 @@
-//! Problems with solutions known from elsewhere: a module of the other tests, in a folder so that it is no test itself.
-#![allow(dead_code, missing_docs)]
+//! Problems with solutions known from elsewhere, which the tests of the driver share.
 
 use std::ops::ControlFlow;
 
-use contact_core::{
-    ipopt::{Options, Solver},
-    nlp::{Bounds, Iterate, Nlp, Pattern, Structure},
-};
+use contact_core::nlp::{Bounds, Iterate, Nlp, Pattern, Structure};
 
 /// The functions of an [`Nlp`], to name one of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,8 +47,16 @@ pub fn hs071_structure() -> Structure {
     .expect("HS071 is well formed")
 }
 
-pub fn hs071_solver() -> Solver {
-    Solver::new(hs071_structure(), &Options::new()).expect("the defaults are valid")
+/// A solver for [`Hs071`] with the default options, a macro because this crate is built without Ipopt.
+#[macro_export]
+macro_rules! hs071_solver {
+    () => {
+        ::contact_core::ipopt::Solver::new(
+            $crate::hs071_structure(),
+            &::contact_core::ipopt::Options::new(),
+        )
+        .expect("the defaults are valid")
+    };
 }
 
 impl Nlp for Hs071 {

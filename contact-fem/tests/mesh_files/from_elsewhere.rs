@@ -1,10 +1,10 @@
 //! Meshes that Gmsh and FreeFEM made, against the geometry they were made of.
 
-mod support;
-
 use contact_fem::mesh::read::{ElementKind, Format};
 use contact_fem::tensor::facet_normal;
 use contact_fem::{Mesh, MeshFile};
+
+use crate::support;
 
 fn read(name: &str) -> MeshFile {
     MeshFile::read(support::folder().join(name)).unwrap_or_else(|error| panic!("{error}"))
