@@ -91,8 +91,8 @@ impl Blocks {
             };
             bodies.push(body);
         }
-        let mut scene = Scene::new(bodies);
-        scene.integration = self.integration;
+        let mut scene = Scene::of(bodies);
+        scene.integration = Some(self.integration);
         scene.contact_in_passes((0, "top"), (1, "bottom"), self.passes)?;
         Ok(scene)
     }

@@ -75,11 +75,11 @@ pub fn scene(fineness: Fineness, roles: Roles) -> Result<Scene<2>, Error> {
 
     let (hole, edge) = ("inner", "boundary");
     if roles.swapped {
-        let mut scene = Scene::new(vec![inner, ring]);
+        let mut scene = Scene::of(vec![inner, ring]);
         scene.contact_in_passes((0, edge), (1, hole), mirrored(roles.passes))?;
         Ok(scene)
     } else {
-        let mut scene = Scene::new(vec![ring, inner]);
+        let mut scene = Scene::of(vec![ring, inner]);
         scene.contact_in_passes((0, hole), (1, edge), roles.passes)?;
         Ok(scene)
     }

@@ -108,17 +108,15 @@ impl Hertz {
         let (cylinder, block) = (self.cylinder()?, self.block()?);
         let (arc, top) = ("arc", "top");
         let mut scene = if self.swapped {
-            let mut scene = Scene::new(vec![block, cylinder]);
+            let mut scene = Scene::of(vec![block, cylinder]);
             scene.contact_in_passes((0, top), (1, arc), mirrored(self.passes))?;
             scene
         } else {
-            let mut scene = Scene::new(vec![cylinder, block]);
+            let mut scene = Scene::of(vec![cylinder, block]);
             scene.contact_in_passes((0, arc), (1, top), self.passes)?;
             scene
         };
-        if let Some(integration) = self.integration {
-            scene.integration = integration;
-        }
+        scene.integration = self.integration;
         Ok(scene)
     }
 

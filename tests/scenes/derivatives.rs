@@ -15,7 +15,7 @@ where
     body.prescribe(support, [Some(0.02); D]).expect("support");
     body.traction(load, [0.3; D]).expect("load");
     body.body_force([-0.1; D]).expect("load");
-    let mut problem = Scene::new(vec![body]).problem().expect("valid scene");
+    let mut problem = Scene::of(vec![body]).problem().expect("valid scene");
     problem.set_load(0.7).expect("load");
     problem
 }
@@ -91,7 +91,7 @@ fn energy_of_a_scene() {
     block
         .prescribe("left", [Some(0.0), Some(0.0)])
         .expect("support");
-    let mut scene = Scene::new(vec![ring, block]);
+    let mut scene = Scene::of(vec![ring, block]);
     scene.contact((0, "inner"), (1, "right")).expect("surfaces");
     let mut problem = scene.problem().expect("valid scene");
     problem.set_load(1.0).expect("load");

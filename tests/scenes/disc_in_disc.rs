@@ -78,7 +78,7 @@ fn default_tolerance_reaches_full_load_uncut() {
 fn exact_integration_whichever_body_comes_first() {
     let ends = [(Order::RingFirst, 0), (Order::DiscFirst, 1)].map(|(order, ring)| {
         let mut scene = disc_in_disc_scene(64, Passes::Both, order);
-        scene.integration = Integration::Exact;
+        scene.integration = Some(Integration::Exact);
         let history = run(&mut scene.problem().expect("valid scene"), 100, 1e-8);
         assert_reference(&history, ring, 965.2329, 2377.8);
         let last = history.steps.last().expect("steps");

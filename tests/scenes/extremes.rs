@@ -23,7 +23,7 @@ fn stack(mut top: Body<2>, modulus: f64) -> Problem<2> {
     let mut bottom = square(0.0, modulus);
     bottom.prescribe("bottom", [Some(0.0); 2]).expect("support");
     top.prescribe("left", [Some(0.0), None]).expect("support");
-    let mut scene = Scene::new(vec![bottom, top]);
+    let mut scene = Scene::of(vec![bottom, top]);
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     scene.problem().expect("valid scene")
 }
@@ -110,7 +110,7 @@ fn small_strain_scenes_are_linear_in_the_load() {
         };
         let (lower, mut upper) = (beam(0.0), beam(1.0));
         upper.traction("top", [0.0, -load]).expect("load");
-        let mut scene = Scene::new(vec![lower, upper]);
+        let mut scene = Scene::of(vec![lower, upper]);
         scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let history = run(&mut problem, 1, 1e-6);
@@ -144,7 +144,7 @@ fn coarse_facets_do_not_hide_a_tunnel() {
             lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
             let down = [Some(0.0), Some(-0.7)];
             upper.prescribe("top", down).expect("support");
-            let mut scene = Scene::new(vec![lower, upper]);
+            let mut scene = Scene::of(vec![lower, upper]);
             scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
             let mut problem = scene.problem().expect("valid scene");
             let history = run(&mut problem, increments, 1e-9);
@@ -177,7 +177,7 @@ fn thin_bodies_are_not_jumped_over() {
         block
             .prescribe("top", [Some(0.0), Some(-0.4)])
             .expect("support");
-        let mut scene = Scene::new(match block_first {
+        let mut scene = Scene::of(match block_first {
             true => vec![block, plate],
             false => vec![plate, block],
         });

@@ -42,7 +42,7 @@ fn hertz(
     );
     let (P, h) = (FORCE, a / in_contact);
     let mut scene = hertz.scene().expect("a scene");
-    scene.integration = integration.unwrap_or(scene.integration);
+    scene.integration = integration;
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);
     let step = history.steps.last().expect("converged");

@@ -416,9 +416,9 @@ fn blocks() -> Problem<2> {
         .prescribe("bottom", [None, Some(0.0)])
         .expect("support");
     upper.traction("top", [0.0, -PRESSURE]).expect("load");
-    let mut scene = Scene::new(vec![lower, upper]);
+    let mut scene = Scene::of(vec![lower, upper]);
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
-    scene.integration = Integration::Exact;
+    scene.integration = Some(Integration::Exact);
     scene.problem().expect("valid scene")
 }
 

@@ -40,7 +40,7 @@ pub fn disc_in_disc_scene(segments: usize, passes: Passes, order: Order) -> Scen
         Order::RingFirst => (vec![ring, inner], (0, "inner"), (1, "boundary")),
         Order::DiscFirst => (vec![inner, ring], (1, "inner"), (0, "boundary")),
     };
-    let mut scene = Scene::new(bodies);
+    let mut scene = Scene::of(bodies);
     match order {
         Order::RingFirst => scene.contact_in_passes(hole, disc, passes),
         Order::DiscFirst => scene.contact_in_passes(disc, hole, passes),
@@ -59,7 +59,7 @@ pub fn scaled_discs(length: f64, modulus: f64) -> Problem<2> {
     let mut inner = Body::new(inner, NeoHookean::new(2000.0 * modulus, 0.3).expect("law"));
     let down = [Some(0.0), Some(-0.6 * length)];
     inner.prescribe_all(down).expect("support");
-    let mut scene = Scene::new(vec![ring, inner]);
+    let mut scene = Scene::of(vec![ring, inner]);
     scene
         .contact((0, "inner"), (1, "boundary"))
         .expect("surfaces");

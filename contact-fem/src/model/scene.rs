@@ -1,25 +1,8 @@
-//! Scenes: bodies, their supports and loads, and which surfaces may touch.
+//! Scenes: bodies by name, and which of their boundaries may touch.
 
-mod body;
-mod check;
-mod overlap;
-mod problem;
-
-pub use body::Body;
-pub use problem::Problem;
-
-pub use crate::contact::Integration;
+use super::{Body, BodyId, Integration, Problem, Side, overlap, preflight};
 use crate::element::Order;
 use crate::error::Error;
-
-/// A contact surface as a user names it: body and boundary.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct SurfaceName {
-    /// The body's index in the scene.
-    pub body: usize,
-    /// The name of a boundary of its mesh.
-    pub boundary: String,
-}
 
 /// Which roles a pair of surfaces plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -37,9 +20,9 @@ pub enum Passes {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
     /// One surface.
-    pub first: SurfaceName,
+    pub first: Side,
     /// The other one.
-    pub second: SurfaceName,
+    pub second: Side,
     /// In which roles.
     pub passes: Passes,
 }
@@ -47,13 +30,14 @@ pub struct Pair {
 /// Bodies and contact pairs; [`Scene::problem`] checks it and makes it solvable.
 pub struct Scene<const D: usize> {
     bodies: Vec<Body<D>>,
+    names: Vec<String>,
     pairs: Vec<Pair>,
-    surfaces: Vec<SurfaceName>,
+    surfaces: Vec<Side>,
     /// How the constraints are integrated: by default at 4 Gauss points a facet and direction; with
     /// quadratic elements, whose pressures suffer more, at 12 in the plane and 8 in space. They do
     /// not see where facets of the other surface end, which costs about 0.1 % of the stress in flat
     /// contact of meshes that do not match, and more with one pass; [`Integration::Exact`] does.
-    pub integration: Integration,
+    pub integration: Option<Integration>,
     /// How far an integration point looks for the other surface (UL). By default a tenth of the
     /// scene's diagonal, and all of it in small-strain scenes, whose geometry stays where it is.
     /// Points out of reach do not count; nor do rows none of whose points does.
@@ -69,29 +53,78 @@ pub struct Scene<const D: usize> {
     pub keep_everything: bool,
 }
 
-impl<const D: usize> Scene<D> {
-    /// A scene of these bodies, without contact so far.
-    pub fn new(bodies: Vec<Body<D>>) -> Self {
-        let quadratic = |body: &Body<D>| body.mesh().order() == Order::Quadratic;
-        let gauss_points = match (bodies.iter().any(quadratic), D) {
-            (false, _) => 4,
-            (true, 2) => 12,
-            (true, _) => 8,
-        };
+impl<const D: usize> Default for Scene<D> {
+    fn default() -> Self {
         Scene {
-            bodies,
+            bodies: Vec::new(),
+            names: Vec::new(),
             pairs: Vec::new(),
             surfaces: Vec::new(),
-            integration: Integration::Gauss(gauss_points),
+            integration: None,
             reach: None,
             overlap_tolerance: 0.05,
             keep_everything: false,
         }
     }
+}
 
-    /// The bodies.
+impl<const D: usize> Scene<D> {
+    /// A scene without bodies so far.
+    ///
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Body, LinearElastic, Scene};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let law = LinearElastic::new(210.0, 0.3)?;
+    /// let block = |y| rectangle(&linspace(0.0, 1.0, 4), &linspace(y, y + 1.0, 4), Diagonals::Rising);
+    /// let mut lower = Body::new(block(0.0)?, law);
+    /// lower.prescribe("bottom", [Some(0.0), Some(0.0)])?;
+    /// let mut upper = Body::new(block(1.0)?, law);
+    /// upper.prescribe("top", [Some(0.0), Some(-0.01)])?;
+    ///
+    /// let mut scene = Scene::new();
+    /// let lower = scene.add("lower block", lower);
+    /// let upper = scene.add("upper block", upper);
+    /// scene.contact(lower.on("top"), upper.on("bottom"))?;
+    /// let problem = scene.problem()?;
+    /// assert_eq!(problem.nodes(upper), 25..50);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A scene of these bodies, which are called by their numbers.
+    pub fn of(bodies: Vec<Body<D>>) -> Self {
+        let mut scene = Self::new();
+        for (index, body) in bodies.into_iter().enumerate() {
+            scene.add(index.to_string(), body);
+        }
+        scene
+    }
+
+    /// Adds a body under a name that no other one has. Errors and results call it by that name.
+    pub fn add(&mut self, name: impl Into<String>, body: Body<D>) -> BodyId {
+        self.bodies.push(body);
+        self.names.push(name.into());
+        BodyId(self.bodies.len() - 1)
+    }
+
+    /// The bodies, in the order in which they were added.
     pub fn bodies(&self) -> &[Body<D>] {
         &self.bodies
+    }
+
+    /// All bodies' handles, in the order in which they were added.
+    pub fn ids(&self) -> impl ExactSizeIterator<Item = BodyId> + use<D> {
+        (0..self.bodies.len()).map(BodyId)
+    }
+
+    /// The bodies' names, in the order in which they were added.
+    pub fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// The pairs declared so far.
@@ -99,12 +132,16 @@ impl<const D: usize> Scene<D> {
         &self.pairs
     }
 
-    /// Declares that two boundaries, each given as (body, boundary name), may touch. Neither is
-    /// slave or master: swapping them changes nothing. Both may belong to one body.
+    /// Declares that two boundaries may touch. Neither is slave or master: swapping them changes
+    /// nothing. Both may belong to one body.
     ///
     /// # Errors
     /// A body or boundary that does not exist, a boundary without facets.
-    pub fn contact(&mut self, first: (usize, &str), second: (usize, &str)) -> Result<(), Error> {
+    pub fn contact(
+        &mut self,
+        first: impl Into<Side>,
+        second: impl Into<Side>,
+    ) -> Result<(), Error> {
         self.contact_in_passes(first, second, Passes::Both)
     }
 
@@ -114,13 +151,13 @@ impl<const D: usize> Scene<D> {
     /// As [`Scene::contact`].
     pub fn contact_in_passes(
         &mut self,
-        first: (usize, &str),
-        second: (usize, &str),
+        first: impl Into<Side>,
+        second: impl Into<Side>,
         passes: Passes,
     ) -> Result<(), Error> {
         let pair = Pair {
-            first: self.surface_name(first)?,
-            second: self.surface_name(second)?,
+            first: self.checked(first.into())?,
+            second: self.checked(second.into())?,
             passes,
         };
         self.pairs.push(pair);
@@ -131,8 +168,9 @@ impl<const D: usize> Scene<D> {
     ///
     /// # Errors
     /// As [`Scene::contact`].
-    pub fn self_contact(&mut self, body: usize, boundary: &str) -> Result<(), Error> {
-        self.contact((body, boundary), (body, boundary))
+    pub fn self_contact(&mut self, side: impl Into<Side>) -> Result<(), Error> {
+        let side = side.into();
+        self.contact(side.clone(), side)
     }
 
     /// Declares that a boundary may touch any other body's: every two of these surfaces that belong
@@ -140,10 +178,10 @@ impl<const D: usize> Scene<D> {
     ///
     /// # Errors
     /// As [`Scene::contact`].
-    pub fn contact_surface(&mut self, body: usize, boundary: &str) -> Result<(), Error> {
-        let surface = self.surface_name((body, boundary))?;
-        if !self.surfaces.contains(&surface) {
-            self.surfaces.push(surface);
+    pub fn contact_surface(&mut self, side: impl Into<Side>) -> Result<(), Error> {
+        let side = self.checked(side.into())?;
+        if !self.surfaces.contains(&side) {
+            self.surfaces.push(side);
         }
         Ok(())
     }
@@ -176,33 +214,44 @@ impl<const D: usize> Scene<D> {
         Ok(())
     }
 
-    fn surface_name(&self, (body, boundary): (usize, &str)) -> Result<SurfaceName, Error> {
+    /// A side that exists and has facets.
+    fn checked(&self, side: Side) -> Result<Side, Error> {
+        let body = side.body.index();
         let owner = self.bodies.get(body).ok_or(Error::UnknownBody {
             body,
             bodies: self.bodies.len(),
         })?;
-        if owner.mesh().boundary(boundary)?.is_empty() {
-            return Err(Error::EmptySurface {
-                body,
-                boundary: boundary.to_string(),
-            });
+        match owner.mesh().boundary(&side.boundary)?.is_empty() {
+            true => Err(Error::EmptySurface {
+                body: self.names[body].clone(),
+                boundary: side.boundary,
+            }),
+            false => Ok(side),
         }
-        Ok(SurfaceName {
-            body,
-            boundary: boundary.to_string(),
-        })
+    }
+
+    /// How the constraints are integrated: as chosen, or by default.
+    pub(super) fn integration(&self) -> Integration {
+        let is_quadratic = |body: &Body<D>| body.mesh().order() == Order::Quadratic;
+        let by_default = match (self.bodies.iter().any(is_quadratic), D) {
+            (false, _) => 4,
+            (true, 2) => 12,
+            (true, _) => 8,
+        };
+        self.integration.unwrap_or(Integration::Gauss(by_default))
     }
 
     /// Checks the scene and makes the contact problem of it, at no load.
     ///
     /// # Errors
-    /// Everything that can be known to be wrong before a solve: bodies that nothing holds, bodies
-    /// that overlap, settings out of range.
+    /// Everything that can be known to be wrong before a solve: names that are empty or given twice,
+    /// bodies that nothing holds, bodies that overlap, settings out of range.
     pub fn problem(mut self) -> Result<Problem<D>, Error> {
         self.pair_surfaces()?;
-        check::settings(&self)?;
-        check::loads(&self)?;
-        check::supports(&self)?;
+        preflight::names(&self)?;
+        preflight::settings(&self)?;
+        preflight::loads(&self)?;
+        preflight::supports(&self)?;
         let problem = Problem::new(self);
         overlap::check(&problem)?;
         Ok(problem)
