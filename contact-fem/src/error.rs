@@ -212,6 +212,18 @@ pub enum Error {
         "no displacement is prescribed anywhere: the scene as a whole can drift; support a body"
     )]
     NoSupport,
+    /// Laws of both kinds, from which no geometry follows.
+    #[error(
+        "the law of body `{small}` is for small strains, that of body `{large}` for large ones: \
+         small strains suggest contact at the reference positions, large ones at the current ones, \
+         and results differ; set `Scene::geometry` to `Geometry::Reference` or `Geometry::Current`"
+    )]
+    GeometryNotChosen {
+        /// A body whose law is for small strains.
+        small: String,
+        /// A body whose law is not.
+        large: String,
+    },
     /// Bodies that overlap before any load.
     #[error(
         "body `{slave}` starts inside body `{master}`: gap {gap:.3e} at node {node} ({x:?}) against a \

@@ -6,7 +6,7 @@ use contact_core::InteriorPoint;
 use contact_fem::mesh::generators::{
     Diagonals, annulus, cuboid, cuboid_graded, disc, linspace, rectangle,
 };
-use contact_fem::scene::{Integration, Passes};
+use contact_fem::model::{Geometry, Integration, Passes};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
 
@@ -525,6 +525,37 @@ fn settings() {
             Err(Error::Setting { name: "reach", .. })
         ));
     }
+}
+
+/// Laws of two kinds meet contact only by choice, which either kind of geometry is.
+#[test]
+fn two_kinds_of_laws() {
+    let scene = |geometry| {
+        let mut block = Body::new(
+            rectangle(&[0.0, 1.0], &[1.0, 2.0], Diagonals::Rising).expect("mesh"),
+            LinearElastic::new(10.0, 0.3).expect("law"),
+        );
+        block
+            .prescribe("top", [Some(0.0), Some(-0.01)])
+            .expect("support");
+        let mut scene = Scene::new();
+        scene.geometry = geometry;
+        let (base, block) = (scene.add("base", held(0.0)), scene.add("block", block));
+        (scene, base.on("top"), block.on("bottom"))
+    };
+    let (apart, ..) = scene(None);
+    assert!(apart.problem().is_ok(), "nothing may touch");
+    for (geometry, is_exact) in [(Geometry::Reference, true), (Geometry::Current, false)] {
+        let (mut chosen, base, block) = scene(Some(geometry));
+        chosen.contact(base, block).expect("surfaces");
+        let problem = chosen.problem().expect("chosen");
+        assert_eq!(problem.is_exact(), is_exact);
+    }
+    let (mut mixed, base, block) = scene(None);
+    mixed.contact(base, block).expect("surfaces");
+    let error = mixed.problem().err().expect("refused");
+    assert!(matches!(error, Error::GeometryNotChosen { .. }), "{error}");
+    assert_says(&error, &["`block`", "`base`", "Scene::geometry"]);
 }
 
 /// A small square wholly inside a large one, where no surface faces the other.

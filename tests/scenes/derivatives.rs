@@ -3,7 +3,7 @@
 use crate::common::{Order, disc_in_disc};
 use contact_core::{ContactProblem, LoadStepped, check};
 use contact_fem::mesh::generators::{Diagonals, annulus, linspace, rectangle};
-use contact_fem::scene::{Passes, Problem};
+use contact_fem::model::{Geometry, Passes, Problem};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, LinearElastic, Material, Mesh, NeoHookean, Scene};
 
@@ -93,6 +93,7 @@ fn energy_of_a_scene() {
         .expect("support");
     let mut scene = Scene::of(vec![ring, block]);
     scene.contact((0, "inner"), (1, "right")).expect("surfaces");
+    scene.geometry = Some(Geometry::Current);
     let mut problem = scene.problem().expect("valid scene");
     problem.set_load(1.0).expect("load");
     assert_conforms(&problem);

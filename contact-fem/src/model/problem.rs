@@ -4,7 +4,7 @@ use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::nlp::Bounds;
 use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale};
 
-use super::{Body, BodyId, Integration, Passes, Scene, Side};
+use super::{Body, BodyId, Geometry, Integration, Passes, Scene, Side};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
 use crate::contact::gaps::{PassRows, Unknowns, nodes_inside};
 use crate::contact::motion::Motion;
@@ -31,7 +31,7 @@ pub struct Problem<const D: usize> {
     bounds: Bounds,
     reach: f64,
     scale: Scale,
-    small_strain: bool,
+    geometry: Geometry,
 }
 
 impl<const D: usize> Problem<D> {
@@ -39,10 +39,10 @@ impl<const D: usize> Problem<D> {
     const REACH: f64 = 0.1;
     /// Strains below this are round-off in F = I + ∇u.
     const NO_STRAIN: f64 = 1e-9;
-    /// A small-strain scene takes one solve, which may well resolve gaps this much finer.
+    /// One solve in the reference geometry may well resolve gaps this much finer.
     const FINER: f64 = 0.03;
 
-    pub(super) fn new(scene: Scene<D>) -> Self {
+    pub(super) fn new(scene: Scene<D>, geometry: Geometry) -> Self {
         let energies: Vec<_> = {
             let keep = scene.keep_everything;
             scene
@@ -66,7 +66,8 @@ impl<const D: usize> Problem<D> {
         let low = X.iter().fold(X[0], |m, x| m.inf(x));
         let high = X.iter().fold(X[0], |m, x| m.sup(x));
         let length = (high - low).norm();
-        let small_strain = energies.iter().all(|e| e.is_small_strain());
+        let small_strain = scene.bodies().iter().all(Body::is_small_strain);
+        let frozen = geometry == Geometry::Reference;
         let facet = surfaces
             .iter()
             .map(Surface::smallest_facet)
@@ -79,7 +80,7 @@ impl<const D: usize> Problem<D> {
             strain.max(Self::NO_STRAIN)
         };
         Problem {
-            small_strain,
+            geometry,
             prescribed: vec![0.0; dofs.prescribed()],
             supports,
             factor: 0.0,
@@ -91,12 +92,12 @@ impl<const D: usize> Problem<D> {
             reach: match scene.reach {
                 _ if scene.keep_everything => f64::INFINITY,
                 Some(reach) => reach,
-                None if small_strain => length,
+                None if frozen => length,
                 None => Self::REACH * length,
             },
             scale: Scale {
                 length: strain * length,
-                resolution: strain * facet * if small_strain { Self::FINER } else { 1.0 },
+                resolution: strain * facet * if frozen { Self::FINER } else { 1.0 },
                 area: facet.powi(D as i32 - 1),
                 roundoff: f64::EPSILON / strain, // strains are differences of F and I
                 energy: stiffness * (strain * length).powi(2),
@@ -154,7 +155,8 @@ impl<const D: usize> Problem<D> {
 
     /// Whether the rows are linear by definition: one solve, no fixed point.
     pub fn is_exact(&self) -> bool {
-        !self.scene.keep_everything && (self.small_strain || self.passes.is_empty())
+        !self.scene.keep_everything
+            && (self.geometry == Geometry::Reference || self.passes.is_empty())
     }
 
     /// Free and prescribed dofs of all bodies.
@@ -193,9 +195,12 @@ impl<const D: usize> Problem<D> {
         self.X.iter().zip(U).map(|(X, u)| X + u).collect()
     }
 
-    /// Where contact is looked for: at X in small-strain scenes, else at the positions `now`.
+    /// Where contact is looked for: at X or at the positions `now`.
     fn contact_positions<'a>(&'a self, now: &'a [Vector<D>]) -> &'a [Vector<D>] {
-        if self.small_strain { &self.X } else { now }
+        match self.geometry {
+            Geometry::Reference => &self.X,
+            Geometry::Current => now,
+        }
     }
 
     /// Every surface ready to be projected on, at positions `x`.
@@ -234,7 +239,7 @@ impl<const D: usize> Problem<D> {
 
     /// The contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area,
     /// compression positive), recovered from the nodal forces of the passes that it takes part in; in
-    /// small-strain scenes along the normals of the reference configuration.
+    /// [`Geometry::Reference`] along the normals there.
     ///
     /// # Errors
     /// See [`pressure::tractions`].
@@ -266,7 +271,7 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The deepest that any contact node is inside another surface (UL, ≥ 0), over all passes; in
-    /// small-strain scenes along the normals of the reference configuration.
+    /// [`Geometry::Reference`] along the normals there.
     pub fn penetration(&self, u: &[f64]) -> f64 {
         self.deepest(u, |surface| vec![1.0; surface.nodes().len()])
     }
@@ -484,8 +489,8 @@ impl<const D: usize> LoadStepped for Problem<D> {
         if depth > facet.min(self.reach) {
             return Some(depth);
         }
-        if self.small_strain {
-            return None; // contact lives in the reference configuration
+        if self.geometry == Geometry::Reference {
+            return None;
         }
         let motion = Motion {
             before: &self.positions_at(last, from),

@@ -16,6 +16,18 @@ pub enum Passes {
     SecondIsSlave,
 }
 
+/// At which positions contact is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Geometry {
+    /// At the reference positions X: normals, closest points and integration points stay where they
+    /// are, the constraints are linear, and one solve takes the place of the fixed point. For
+    /// displacements and rotations that are small against the facets, whatever the law.
+    Reference,
+    /// At the current positions x = X + u, by the fixed point. With a law for small strains, whose
+    /// energy does not follow rotations, bodies should stretch and rotate little, but may move far.
+    Current,
+}
+
 /// Two surfaces that may touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
@@ -38,8 +50,12 @@ pub struct Scene<const D: usize> {
     /// not see where facets of the other surface end, which costs about 0.1 % of the stress in flat
     /// contact of meshes that do not match, and more with one pass; [`Integration::Exact`] does.
     pub integration: Option<Integration>,
+    /// At which positions contact is looked for. By default [`Geometry::Reference`] if all laws are
+    /// for small strains, else [`Geometry::Current`]. Where laws of both kinds meet contact, it must
+    /// be chosen.
+    pub geometry: Option<Geometry>,
     /// How far an integration point looks for the other surface (UL). By default a tenth of the
-    /// scene's diagonal, and all of it in small-strain scenes, whose geometry stays where it is.
+    /// scene's diagonal, and all of it in [`Geometry::Reference`], where nothing comes nearer.
     /// Points out of reach do not count; nor do rows none of whose points does.
     pub reach: Option<f64>,
     /// How deep bodies may overlap before any load, as a share of the facet size; polygons of
@@ -61,6 +77,7 @@ impl<const D: usize> Default for Scene<D> {
             pairs: Vec::new(),
             surfaces: Vec::new(),
             integration: None,
+            geometry: None,
             reach: None,
             overlap_tolerance: 0.05,
             keep_everything: false,
@@ -241,18 +258,42 @@ impl<const D: usize> Scene<D> {
         self.integration.unwrap_or(Integration::Gauss(by_default))
     }
 
+    /// At which positions contact is looked for: as chosen, or by default.
+    ///
+    /// # Errors
+    /// If laws for small strains and others meet contact, and nothing was chosen.
+    pub(super) fn geometry(&self) -> Result<Geometry, Error> {
+        let body_of = |small: bool| {
+            let mut bodies = self.bodies.iter().zip(&self.names);
+            bodies.find(|(body, _)| body.is_small_strain() == small)
+        };
+        match (self.geometry, body_of(true), body_of(false)) {
+            (Some(chosen), _, _) => Ok(chosen),
+            (None, _, None) => Ok(Geometry::Reference),
+            (None, Some((_, small)), Some((_, large))) if !self.pairs.is_empty() => {
+                Err(Error::GeometryNotChosen {
+                    small: small.clone(),
+                    large: large.clone(),
+                })
+            }
+            (None, _, Some(_)) => Ok(Geometry::Current),
+        }
+    }
+
     /// Checks the scene and makes the contact problem of it, at no load.
     ///
     /// # Errors
     /// Everything that can be known to be wrong before a solve: names that are empty or given twice,
-    /// bodies that nothing holds, bodies that overlap, settings out of range.
+    /// bodies that nothing holds, bodies that overlap, settings out of range, laws of two kinds
+    /// without a choice of geometry.
     pub fn problem(mut self) -> Result<Problem<D>, Error> {
         self.pair_surfaces()?;
         preflight::names(&self)?;
         preflight::settings(&self)?;
         preflight::loads(&self)?;
         preflight::supports(&self)?;
-        let problem = Problem::new(self);
+        let geometry = self.geometry()?;
+        let problem = Problem::new(self, geometry);
         overlap::check(&problem)?;
         Ok(problem)
     }
