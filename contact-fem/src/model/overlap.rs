@@ -6,8 +6,8 @@ use rstar::{
 };
 
 use super::Problem;
-use crate::contact::gaps;
 use crate::contact::projection::closest;
+use crate::contact::search;
 use crate::contact::{Master, Surface};
 use crate::element::Facet;
 use crate::error::Error;
@@ -34,7 +34,7 @@ fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     for pass in problem.passes() {
         let (slave, master) = (&problem.surfaces()[pass.slave], &masters[pass.master]);
         let normals = masters[pass.slave].normals();
-        let facing = gaps::nodes_inside(slave, normals, master, x, x, problem.reach());
+        let facing = search::nodes_inside(slave, normals, master, x, x, problem.reach());
         let facing = facing.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let facing = facing.map(|(k, gap)| (slave.nodes()[k], gap));
         let other = master.surface().body();

@@ -6,8 +6,9 @@ use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale}
 
 use super::{Body, BodyId, Geometry, Integration, Passes, Scene, Side};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
-use crate::contact::gaps::{PassRows, Unknowns, nodes_inside};
 use crate::contact::motion::Motion;
+use crate::contact::rows::{PassRows, Unknowns};
+use crate::contact::search::nodes_inside;
 use crate::contact::{Master, Pass, Surface, pressure};
 use crate::tensor::Vector;
 
