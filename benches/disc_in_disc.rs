@@ -124,7 +124,7 @@ fn measure(arguments: &Arguments, segments: usize) -> Result<Line, Box<dyn Error
     let roles = Roles::default();
     let mut scene = disc_in_disc::scene(Fineness::scaled(segments), roles)?;
     if arguments.exact {
-        scene.integration = Integration::Exact;
+        scene.integration = Some(Integration::Exact);
     }
     let mut problem = scene.problem()?;
     let mut simulation = Simulation::with_increments(arguments.increments);

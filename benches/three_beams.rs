@@ -102,7 +102,7 @@ fn measure(arguments: &Arguments, case: usize) -> Result<(), Box<dyn Error>> {
     };
     let mut scene = beams.scene()?;
     if arguments.exact {
-        scene.integration = Integration::Exact;
+        scene.integration = Some(Integration::Exact);
     }
     let mut problem = scene.problem()?;
     let set_up = clock.elapsed().as_secs_f64();

@@ -34,7 +34,7 @@ impl<const D: usize> Solved<D> {
     ) -> Result<Self, Failure> {
         let (clock, cpu) = (Instant::now(), processor::seconds());
         let mut scene = scene()?;
-        scene.integration = case.integration().unwrap_or(scene.integration);
+        scene.integration = case.integration().or(scene.integration);
         let mut problem = scene.problem()?;
         let set_up = clock.elapsed().as_secs_f64();
         let history = case

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::Passes;
+use contact_fem::model::Passes;
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Scene};
 
@@ -42,7 +42,7 @@ pub fn scene(across: usize) -> Result<Scene<2>, Error> {
     let mut foundation = Body::new(ground, LinearElastic::new(YOUNG, NU)?);
     foundation.prescribe_all([Some(0.0); 2])?;
 
-    let mut scene = Scene::new(vec![arch, foundation]);
+    let mut scene = Scene::of(vec![arch, foundation]);
     scene.contact_in_passes((0, "bottom"), (1, "top"), Passes::FirstIsSlave)?;
     Ok(scene)
 }

@@ -2,7 +2,7 @@
 
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::cuboid;
-use contact_fem::scene::Problem;
+use contact_fem::model::Problem;
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, NeoHookean, Scene};
 
@@ -62,7 +62,7 @@ impl Beams {
     /// length, so that nodes do not meet.
     pub fn scene(&self) -> Result<Scene<3>, Error> {
         let bodies: Result<Vec<_>, _> = (0..self.count).map(|k| self.beam(k)).collect();
-        let mut scene = Scene::new(bodies?);
+        let mut scene = Scene::of(bodies?);
         if self.contact {
             for k in 1..self.count {
                 scene.contact((k - 1, "top"), (k, "bottom"))?;

@@ -8,7 +8,7 @@ use contact_core::InteriorPoint;
 use contact_core::load_steps::RunOutcome;
 use contact_fem::element::{Element, Order, P1, P2};
 use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
-use contact_fem::scene::{Integration, Passes, Problem};
+use contact_fem::model::{Integration, Passes, Problem};
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
 
@@ -96,8 +96,8 @@ impl Blocks {
             };
             bodies.push(body);
         }
-        let mut scene = Scene::new(bodies);
-        scene.integration = self.integration;
+        let mut scene = Scene::of(bodies);
+        scene.integration = Some(self.integration);
         scene.contact_in_passes((0, "top"), (1, "bottom"), self.passes)?;
         Ok(scene)
     }

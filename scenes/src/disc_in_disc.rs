@@ -1,7 +1,7 @@
 //! The disc-in-disc scene of section 6.1: a disc is pushed down through the wall of a hollow one.
 
 use contact_fem::mesh::generators::{Diagonals, annulus, disc};
-use contact_fem::scene::Passes;
+use contact_fem::model::Passes;
 use contact_fem::{Body, Error, Mesh, NeoHookean, Scene};
 
 use crate::mirrored;
@@ -99,11 +99,11 @@ fn pushed(
 
     let (hole, edge) = ("inner", "boundary");
     if roles.swapped {
-        let mut scene = Scene::new(vec![inner, ring]);
+        let mut scene = Scene::of(vec![inner, ring]);
         scene.contact_in_passes((0, edge), (1, hole), mirrored(roles.passes))?;
         Ok(scene)
     } else {
-        let mut scene = Scene::new(vec![ring, inner]);
+        let mut scene = Scene::of(vec![ring, inner]);
         scene.contact_in_passes((0, hole), (1, edge), roles.passes)?;
         Ok(scene)
     }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, graded, onto_sphere, quarter_disc, rectangle};
-use contact_fem::scene::{Integration, Passes};
+use contact_fem::model::{Integration, Passes};
 use contact_fem::{Body, Error, LinearElastic, Scene};
 
 use crate::mirrored;
@@ -110,17 +110,15 @@ impl Hertz {
         let (cylinder, block) = (self.cylinder()?, self.block()?);
         let (arc, top) = ("arc", "top");
         let mut scene = if self.swapped {
-            let mut scene = Scene::new(vec![block, cylinder]);
+            let mut scene = Scene::of(vec![block, cylinder]);
             scene.contact_in_passes((0, top), (1, arc), mirrored(self.passes))?;
             scene
         } else {
-            let mut scene = Scene::new(vec![cylinder, block]);
+            let mut scene = Scene::of(vec![cylinder, block]);
             scene.contact_in_passes((0, arc), (1, top), self.passes)?;
             scene
         };
-        if let Some(integration) = self.integration {
-            scene.integration = integration;
-        }
+        scene.integration = self.integration;
         Ok(scene)
     }
 

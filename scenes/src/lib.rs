@@ -21,7 +21,7 @@ pub mod hertz;
 pub mod studies;
 pub mod tables;
 
-use contact_fem::scene::Passes;
+use contact_fem::model::Passes;
 
 /// What a program about scenes may fail with, for `main` to print.
 pub type Failure = Box<dyn std::error::Error>;

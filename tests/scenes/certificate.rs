@@ -15,7 +15,7 @@ use contact_core::{
 };
 use contact_fem::certificate::Limits;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Integration, Passes, Problem};
+use contact_fem::model::{Integration, Passes, Problem};
 use contact_fem::{Body, Certificate, LinearElastic, Mesh, NeoHookean, Scene};
 
 /// The names of what is beyond its limit.
@@ -166,7 +166,7 @@ fn next_to_no_load() {
         lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
         upper.prescribe("left", [Some(0.0), None]).expect("support");
         upper.traction("top", [0.0, -load]).expect("load");
-        let mut scene = Scene::new(vec![lower, upper]);
+        let mut scene = Scene::of(vec![lower, upper]);
         scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let certificate = run(&mut problem, 1, 1e-6).certificate().expect("a step");
@@ -318,10 +318,8 @@ fn elastic(young: f64) -> impl Fn(Mesh<2>) -> Body<2> {
 }
 
 fn touching(bodies: [Body<2>; 2], integration: Option<Integration>) -> Problem<2> {
-    let mut scene = Scene::new(bodies.into());
-    if let Some(integration) = integration {
-        scene.integration = integration;
-    }
+    let mut scene = Scene::of(bodies.into());
+    scene.integration = integration;
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     scene.problem().expect("valid scene")
 }
@@ -384,7 +382,7 @@ fn a_soft_pair_is_judged_by_its_own_forces() {
         upper.prescribe("top", down).expect("support");
         bodies.extend([lower, upper]);
     }
-    let mut scene = Scene::new(bodies);
+    let mut scene = Scene::of(bodies);
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     scene.contact((2, "top"), (3, "bottom")).expect("surfaces");
     let mut problem = scene.problem().expect("valid scene");
@@ -442,7 +440,7 @@ fn forgotten_points_are_found() {
     for integration in [Integration::Gauss(4), Integration::Exact] {
         let mut scene =
             disc_in_disc::scene(Fineness::scaled(32), Roles::default()).expect("a scene");
-        scene.integration = integration;
+        scene.integration = Some(integration);
         let mut problem = scene.problem().expect("valid scene");
         let history = run_with(&mut Penalty::default(), &mut problem, 16, 1e-6);
         let certificate = history.certificate().expect("steps");

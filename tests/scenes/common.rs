@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use contact_core::{InteriorPoint, Method};
 use contact_fem::Simulation;
-use contact_fem::scene::Problem;
+use contact_fem::model::Problem;
 use contact_fem::simulation::History;
 use contact_fem::tensor::Vector;
 use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};

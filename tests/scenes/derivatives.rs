@@ -3,7 +3,7 @@
 use crate::common::disc_in_disc;
 use contact_core::{ContactProblem, LoadStepped, check};
 use contact_fem::mesh::generators::{Diagonals, annulus, linspace, rectangle};
-use contact_fem::scene::Problem;
+use contact_fem::model::{Geometry, Problem};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, LinearElastic, Material, Mesh, NeoHookean, Scene};
 use ipopt_contact_scenes::disc_in_disc::Roles;
@@ -16,7 +16,7 @@ where
     body.prescribe(support, [Some(0.02); D]).expect("support");
     body.traction(load, [0.3; D]).expect("load");
     body.body_force([-0.1; D]).expect("load");
-    let mut problem = Scene::new(vec![body]).problem().expect("valid scene");
+    let mut problem = Scene::of(vec![body]).problem().expect("valid scene");
     problem.set_load(0.7).expect("load");
     problem
 }
@@ -92,8 +92,9 @@ fn energy_of_a_scene() {
     block
         .prescribe("left", [Some(0.0), Some(0.0)])
         .expect("support");
-    let mut scene = Scene::new(vec![ring, block]);
+    let mut scene = Scene::of(vec![ring, block]);
     scene.contact((0, "inner"), (1, "right")).expect("surfaces");
+    scene.geometry = Some(Geometry::Current);
     let mut problem = scene.problem().expect("valid scene");
     problem.set_load(1.0).expect("load");
     assert_conforms(&problem);

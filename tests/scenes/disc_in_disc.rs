@@ -7,7 +7,7 @@ use contact_core::fixed_point::Outcome;
 use contact_core::load_steps::RunOutcome;
 use contact_core::{Acceleration, InteriorPoint};
 use contact_fem::Simulation;
-use contact_fem::scene::{Integration, Passes};
+use contact_fem::model::{Integration, Passes};
 use contact_fem::simulation::History;
 use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 
@@ -86,7 +86,7 @@ fn default_tolerance_reaches_full_load_uncut() {
 fn exact_integration_whichever_body_comes_first() {
     let ends = BOTH_ORDERS.map(|roles| {
         let mut scene = disc_in_disc::scene(Fineness::REFERENCE, roles).expect("a scene");
-        scene.integration = Integration::Exact;
+        scene.integration = Some(Integration::Exact);
         let history = run(&mut scene.problem().expect("valid scene"), 100, 1e-8);
         assert_reference(&history, roles.ring(), 965.2329, 2377.8);
         let last = history.steps.last().expect("steps");

@@ -10,7 +10,7 @@ use contact_core::{
 };
 use contact_fem::element;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Integration, Passes, Problem};
+use contact_fem::model::{Integration, Passes, Problem};
 use contact_fem::{Body, LinearElastic, Scene};
 use ipopt_contact_scenes::beams::{Beams, Law};
 use ipopt_contact_scenes::disc_in_disc::{self, Roles};
@@ -413,9 +413,9 @@ fn blocks() -> Problem<2> {
         .prescribe("bottom", [None, Some(0.0)])
         .expect("support");
     upper.traction("top", [0.0, -PRESSURE]).expect("load");
-    let mut scene = Scene::new(vec![lower, upper]);
+    let mut scene = Scene::of(vec![lower, upper]);
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
-    scene.integration = Integration::Exact;
+    scene.integration = Some(Integration::Exact);
     scene.problem().expect("valid scene")
 }
 

@@ -6,7 +6,7 @@ use contact_fem::Scene;
 use contact_fem::assembly::Dof;
 use contact_fem::contact::Surface;
 use contact_fem::element::Order;
-use contact_fem::scene::{Integration, Passes};
+use contact_fem::model::{Integration, Passes};
 use contact_fem::tensor::Vector;
 use ipopt_contact_scenes::blocks::{Blocks, errors, exact};
 

@@ -8,7 +8,7 @@ use contact_core::load_steps::RunOutcome;
 use contact_core::{InteriorPoint, LoadStepped, Method, PenalizedSlack, Penalty};
 use contact_fem::Simulation;
 use contact_fem::element::Order;
-use contact_fem::scene::{Passes, Problem};
+use contact_fem::model::{Passes, Problem};
 use contact_fem::simulation::History;
 
 use crate::Failure;

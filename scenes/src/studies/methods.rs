@@ -7,7 +7,7 @@ use contact_core::load_steps::RunOutcome;
 use contact_core::{Continuation, InteriorPoint, Method, PenalizedSlack, Penalty};
 use contact_fem::Simulation;
 use contact_fem::element::Order;
-use contact_fem::scene::Problem;
+use contact_fem::model::Problem;
 
 use super::condition::{Weighting, condition};
 use super::pointwise::{Pointwise, order};

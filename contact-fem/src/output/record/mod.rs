@@ -20,7 +20,7 @@ use super::picture::{MeshPicture, Panel};
 use super::snapshot::Snapshot;
 use crate::certificate::Limits;
 use crate::error::Error;
-use crate::scene::Problem;
+use crate::model::Problem;
 use crate::simulation::{History, Simulation, StepRecord, StepView};
 use observer::Observer;
 use summary::Summary;

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::output::history::Tables;
 use crate::output::snapshot::Snapshot;
 use crate::output::vtk::Series;
-use crate::scene::Problem;
+use crate::model::Problem;
 use crate::simulation::{History, StepRecord, StepView};
 
 /// The observer of a run: writes tables and `.vtu` files, shows progress, keeps what pictures need, and passes Ctrl-C on.

@@ -11,7 +11,7 @@ use super::{Recording, peak_memory};
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
-use crate::scene::Problem;
+use crate::model::Problem;
 use crate::simulation::{History, StepRecord};
 
 /// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL; what only a converged step has is

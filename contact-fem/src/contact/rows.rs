@@ -2,11 +2,11 @@
 
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 
-use super::cut::{Integration, Points};
-use super::search::{Master, Own, Seeker};
+use super::cut::Integration;
+use super::search::Master;
+use super::stencil::{Stencil, stencils};
 use super::surface::Surface;
 use crate::assembly::{Dof, DofMap};
-use crate::element::facet_shapes;
 use crate::tensor::Vector;
 
 /// One role of a pair: `slave` must not penetrate `master`. Both are indices of surfaces.
@@ -51,77 +51,60 @@ struct NodalRow<const D: usize> {
 /// c_i(u) = 1/a_i Σ_q w_q φ_i(q) (x_q(u) − x̄_q(u))·n_q, equation (5) of the paper, with η*_q and
 /// n_q frozen at `x` and w_q the weight times the reference measure. Sampled at points it is the
 /// gap of one point, and a_i its w_q.
-pub struct PassRows<const D: usize> {
+pub struct PassRows<'a, const D: usize> {
+    sampling: Sampling,
+    stencils: Vec<Stencil<'a, D>>,
     /// Scene nodes, or numbers of integration points.
     names: Vec<usize>,
     rows: Vec<NodalRow<D>>,
 }
 
-impl<const D: usize> PassRows<D> {
+impl<'a, const D: usize> PassRows<'a, D> {
     /// Projects every point of `integration` on `slave` on `master`.
     pub fn new(
-        slave: &Surface<D>,
-        master: &Master<'_, D>,
+        slave: &'a Surface<D>,
+        master: &'a Master<'_, D>,
         x: &[Vector<D>],
         integration: Integration,
         reach: f64,
         sampling: Sampling,
     ) -> Self {
-        let mut names = match sampling {
+        let stencils = stencils(slave, master, x, integration, reach);
+        let names = match sampling {
             Sampling::Nodes => slave.nodes().to_vec(),
-            Sampling::Points => Vec::new(),
+            Sampling::Points => stencils.iter().map(Stencil::number).collect(),
         };
         let mut rows = vec![NodalRow::default(); names.len()];
-        let mut number = 0;
-        let same_body = slave.body() == master.surface().body();
-        let positions = slave.gather(x);
-        let facets = slave.facets_at(&positions);
-        let mut rule = Points::new(integration, slave, master.surface());
-        let facet_size = slave.facet_size();
-        for ((nodes, facet), reference) in slave.facets().zip(facets).zip(slave.reference()) {
-            let seeker = |lambda: &Vector<D>| Seeker {
-                x: facet.point(lambda),
-                facing: facet.normal(lambda),
-                reach,
-                X: reference.point(lambda),
-                N: reference.normal(lambda),
-                facet_size,
-                own: same_body.then_some(Own {
-                    surface: slave,
-                    nodes,
-                }),
-            };
-            for (weight, lambda) in rule.on(&facet, master, &seeker) {
-                number += 1;
-                let Some(p) = master.find(&seeker(lambda)) else {
-                    continue;
-                };
-                // x_q − x̄_q as a sum over nodes
-                let own = nodes.iter().map(|&a| slave.nodes()[a]);
-                let own = own.zip(facet_shapes(slave.order(), lambda));
-                let surface = master.surface();
-                let other = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
-                let other = other.zip(facet_shapes(surface.order(), &p.lambda).map(|N| -N));
-                let terms = own.chain(other).map(|(a, N)| (a, p.normal * N));
-                let w = weight * reference.normal(lambda).norm();
-                match sampling {
-                    Sampling::Nodes => {
-                        let tests = nodes.iter().zip(slave.test_functions(lambda));
-                        for (&i, phi) in tests.take(slave.test_nodes()) {
-                            rows[i].add(w * phi, terms.clone());
-                        }
-                    }
-                    Sampling::Points => {
-                        let mut row = NodalRow::default();
-                        row.add(w, terms);
-                        names.push(number - 1);
-                        rows.push(row);
-                    }
-                }
+        for (q, stencil) in stencils.iter().enumerate() {
+            for (i, w) in shares(sampling, q, stencil) {
+                rows[i].add(w, stencil.frozen_gradient());
             }
         }
         rows.iter_mut().for_each(NodalRow::normalize);
-        PassRows { names, rows }
+        PassRows {
+            sampling,
+            stencils,
+            names,
+            rows,
+        }
+    }
+
+    /// The integration points that count, each with the rows that it is part of as (what
+    /// [`RowKey::node`] names, its share w_q φ_i(q)/a_i in the row): c_i = Σ_q share_iq g_q. Rows
+    /// without support are left out.
+    ///
+    /// With a multiplier λ_i a row, a point carries the force π_q = Σ_i λ_i share_iq (UF), and
+    /// Cᵀλ = Σ_q π_q ∇g_q.
+    pub fn stencils(
+        &self,
+    ) -> impl Iterator<Item = (&Stencil<'a, D>, impl Iterator<Item = (usize, f64)> + '_)> {
+        let with_shares = move |(q, stencil)| {
+            let shares = shares(self.sampling, q, stencil);
+            let supported = shares.filter(|&(i, _)| self.rows[i].has_support());
+            let of_row = |(i, w): (usize, f64)| (self.names[i], w / self.rows[i].area);
+            (stencil, supported.map(of_row))
+        };
+        self.stencils.iter().enumerate().map(with_shares)
     }
 
     /// Appends the rows that have support and can move to `gaps`, split into free and prescribed
@@ -161,6 +144,25 @@ impl<const D: usize> PassRows<D> {
     }
 }
 
+/// The rows (by position) that the `q`-th stencil is part of, and its weights in them before division
+/// by a_i: w φ_i, or w in its own row.
+fn shares<const D: usize>(
+    sampling: Sampling,
+    q: usize,
+    stencil: &Stencil<'_, D>,
+) -> impl Iterator<Item = (usize, f64)> {
+    let w = stencil.weight();
+    let count = match sampling {
+        Sampling::Nodes => usize::MAX,
+        Sampling::Points => 1,
+    };
+    let tests = stencil.test_functions().take(count);
+    tests.map(move |(i, phi)| match sampling {
+        Sampling::Nodes => (i, w * phi),
+        Sampling::Points => (q, w),
+    })
+}
+
 impl<const D: usize> NodalRow<D> {
     /// Adds a point of weight `w`, whose gap is the sum of `terms`.
     fn add(&mut self, w: f64, terms: impl Iterator<Item = (usize, Vector<D>)>) {
@@ -190,42 +192,4 @@ impl<const D: usize> NodalRow<D> {
             term.1 /= self.area;
         }
     }
-}
-
-/// The nodes of `slave` inside `master` as (position in [`Surface::nodes`], gap < 0). They are
-/// projected at positions `x`, those of `master`; the gaps are between positions `now`, which are
-/// others where the geometry is frozen. On its own body a node looks no further than `reach`.
-pub fn nodes_inside<const D: usize>(
-    slave: &Surface<D>,
-    slave_normals: &[Vector<D>],
-    master: &Master<'_, D>,
-    x: &[Vector<D>],
-    now: &[Vector<D>],
-    reach: f64,
-) -> Vec<(usize, f64)> {
-    let same_body = slave.body() == master.surface().body();
-    let numbers: Vec<usize> = (0..slave.nodes().len()).collect();
-    let facet_size = slave.facet_size();
-    let gap = |(k, facing): (usize, &Vector<D>)| {
-        let node = slave.nodes()[k];
-        let p = master.find(&Seeker {
-            x: x[node],
-            facing: *facing,
-            reach: if same_body { reach } else { f64::INFINITY },
-            X: slave.reference_nodes()[k],
-            N: slave.reference_normals()[k],
-            facet_size,
-            own: same_body.then_some(Own {
-                surface: slave,
-                nodes: &numbers[k..=k],
-            }),
-        })?;
-        let surface = master.surface();
-        let nodes = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
-        let shapes = facet_shapes(surface.order(), &p.lambda);
-        let foot: Vector<D> = nodes.zip(shapes).map(|(b, N)| now[b] * N).sum();
-        let gap = (now[node] - foot).dot(&p.normal);
-        (gap < 0.0).then_some((k, gap))
-    };
-    slave_normals.iter().enumerate().filter_map(gap).collect()
 }

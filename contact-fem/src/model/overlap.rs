@@ -6,8 +6,8 @@ use rstar::{
 };
 
 use super::Problem;
-use crate::contact::gaps;
 use crate::contact::projection::closest;
+use crate::contact::search;
 use crate::contact::{Master, Surface};
 use crate::element::Facet;
 use crate::error::Error;
@@ -18,7 +18,7 @@ use crate::tensor::{Vector, facet_normal};
 pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     nodes_inside(problem)?;
     problem.scene().pairs().iter().try_for_each(|pair| {
-        let (first, second) = (pair.first.body, pair.second.body);
+        let [first, second] = [&pair.first, &pair.second].map(|side| side.body.index());
         crossing(problem, first, second)?;
         crossing(problem, second, first)?;
         coincident(problem, first, second)?;
@@ -28,12 +28,13 @@ pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
 
 /// No contact node starts inside the other body.
 fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
+    let name = |body: usize| problem.scene().names()[body].clone();
     let x = problem.reference();
     let masters = problem.masters(x);
     for pass in problem.passes() {
         let (slave, master) = (&problem.surfaces()[pass.slave], &masters[pass.master]);
         let normals = masters[pass.slave].normals();
-        let facing = gaps::nodes_inside(slave, normals, master, x, x, problem.reach());
+        let facing = search::nodes_inside(slave, normals, master, x, x, problem.reach());
         let facing = facing.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let facing = facing.map(|(k, gap)| (slave.nodes()[k], gap));
         let other = master.surface().body();
@@ -48,8 +49,8 @@ fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
         let tolerance = problem.scene().overlap_tolerance * size;
         if -gap > tolerance {
             return Err(Error::Overlap {
-                slave: slave.body(),
-                master: master.surface().body(),
+                slave: name(slave.body()),
+                master: name(master.surface().body()),
                 node: node - problem.first_node(slave.body()),
                 x: x[node].iter().copied().collect(),
                 gap,
@@ -114,8 +115,8 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
                 let crossed = pierce(&edge, other).filter(|(_, depth)| *depth > tolerance);
                 if let Some((point, depth)) = crossed {
                     return Err(Error::Crossing {
-                        first: a,
-                        second: b,
+                        first: problem.scene().names()[a].clone(),
+                        second: problem.scene().names()[b].clone(),
                         x: point.iter().copied().collect(),
                         depth,
                         tolerance,
@@ -170,8 +171,8 @@ fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Resul
         let tolerance = problem.scene().overlap_tolerance * size;
         if depth > tolerance {
             return Err(Error::Crossing {
-                first: a,
-                second: b,
+                first: problem.scene().names()[a].clone(),
+                second: problem.scene().names()[b].clone(),
                 x: centroid.iter().copied().collect(),
                 depth,
                 tolerance,

@@ -6,6 +6,22 @@ use super::{Body, Integration, Scene};
 use crate::error::Error;
 use crate::tensor::Vector;
 
+/// Every body has a name of its own.
+pub(super) fn names<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
+    for (body, name) in scene.names().iter().enumerate() {
+        if name.is_empty() {
+            return Err(Error::UnnamedBody { body });
+        }
+        if let Some(first) = scene.names()[..body].iter().position(|other| other == name) {
+            return Err(Error::BodyExists {
+                name: name.clone(),
+                bodies: [first, body],
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Settings within their ranges.
 pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let setting = |name, value, remedy| {
@@ -15,10 +31,10 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
             remedy,
         })
     };
-    if scene.bodies.is_empty() {
+    if scene.bodies().is_empty() {
         return setting("bodies", 0.0, "a scene needs at least one body");
     }
-    if let Integration::Gauss(points) = scene.integration {
+    if let Some(Integration::Gauss(points)) = scene.integration {
         if !(1..=64).contains(&points) {
             return setting("integration", points as f64, "choose 1 to 64 Gauss points");
         }
@@ -38,36 +54,39 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
 
 /// Nodal loads that summed up to finite forces.
 pub(super) fn loads<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
-    let forces = |body: &Body<D>| Error::check_finite("the sum of the nodal forces", body.forces());
-    scene.bodies.iter().try_for_each(forces)
+    let mut bodies = scene.bodies().iter().zip(scene.names());
+    bodies.try_for_each(|(body, name)| {
+        let what = format!("the sum of the nodal forces of body `{name}`");
+        Error::check_finite(&what, body.forces())
+    })
 }
 
 /// Every part of every body is held by supports or may touch another body, and something is held
 /// at all.
 pub(super) fn supports<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let held = |body: &Body<D>| body.prescribed().iter().any(Option::is_some);
-    if !scene.bodies.iter().any(held) {
+    if !scene.bodies().iter().any(held) {
         return Err(Error::NoSupport);
     }
     let is_free = |body: &Body<D>| body.prescribed().iter().any(Option::is_none);
-    if !scene.bodies.iter().any(is_free) {
+    if !scene.bodies().iter().any(is_free) {
         return Err(Error::NothingFree);
     }
-    for (index, body) in scene.bodies.iter().enumerate() {
+    for (index, body) in scene.bodies().iter().enumerate() {
         let mut touches = vec![false; body.mesh().nodes().len()];
         let surfaces = scene
-            .pairs
+            .pairs()
             .iter()
             .flat_map(|pair| [&pair.first, &pair.second]);
-        for name in surfaces.filter(|name| name.body == index) {
-            let nodes = body.mesh().boundary_nodes(&name.boundary)?;
+        for side in surfaces.filter(|side| side.body.index() == index) {
+            let nodes = body.mesh().boundary_nodes(&side.boundary)?;
             nodes.iter().for_each(|&node| touches[node] = true);
         }
         for part in body.mesh().parts() {
             let (free, modes) = (free_rigid_modes(body, &part), D * (D + 1) / 2);
             if free > 0 && !part.iter().any(|&node| touches[node]) {
                 return Err(Error::Unsupported {
-                    body: index,
+                    body: scene.names()[index].clone(),
                     node: part[0],
                     free,
                     modes,

@@ -4,10 +4,11 @@ use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::nlp::Bounds;
 use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale};
 
-use super::{Body, Integration, Passes, Scene, SurfaceName};
+use super::{Body, BodyId, Geometry, Integration, Passes, Scene, Side};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
-use crate::contact::gaps::{PassRows, Unknowns, nodes_inside};
 use crate::contact::motion::Motion;
+use crate::contact::rows::{PassRows, Unknowns};
+use crate::contact::search::nodes_inside;
 use crate::contact::{Master, Pass, Surface, pressure};
 use crate::tensor::Vector;
 
@@ -31,7 +32,7 @@ pub struct Problem<const D: usize> {
     bounds: Bounds,
     reach: f64,
     scale: Scale,
-    small_strain: bool,
+    geometry: Geometry,
 }
 
 impl<const D: usize> Problem<D> {
@@ -39,17 +40,21 @@ impl<const D: usize> Problem<D> {
     const REACH: f64 = 0.1;
     /// Strains below this are round-off in F = I + ∇u.
     const NO_STRAIN: f64 = 1e-9;
-    /// A small-strain scene takes one solve, which may well resolve gaps this much finer.
+    /// One solve in the reference geometry may well resolve gaps this much finer.
     const FINER: f64 = 0.03;
 
-    pub(super) fn new(scene: Scene<D>) -> Self {
+    pub(super) fn new(scene: Scene<D>, geometry: Geometry) -> Self {
         let energies: Vec<_> = {
             let keep = scene.keep_everything;
-            scene.bodies.iter().map(|body| body.energy(keep)).collect()
+            scene
+                .bodies()
+                .iter()
+                .map(|body| body.energy(keep))
+                .collect()
         };
         let mut supports = DofMap::default();
         let (mut X, mut first_node) = (Vec::new(), vec![0]);
-        for body in &scene.bodies {
+        for body in scene.bodies() {
             supports.extend(&body.is_prescribed());
             X.extend_from_slice(body.mesh().nodes());
             first_node.push(X.len());
@@ -62,7 +67,8 @@ impl<const D: usize> Problem<D> {
         let low = X.iter().fold(X[0], |m, x| m.inf(x));
         let high = X.iter().fold(X[0], |m, x| m.sup(x));
         let length = (high - low).norm();
-        let small_strain = energies.iter().all(|e| e.is_small_strain());
+        let small_strain = scene.bodies().iter().all(Body::is_small_strain);
+        let frozen = geometry == Geometry::Reference;
         let facet = surfaces
             .iter()
             .map(Surface::smallest_facet)
@@ -75,7 +81,7 @@ impl<const D: usize> Problem<D> {
             strain.max(Self::NO_STRAIN)
         };
         Problem {
-            small_strain,
+            geometry,
             prescribed: vec![0.0; dofs.prescribed()],
             supports,
             factor: 0.0,
@@ -87,12 +93,12 @@ impl<const D: usize> Problem<D> {
             reach: match scene.reach {
                 _ if scene.keep_everything => f64::INFINITY,
                 Some(reach) => reach,
-                None if small_strain => length,
+                None if frozen => length,
                 None => Self::REACH * length,
             },
             scale: Scale {
                 length: strain * length,
-                resolution: strain * facet * if small_strain { Self::FINER } else { 1.0 },
+                resolution: strain * facet * if frozen { Self::FINER } else { 1.0 },
                 area: facet.powi(D as i32 - 1),
                 roundoff: f64::EPSILON / strain, // strains are differences of F and I
                 energy: stiffness * (strain * length).powi(2),
@@ -122,12 +128,13 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The number of the first node of a body.
-    pub fn first_node(&self, body: usize) -> usize {
-        self.first_node[body]
+    pub fn first_node(&self, body: impl Into<BodyId>) -> usize {
+        self.first_node[body.into().index()]
     }
 
     /// The nodes of a body.
-    pub fn nodes(&self, body: usize) -> std::ops::Range<usize> {
+    pub fn nodes(&self, body: impl Into<BodyId>) -> std::ops::Range<usize> {
+        let body = body.into().index();
         self.first_node[body]..self.first_node[body + 1]
     }
 
@@ -149,7 +156,8 @@ impl<const D: usize> Problem<D> {
 
     /// Whether the rows are linear by definition: one solve, no fixed point.
     pub fn is_exact(&self) -> bool {
-        !self.scene.keep_everything && (self.small_strain || self.passes.is_empty())
+        !self.scene.keep_everything
+            && (self.geometry == Geometry::Reference || self.passes.is_empty())
     }
 
     /// Free and prescribed dofs of all bodies.
@@ -181,16 +189,19 @@ impl<const D: usize> Problem<D> {
 
     /// As [`Problem::positions`], at another load factor.
     fn positions_at(&self, u: &[f64], factor: f64) -> Vec<Vector<D>> {
-        let bodies = self.scene.bodies.iter();
+        let bodies = self.scene.bodies().iter();
         let prescribed = bodies.flat_map(|body| body.prescribed_values());
         let prescribed: Vec<f64> = prescribed.map(|value| factor * value).collect();
         let U = self.expand(u, &prescribed);
         self.X.iter().zip(U).map(|(X, u)| X + u).collect()
     }
 
-    /// Where contact is looked for: at X in small-strain scenes, else at the positions `now`.
+    /// Where contact is looked for: at X or at the positions `now`.
     fn contact_positions<'a>(&'a self, now: &'a [Vector<D>]) -> &'a [Vector<D>] {
-        if self.small_strain { &self.X } else { now }
+        match self.geometry {
+            Geometry::Reference => &self.X,
+            Geometry::Current => now,
+        }
     }
 
     /// Every surface ready to be projected on, at positions `x`.
@@ -211,13 +222,13 @@ impl<const D: usize> Problem<D> {
     /// dofs.
     pub fn reactions(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<Vector<D>> {
         let mut reactions = Vec::new();
-        for body in 0..self.scene.bodies.len() {
+        for body in 0..self.scene.bodies().len() {
             let nodes = self.nodes(body);
             let residual = self.residual(body, u);
             let mut sum = Vector::zeros();
             for (k, node) in nodes.enumerate() {
                 for i in 0..D {
-                    if self.scene.bodies[body].prescribed()[D * k + i].is_some() {
+                    if self.scene.bodies()[body].prescribed()[D * k + i].is_some() {
                         sum[i] += residual[D * k + i] - contact_forces[node][i];
                     }
                 }
@@ -229,7 +240,7 @@ impl<const D: usize> Problem<D> {
 
     /// The contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area,
     /// compression positive), recovered from the nodal forces of the passes that it takes part in; in
-    /// small-strain scenes along the normals of the reference configuration.
+    /// [`Geometry::Reference`] along the normals there.
     ///
     /// # Errors
     /// See [`pressure::tractions`].
@@ -261,7 +272,7 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The deepest that any contact node is inside another surface (UL, ≥ 0), over all passes; in
-    /// small-strain scenes along the normals of the reference configuration.
+    /// [`Geometry::Reference`] along the normals there.
     pub fn penetration(&self, u: &[f64]) -> f64 {
         self.deepest(u, |surface| vec![1.0; surface.nodes().len()])
     }
@@ -307,7 +318,7 @@ impl<const D: usize> Problem<D> {
         };
         for (k, pass) in passes.iter().enumerate() {
             let (slave, master) = (&self.surfaces[pass.slave], &masters[pass.master]);
-            let integration = self.scene.integration;
+            let integration = self.scene.integration();
             let rows = PassRows::new(slave, master, x, integration, self.reach, sampling);
             rows.append(k as u32, &self.X, &unknowns, &mut gaps);
         }
@@ -317,7 +328,7 @@ impl<const D: usize> Problem<D> {
     /// Whether a row's name means the same in every iteration and load step, as numbers of points
     /// do not where facets are cut.
     pub fn has_lasting_names(&self, sampling: Sampling) -> bool {
-        sampling == Sampling::Nodes || self.scene.integration != Integration::Exact
+        sampling == Sampling::Nodes || self.scene.integration() != Integration::Exact
     }
 
     /// The present load factor.
@@ -326,7 +337,8 @@ impl<const D: usize> Problem<D> {
     }
 
     /// ∂E/∂U of a body (UF) for all its dofs, whether prescribed or not.
-    pub fn residual(&self, body: usize, u: &[f64]) -> Vec<f64> {
+    pub fn residual(&self, body: impl Into<BodyId>, u: &[f64]) -> Vec<f64> {
+        let body = body.into().index();
         let energy = &self.energy.parts()[body];
         let mut residual = vec![0.0; D * self.nodes(body).len()];
         energy.add_residual(&u[self.energy.range(body)], &mut residual);
@@ -362,9 +374,9 @@ fn expected_strain<const D: usize>(
     let magnitude =
         |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |m: f64, v| m + v.abs());
     let loads = |body: &super::Body<D>| magnitude(&mut body.forces().iter().copied());
-    let force: f64 = scene.bodies.iter().map(loads).sum();
+    let force: f64 = scene.bodies().iter().map(loads).sum();
     let prescribed = scene
-        .bodies
+        .bodies()
         .iter()
         .flat_map(|body| body.prescribed().iter().flatten());
     let prescribed = prescribed.fold(0.0, |m: f64, v| m.max(v.abs()));
@@ -381,13 +393,13 @@ fn surfaces_and_passes<const D: usize>(
     X: &[Vector<D>],
     first_node: &[usize],
 ) -> (Vec<Surface<D>>, Vec<Pass>) {
-    let mut names: Vec<&SurfaceName> = Vec::new();
+    let mut sides: Vec<&Side> = Vec::new();
     let mut passes = Vec::new();
-    for pair in &scene.pairs {
-        let [a, b] = [&pair.first, &pair.second].map(|name| {
-            names.iter().position(|n| *n == name).unwrap_or_else(|| {
-                names.push(name);
-                names.len() - 1
+    for pair in scene.pairs() {
+        let [a, b] = [&pair.first, &pair.second].map(|side| {
+            sides.iter().position(|s| *s == side).unwrap_or_else(|| {
+                sides.push(side);
+                sides.len() - 1
             })
         });
         let (forth, back) = (
@@ -407,16 +419,17 @@ fn surfaces_and_passes<const D: usize>(
             Passes::SecondIsSlave => passes.push(back),
         }
     }
-    let surface = |name: &&SurfaceName| {
-        let mesh = scene.bodies[name.body].mesh();
-        // the name was checked when the pair was declared
-        let facets = mesh.boundary(&name.boundary).unwrap_or_default();
-        let offset = first_node[name.body];
+    let surface = |side: &&Side| {
+        let body = side.body.index();
+        let mesh = scene.bodies()[body].mesh();
+        // the side was checked when the pair was declared
+        let facets = mesh.boundary(&side.boundary).unwrap_or_default();
+        let offset = first_node[body];
         let facet = |nodes: &[usize]| nodes.iter().map(|a| a + offset).collect();
         let facets: Vec<Vec<usize>> = facets.into_iter().map(facet).collect();
-        Surface::new(name.body, mesh.order(), facets.iter().map(Vec::as_slice), X)
+        Surface::new(body, mesh.order(), facets.iter().map(Vec::as_slice), X)
     };
-    (names.iter().map(surface).collect(), passes)
+    (sides.iter().map(surface).collect(), passes)
 }
 
 impl<const D: usize> ContactProblem for Problem<D> {
@@ -456,7 +469,7 @@ impl<const D: usize> LoadStepped for Problem<D> {
             self.prescribed.extend_from_slice(energy.prescribed());
         }
         if self.scene.keep_everything {
-            let values = self.scene.bodies.iter().flat_map(Body::prescribed);
+            let values = self.scene.bodies().iter().flat_map(Body::prescribed);
             for (dof, value) in values.enumerate() {
                 if let Some(value) = value {
                     self.bounds.lower[dof] = factor * value;
@@ -477,8 +490,8 @@ impl<const D: usize> LoadStepped for Problem<D> {
         if depth > facet.min(self.reach) {
             return Some(depth);
         }
-        if self.small_strain {
-            return None; // contact lives in the reference configuration
+        if self.geometry == Geometry::Reference {
+            return None;
         }
         let motion = Motion {
             before: &self.positions_at(last, from),
@@ -494,7 +507,7 @@ impl<const D: usize> LoadStepped for Problem<D> {
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
         let mut lifted = u.to_vec();
         for (body, energy) in self.energy.parts().iter().enumerate() {
-            let owner = &self.scene.bodies[body];
+            let owner = &self.scene.bodies()[body];
             let full = owner.prescribed_values().into_iter();
             let increments: Vec<f64> = full.map(|p| p * (self.factor - from)).collect();
             let extension = energy.extend(&DofMap::new(&owner.is_prescribed()), &increments);

@@ -168,6 +168,11 @@ impl<const D: usize> Body<D> {
         &self.forces
     }
 
+    /// Whether its law is for small strains: linear in the displacement gradient.
+    pub fn is_small_strain(&self) -> bool {
+        self.law.is_small_strain()
+    }
+
     /// For each dof, whether it is prescribed.
     pub(super) fn is_prescribed(&self) -> Vec<bool> {
         self.prescribed.iter().map(Option::is_some).collect()
@@ -187,6 +192,7 @@ impl<const D: usize> Body<D> {
 
 /// Hides the types of element and material behind the body.
 trait Law<const D: usize>: Send + Sync {
+    fn is_small_strain(&self) -> bool;
     fn energy(&self, body: &Body<D>, keep_everything: bool) -> Box<dyn BodyEnergy<D>>;
     fn add_body_force(
         &self,
@@ -199,6 +205,10 @@ trait Law<const D: usize>: Send + Sync {
 struct ElasticLaw<E, M>(E, M);
 
 impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> {
+    fn is_small_strain(&self) -> bool {
+        M::QUADRATIC
+    }
+
     fn energy(&self, body: &Body<D>, keep_everything: bool) -> Box<dyn BodyEnergy<D>> {
         let (is_prescribed, prescribed) = match keep_everything {
             true => (vec![false; body.prescribed.len()], Vec::new()),
