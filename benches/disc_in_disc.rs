@@ -8,19 +8,17 @@
 //! No files are written. Every size runs in a process of its own, so that the peak of memory is its
 //! own, too. Own code is all but Ipopt with its linear solver.
 
-#[path = "../examples/support/discs.rs"]
-mod discs;
-#[path = "../examples/support/machine.rs"]
-mod machine;
-
 use std::error::Error;
+use std::ops::ControlFlow;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 use clap::Parser;
-use discs::{Fineness, Roles};
+use contact_core::Cost;
+use contact_fem::output::record::peak_memory;
 use ipopt_contact::prelude::*;
-use ipopt_contact::versions;
+use ipopt_contact::{contact_core, contact_fem, versions};
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 use serde::{Deserialize, Serialize};
 
 /// Times the disc-in-disc scene
@@ -124,9 +122,9 @@ fn child(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 fn measure(arguments: &Arguments, segments: usize) -> Result<Line, Box<dyn Error>> {
     let clock = Instant::now();
     let roles = Roles::default();
-    let mut scene = discs::scene(Fineness::scaled(segments), roles)?;
+    let mut scene = disc_in_disc::scene(Fineness::scaled(segments), roles)?;
     if arguments.exact {
-        scene.integration = Integration::Exact;
+        scene.integration = Some(Integration::Exact);
     }
     let mut problem = scene.problem()?;
     let mut simulation = Simulation::with_increments(arguments.increments);
@@ -146,7 +144,7 @@ fn measure(arguments: &Arguments, segments: usize) -> Result<Line, Box<dyn Error
         projection: cost.projection,
         callbacks: cost.callbacks,
         optimizer: cost.optimizer,
-        peak_memory: machine::peak_memory(),
+        peak_memory: peak_memory(),
         energy: last.map(|step| step.energy),
         reaction: last.map(|step| step.reactions[roles.ring()][1]),
     })

@@ -8,24 +8,18 @@
 //!
 //! No files are written. Every case runs in a process of its own, so that the peak of memory is its
 //! own, too.
-#![allow(non_snake_case)] // the symbols of the field
-
-#[path = "../examples/support/beams.rs"]
-#[allow(dead_code)] // the example uses more of it
-mod beams;
-#[path = "../examples/support/machine.rs"]
-mod machine;
 
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
-use beams::{Beams, Law};
 use clap::Parser;
 use contact_fem::element::Order;
+use contact_fem::output::record::peak_memory;
 use ipopt_contact::prelude::*;
-use ipopt_contact::{contact_fem, versions};
+use ipopt_contact::{contact_core, contact_fem, versions};
+use ipopt_contact_scenes::beams::{self, Beams, Law};
 
 /// Times the three beams
 #[derive(Parser, Debug)]
@@ -107,7 +101,7 @@ fn measure(arguments: &Arguments, case: usize) -> Result<(), Box<dyn Error>> {
     };
     let mut scene = beams.scene()?;
     if arguments.exact {
-        scene.integration = Integration::Exact;
+        scene.integration = Some(Integration::Exact);
     }
     let mut problem = scene.problem()?;
     let set_up = clock.elapsed().as_secs_f64();
@@ -120,7 +114,7 @@ fn measure(arguments: &Arguments, case: usize) -> Result<(), Box<dyn Error>> {
         ControlFlow::Break(())
     })?;
     let cost = history.run.cost();
-    let peak = machine::peak_memory().map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6));
+    let peak = peak_memory().map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6));
     println!(
         "{name:<25} {:>9} {:>5} {:>8.2} {set_up:>9.2} {:>13.2} {:>12.2} {:>12.2} {:>6} {:>6} {:>9} {peak:>5} {tip:>6.3}",
         problem.dofs().free(),

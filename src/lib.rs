@@ -24,7 +24,7 @@
 //!     let mut inner = Body::new(disc(0.6, 20, 1, 0.03)?, NeoHookean::new(2000.0, 0.3)?);
 //!     inner.prescribe_all([Some(0.0), Some(-1.125)])?;
 //!
-//!     let mut scene = Scene::new(vec![ring, inner]);
+//!     let mut scene = Scene::of(vec![ring, inner]);
 //!     scene.contact((0, "inner"), (1, "boundary"))?;
 //!     let (mut work, mut pushed, mut force) = (0.0, 0.0, 0.0);
 //!     let mut simulation = Simulation::with_increments(10);
@@ -51,8 +51,8 @@
 //! lower.prescribe("bottom", [Some(0.0), Some(0.0)])?;
 //! let mut upper = Body::new(block(1.0, 7)?, LinearElastic::new(210.0, 0.3)?);
 //! upper.prescribe("top", [Some(0.0), Some(-0.01)])?;
-//! let mut scene = Scene::new(vec![lower, upper]);
-//! scene.integration = Integration::Exact;
+//! let mut scene = Scene::of(vec![lower, upper]);
+//! scene.integration = Some(Integration::Exact);
 //! // the lower block's surface alone is slave; `contact` takes both in turn
 //! scene.contact_in_passes((0, "top"), (1, "bottom"), Passes::FirstIsSlave)?;
 //!
@@ -71,14 +71,12 @@
 //! ```
 //!
 //! # Features
-//! `vtk`, `csv` and `plot`, all on by default, are the output formats of [`contact_fem::output`].
-
-mod versions;
+//! `vtk`, `csv` and `plot` are the output formats of [`contact_fem::output`], `record` makes all of them while a run
+//! goes on: `simulation.record("out/disc")`. All are on by default.
 
 pub use contact_core;
-pub use contact_core::ipopt::{Blas, BlasKind};
+pub use contact_core::ipopt::{Blas, BlasKind, Versions, versions};
 pub use contact_fem;
-pub use versions::{Versions, versions};
 
 /// What most scenes need, in one `use`.
 pub mod prelude {
@@ -93,7 +91,7 @@ pub mod prelude {
         Diagonals, annulus, cuboid, cuboid_graded, cylinder, disc, eighth_sphere, equilateral_disc,
         extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,
     };
-    pub use contact_fem::scene::{Integration, Passes, Problem};
+    pub use contact_fem::model::{BodyId, Geometry, Integration, Passes, Problem, Side};
     pub use contact_fem::simulation::{History, StepView};
     pub use contact_fem::{
         Body, Certificate, LeftOut, LinearElastic, Material, Mesh, MeshFile, NeoHookean, Scene,

@@ -128,12 +128,31 @@ pub enum Error {
         name: String,
     },
     /// A body that the scene does not have.
-    #[error("body {body} does not exist: the scene has {bodies} bodies numbered from 0")]
+    #[error(
+        "the scene has {bodies} bodies, and the handle is of number {body}, counted from 0: use the \
+         handles that this scene's `add` returned"
+    )]
     UnknownBody {
         /// The index asked for.
         body: usize,
         /// How many there are.
         bodies: usize,
+    },
+    /// A body with an empty name.
+    #[error("body number {body}, counted from 0, has no name: give `Scene::add` one")]
+    UnnamedBody {
+        /// Which one, in the order in which they were added.
+        body: usize,
+    },
+    /// Two bodies of one name.
+    #[error(
+        "two bodies are called `{name}`, numbers {bodies:?} counted from 0: rename one of them"
+    )]
+    BodyExists {
+        /// Their name.
+        name: String,
+        /// Which ones, in the order in which they were added.
+        bodies: [usize; 2],
     },
     /// A NaN or an infinity in the input.
     #[error("{what} [{index}] = {value} is not finite: check where it comes from")]
@@ -161,11 +180,11 @@ pub enum Error {
     },
     /// A contact surface without facets.
     #[error(
-        "contact surface `{boundary}` of body {body} has no facets: name a boundary that has some"
+        "contact surface `{boundary}` of body `{body}` has no facets: name a boundary that has some"
     )]
     EmptySurface {
         /// Which body.
-        body: usize,
+        body: String,
         /// Its boundary.
         boundary: String,
     },
@@ -174,13 +193,13 @@ pub enum Error {
     NothingFree,
     /// A body that nothing holds.
     #[error(
-        "body {body} can move rigidly ({free} of {modes} rigid motions of the part with node {node} \
+        "body `{body}` can move rigidly ({free} of {modes} rigid motions of the part with node {node} \
          are free) and touches no other body there: prescribe some of its displacements or declare \
          a contact pair"
     )]
     Unsupported {
         /// Which body.
-        body: usize,
+        body: String,
         /// A node of its part that is not held; a body may consist of several.
         node: usize,
         /// How many rigid motions are left.
@@ -193,16 +212,28 @@ pub enum Error {
         "no displacement is prescribed anywhere: the scene as a whole can drift; support a body"
     )]
     NoSupport,
+    /// Laws of both kinds, from which no geometry follows.
+    #[error(
+        "the law of body `{small}` is for small strains, that of body `{large}` for large ones: \
+         small strains suggest contact at the reference positions, large ones at the current ones, \
+         and results differ; set `Scene::geometry` to `Geometry::Reference` or `Geometry::Current`"
+    )]
+    GeometryNotChosen {
+        /// A body whose law is for small strains.
+        small: String,
+        /// A body whose law is not.
+        large: String,
+    },
     /// Bodies that overlap before any load.
     #[error(
-        "body {slave} starts inside body {master}: gap {gap:.3e} at node {node} ({x:?}) against a \
+        "body `{slave}` starts inside body `{master}`: gap {gap:.3e} at node {node} ({x:?}) against a \
          tolerance of {tolerance:.3e}; move the bodies apart or raise `Scene::overlap_tolerance`"
     )]
     Overlap {
         /// The body whose node is inside.
-        slave: usize,
+        slave: String,
         /// The body that it is inside of.
-        master: usize,
+        master: String,
         /// The node, numbered within its body.
         node: usize,
         /// Its position.
@@ -214,14 +245,14 @@ pub enum Error {
     },
     /// Bodies that cross before any load.
     #[error(
-        "bodies {first} and {second} cross at {x:?}, {depth:.3e} deep against a tolerance of \
+        "bodies `{first}` and `{second}` cross at {x:?}, {depth:.3e} deep against a tolerance of \
          {tolerance:.3e}; move them apart or raise `Scene::overlap_tolerance`"
     )]
     Crossing {
         /// The body whose edge runs through a facet.
-        first: usize,
+        first: String,
         /// The body whose facet that is.
-        second: usize,
+        second: String,
         /// Where.
         x: Vec<f64>,
         /// How far they would have to move to let go of each other there (UL).

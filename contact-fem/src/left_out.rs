@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::scene::Problem;
+use crate::model::Problem;
 use crate::simulation::History;
 
 /// Work that a scene made unnecessary. [`Scene::keep_everything`](crate::Scene::keep_everything)

@@ -18,8 +18,8 @@ pub mod error;
 pub mod left_out;
 pub mod material;
 pub mod mesh;
+pub mod model;
 pub mod output;
-pub mod scene;
 pub mod simulation;
 pub mod tensor;
 
@@ -29,5 +29,6 @@ pub use left_out::LeftOut;
 pub use material::{LinearElastic, Material, NeoHookean};
 pub use mesh::Mesh;
 pub use mesh::read::MeshFile;
-pub use scene::{Body, Scene};
+pub use model as scene; // its former name
+pub use model::{Body, BodyId, Scene};
 pub use simulation::{Simulation, StepRecord};

@@ -8,7 +8,7 @@ use contact_core::{ContactProblem, Ending, Equilibrium, State};
 
 use crate::certificate::Certificate;
 use crate::error::Error;
-use crate::scene::Problem;
+use crate::model::{BodyId, Problem};
 use crate::tensor::Vector;
 
 /// What is known of one converged load step.
@@ -149,6 +149,16 @@ impl<S: Equilibrium> Simulation<S> {
 }
 
 impl<const D: usize> StepRecord<D> {
+    /// The force that the supports exert on a body (UF).
+    pub fn reaction(&self, body: impl Into<BodyId>) -> Vector<D> {
+        self.reactions[body.into().index()]
+    }
+
+    /// The contact force on a body (UF).
+    pub fn contact_force(&self, body: impl Into<BodyId>) -> Vector<D> {
+        self.contact_forces[body.into().index()]
+    }
+
     fn new(step: &Step<'_, Problem<D>>) -> Self {
         let (problem, solution) = (step.problem, step.solution);
         let u = &solution.state.u;

@@ -49,7 +49,7 @@ impl Ball {
 
     /// The ball, which is the first body, and the plane.
     pub fn scene(&self) -> Result<Scene<3>, Error> {
-        let mut scene = Scene::new(vec![self.ball()?, self.plane()?]);
+        let mut scene = Scene::of(vec![self.ball()?, self.plane()?]);
         scene.contact((0, "below"), (1, "above"))?;
         Ok(scene)
     }

@@ -31,7 +31,7 @@ pub enum Formulation {
 pub enum Variant {
     /// As in the paper.
     Plain,
-    /// Anderson acceleration of depth 3, the default.
+    /// Anderson acceleration as deep as the library has it by default.
     Anderson,
 }
 

@@ -13,7 +13,7 @@ use crate::Failure;
 use crate::case::Case;
 use crate::processor;
 use crate::record::{Cost, Measured, Phases};
-use crate::support::machine;
+use ipopt_contact::contact_fem::output::record::peak_memory;
 
 /// A scene at full load, or wherever it came to.
 pub struct Solved<const D: usize> {
@@ -33,7 +33,7 @@ impl<const D: usize> Solved<D> {
     ) -> Result<Self, Failure> {
         let (clock, cpu) = (Instant::now(), processor::seconds());
         let mut scene = scene()?;
-        scene.integration = case.integration().unwrap_or(scene.integration);
+        scene.integration = case.integration().or(scene.integration);
         let mut problem = scene.problem()?;
         let set_up = clock.elapsed().as_secs_f64();
         let history = case.simulation(increments).run(&mut problem)?;
@@ -111,7 +111,7 @@ fn cost<const D: usize>(history: &History<D>, wall: f64, set_up: f64) -> Cost {
     Cost {
         wall,
         cpu: None,
-        memory: machine::peak_memory(),
+        memory: peak_memory(),
         steps: history.steps.len(),
         cuts: history.run.cuts(),
         fixed_point: effort.fixed_point,

@@ -210,7 +210,7 @@ mod tests {
         let mesh = rectangle(&grid, &grid, Diagonals::Rising).expect("mesh");
         let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.0).expect("law"));
         body.prescribe("left", [Some(0.0); 2]).expect("a side");
-        let problem = Scene::new(vec![body]).problem().expect("a scene");
+        let problem = Scene::of(vec![body]).problem().expect("a scene");
         let exact = |X: &Vector<2>| {
             (
                 Vector::<2>::new(X[0], 0.0),

@@ -183,7 +183,7 @@ mod tests {
                 .flat_map(|X| <[f64; 2]>::from(field(X)))
                 .collect(),
         };
-        let refined = Refined::new(Scene::new(vec![body]), &kept).expect("belongs");
+        let refined = Refined::new(Scene::of(vec![body]), &kept).expect("belongs");
         for X in [[0.0, 0.0], [0.3, 0.2], [-0.35, 0.41], [0.02, -0.5]].map(Vector::from) {
             let (u, gradient) = refined.at(0, &X).expect("inside");
             assert!((u - field(&X)).norm() < 1e-13, "{X:?}");
@@ -205,7 +205,7 @@ mod tests {
         let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.3).expect("law"));
         body.prescribe("boundary", [Some(0.0); 2]).expect("a side");
         assert!(
-            Refined::new(Scene::new(vec![body]), &other).is_err(),
+            Refined::new(Scene::of(vec![body]), &other).is_err(),
             "another mesh"
         );
     }

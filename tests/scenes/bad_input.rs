@@ -3,7 +3,7 @@
 use contact_fem::mesh::generators::{
     Diagonals, annulus, cuboid, cuboid_graded, disc, linspace, rectangle,
 };
-use contact_fem::scene::{Integration, Passes};
+use contact_fem::model::{Geometry, Integration, Passes};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
 
@@ -98,7 +98,7 @@ fn boundary_names() {
     assert!(matches!(error, Error::UnknownBoundary { .. }));
     assert_says(&error, &["botom", "bottom"]);
     assert!(body.traction("side", [0.0; 2]).is_err());
-    let mut scene = Scene::new(vec![held(0.0), held(1.0)]);
+    let mut scene = Scene::of(vec![held(0.0), held(1.0)]);
     let error = scene
         .contact((0, "tip"), (1, "bottom"))
         .expect_err("unknown");
@@ -107,6 +107,23 @@ fn boundary_names() {
         .contact((0, "top"), (2, "bottom"))
         .expect_err("no body");
     assert!(matches!(error, Error::UnknownBody { body: 2, bodies: 2 }));
+}
+
+#[test]
+fn body_names() {
+    let named = |names: [&str; 3]| {
+        let mut scene = Scene::new();
+        for (name, y) in names.into_iter().zip([0.0, 2.0, 4.0]) {
+            scene.add(name, held(y));
+        }
+        scene.problem().err()
+    };
+    assert!(named(["lower", "middle", "upper"]).is_none());
+    let unnamed = named(["lower", "", "upper"]).expect("refused");
+    assert!(matches!(unnamed, Error::UnnamedBody { body: 1 }));
+    let twice = named(["block", "plate", "block"]).expect("refused");
+    assert!(matches!(twice, Error::BodyExists { bodies: [0, 2], .. }));
+    assert_says(&twice, &["`block`"]);
 }
 
 #[test]
@@ -128,7 +145,7 @@ fn numbers_that_are_none() {
         body.traction("top", [0.0, f64::MAX])
             .expect("finite itself");
     }
-    let error = Scene::new(vec![body]).problem().err().expect("overflow");
+    let error = Scene::of(vec![body]).problem().err().expect("overflow");
     assert!(matches!(error, Error::NotFinite { .. }), "{error}");
     assert!(matches!(
         LinearElastic::new(f64::NAN, 0.3),
@@ -151,35 +168,31 @@ fn material_constants() {
 
 /// The scene of one body is refused for rigid motions that nothing holds: how many of them.
 fn free_motions(body: Body<2>) -> usize {
-    match Scene::new(vec![body]).problem().err().expect("refused") {
+    match Scene::of(vec![body]).problem().err().expect("refused") {
         Error::Unsupported {
-            body: 0,
+            body,
             free,
             modes: 3,
             ..
-        } => free,
+        } if body == "0" => free,
         other => panic!("{other}"),
     }
 }
 
 #[test]
 fn supports() {
-    let nothing_held = Scene::new(vec![square(0.0)])
+    let nothing_held = Scene::of(vec![square(0.0)])
         .problem()
         .err()
         .expect("refused");
     assert!(matches!(nothing_held, Error::NoSupport));
-    let floating = Scene::new(vec![held(0.0), square(2.0)])
-        .problem()
-        .err()
-        .expect("refused");
+    let mut scene = Scene::new();
+    scene.add("lower", held(0.0));
+    scene.add("upper", square(2.0));
+    let floating = scene.problem().err().expect("refused");
     assert!(matches!(
         floating,
-        Error::Unsupported {
-            body: 1,
-            free: 3,
-            ..
-        }
+        Error::Unsupported { body, free: 3, .. } if body == "upper"
     ));
     // rollers below leave the body free to slide
     let mut sliding = square(0.0);
@@ -194,10 +207,10 @@ fn supports() {
         .expect("support");
     assert_eq!(free_motions(pinned), 1);
     // with a contact pair, a body may float
-    let mut scene = Scene::new(vec![held(0.0), square(1.0)]);
+    let mut scene = Scene::of(vec![held(0.0), square(1.0)]);
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     assert!(scene.problem().is_ok());
-    assert!(Scene::<2>::new(vec![]).problem().is_err());
+    assert!(Scene::<2>::of(vec![]).problem().is_err());
 }
 
 /// Two triangles that share no node, of which one is held, or one may touch another body.
@@ -215,18 +228,17 @@ fn supports_of_bodies_in_parts() {
             .expect("support");
         body
     };
-    let error = Scene::new(vec![body()]).problem().err().expect("refused");
+    let error = Scene::of(vec![body()]).problem().err().expect("refused");
     assert!(matches!(
         error,
         Error::Unsupported {
-            body: 0,
             node: 3,
             free: 3,
             ..
         }
     ));
-    assert_says(&error, &["body 0", "node 3"]);
-    let mut scene = Scene::new(vec![body(), held(-1.0)]);
+    assert_says(&error, &["body `0`", "node 3"]);
+    let mut scene = Scene::of(vec![body(), held(-1.0)]);
     scene
         .contact((0, "left foot"), (1, "top"))
         .expect("surfaces");
@@ -234,7 +246,7 @@ fn supports_of_bodies_in_parts() {
         scene.problem(),
         Err(Error::Unsupported { node: 3, .. })
     ));
-    let mut scene = Scene::new(vec![body(), held(-1.0)]);
+    let mut scene = Scene::of(vec![body(), held(-1.0)]);
     scene
         .contact((0, "right foot"), (1, "top"))
         .expect("surfaces");
@@ -264,7 +276,7 @@ fn supports_of_parts_far_apart() {
             let mut body = Body::new(mesh.clone(), law());
             body.prescribe("near", [Some(0.0); 2]).expect("support");
             body.prescribe("far", held).expect("support");
-            match Scene::new(vec![body]).problem() {
+            match Scene::of(vec![body]).problem() {
                 Ok(_) => 0,
                 Err(Error::Unsupported { node, free, .. }) if node == count => free,
                 Err(other) => panic!("{other}"),
@@ -298,7 +310,7 @@ fn supports_of_slender_parts() {
             let mut body = Body::new(mesh, law());
             body.prescribe_nodes(&held, [Some(0.0); 3])
                 .expect("support");
-            match Scene::new(vec![body]).problem() {
+            match Scene::of(vec![body]).problem() {
                 Ok(_) => 0,
                 Err(Error::Unsupported { free, .. }) => free,
                 Err(other) => panic!("{other}"),
@@ -324,14 +336,21 @@ fn conflicting_supports() {
 #[test]
 fn overlap_at_the_start() {
     for depth in [0.1, 0.3] {
-        let mut scene = Scene::new(vec![held(0.0), square(1.0 - depth)]);
-        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", held(0.0));
+        let upper = scene.add("upper", square(1.0 - depth));
+        scene
+            .contact(lower.on("top"), upper.on("bottom"))
+            .expect("surfaces");
         let error = scene.problem().err().expect("overlap");
         let Error::Overlap { gap, .. } = error else {
             panic!("overlap, not {error}")
         };
         assert!((gap + depth).abs() < 1e-12, "gap {gap}");
-        assert_says(&error, &["body 0", "body 1", "overlap_tolerance"]);
+        assert_says(
+            &error,
+            &["body `lower`", "body `upper`", "overlap_tolerance"],
+        );
     }
 }
 
@@ -345,7 +364,7 @@ fn bodies_that_cross() {
         body
     };
     let scene = |ys: [f64; 2]| {
-        let mut scene = Scene::new(vec![bar([-4.0, 4.0], [-0.5, 0.5]), bar([-0.4, 0.7], ys)]);
+        let mut scene = Scene::of(vec![bar([-4.0, 4.0], [-0.5, 0.5]), bar([-0.4, 0.7], ys)]);
         scene.contact((0, "top"), (1, "top")).expect("surfaces");
         scene.problem()
     };
@@ -354,14 +373,14 @@ fn bodies_that_cross() {
         panic!("crossing, not {error}")
     };
     assert!((depth - 2.5).abs() < 1e-12, "depth {depth}");
-    assert_says(&error, &["bodies 0 and 1", "overlap_tolerance"]);
+    assert_says(&error, &["bodies `0` and `1`", "overlap_tolerance"]);
     assert!(scene([0.5, 3.0]).is_ok(), "touching is no crossing");
 }
 
 /// A body and its copy, in 2D and 3D; and a band that is wound once and a half around the same ring.
 #[test]
 fn bodies_that_coincide() {
-    let mut scene = Scene::new(vec![held(0.0), held(0.0)]);
+    let mut scene = Scene::of(vec![held(0.0), held(0.0)]);
     scene.contact((0, "top"), (1, "top")).expect("surfaces");
     let error = scene.problem().err().expect("coincide");
     assert!(
@@ -375,7 +394,7 @@ fn bodies_that_coincide() {
         body.prescribe("left", [Some(0.0); 3]).expect("support");
         body
     };
-    let mut scene = Scene::new(vec![cube(), cube()]);
+    let mut scene = Scene::of(vec![cube(), cube()]);
     scene.contact((0, "top"), (1, "top")).expect("surfaces");
     let error = scene.problem().err().expect("coincide");
     assert!(matches!(error, Error::Crossing { .. }), "{error}");
@@ -390,21 +409,14 @@ fn bodies_that_coincide() {
         };
         let mut body = Body::new(mesh.mapped(wound).expect("mesh"), law());
         body.prescribe("left", [Some(0.0); 2]).expect("support");
-        let mut scene = Scene::new(vec![body]);
-        scene.self_contact(0, "top").expect("surface");
+        let mut scene = Scene::of(vec![body]);
+        scene.self_contact((0, "top")).expect("surface");
         scene.problem()
     };
     assert!(band(0.75).is_ok(), "open ring");
     let error = band(1.5).err().expect("coincides");
     assert!(
-        matches!(
-            error,
-            Error::Crossing {
-                first: 0,
-                second: 0,
-                ..
-            }
-        ),
+        matches!(&error, Error::Crossing { first, second, .. } if [first, second] == ["0"; 2]),
         "{error}"
     );
 }
@@ -427,8 +439,8 @@ fn overlaps_within_the_tolerance() {
                 true => (vec![upper, lower], (0, "bottom"), (1, "top")),
                 false => (vec![lower, upper], (0, "top"), (1, "bottom")),
             };
-            let mut scene = Scene::new(bodies);
-            scene.integration = Integration::Exact;
+            let mut scene = Scene::of(bodies);
+            scene.integration = Some(Integration::Exact);
             scene
                 .contact_in_passes(first, second, passes)
                 .expect("surfaces");
@@ -450,7 +462,7 @@ fn overlaps_within_the_tolerance() {
             true => (vec![inner, ring], (0, "boundary"), (1, "inner")),
             false => (vec![ring, inner], (0, "inner"), (1, "boundary")),
         };
-        let mut scene = Scene::new(bodies);
+        let mut scene = Scene::of(bodies);
         scene.contact(first, second).expect("surfaces");
         assert!(scene.problem().is_ok(), "disc first: {disc_first}");
     }
@@ -463,18 +475,18 @@ fn empty_contact_surface() {
     mesh.name_boundary("nowhere", |x| x[0] > 7.0);
     let mut body = Body::new(mesh, law());
     body.prescribe_all([Some(0.0); 2]).expect("support");
-    let mut scene = Scene::new(vec![body, held(3.0)]);
+    let mut scene = Scene::of(vec![body, held(3.0)]);
     let error = scene
         .contact((0, "nowhere"), (1, "bottom"))
         .expect_err("empty");
-    assert!(matches!(error, Error::EmptySurface { body: 0, .. }));
-    assert_says(&error, &["nowhere"]);
+    assert!(matches!(error, Error::EmptySurface { .. }));
+    assert_says(&error, &["body `0`", "nowhere"]);
 }
 
 #[test]
 fn settings() {
     let run = |mut simulation: Simulation| {
-        let mut problem = Scene::new(vec![held(0.0)]).problem().expect("valid");
+        let mut problem = Scene::of(vec![held(0.0)]).problem().expect("valid");
         simulation.run(&mut problem).err()
     };
     let error = run(Simulation::with_increments(0)).expect("refused");
@@ -489,8 +501,8 @@ fn settings() {
     simulation.solver.fixed_point.max_iterations = 0;
     assert!(run(simulation).is_some());
     for points in [0, 65] {
-        let mut scene = Scene::new(vec![held(0.0)]);
-        scene.integration = Integration::Gauss(points);
+        let mut scene = Scene::of(vec![held(0.0)]);
+        scene.integration = Some(Integration::Gauss(points));
         assert!(matches!(
             scene.problem(),
             Err(Error::Setting {
@@ -500,13 +512,44 @@ fn settings() {
         ));
     }
     for reach in [0.0, -1.0, f64::NAN] {
-        let mut scene = Scene::new(vec![held(0.0)]);
+        let mut scene = Scene::of(vec![held(0.0)]);
         scene.reach = Some(reach);
         assert!(matches!(
             scene.problem(),
             Err(Error::Setting { name: "reach", .. })
         ));
     }
+}
+
+/// Laws of two kinds meet contact only by choice, which either kind of geometry is.
+#[test]
+fn two_kinds_of_laws() {
+    let scene = |geometry| {
+        let mut block = Body::new(
+            rectangle(&[0.0, 1.0], &[1.0, 2.0], Diagonals::Rising).expect("mesh"),
+            LinearElastic::new(10.0, 0.3).expect("law"),
+        );
+        block
+            .prescribe("top", [Some(0.0), Some(-0.01)])
+            .expect("support");
+        let mut scene = Scene::new();
+        scene.geometry = geometry;
+        let (base, block) = (scene.add("base", held(0.0)), scene.add("block", block));
+        (scene, base.on("top"), block.on("bottom"))
+    };
+    let (apart, ..) = scene(None);
+    assert!(apart.problem().is_ok(), "nothing may touch");
+    for (geometry, is_exact) in [(Geometry::Reference, true), (Geometry::Current, false)] {
+        let (mut chosen, base, block) = scene(Some(geometry));
+        chosen.contact(base, block).expect("surfaces");
+        let problem = chosen.problem().expect("chosen");
+        assert_eq!(problem.is_exact(), is_exact);
+    }
+    let (mut mixed, base, block) = scene(None);
+    mixed.contact(base, block).expect("surfaces");
+    let error = mixed.problem().err().expect("refused");
+    assert!(matches!(error, Error::GeometryNotChosen { .. }), "{error}");
+    assert_says(&error, &["`block`", "`base`", "Scene::geometry"]);
 }
 
 /// A small square wholly inside a large one, where no surface faces the other.
@@ -519,7 +562,7 @@ fn a_body_inside_another() {
     );
     let mut large = Body::new(large.expect("mesh"), law());
     large.prescribe("bottom", [Some(0.0); 2]).expect("support");
-    let mut scene = Scene::new(vec![large, held(0.1)]);
+    let mut scene = Scene::of(vec![large, held(0.1)]);
     scene.contact((0, "top"), (1, "top")).expect("surfaces");
     assert!(matches!(scene.problem(), Err(Error::Overlap { .. })));
 }
@@ -529,7 +572,7 @@ fn scenes_that_are_none() {
     let mut fixed = square(0.0);
     fixed.prescribe_all([Some(0.0); 2]).expect("support");
     assert!(matches!(
-        Scene::new(vec![fixed]).problem(),
+        Scene::of(vec![fixed]).problem(),
         Err(Error::NothingFree)
     ));
     for offset in [f64::NAN, f64::INFINITY, 1e20] {

@@ -1,20 +1,21 @@
 //! The certificate of a step holds where it should, and finds faults that are planted.
 
-use crate::support::hairpin;
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
+use ipopt_contact_scenes::hairpin;
 use std::ops::ControlFlow;
 
-use crate::common::{Order, disc_in_disc, disc_in_disc_scene, run, run_with};
-use contact_core::equilibrium::Solution;
+use crate::common::{disc_in_disc, run, run_with};
+use contact_core::Ending;
 use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::nlp::Bounds;
 use contact_core::{
     ContactProblem, Continuation, Energy, Error, FixedPoint, InteriorPoint, Method, PenalizedSlack,
     Penalty, Scale, State,
 };
-use contact_core::{Ending, Outcome};
+use contact_core::{Outcome, equilibrium::Solution};
 use contact_fem::certificate::Limits;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Integration, Passes, Problem};
+use contact_fem::model::{Integration, Passes, Problem};
 use contact_fem::{Body, Certificate, LinearElastic, Mesh, NeoHookean, Scene};
 
 /// The names of what is beyond its limit.
@@ -26,7 +27,7 @@ fn failures(certificate: &Certificate) -> Vec<&'static str> {
 
 /// A coarse disc-in-disc at full load.
 fn solved() -> (Problem<2>, Solution) {
-    let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(32, Roles::default());
     let history = run(&mut problem, 8, 1e-8);
     assert_eq!(history.run.ending, Ending::Complete);
     let solution = history.run.solution.expect("converged");
@@ -36,7 +37,7 @@ fn solved() -> (Problem<2>, Solution) {
 #[test]
 fn sound_runs_hold() {
     let disc = |method: &mut dyn Method| {
-        let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+        let mut problem = disc_in_disc(32, Roles::default());
         run_with(method, &mut problem, 8, 1e-6).certificate()
     };
     let mut hairpin = hairpin::scene(3, true)
@@ -165,7 +166,7 @@ fn next_to_no_load() {
         lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
         upper.prescribe("left", [Some(0.0), None]).expect("support");
         upper.traction("top", [0.0, -load]).expect("load");
-        let mut scene = Scene::new(vec![lower, upper]);
+        let mut scene = Scene::of(vec![lower, upper]);
         scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let certificate = run(&mut problem, 1, 1e-6).certificate().expect("a step");
@@ -278,7 +279,7 @@ fn a_forgotten_row_is_found() {
 /// A run goes on for its observer's certificate only as long as that holds, if the user wants so.
 #[test]
 fn an_observer_may_stop_at_a_bad_certificate() {
-    let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(32, Roles::default());
     let strict = Limits {
         nodal_penetration: 0.0,
         ..Limits::default()
@@ -311,10 +312,8 @@ fn elastic(young: f64) -> impl Fn(Mesh<2>) -> Body<2> {
 }
 
 fn touching(bodies: [Body<2>; 2], integration: Option<Integration>) -> Problem<2> {
-    let mut scene = Scene::new(bodies.into());
-    if let Some(integration) = integration {
-        scene.integration = integration;
-    }
+    let mut scene = Scene::of(bodies.into());
+    scene.integration = integration;
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     scene.problem().expect("valid scene")
 }
@@ -377,7 +376,7 @@ fn a_soft_pair_is_judged_by_its_own_forces() {
         upper.prescribe("top", down).expect("support");
         bodies.extend([lower, upper]);
     }
-    let mut scene = Scene::new(bodies);
+    let mut scene = Scene::of(bodies);
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     scene.contact((2, "top"), (3, "bottom")).expect("surfaces");
     let mut problem = scene.problem().expect("valid scene");
@@ -433,8 +432,9 @@ fn rest_is_certified() {
 #[test]
 fn forgotten_points_are_found() {
     for integration in [Integration::Gauss(4), Integration::Exact] {
-        let mut scene = disc_in_disc_scene(32, Passes::Both, Order::RingFirst);
-        scene.integration = integration;
+        let mut scene =
+            disc_in_disc::scene(Fineness::scaled(32), Roles::default()).expect("a scene");
+        scene.integration = Some(integration);
         let mut problem = scene.problem().expect("valid scene");
         let history = run_with(&mut Penalty::default(), &mut problem, 16, 1e-6);
         let certificate = history.certificate().expect("steps");
@@ -465,7 +465,13 @@ fn forgotten_points_are_found() {
 #[test]
 fn the_other_side_of_a_single_pass_is_told() {
     let other_side = |passes: Passes| {
-        let mut problem = disc_in_disc(32, passes, Order::RingFirst);
+        let mut problem = disc_in_disc(
+            32,
+            Roles {
+                passes,
+                ..Roles::default()
+            },
+        );
         let history = run(&mut problem, 8, 1e-6);
         let certificate = history.certificate().expect("steps");
         assert!(failures(&certificate).is_empty(), "{certificate}");

@@ -1,10 +1,23 @@
 //! Section 6.1 of the paper against reference values computed by an independent implementation.
 
-use crate::common::{Order, disc_in_disc, disc_in_disc_scene, relative, run};
-use contact_core::{Acceleration, Ending, Outcome};
+use crate::common::{disc_in_disc, relative, run};
+use contact_core::Acceleration;
+use contact_core::Ending;
+use contact_core::Outcome;
 use contact_fem::Simulation;
-use contact_fem::scene::{Integration, Passes};
+use contact_fem::model::{Integration, Passes};
 use contact_fem::simulation::History;
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
+
+/// The ring comes first, or the disc.
+const BOTH_ORDERS: [Roles; 2] = [roles(false), roles(true)];
+
+const fn roles(swapped: bool) -> Roles {
+    Roles {
+        swapped,
+        passes: Passes::Both,
+    }
+}
 
 /// Energy and the force on the disc at full load, both within 1e-4 of the reference.
 fn assert_reference(history: &History<2>, ring: usize, energy: f64, reaction: f64) {
@@ -29,8 +42,9 @@ fn assert_reference(history: &History<2>, ring: usize, energy: f64, reaction: f6
 #[test]
 fn both_passes_at_tight_tolerance_whichever_body_comes_first() {
     let mut ends = Vec::new();
-    for (order, ring) in [(Order::RingFirst, 0), (Order::DiscFirst, 1)] {
-        let mut problem = disc_in_disc(64, Passes::Both, order);
+    for roles in BOTH_ORDERS {
+        let ring = roles.ring();
+        let mut problem = disc_in_disc(64, roles);
         let history = run(&mut problem, 100, 1e-8);
         assert_eq!(history.steps.len(), 100);
         assert_reference(&history, ring, 965.2329, 2377.8);
@@ -54,11 +68,7 @@ fn both_passes_at_tight_tolerance_whichever_body_comes_first() {
 
 #[test]
 fn default_tolerance_reaches_full_load_uncut() {
-    let history = run(
-        &mut disc_in_disc(64, Passes::Both, Order::RingFirst),
-        100,
-        1e-6,
-    );
+    let history = run(&mut disc_in_disc(64, Roles::default()), 100, 1e-6);
     assert_reference(&history, 0, 965.2329, 2377.8);
     let iterations: usize = history
         .steps
@@ -72,13 +82,13 @@ fn default_tolerance_reaches_full_load_uncut() {
 /// 6e-6 below the reference with four Gauss points.
 #[test]
 fn exact_integration_whichever_body_comes_first() {
-    let ends = [(Order::RingFirst, 0), (Order::DiscFirst, 1)].map(|(order, ring)| {
-        let mut scene = disc_in_disc_scene(64, Passes::Both, order);
-        scene.integration = Integration::Exact;
+    let ends = BOTH_ORDERS.map(|roles| {
+        let mut scene = disc_in_disc::scene(Fineness::REFERENCE, roles).expect("a scene");
+        scene.integration = Some(Integration::Exact);
         let history = run(&mut scene.problem().expect("valid scene"), 100, 1e-8);
-        assert_reference(&history, ring, 965.2329, 2377.8);
+        assert_reference(&history, roles.ring(), 965.2329, 2377.8);
         let last = history.steps.last().expect("steps");
-        (last.energy, last.reactions[ring][1])
+        (last.energy, last.reactions[roles.ring()][1])
     });
     assert!(relative(ends[0].0, 965.2273) < 1e-6, "{ends:?}");
     assert!(relative(ends[0].0, ends[1].0) < 1e-8, "{ends:?}");
@@ -88,7 +98,13 @@ fn exact_integration_whichever_body_comes_first() {
 #[test]
 fn one_pass_with_the_hole_as_slave() {
     let history = run(
-        &mut disc_in_disc(64, Passes::FirstIsSlave, Order::RingFirst),
+        &mut disc_in_disc(
+            64,
+            Roles {
+                passes: Passes::FirstIsSlave,
+                ..Roles::default()
+            },
+        ),
         100,
         1e-8,
     );
@@ -98,7 +114,13 @@ fn one_pass_with_the_hole_as_slave() {
 #[test]
 fn one_pass_with_the_disc_as_slave() {
     let history = run(
-        &mut disc_in_disc(64, Passes::SecondIsSlave, Order::RingFirst),
+        &mut disc_in_disc(
+            64,
+            Roles {
+                passes: Passes::SecondIsSlave,
+                ..Roles::default()
+            },
+        ),
         100,
         1e-8,
     );
@@ -109,7 +131,7 @@ fn one_pass_with_the_disc_as_slave() {
 /// that the library says so: an attempt that ends in a cycle is on record with its history.
 #[test]
 fn the_plain_fixed_point_reports_its_cycle() {
-    let mut problem = disc_in_disc(64, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(64, Roles::default());
     let mut simulation = Simulation::with_increments(100);
     simulation.load_steps.max_halvings = 0;
     simulation.solver.fixed_point.tolerance = 1e-8;

@@ -1,10 +1,11 @@
 //! Loads, stiffnesses and steps far from ordinary.
 
-use crate::common::{Order, disc_in_disc, relative, run};
+use crate::common::{disc_in_disc, relative, run};
 use contact_core::Ending;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Passes, Problem};
+use contact_fem::model::Problem;
 use contact_fem::{Body, LinearElastic, NeoHookean, Scene};
+use ipopt_contact_scenes::disc_in_disc::Roles;
 
 fn square(y: f64, modulus: f64) -> Body<2> {
     let mesh = rectangle(
@@ -23,7 +24,7 @@ fn stack(mut top: Body<2>, modulus: f64) -> Problem<2> {
     let mut bottom = square(0.0, modulus);
     bottom.prescribe("bottom", [Some(0.0); 2]).expect("support");
     top.prescribe("left", [Some(0.0), None]).expect("support");
-    let mut scene = Scene::new(vec![bottom, top]);
+    let mut scene = Scene::of(vec![bottom, top]);
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     scene.problem().expect("valid scene")
 }
@@ -70,7 +71,7 @@ fn stiff_against_soft() {
 /// the way to full load, nothing is deeper in the wall than polygons of a circle are.
 #[test]
 fn nothing_tunnels() {
-    let mut problem = disc_in_disc(64, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(64, Roles::default());
     let history = run(&mut problem, 1, 1e-6);
     for step in &history.steps {
         assert!(
@@ -106,7 +107,7 @@ fn small_strain_scenes_are_linear_in_the_load() {
         };
         let (lower, mut upper) = (beam(0.0), beam(1.0));
         upper.traction("top", [0.0, -load]).expect("load");
-        let mut scene = Scene::new(vec![lower, upper]);
+        let mut scene = Scene::of(vec![lower, upper]);
         scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let history = run(&mut problem, 1, 1e-6);
@@ -140,7 +141,7 @@ fn coarse_facets_do_not_hide_a_tunnel() {
             lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
             let down = [Some(0.0), Some(-0.7)];
             upper.prescribe("top", down).expect("support");
-            let mut scene = Scene::new(vec![lower, upper]);
+            let mut scene = Scene::of(vec![lower, upper]);
             scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
             let mut problem = scene.problem().expect("valid scene");
             let history = run(&mut problem, increments, 1e-9);
@@ -173,7 +174,7 @@ fn thin_bodies_are_not_jumped_over() {
         block
             .prescribe("top", [Some(0.0), Some(-0.4)])
             .expect("support");
-        let mut scene = Scene::new(match block_first {
+        let mut scene = Scene::of(match block_first {
             true => vec![block, plate],
             false => vec![plate, block],
         });

@@ -2,9 +2,9 @@
 
 use crate::common::{relative, run};
 use contact_fem::element::Order;
-use contact_fem::scene::Integration;
+use contact_fem::model::Integration;
 
-use crate::support::hertz::{FORCE, Fineness, Hertz};
+use ipopt_contact_scenes::hertz::{FORCE, Fineness, Hertz};
 
 /// Half-cylinder of radius 50 on a block 100 high, by symmetry their right halves: p₀ = √(P E*/(πR)).
 #[test]
@@ -42,7 +42,7 @@ fn hertz(
     );
     let (P, h) = (FORCE, a / in_contact);
     let mut scene = hertz.scene().expect("a scene");
-    scene.integration = integration.unwrap_or(scene.integration);
+    scene.integration = integration;
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);
     let step = history.steps.last().expect("converged");

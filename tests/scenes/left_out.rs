@@ -1,12 +1,12 @@
 //! What a scene does not need is left out, and doing it all the same changes nothing.
 
 use crate::common::{relative, run_with};
-use crate::support::hairpin;
 use contact_core::InteriorPoint;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, LeftOut, LinearElastic, Material, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::hairpin;
 
 fn of_order<const D: usize>(mesh: Mesh<D>, order: Order) -> Mesh<D> {
     match order {
@@ -29,7 +29,7 @@ fn disc_on_block<M: Material<2>>(law: M, order: Order) -> Scene<2> {
     disc.prescribe_all([Some(0.0), Some(-0.03)])
         .expect("support");
 
-    let mut scene = Scene::new(vec![block, disc]);
+    let mut scene = Scene::of(vec![block, disc]);
     scene.reach = Some(0.25);
     scene.contact((0, "skin"), (1, "boundary")).expect("pair");
     scene
@@ -47,7 +47,7 @@ fn cube_on_block<M: Material<3>>(law: M, order: Order) -> Scene<3> {
     cube.prescribe_all([Some(0.01), Some(0.005), Some(-0.04)])
         .expect("support");
 
-    let mut scene = Scene::new(vec![block, cube]);
+    let mut scene = Scene::of(vec![block, cube]);
     scene.reach = Some(0.2);
     scene.contact((0, "skin"), (1, "bottom")).expect("pair");
     scene
@@ -200,7 +200,7 @@ fn no_pair_no_rows() {
     );
     block.prescribe("bottom", [Some(0.0); 2]).expect("support");
     block.traction("top", [0.0, -1.0]).expect("load");
-    let mut problem = Scene::new(vec![block]).problem().expect("valid scene");
+    let mut problem = Scene::of(vec![block]).problem().expect("valid scene");
     assert_eq!(problem.contact_nodes(), 0);
     let history = run_with(&mut InteriorPoint::default(), &mut problem, 1, 1e-6);
     let step = history.steps.last().expect("converged");

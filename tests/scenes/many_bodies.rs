@@ -1,16 +1,16 @@
 //! Many bodies, whose pairs are found, and bodies that touch themselves.
 
 use crate::common::{relative, run, run_with};
-use crate::support::hairpin;
 use contact_core::Ending;
 use contact_core::InteriorPoint;
 use contact_fem::contact::projection::{closest, interpolate};
 use contact_fem::element::{Element, P1, P2};
 use contact_fem::mesh::Mesh;
 use contact_fem::mesh::generators::{Diagonals, equilateral_disc, linspace, rectangle};
-use contact_fem::scene::Integration;
+use contact_fem::model::Integration;
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, LinearElastic, Material, NeoHookean, Scene};
+use ipopt_contact_scenes::hairpin;
 
 const DISCS: usize = 4;
 
@@ -53,9 +53,9 @@ fn stack(order: &[usize]) -> (Scene<2>, Vec<usize>) {
         bodies.push(body);
         surfaces.push(surface);
     }
-    let mut scene = Scene::new(bodies);
+    let mut scene = Scene::of(bodies);
     for (body, surface) in surfaces.into_iter().enumerate() {
-        scene.contact_surface(body, surface).expect("declared");
+        scene.contact_surface((body, surface)).expect("declared");
     }
     let place = (0..DISCS + 2).map(|k| order.iter().position(|o| *o == k));
     (scene, place.map(|p| p.expect("all bodies")).collect())
@@ -191,10 +191,10 @@ fn slabs_do_not_see_through_each_other() {
     ] {
         bodies[body].prescribe(side, held).expect("support");
     }
-    let mut scene = Scene::new(bodies.into());
+    let mut scene = Scene::of(bodies.into());
     for body in 0..3 {
         for side in ["top", "bottom"] {
-            scene.contact_surface(body, side).expect("declared");
+            scene.contact_surface((body, side)).expect("declared");
         }
     }
     let mut problem = scene.problem().expect("no overlap");
@@ -283,8 +283,8 @@ where
         let all = std::array::from_fn(|i| (held[i].is_some() || i < 2 && in_plane).then_some(u[i]));
         body.prescribe_nodes(&[node], all).expect("support");
     }
-    let mut scene = Scene::new(vec![body]);
-    scene.self_contact(0, "skin").expect("surface");
+    let mut scene = Scene::of(vec![body]);
+    scene.self_contact((0, "skin")).expect("surface");
     scene
 }
 
@@ -356,10 +356,10 @@ fn a_long_reach_adds_no_contact() {
 #[test]
 fn hairpins_integrated_exactly() {
     let mut plane = hairpin::scene(3, true).expect("scene");
-    plane.integration = Integration::Exact;
+    plane.integration = Some(Integration::Exact);
     closes(plane, 8, 1e-6);
     let mut space = hairpin::scene_in_space(2, 2).expect("scene");
-    space.integration = Integration::Exact;
+    space.integration = Some(Integration::Exact);
     closes(space, 8, 1e-6);
 }
 
@@ -428,9 +428,9 @@ fn slit_integrated(
     body.prescribe("bottom", [Some(0.0); 2]).expect("support");
     body.prescribe("top", [Some(0.1 * sin), Some(-0.1 * cos)])
         .expect("support");
-    let mut scene = Scene::new(vec![body]);
-    scene.integration = integration;
-    scene.self_contact(0, "slit").expect("a surface");
+    let mut scene = Scene::of(vec![body]);
+    scene.integration = Some(integration);
+    scene.self_contact((0, "slit")).expect("a surface");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, increments, 1e-9);
     assert_eq!(history.run.ending, Ending::Complete);

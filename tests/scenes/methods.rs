@@ -1,22 +1,23 @@
 //! The three methods for step 5 on the same scenes: the interior point (7), the penalised slack
 //! (37) and the penalty (39).
 
-use crate::common::{Order, disc_in_disc, relative, run, run_with, scaled_discs};
-use crate::support::beams::{Beams, Law};
-use crate::support::hertz::{Fineness, Hertz};
-use crate::support::pointwise::{Pointwise, order};
+use crate::common::{disc_in_disc, relative, run, run_with};
 use contact_core::Ending;
-use contact_core::equilibrium::Solution;
 use contact_core::gaps::Sampling;
 use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalty, Subproblem};
 use contact_core::{
     ContactProblem, FixedPoint, InteriorPoint, LinearGaps, LoadStepped, Scale, State,
 };
-use contact_core::{Outcome, Retry, Solved, Stop};
+use contact_core::{Outcome, equilibrium::Solution};
+use contact_core::{Retry, Solved, Stop};
 use contact_fem::element;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Integration, Passes, Problem};
+use contact_fem::model::{Integration, Passes, Problem};
 use contact_fem::{Body, LinearElastic, Scene, Simulation};
+use ipopt_contact_scenes::beams::{Beams, Law};
+use ipopt_contact_scenes::disc_in_disc::{self, Roles};
+use ipopt_contact_scenes::hertz::{Fineness, Hertz};
+use ipopt_contact_scenes::studies::pointwise::{Pointwise, order};
 
 /// Penalty factors at which errors fall as they do for μ → ∞.
 const MUS: [f64; 3] = [1e8, 1e10, 1e12];
@@ -125,7 +126,7 @@ fn penalised_slacks_tend_to_the_interior_point_at_order_one_half() {
         assert_slacks_converge(&mut problem, &rest);
     }
 
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     let history = run(&mut problem, 5, 1e-6);
     assert_slacks_converge(&mut problem, &history.run.state.u);
 }
@@ -204,7 +205,7 @@ fn penalties_tend_to_their_pointwise_limit_at_order_one_half() {
 /// points may end elsewhere from elsewhere.
 #[test]
 fn penalties_tend_to_their_pointwise_limit_through_large_strains() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     let state = run(&mut problem, 5, 1e-6).run.state;
     let gaps = problem.rows(&state.u, Sampling::Points);
     let minimum = |method: &mut dyn Method| minimum(&problem, &gaps, method, &state.u);
@@ -301,7 +302,7 @@ fn continuation_ends_within_the_documented_penetration() {
     let found = from_rest(&mut problem, &mut PenalizedSlack::default());
     assert_within_documented_penetration(&problem, exact, &found);
 
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     let history = run(&mut problem, 5, 1e-7);
     let exact = history.run.solution.expect("converged").energy;
     let history = run_with(&mut PenalizedSlack::default(), &mut problem, 5, 1e-7);
@@ -357,19 +358,14 @@ fn every_method_in_any_passes_whichever_body_comes_first() {
 fn every_method_through_large_strains_in_any_passes_whichever_body_comes_first() {
     for (name, mut method) in all_methods() {
         for passes in ALL_PASSES {
-            let ends = [(Order::RingFirst, 0), (Order::DiscFirst, 1)].map(|(order, ring)| {
-                // passes are those of the pair as it was declared
-                let passes = match (order, passes) {
-                    (Order::DiscFirst, Passes::FirstIsSlave) => Passes::SecondIsSlave,
-                    (Order::DiscFirst, Passes::SecondIsSlave) => Passes::FirstIsSlave,
-                    (_, passes) => passes,
-                };
-                let mut problem = disc_in_disc(32, passes, order);
+            let ends = [false, true].map(|swapped| {
+                let roles = Roles { swapped, passes };
+                let mut problem = disc_in_disc(32, roles);
                 let history = run_with(method.as_mut(), &mut problem, 10, 1e-7);
                 let outcome = &history.run.ending;
                 assert_eq!(*outcome, Ending::Complete, "{name} {passes:?}");
                 let last = history.steps.last().expect("steps");
-                (last.energy, last.reactions[ring][1])
+                (last.energy, last.reactions[roles.ring()][1])
             });
             let [(e1, r1), (e2, r2)] = ends;
             assert!(relative(e1, e2) < 1e-6, "{name} {passes:?}: {e1} {e2}");
@@ -387,7 +383,8 @@ fn results_and_iterations_do_not_depend_on_units() {
         }];
     for method in methods {
         let run = |length, modulus| {
-            let mut problem = scaled_discs(length, modulus);
+            let scene = disc_in_disc::in_units(length, modulus).expect("a scene");
+            let mut problem = scene.problem().expect("valid scene");
             let history = run_with(method().as_mut(), &mut problem, 10, 1e-7);
             assert_eq!(history.run.ending, Ending::Complete);
             let attempts = history.steps.iter().map(|step| &step.attempt);
@@ -419,9 +416,9 @@ fn blocks() -> Problem<2> {
         .prescribe("bottom", [None, Some(0.0)])
         .expect("support");
     upper.traction("top", [0.0, -PRESSURE]).expect("load");
-    let mut scene = Scene::new(vec![lower, upper]);
+    let mut scene = Scene::of(vec![lower, upper]);
     scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
-    scene.integration = Integration::Exact;
+    scene.integration = Some(Integration::Exact);
     scene.problem().expect("valid scene")
 }
 
@@ -459,7 +456,7 @@ fn no_result_of_the_penalty_depends_on_its_move_limit() {
 /// of them in each of these solves but for the secants that foretell its force.
 #[test]
 fn warm_solves_at_a_large_penalty_take_few_iterations() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     let history = run(&mut problem, 5, 1e-6);
     let mut method = PenalizedSlack::with(Continuation::fixed(1e12));
     let found = solved(&mut problem, &mut method, history.run.state.u);

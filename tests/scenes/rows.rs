@@ -3,7 +3,7 @@
 use contact_core::ContactProblem;
 use contact_core::gaps::Sampling;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Integration, Problem};
+use contact_fem::model::{Integration, Problem};
 use contact_fem::{Body, NeoHookean, Scene};
 
 /// How far the faces are apart at x = 0, and the slope of the upper one.
@@ -24,9 +24,9 @@ fn below_a_slope(end: f64) -> Problem<2> {
     let sloping = upper.mapped(|X| [X[0], X[1] + SLOPE * X[0]].into());
     let mut upper = Body::new(sloping.expect("sloping"), law);
     upper.prescribe("top", [Some(0.0); 2]).expect("support");
-    let mut scene = Scene::new(vec![lower, upper]);
+    let mut scene = Scene::of(vec![lower, upper]);
     scene.reach = Some(1.0);
-    scene.integration = Integration::Gauss(64); // to end about anywhere
+    scene.integration = Some(Integration::Gauss(64)); // to end about anywhere
     scene.contact((0, "top"), (1, "bottom")).expect("pair");
     scene.problem().expect("valid scene")
 }

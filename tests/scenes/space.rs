@@ -1,15 +1,15 @@
 //! Contact in space, of linear and quadratic tetrahedra: patch test, and what must not matter.
 
 use crate::common::{relative, run, run_with, stress_error};
-use crate::support::blocks::Blocks;
 use contact_core::Ending;
 use contact_core::InteriorPoint;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::cuboid;
-use contact_fem::scene::{Integration, Problem};
+use contact_fem::model::{Integration, Problem};
 use contact_fem::simulation::History;
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::blocks::Blocks;
 
 fn block(order: Order, low: [f64; 3], size: [f64; 3], divisions: usize) -> Mesh<3> {
     let mesh = cuboid(low, size, [divisions; 3]).expect("mesh");
@@ -88,9 +88,9 @@ impl Oblique {
             false => (vec![large, small], [(0, "top"), (1, "bottom")]),
             true => (vec![small, large], [(0, "bottom"), (1, "top")]),
         };
-        let mut scene = Scene::new(bodies);
+        let mut scene = Scene::of(bodies);
         scene.contact(pair[0], pair[1]).expect("surfaces");
-        scene.integration = self.integration.unwrap_or(scene.integration);
+        scene.integration = self.integration;
         let mut problem = scene.problem().expect("valid scene");
         // where rows are about to open, displacements follow the root of what is left of gap times
         // force: differences of 1e-10 ask for much less of it than results do
@@ -176,7 +176,7 @@ fn three_blocks(elements: Order, order: [usize; 3]) -> (Vec<Vector<3>>, f64) {
         body
     };
     let place = [0, 1, 2].map(|k| order.iter().position(|o| *o == k).expect("all bodies"));
-    let mut scene = Scene::new(order.map(body).into());
+    let mut scene = Scene::of(order.map(body).into());
     for (below, above) in [(place[0], place[1]), (place[1], place[2])] {
         let pair = [(below, "top"), (above, "bottom")];
         let [first, second] = if below < above {

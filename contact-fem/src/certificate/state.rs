@@ -8,7 +8,7 @@ use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 
 use super::{Certificate, Limits};
 use crate::contact::Pass;
-use crate::scene::Problem;
+use crate::model::Problem;
 use crate::tensor::Vector;
 
 impl Certificate {

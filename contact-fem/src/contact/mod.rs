@@ -1,17 +1,22 @@
 //! The weak non-penetration constraints, step by step:
-//! [`surface`] → [`cut`] → [`search`] → [`projection`] → [`normals`] → [`gaps`].
+//! [`surface`] → [`moving`] with its [`normals`] → [`cut`] → [`search`] with its [`projection`] →
+//! [`stencil`] → [`rows`].
 
 mod clip;
 pub mod cut;
-pub mod gaps;
 pub mod motion;
+pub mod moving;
 pub mod normals;
 pub mod pressure;
 pub mod projection;
+pub mod rows;
 pub mod search;
+pub mod stencil;
 pub mod surface;
 
 pub use cut::Integration;
-pub use gaps::Pass;
+pub use moving::Moving;
+pub use rows::Pass;
 pub use search::Master;
+pub use stencil::Stencil;
 pub use surface::Surface;

@@ -8,6 +8,11 @@ use crate::tensor::{Vector, facet_normal};
 /// normals of the adjacent facets summed, weighted in space by the facet's angle at the node, and
 /// normalised. With plain facet normals the fixed point does not converge.
 pub fn averaged<const D: usize>(surface: &Surface<D>, x: &[Vector<D>]) -> Vec<Vector<D>> {
+    sums(surface, x).into_iter().map(unit).collect()
+}
+
+/// As [`averaged`], not yet normalised.
+pub(super) fn sums<const D: usize>(surface: &Surface<D>, x: &[Vector<D>]) -> Vec<Vector<D>> {
     let mut sums = vec![Vector::zeros(); x.len()];
     for (nodes, facet) in surface.facets().zip(surface.facets_at(x)) {
         for (k, &node) in nodes.iter().enumerate() {
@@ -15,7 +20,7 @@ pub fn averaged<const D: usize>(surface: &Surface<D>, x: &[Vector<D>]) -> Vec<Ve
             sums[node] += unit(facet_normal(&tangent)) * node_weight(&tangent, k);
         }
     }
-    sums.into_iter().map(unit).collect()
+    sums
 }
 
 /// λ of a facet's k-th node.

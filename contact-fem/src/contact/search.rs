@@ -1,19 +1,22 @@
-//! Which point of a master surface is closest: a bounding-volume tree over its current facets.
+//! Which point of a master surface is closest, by a bounding-volume tree over its current facets, and
+//! whether it counts.
+
+use std::sync::OnceLock;
 
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
+use super::moving::Moving;
 use super::normals;
 use super::projection::closest_on;
 use super::surface::Surface;
 use crate::element::{Facet, facet_shapes};
 use crate::tensor::{Vector, facet_normal};
 
-/// A master surface at current positions, ready to be projected on.
+/// A master surface at current positions, to be projected on.
 pub struct Master<'a, const D: usize> {
-    surface: &'a Surface<D>,
-    tree: RTree<Leaf<D>>,
-    /// Averaged normals in the order of the surface's nodes.
-    normals: Vec<Vector<D>>,
+    moving: Moving<'a, D>,
+    /// Built by the first search.
+    tree: OnceLock<RTree<Leaf<D>>>,
     facet_size: f64,
 }
 
@@ -78,32 +81,43 @@ impl<'a, const D: usize> Master<'a, D> {
     const OVERLAP: f64 = 0.2;
     const THROUGH: f64 = 0.5;
 
-    /// Builds tree and normals for positions `x` of all scene nodes.
+    /// For positions `x` of all scene nodes.
     pub fn new(surface: &'a Surface<D>, x: &[Vector<D>]) -> Self {
-        let x = surface.gather(x);
-        let facets = surface.facets_at(&x).enumerate();
-        let leaves = facets.map(|(index, facet)| Leaf { index, facet });
         Master {
-            surface,
-            tree: RTree::bulk_load(leaves.collect()),
-            normals: normals::averaged(surface, &x),
+            moving: Moving::new(surface, x),
+            tree: OnceLock::new(),
             facet_size: surface.facet_size(),
         }
     }
 
+    /// Its positions and normals.
+    pub fn moving(&self) -> &Moving<'a, D> {
+        &self.moving
+    }
+
     /// The surface it was made from.
-    pub fn surface(&self) -> &Surface<D> {
-        self.surface
+    pub fn surface(&self) -> &'a Surface<D> {
+        self.moving.surface()
     }
 
     /// The averaged normals in the order of the surface's nodes.
     pub fn normals(&self) -> &[Vector<D>] {
-        &self.normals
+        self.moving.normals()
+    }
+
+    fn tree(&self) -> &RTree<Leaf<D>> {
+        self.tree.get_or_init(|| {
+            let facets = self.surface().facets_at(self.moving.positions());
+            let leaves = facets
+                .enumerate()
+                .map(|(index, facet)| Leaf { index, facet });
+            RTree::bulk_load(leaves.collect())
+        })
     }
 
     /// The closest point to `x`, or `None` if the surface has no facet.
     pub fn project(&self, x: &Vector<D>) -> Option<Projection<D>> {
-        let leaf = self.tree.nearest_neighbor(&(*x).into())?;
+        let leaf = self.tree().nearest_neighbor(&(*x).into())?;
         Some(self.project_on(leaf, x))
     }
 
@@ -114,7 +128,7 @@ impl<'a, const D: usize> Master<'a, D> {
     pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<Projection<D>> {
         let x: [f64; D] = seeker.x.into();
         let reach_2 = seeker.reach * seeker.reach;
-        if self.tree.root().envelope().distance_2(&x) > reach_2 {
+        if self.tree().root().envelope().distance_2(&x) > reach_2 {
             return None;
         }
         let counts = |p: &Projection<D>| {
@@ -128,10 +142,10 @@ impl<'a, const D: usize> Master<'a, D> {
         };
         let is_own = |node: usize| own.nodes.iter().any(|&a| own.surface.nodes()[a] == node);
         let neighbour = |facet: usize| {
-            let nodes = self.surface.facet(facet).iter();
-            nodes.map(|&b| self.surface.nodes()[b]).any(is_own)
+            let nodes = self.surface().facet(facet).iter();
+            nodes.map(|&b| self.surface().nodes()[b]).any(is_own)
         };
-        let nearest = self.tree.nearest_neighbor_iter_with_distance_2(&x);
+        let nearest = self.tree().nearest_neighbor_iter_with_distance_2(&x);
         nearest
             .take_while(|(_, distance_2)| *distance_2 <= reach_2)
             .filter(|(leaf, _)| !neighbour(leaf.index))
@@ -145,7 +159,7 @@ impl<'a, const D: usize> Master<'a, D> {
         if p.gap >= 0.0 {
             return false;
         }
-        let there = &self.surface.reference()[p.facet];
+        let there = &self.surface().reference()[p.facet];
         let way = there.point(&p.lambda) - seeker.X;
         // how deep the way is below the surface where it starts, and where it ends
         let starts = -way.dot(&normals::unit(seeker.N));
@@ -167,17 +181,17 @@ impl<'a, const D: usize> Master<'a, D> {
         if inner || p.distance <= Self::CLOSED * self.facet_size {
             return true;
         }
-        let nodes = self.surface.facet(p.facet);
+        let nodes = self.surface().facet(p.facet);
         let x = (*x).into();
         let around = Vector::repeat(Self::OFF_THE_END * self.facet_size);
         let at_foot = AABB::from_corners((p.foot - around).into(), (p.foot + around).into());
         let meets = |leaf: &&Leaf<D>| {
-            let others = self.surface.facet(leaf.index);
+            let others = self.surface().facet(leaf.index);
             leaf.index != p.facet && others.iter().any(|a| nodes.contains(a))
         };
         let closer = (p.distance * (1.0 - Self::OFF_THE_END)).powi(2);
         let mut others = self
-            .tree
+            .tree()
             .locate_in_envelope_intersecting(&at_foot)
             .filter(meets);
         !others.any(|leaf| leaf.distance_2(&x) < closer)
@@ -200,7 +214,7 @@ impl<'a, const D: usize> Master<'a, D> {
         distance: f64,
     ) -> impl Iterator<Item = (usize, &Facet<D>)> {
         let near = self
-            .tree
+            .tree()
             .locate_within_distance((*x).into(), distance * distance);
         near.map(|leaf| (leaf.index, &leaf.facet))
     }
@@ -209,11 +223,11 @@ impl<'a, const D: usize> Master<'a, D> {
         let lambda = closest_on(x, &leaf.facet);
         let foot = leaf.facet.point(&lambda);
         let offset = x - foot;
-        let nodes = self.surface.facet(leaf.index);
+        let nodes = self.surface().facet(leaf.index);
         let mut normal = Vector::<D>::zeros();
-        let N = facet_shapes(self.surface.order(), &lambda);
+        let N = facet_shapes(self.surface().order(), &lambda);
         for (N, &a) in N.iter().zip(nodes) {
-            normal.axpy(*N, &self.normals[a], 1.0);
+            normal.axpy(*N, &self.normals()[a], 1.0);
         }
         let normal = normals::unit(normal);
         Projection {
@@ -228,7 +242,7 @@ impl<'a, const D: usize> Master<'a, D> {
     }
 
     fn is_off_the_end(&self, leaf: &Leaf<D>, lambda: &Vector<D>, offset: &Vector<D>) -> bool {
-        if !self.surface.is_rim(leaf.index, lambda) {
+        if !self.surface().is_rim(leaf.index, lambda) {
             return false;
         }
         let tangent = leaf.facet.tangent(lambda);
@@ -259,6 +273,44 @@ impl<const D: usize> PointDistance for Leaf<D> {
         let x = Vector::from(*point);
         (x - self.facet.point(&closest_on(&x, &self.facet))).norm_squared()
     }
+}
+
+/// The nodes of `slave` inside `master` as (position in [`Surface::nodes`], gap < 0). They are
+/// projected at positions `x`, those of `master`; the gaps are between positions `now`, which are
+/// others where the geometry is frozen. On its own body a node looks no further than `reach`.
+pub fn nodes_inside<const D: usize>(
+    slave: &Surface<D>,
+    slave_normals: &[Vector<D>],
+    master: &Master<'_, D>,
+    x: &[Vector<D>],
+    now: &[Vector<D>],
+    reach: f64,
+) -> Vec<(usize, f64)> {
+    let same_body = slave.body() == master.surface().body();
+    let numbers: Vec<usize> = (0..slave.nodes().len()).collect();
+    let facet_size = slave.facet_size();
+    let gap = |(k, facing): (usize, &Vector<D>)| {
+        let node = slave.nodes()[k];
+        let p = master.find(&Seeker {
+            x: x[node],
+            facing: *facing,
+            reach: if same_body { reach } else { f64::INFINITY },
+            X: slave.reference_nodes()[k],
+            N: slave.reference_normals()[k],
+            facet_size,
+            own: same_body.then_some(Own {
+                surface: slave,
+                nodes: &numbers[k..=k],
+            }),
+        })?;
+        let surface = master.surface();
+        let nodes = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
+        let shapes = facet_shapes(surface.order(), &p.lambda);
+        let foot: Vector<D> = nodes.zip(shapes).map(|(b, N)| now[b] * N).sum();
+        let gap = (now[node] - foot).dot(&p.normal);
+        (gap < 0.0).then_some((k, gap))
+    };
+    slave_normals.iter().enumerate().filter_map(gap).collect()
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ pub struct Surface<const D: usize> {
     nodes: Vec<usize>,
     /// Nodes of the facets, flat, as positions in `nodes`.
     facets: Vec<usize>,
+    /// (node, facet, which of the facet's nodes it is), ascending.
+    incidences: Vec<(usize, usize, usize)>,
     /// The facets in the reference configuration.
     reference: Vec<Facet<D>>,
     /// X of the nodes, and the averaged normals there in the reference configuration.
@@ -59,8 +61,14 @@ impl<const D: usize> Surface<D> {
                 .map(|facet| Facet::gather(order, facet, X))
                 .collect(),
             facets: facets.flatten().map(|node| number[node]).collect(),
+            incidences: Vec::new(),
             nodes,
         };
+        let per_facet = order.facet_nodes::<D>();
+        let facets = surface.facets.iter().enumerate();
+        let incidences = facets.map(|(i, &a)| (a, i / per_facet, i % per_facet));
+        surface.incidences = incidences.collect();
+        surface.incidences.sort_unstable();
         surface.N = averaged(&surface, &surface.X);
         surface
     }
@@ -99,6 +107,15 @@ impl<const D: usize> Surface<D> {
     /// The nodes of all facets, as positions in [`Surface::nodes`].
     pub fn facets(&self) -> impl ExactSizeIterator<Item = &[usize]> {
         self.facets.chunks_exact(self.order.facet_nodes::<D>())
+    }
+
+    /// The facets around node `a`, a position in [`Surface::nodes`], ascending, and which of their
+    /// nodes it is.
+    pub fn facets_around(&self, a: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let first = self.incidences.partition_point(|&(node, ..)| node < a);
+        let own = self.incidences[first..].iter();
+        own.take_while(move |&&(node, ..)| node == a)
+            .map(|&(_, facet, k)| (facet, k))
     }
 
     /// The facets in the reference configuration.

@@ -6,7 +6,7 @@ use contact_core::equilibrium::Solution;
 use crate::assembly::CellState;
 use crate::certificate::Certificate;
 use crate::error::Error;
-use crate::scene::Problem;
+use crate::model::Problem;
 use crate::simulation::StepView;
 use crate::tensor::Vector;
 
@@ -122,7 +122,7 @@ pub(super) mod tests {
     pub fn squares() -> Problem<2> {
         let square =
             |y: f64| rectangle(&[0.0, 1.0], &[y, y + 1.0], Diagonals::Rising).expect("a square");
-        let mut scene = Scene::new(vec![held(square(0.0)), held(square(1.1))]);
+        let mut scene = Scene::of(vec![held(square(0.0)), held(square(1.1))]);
         scene.contact((0, "top"), (1, "bottom")).expect("a pair");
         scene.problem().expect("a problem")
     }
@@ -132,7 +132,7 @@ pub(super) mod tests {
     pub fn tetrahedron() -> Problem<3> {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mesh = Mesh::new(corners.to_vec(), vec![0, 1, 2, 3]).expect("a mesh");
-        Scene::new(vec![held(mesh)]).problem().expect("a problem")
+        Scene::of(vec![held(mesh)]).problem().expect("a problem")
     }
 
     /// Every free component displaced by 0.1, and a multiplier of 3 on every row.

@@ -12,7 +12,7 @@ use super::snapshot::{self, Snapshot};
 use crate::assembly::CellState;
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
-use crate::scene::Problem;
+use crate::model::Problem;
 use crate::tensor::Vector;
 
 /// A run as ParaView reads it: `NAME_0000.vtu`, `NAME_0001.vtu`, … one a step, and `NAME.pvd`,

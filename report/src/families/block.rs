@@ -67,7 +67,7 @@ fn scene(case: &Case) -> Result<Scene<2>, Error> {
     let plate = rectangle(&xs, &[1.0, 1.25], Diagonals::Rising)?;
     let mut plate = Body::new(plate, NeoHookean::new(MODULI[0], MODULI[1])?);
     plate.prescribe_all([Some(0.0), Some(-PRESSED)])?;
-    let mut scene = Scene::new(vec![block, plate]);
+    let mut scene = Scene::of(vec![block, plate]);
     scene.contact((0, "top"), (1, "bottom"))?;
     Ok(scene)
 }

@@ -11,7 +11,7 @@ use crate::measure::Solved;
 use crate::norms;
 use crate::record::Measured;
 use crate::refined::{Place, Refined};
-use crate::support::hertz::{Fineness, Hertz, RADIUS};
+use ipopt_contact_scenes::hertz::{Fineness, Hertz, RADIUS};
 
 const NAME: &str = "hertz-2d";
 const PUBLISHED: &str = "hertz-2d-published";

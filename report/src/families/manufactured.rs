@@ -57,7 +57,7 @@ where
         divisions[D - 1] = 1;
         let mut plane = Body::new((self.block)(low, size, divisions)?, self.field.law()?);
         plane.prescribe_all([Some(0.0); D])?;
-        let mut scene = Scene::new(vec![self.body(case)?, plane]);
+        let mut scene = Scene::of(vec![self.body(case)?, plane]);
         scene.contact((0, "bottom"), (1, "top"))?;
         Ok(scene)
     }

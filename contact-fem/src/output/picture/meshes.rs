@@ -15,8 +15,8 @@ use super::view::{Patch, patches, project};
 use super::{Canvas, DrawError, save};
 use crate::assembly::CellState;
 use crate::error::Error;
+use crate::model::Problem;
 use crate::output::snapshot::Snapshot;
-use crate::scene::Problem;
 use crate::tensor::Vector;
 
 /// One state in a picture.

@@ -1,7 +1,7 @@
 //! What of a scene is seen: the cells in the plane, the near side of the bodies in space.
 
+use crate::model::Problem;
 use crate::output::snapshot::{Snapshot, cells};
-use crate::scene::Problem;
 use crate::tensor::{Vector, facet_normal};
 
 /// A patch of one colour.

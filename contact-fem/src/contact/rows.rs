@@ -1,0 +1,195 @@
+//! One role of one pair → rows of c(u) = C u + c₀ ≥ 0.
+
+use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
+
+use super::cut::Integration;
+use super::search::Master;
+use super::stencil::{Stencil, stencils};
+use super::surface::Surface;
+use crate::assembly::{Dof, DofMap};
+use crate::tensor::Vector;
+
+/// One role of a pair: `slave` must not penetrate `master`. Both are indices of surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// Whose nodes carry the constraints and whose facets the integration points.
+    pub slave: usize,
+    /// Whose surface is projected on.
+    pub master: usize,
+}
+
+/// The dofs of all bodies as rows see them.
+#[derive(Clone, Copy, Debug)]
+pub struct Unknowns<'a> {
+    /// Which dofs are unknowns of the optimiser, and which were eliminated.
+    pub dofs: &'a DofMap,
+    /// Which dofs the supports prescribe, eliminated or not.
+    pub supports: &'a DofMap,
+    /// The values of those eliminated (UL).
+    pub prescribed: &'a [f64],
+}
+
+impl Unknowns<'_> {
+    /// Whether all these dofs are prescribed.
+    fn holds(&self, mut dofs: std::ops::Range<usize>) -> bool {
+        dofs.all(|dof| matches!(self.supports.get(dof), Dof::Prescribed(_)))
+    }
+}
+
+/// One constraint while it is being summed, over nodes: c = Σ_a coefficient_a · (X_a + u_a).
+#[derive(Clone, Debug, Default)]
+struct NodalRow<const D: usize> {
+    /// (scene node, coefficient); a node may appear more than once until they are merged.
+    terms: Vec<(usize, Vector<D>)>,
+    /// a_i = Σ_q w_q φ_i(q) and Σ_q w_q |φ_i(q)| over the points that count.
+    area: f64,
+    magnitude: f64,
+}
+
+/// The constraints of one pass, linearised at current positions `x` of all scene nodes.
+///
+/// c_i(u) = 1/a_i Σ_q w_q φ_i(q) (x_q(u) − x̄_q(u))·n_q, equation (5) of the paper, with η*_q and
+/// n_q frozen at `x` and w_q the weight times the reference measure. Sampled at points it is the
+/// gap of one point, and a_i its w_q.
+pub struct PassRows<'a, const D: usize> {
+    sampling: Sampling,
+    stencils: Vec<Stencil<'a, D>>,
+    /// Scene nodes, or numbers of integration points.
+    names: Vec<usize>,
+    rows: Vec<NodalRow<D>>,
+}
+
+impl<'a, const D: usize> PassRows<'a, D> {
+    /// Projects every point of `integration` on `slave` on `master`.
+    pub fn new(
+        slave: &'a Surface<D>,
+        master: &'a Master<'_, D>,
+        x: &[Vector<D>],
+        integration: Integration,
+        reach: f64,
+        sampling: Sampling,
+    ) -> Self {
+        let stencils = stencils(slave, master, x, integration, reach);
+        let names = match sampling {
+            Sampling::Nodes => slave.nodes().to_vec(),
+            Sampling::Points => stencils.iter().map(Stencil::number).collect(),
+        };
+        let mut rows = vec![NodalRow::default(); names.len()];
+        for (q, stencil) in stencils.iter().enumerate() {
+            for (i, w) in shares(sampling, q, stencil) {
+                rows[i].add(w, stencil.frozen_gradient());
+            }
+        }
+        rows.iter_mut().for_each(NodalRow::normalize);
+        PassRows {
+            sampling,
+            stencils,
+            names,
+            rows,
+        }
+    }
+
+    /// The integration points that count, each with the rows that it is part of as (what
+    /// [`RowKey::node`] names, its share w_q φ_i(q)/a_i in the row): c_i = Σ_q share_iq g_q. Rows
+    /// without support are left out.
+    ///
+    /// With a multiplier λ_i a row, a point carries the force π_q = Σ_i λ_i share_iq (UF), and
+    /// Cᵀλ = Σ_q π_q ∇g_q.
+    pub fn stencils(
+        &self,
+    ) -> impl Iterator<Item = (&Stencil<'a, D>, impl Iterator<Item = (usize, f64)> + '_)> {
+        let with_shares = move |(q, stencil)| {
+            let shares = shares(self.sampling, q, stencil);
+            let supported = shares.filter(|&(i, _)| self.rows[i].has_support());
+            let of_row = |(i, w): (usize, f64)| (self.names[i], w / self.rows[i].area);
+            (stencil, supported.map(of_row))
+        };
+        self.stencils.iter().enumerate().map(with_shares)
+    }
+
+    /// Appends the rows that have support and can move to `gaps`, split into free and prescribed
+    /// unknowns.
+    pub fn append(
+        &self,
+        pass: u32,
+        X: &[Vector<D>],
+        unknowns: &Unknowns<'_>,
+        gaps: &mut LinearGaps,
+    ) {
+        let mut row = Row::default();
+        for (&node, nodal) in self.names.iter().zip(&self.rows) {
+            let held = |(a, _): &(usize, _)| unknowns.holds(D * a..D * (a + 1));
+            if !nodal.has_support() || nodal.terms.iter().all(held) {
+                continue;
+            }
+            row.free.clear();
+            row.prescribed.clear();
+            row.constant = 0.0;
+            row.weight = nodal.area;
+            for (a, coefficient) in &nodal.terms {
+                row.constant += coefficient.dot(&X[*a]);
+                for (i, &c) in coefficient.iter().enumerate() {
+                    match unknowns.dofs.get(D * a + i) {
+                        Dof::Free(j) => row.free.push((j, c)),
+                        Dof::Prescribed(j) => {
+                            row.constant += c * unknowns.prescribed[j];
+                            row.prescribed.push((j, c));
+                        }
+                    }
+                }
+            }
+            let node = node as u32;
+            gaps.push(RowKey { pass, node }, &row);
+        }
+    }
+}
+
+/// The rows (by position) that the `q`-th stencil is part of, and its weights in them before division
+/// by a_i: w φ_i, or w in its own row.
+fn shares<const D: usize>(
+    sampling: Sampling,
+    q: usize,
+    stencil: &Stencil<'_, D>,
+) -> impl Iterator<Item = (usize, f64)> {
+    let w = stencil.weight();
+    let count = match sampling {
+        Sampling::Nodes => usize::MAX,
+        Sampling::Points => 1,
+    };
+    let tests = stencil.test_functions().take(count);
+    tests.map(move |(i, phi)| match sampling {
+        Sampling::Nodes => (i, w * phi),
+        Sampling::Points => (q, w),
+    })
+}
+
+impl<const D: usize> NodalRow<D> {
+    /// Adds a point of weight `w`, whose gap is the sum of `terms`.
+    fn add(&mut self, w: f64, terms: impl Iterator<Item = (usize, Vector<D>)>) {
+        self.area += w;
+        self.magnitude += w.abs();
+        self.terms.extend(terms.map(|(a, c)| (a, c * w)));
+    }
+
+    /// Whether enough points count for a_i to be a weight. A corner's quadratic function is
+    /// negative on the far half of a segment: where the master ends between, its mean there is no
+    /// mean of gaps. Over a whole segment area and magnitude are as 2 to 3.
+    fn has_support(&self) -> bool {
+        self.area > self.magnitude / 3.0
+    }
+
+    /// Merges the terms of each node and divides by a_i, so that c_i is a length and λ_i a force.
+    fn normalize(&mut self) {
+        self.terms.sort_unstable_by_key(|term| term.0);
+        self.terms.dedup_by(|term, kept| {
+            let same = term.0 == kept.0;
+            if same {
+                kept.1 += term.1;
+            }
+            same
+        });
+        for term in &mut self.terms {
+            term.1 /= self.area;
+        }
+    }
+}

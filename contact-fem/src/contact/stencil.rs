@@ -1,0 +1,102 @@
+//! One integration point of a pass.
+
+use super::cut::{Integration, Points};
+use super::moving::Moving;
+use super::search::{Master, Own, Projection, Seeker};
+use super::surface::Surface;
+use crate::element::facet_shapes;
+use crate::tensor::Vector;
+
+/// An integration point q of the slave that counts, and the point of the master that it must not
+/// penetrate.
+#[derive(Clone, Copy, Debug)]
+pub struct Stencil<'a, const D: usize> {
+    slave: &'a Surface<D>,
+    master: &'a Moving<'a, D>,
+    number: usize,
+    facet: usize,
+    /// ξ: barycentric coordinates on the slave's facet.
+    lambda: Vector<D>,
+    weight: f64,
+    projection: Projection<D>,
+}
+
+impl<'a, const D: usize> Stencil<'a, D> {
+    /// Its number among all integration points of the pass, those that do not count included.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    /// w_q: the quadrature weight times the reference measure (UL in the plane, UL² in space).
+    pub fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    /// Where it is projected.
+    pub fn projection(&self) -> &Projection<D> {
+        &self.projection
+    }
+
+    /// φ_i(q) of the slave's nodes i, as positions in [`Surface::nodes`].
+    pub fn test_functions(&self) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let nodes = self.slave.facet(self.facet).iter().copied();
+        let tests = nodes.zip(self.slave.test_functions(&self.lambda));
+        tests.take(self.slave.test_nodes())
+    }
+
+    /// ∇g with η* and n held, as (scene node, coefficient): N_a n at the slave facet's nodes, −N_b n
+    /// at the master's. In self-contact a node may appear as both. g is the sum of coefficient · x.
+    pub fn frozen_gradient(&self) -> impl Iterator<Item = (usize, Vector<D>)> + Clone + 'a {
+        let (slave, master, p) = (self.slave, self.master.surface(), self.projection);
+        let own = slave.facet(self.facet).iter().map(|&a| slave.nodes()[a]);
+        let own = own.zip(facet_shapes(slave.order(), &self.lambda));
+        let other = master.facet(p.facet).iter().map(|&b| master.nodes()[b]);
+        let other = other.zip(facet_shapes(master.order(), &p.lambda).map(|N| -N));
+        own.chain(other).map(move |(a, N)| (a, p.normal * N))
+    }
+}
+
+/// Projects every point of `integration` on `slave` on `master`, for positions `x` of all scene
+/// nodes, and keeps those that count within `reach` (UL).
+pub fn stencils<'a, const D: usize>(
+    slave: &'a Surface<D>,
+    master: &'a Master<'_, D>,
+    x: &[Vector<D>],
+    integration: Integration,
+    reach: f64,
+) -> Vec<Stencil<'a, D>> {
+    let mut stencils = Vec::new();
+    let mut number = 0;
+    let same_body = slave.body() == master.surface().body();
+    let positions = slave.gather(x);
+    let mut rule = Points::new(integration, slave, master.surface());
+    let facet_size = slave.facet_size();
+    for (index, facet) in slave.facets_at(&positions).enumerate() {
+        let reference = &slave.reference()[index];
+        let seeker = |lambda: &Vector<D>| Seeker {
+            x: facet.point(lambda),
+            facing: facet.normal(lambda),
+            reach,
+            X: reference.point(lambda),
+            N: reference.normal(lambda),
+            facet_size,
+            own: same_body.then_some(Own {
+                surface: slave,
+                nodes: slave.facet(index),
+            }),
+        };
+        for (weight, lambda) in rule.on(&facet, master, &seeker) {
+            stencils.extend(master.find(&seeker(lambda)).map(|projection| Stencil {
+                slave,
+                master: master.moving(),
+                number,
+                facet: index,
+                lambda: *lambda,
+                weight: weight * reference.normal(lambda).norm(),
+                projection,
+            }));
+            number += 1;
+        }
+    }
+    stencils
+}

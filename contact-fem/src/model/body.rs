@@ -1,0 +1,236 @@
+//! One body: mesh, law, supports, loads.
+
+use crate::assembly::{
+    BodyEnergy, DofMap, QuadraticEnergy, StrainEnergy, add_body_force, add_traction,
+};
+use crate::element::{Element, Order, P1, P2};
+use crate::error::Error;
+use crate::material::Material;
+use crate::mesh::Mesh;
+use crate::tensor::Vector;
+
+/// An elastic body.
+pub struct Body<const D: usize> {
+    mesh: Mesh<D>,
+    law: Box<dyn Law<D>>,
+    /// The displacement prescribed for each dof at full load (UL), if any.
+    prescribed: Vec<Option<f64>>,
+    /// Nodal forces at full load (UF).
+    forces: Vec<f64>,
+}
+
+impl<const D: usize> Body<D> {
+    /// A body with nothing prescribed and no loads, of elements of its mesh's order.
+    pub fn new(mesh: Mesh<D>, material: impl Material<D>) -> Self
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
+        let dofs = D * mesh.nodes().len();
+        Body {
+            law: match mesh.order() {
+                Order::Linear => Box::new(ElasticLaw(P1, material)),
+                Order::Quadratic => Box::new(ElasticLaw(P2, material)),
+            },
+            mesh,
+            prescribed: vec![None; dofs],
+            forces: vec![0.0; dofs],
+        }
+    }
+
+    /// Its mesh.
+    pub fn mesh(&self) -> &Mesh<D> {
+        &self.mesh
+    }
+
+    /// Prescribes displacement components (UL, at full load) on a boundary; `None` leaves one free.
+    ///
+    /// # Errors
+    /// An unknown boundary, a value that is not finite, a dof prescribed twice to different values.
+    pub fn prescribe(
+        &mut self,
+        boundary: &str,
+        components: [Option<f64>; D],
+    ) -> Result<&mut Self, Error> {
+        let nodes = self.mesh.boundary_nodes(boundary)?;
+        self.prescribe_nodes(&nodes, components)
+    }
+
+    /// As [`Body::prescribe`] for every node of the body: it moves rigidly, and none of its cells
+    /// is assembled.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe`].
+    pub fn prescribe_all(&mut self, components: [Option<f64>; D]) -> Result<&mut Self, Error> {
+        let nodes: Vec<usize> = (0..self.mesh.nodes().len()).collect();
+        self.prescribe_nodes(&nodes, components)
+    }
+
+    /// As [`Body::prescribe`] for the nodes given.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe`], and a node that does not exist.
+    pub fn prescribe_nodes(
+        &mut self,
+        nodes: &[usize],
+        components: [Option<f64>; D],
+    ) -> Result<&mut Self, Error> {
+        let given = components.iter().flatten();
+        Error::check_finite("prescribed displacement", given)?;
+        let count = self.mesh.nodes().len();
+        for &node in nodes {
+            if node >= count {
+                return Err(Error::Setting {
+                    name: "node",
+                    value: node as f64,
+                    remedy: "name a node of this body's mesh",
+                });
+            }
+            for (component, value) in components.iter().enumerate() {
+                let Some(second) = *value else { continue };
+                let slot = &mut self.prescribed[D * node + component];
+                match *slot {
+                    Some(first) if first != second => {
+                        return Err(Error::Conflict {
+                            node,
+                            component,
+                            first,
+                            second,
+                        });
+                    }
+                    _ => *slot = Some(second),
+                }
+            }
+        }
+        Ok(self)
+    }
+
+    /// Adds a dead traction (force per reference area, UF/UL in the plane, UF/UL² in space) on a
+    /// boundary.
+    ///
+    /// # Errors
+    /// An unknown boundary, a value that is not finite.
+    pub fn traction(&mut self, boundary: &str, traction: [f64; D]) -> Result<&mut Self, Error> {
+        self.traction_field(boundary, |_| traction.into())
+    }
+
+    /// As [`Body::traction`] for a traction that depends on the reference position X.
+    ///
+    /// # Errors
+    /// As [`Body::traction`].
+    pub fn traction_field(
+        &mut self,
+        boundary: &str,
+        traction: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<&mut Self, Error> {
+        let facets = self.mesh.boundary(boundary)?;
+        let mut forces = vec![0.0; self.forces.len()];
+        add_traction(&self.mesh, &facets, traction, &mut forces);
+        self.add_forces("traction", &forces)
+    }
+
+    /// Adds a dead body force (force per reference volume, UF/UL² in the plane, UF/UL³ in space).
+    ///
+    /// # Errors
+    /// A value that is not finite.
+    pub fn body_force(&mut self, force: [f64; D]) -> Result<&mut Self, Error> {
+        self.body_force_field(|_| force.into())
+    }
+
+    /// As [`Body::body_force`] for a force that depends on the reference position X.
+    ///
+    /// # Errors
+    /// As [`Body::body_force`].
+    pub fn body_force_field(
+        &mut self,
+        force: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<&mut Self, Error> {
+        let mut forces = vec![0.0; self.forces.len()];
+        self.law.add_body_force(&self.mesh, &force, &mut forces);
+        self.add_forces("body force", &forces)
+    }
+
+    /// Adds nodal forces that came of a load called `name`, if they are finite.
+    fn add_forces(&mut self, name: &'static str, forces: &[f64]) -> Result<&mut Self, Error> {
+        Error::check_finite(name, forces)?;
+        let sums = self.forces.iter_mut().zip(forces);
+        sums.for_each(|(sum, force)| *sum += force);
+        Ok(self)
+    }
+
+    /// The displacement prescribed for each dof at full load (UL), if any.
+    pub fn prescribed(&self) -> &[Option<f64>] {
+        &self.prescribed
+    }
+
+    /// The nodal forces at full load (all dofs, UF).
+    pub fn forces(&self) -> &[f64] {
+        &self.forces
+    }
+
+    /// Whether its law is for small strains: linear in the displacement gradient.
+    pub fn is_small_strain(&self) -> bool {
+        self.law.is_small_strain()
+    }
+
+    /// For each dof, whether it is prescribed.
+    pub(super) fn is_prescribed(&self) -> Vec<bool> {
+        self.prescribed.iter().map(Option::is_some).collect()
+    }
+
+    /// The displacements prescribed at full load (UL), in the order of the dofs.
+    pub(super) fn prescribed_values(&self) -> Vec<f64> {
+        self.prescribed.iter().flatten().copied().collect()
+    }
+
+    /// Its energy over its free dofs, at no load; over all dofs, and without use of a constant
+    /// stiffness, if everything is kept.
+    pub(super) fn energy(&self, keep_everything: bool) -> Box<dyn BodyEnergy<D>> {
+        self.law.energy(self, keep_everything)
+    }
+}
+
+/// Hides the types of element and material behind the body.
+trait Law<const D: usize>: Send + Sync {
+    fn is_small_strain(&self) -> bool;
+    fn energy(&self, body: &Body<D>, keep_everything: bool) -> Box<dyn BodyEnergy<D>>;
+    fn add_body_force(
+        &self,
+        mesh: &Mesh<D>,
+        force: &dyn Fn(&Vector<D>) -> Vector<D>,
+        forces: &mut [f64],
+    );
+}
+
+struct ElasticLaw<E, M>(E, M);
+
+impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> {
+    fn is_small_strain(&self) -> bool {
+        M::QUADRATIC
+    }
+
+    fn energy(&self, body: &Body<D>, keep_everything: bool) -> Box<dyn BodyEnergy<D>> {
+        let (is_prescribed, prescribed) = match keep_everything {
+            true => (vec![false; body.prescribed.len()], Vec::new()),
+            false => (body.is_prescribed(), body.prescribed_values()),
+        };
+        let dofs = DofMap::new(&is_prescribed);
+        let forces = body.forces.clone();
+        let law = self.1.clone();
+        let energy = StrainEnergy::<D, E, M>::new(&body.mesh, law, dofs, prescribed, forces);
+        match (keep_everything, M::QUADRATIC) {
+            (true, _) => Box::new(energy.with_changing_hessian()),
+            (false, true) => Box::new(QuadraticEnergy::new(energy)),
+            (false, false) => Box::new(energy),
+        }
+    }
+
+    fn add_body_force(
+        &self,
+        mesh: &Mesh<D>,
+        force: &dyn Fn(&Vector<D>) -> Vector<D>,
+        forces: &mut [f64],
+    ) {
+        add_body_force::<D, E>(mesh, force, forces);
+    }
+}

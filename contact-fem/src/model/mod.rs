@@ -1,0 +1,15 @@
+//! The model: bodies, their supports and loads, which surfaces may touch, and the contact problem
+//! that they make.
+
+mod body;
+mod handle;
+mod overlap;
+mod preflight;
+mod problem;
+mod scene;
+
+pub use crate::contact::Integration;
+pub use body::Body;
+pub use handle::{BodyId, Side};
+pub use problem::Problem;
+pub use scene::{Geometry, Pair, Passes, Scene};

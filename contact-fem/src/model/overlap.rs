@@ -1,0 +1,257 @@
+//! Bodies that overlap before any load.
+
+use rstar::{
+    AABB, Envelope, RTree, RTreeObject,
+    primitives::{GeomWithData, Rectangle},
+};
+
+use super::Problem;
+use crate::contact::projection::closest;
+use crate::contact::search;
+use crate::contact::{Master, Surface};
+use crate::element::Facet;
+use crate::error::Error;
+use crate::mesh::Mesh;
+use crate::tensor::{Vector, facet_normal};
+
+/// No body starts inside another one that it may touch.
+pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
+    nodes_inside(problem)?;
+    problem.scene().pairs().iter().try_for_each(|pair| {
+        let [first, second] = [&pair.first, &pair.second].map(|side| side.body.index());
+        crossing(problem, first, second)?;
+        crossing(problem, second, first)?;
+        coincident(problem, first, second)?;
+        coincident(problem, second, first)
+    })
+}
+
+/// No contact node starts inside the other body.
+fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
+    let name = |body: usize| problem.scene().names()[body].clone();
+    let x = problem.reference();
+    let masters = problem.masters(x);
+    for pass in problem.passes() {
+        let (slave, master) = (&problem.surfaces()[pass.slave], &masters[pass.master]);
+        let normals = masters[pass.slave].normals();
+        let facing = search::nodes_inside(slave, normals, master, x, x, problem.reach());
+        let facing = facing.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let facing = facing.map(|(k, gap)| (slave.nodes()[k], gap));
+        let other = master.surface().body();
+        let swallowed = || match slave.body() == other {
+            true => None,
+            false => swallowed_node(problem, slave, other),
+        };
+        let Some((node, gap)) = facing.or_else(swallowed) else {
+            continue;
+        };
+        let size = slave.facet_size().max(master.surface().facet_size());
+        let tolerance = problem.scene().overlap_tolerance * size;
+        if -gap > tolerance {
+            return Err(Error::Overlap {
+                slave: name(slave.body()),
+                master: name(master.surface().body()),
+                node: node - problem.first_node(slave.body()),
+                x: x[node].iter().copied().collect(),
+                gap,
+                tolerance,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A contact node of `slave` inside a cell of the master's body although the surface there does not
+/// face it, as when one body starts wholly within another: the deepest as (scene node, minus its
+/// distance from the body's boundary).
+fn swallowed_node<const D: usize>(
+    problem: &Problem<D>,
+    slave: &Surface<D>,
+    body: usize,
+) -> Option<(usize, f64)> {
+    let mesh = problem.scene().bodies()[body].mesh();
+    let (low, high) = mesh.bounding_box();
+    let x = problem.reference();
+    let in_box = |x: &Vector<D>| (0..D).all(|i| low[i] <= x[i] && x[i] <= high[i]);
+    let inside = |&a: &usize| in_box(&x[a]) && mesh.contains(&x[a]);
+    let inside: Vec<usize> = slave.nodes().iter().copied().filter(inside).collect();
+    if inside.is_empty() {
+        return None;
+    }
+    let first = problem.first_node(body);
+    let facet = |nodes: &[usize]| nodes.iter().map(|a| a + first).collect::<Vec<_>>();
+    let facets: Vec<Vec<usize>> = mesh.exterior().map(facet).collect();
+    let exterior = Surface::new(body, mesh.order(), facets.iter().map(Vec::as_slice), x);
+    let boundary = Master::new(&exterior, x);
+    let depths = inside
+        .iter()
+        .filter_map(|&a| Some((a, -boundary.project(&x[a])?.distance)));
+    depths.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// No exterior edge of body `a` runs through an exterior facet of body `b`, as where slender bodies
+/// cross and no node is inside.
+fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<(), Error> {
+    let [a_mesh, b_mesh] = [a, b].map(|body| problem.scene().bodies()[body].mesh());
+    let facets = flat_facets(b_mesh);
+    let tree = RTree::bulk_load(
+        facets
+            .map(|(nodes, x)| GeomWithData::new(Rectangle::from_aabb(bounding_box(&x)), (nodes, x)))
+            .collect(),
+    );
+    // facets of one body that share a node touch there
+    let neighbours = |f: &[usize], g: &[usize]| a == b && f.iter().any(|node| g.contains(node));
+    for (nodes, x) in flat_facets(a_mesh) {
+        let edges = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
+        for (i, j) in edges {
+            let edge = [x[i], x[j]];
+            for other in tree.locate_in_envelope_intersecting(&bounding_box(&edge)) {
+                let (other_nodes, other) = &other.data;
+                if neighbours(nodes, other_nodes) {
+                    continue;
+                }
+                let size = (edge[1] - edge[0]).norm().max((other[1] - other[0]).norm());
+                let tolerance = problem.scene().overlap_tolerance * size;
+                let crossed = pierce(&edge, other).filter(|(_, depth)| *depth > tolerance);
+                if let Some((point, depth)) = crossed {
+                    return Err(Error::Crossing {
+                        first: problem.scene().names()[a].clone(),
+                        second: problem.scene().names()[b].clone(),
+                        x: point.iter().copied().collect(),
+                        depth,
+                        tolerance,
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// No exterior cell of body `a` has its centroid inside a cell of body `b`, as where one body is a
+/// copy of the other, or a ring closes over its own end: no node is inside and no edge runs through
+/// a facet.
+fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<(), Error> {
+    let [mesh, other] = [a, b].map(|body| problem.scene().bodies()[body].mesh());
+    let common = {
+        let [(a_low, a_high), (b_low, b_high)] = [mesh, other].map(Mesh::bounding_box);
+        AABB::from_corners(a_low.sup(&b_low).into(), a_high.inf(&b_high).into())
+    };
+    let corners = |mesh: &Mesh<D>, cell: &[usize]| -> Vec<Vector<D>> {
+        cell[..=D].iter().map(|&node| mesh.nodes()[node]).collect()
+    };
+    let boxes = other.cells().map(|cell| {
+        let rectangle = Rectangle::from_aabb(bounding_box(&corners(other, cell)));
+        GeomWithData::new(rectangle, cell)
+    });
+    let tree = RTree::bulk_load(boxes.filter(|b| b.envelope().intersects(&common)).collect());
+    let cells: Vec<&[usize]> = mesh.cells().collect();
+    for &owner in mesh.exterior_cells() {
+        let x = corners(mesh, cells[owner]);
+        let centroid = x.iter().sum::<Vector<D>>() / (D + 1) as f64;
+        let holds = |cell: &[usize]| {
+            let lambda = other.barycentric(cell, &centroid);
+            let neighbour = a == b && cell.iter().any(|node| cells[owner].contains(node));
+            !neighbour && lambda.iter().all(|&l| l >= 0.0) && lambda.sum() <= 1.0
+        };
+        let mut near = tree.locate_all_at_point(&centroid.into());
+        let Some(found) = near.find(|cell| holds(cell.data)) else {
+            continue;
+        };
+        // how deep the centroid is inside its own cell
+        let distance = |k: usize| {
+            let side: [_; D] = std::array::from_fn(|i| x[(k + 1 + i) % (D + 1)]);
+            let normal = facet_normal(&side);
+            (normal.dot(&(centroid - side[0])) / normal.norm()).abs()
+        };
+        let depth = (0..=D).map(distance).fold(f64::INFINITY, f64::min);
+        let other_corners = corners(other, found.data);
+        let edge = |corners: &[Vector<D>]| (corners[1] - corners[0]).norm();
+        let size = edge(&x).max(edge(&other_corners));
+        let tolerance = problem.scene().overlap_tolerance * size;
+        if depth > tolerance {
+            return Err(Error::Crossing {
+                first: problem.scene().names()[a].clone(),
+                second: problem.scene().names()[b].clone(),
+                x: centroid.iter().copied().collect(),
+                depth,
+                tolerance,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The corners of the flat pieces of all exterior facets, and the facets' nodes.
+fn flat_facets<const D: usize>(mesh: &Mesh<D>) -> impl Iterator<Item = (&[usize], [Vector<D>; D])> {
+    mesh.exterior().flat_map(|nodes| {
+        let facet = Facet::gather(mesh.order(), nodes, mesh.nodes());
+        let corner = move |lambda: &[f64; 3]| facet.point(&Vector::from_fn(|i, _| lambda[i]));
+        let pieces = facet.pieces().iter();
+        pieces.map(move |piece| (nodes, std::array::from_fn(|k| corner(&piece[k]))))
+    })
+}
+
+fn bounding_box<const D: usize>(points: &[Vector<D>]) -> AABB<[f64; D]> {
+    let low = points.iter().fold(points[0], |m, x| m.inf(x));
+    let high = points.iter().fold(points[0], |m, x| m.sup(x));
+    AABB::from_corners(low.into(), high.into())
+}
+
+/// Where an edge runs through a facet, if it does, and how far one of them must move to let go of
+/// the other: an end of the edge to the facet's plane, or the point to a side of the facet.
+fn pierce<const D: usize>(
+    edge: &[Vector<D>; 2],
+    facet: &[Vector<D>; D],
+) -> Option<(Vector<D>, f64)> {
+    let normal = facet_normal(facet);
+    let normal = normal / normal.norm();
+    let [before, after] = edge.map(|x| normal.dot(&(x - facet[0])));
+    if before * after >= 0.0 {
+        return None;
+    }
+    let point = edge[0] + (edge[1] - edge[0]) * (before / (before - after));
+    let lambda = closest(&point, facet);
+    // beyond a side of the facet, the closest point has a coordinate of 0
+    let height = |k: usize| {
+        let side = facet[(k + 1) % D];
+        let along = facet[(k + D - 1) % D] - side;
+        let arm = facet[k] - side;
+        let length = along.norm_squared();
+        let foot = if length > 0.0 {
+            along * (arm.dot(&along) / length)
+        } else {
+            Vector::zeros()
+        };
+        (arm - foot).norm()
+    };
+    let inner = (0..D).map(|k| lambda[k] * height(k));
+    let depth = inner.fold(before.abs().min(after.abs()), f64::min);
+    (depth > 0.0).then_some((point, depth))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_through_a_facet() {
+        let facet = [[0.0, 0.0], [4.0, 0.0]].map(Vector::<2>::from);
+        let edge = |a: [f64; 2], b: [f64; 2]| [a, b].map(Vector::<2>::from);
+        let (point, depth) = pierce(&edge([1.0, -3.0], [1.0, 2.0]), &facet).expect("crosses");
+        assert!((point - Vector::<2>::new(1.0, 0.0)).norm() < 1e-15);
+        assert!((depth - 1.0).abs() < 1e-15, "to the facet's end");
+        let (_, depth) = pierce(&edge([2.0, -3.0], [2.0, 0.5]), &facet).expect("crosses");
+        assert!((depth - 0.5).abs() < 1e-15, "to the edge's end");
+        assert!(pierce(&edge([5.0, -3.0], [5.0, 2.0]), &facet).is_none());
+        assert!(pierce(&edge([1.0, 1.0], [1.0, 2.0]), &facet).is_none());
+        assert!(pierce(&edge([1.0, 0.0], [1.0, 2.0]), &facet).is_none());
+
+        let facet = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]].map(Vector::<3>::from);
+        let edge = |x: f64, y: f64| [[x, y, -3.0], [x, y, 2.0]].map(Vector::<3>::from);
+        let (point, depth) = pierce(&edge(1.5, 0.5), &facet).expect("pierces");
+        assert!((point - Vector::<3>::new(1.5, 0.5, 0.0)).norm() < 1e-15);
+        assert!((depth - 0.5).abs() < 1e-15, "to the side below");
+        assert!(pierce(&edge(2.5, 2.5), &facet).is_none());
+    }
+}
