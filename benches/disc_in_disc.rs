@@ -152,7 +152,7 @@ fn measure(arguments: &Arguments, segments: usize) -> Result<Line, Box<dyn Error
         optimizer: effort.optimizer,
         peak_memory: peak_memory(),
         energy: last.map(|step| step.energy),
-        reaction: last.map(|step| step.reactions[roles.ring()][1]),
+        reaction: last.map(|step| step.reaction(roles.ring())[1]),
     })
 }
 

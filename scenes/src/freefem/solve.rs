@@ -8,8 +8,8 @@ use std::time::Instant;
 use contact_core::InteriorPoint;
 use contact_core::load_steps::RunOutcome;
 use contact_core::method::Effort;
-use contact_fem::output::Snapshot;
 use contact_fem::model::Problem;
+use contact_fem::output::Snapshot;
 use contact_fem::simulation::History;
 use contact_fem::{Simulation, StepRecord};
 

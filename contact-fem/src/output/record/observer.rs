@@ -8,10 +8,10 @@ use std::time::Instant;
 use super::progress::Progress;
 use super::{Recording, Stage, on_ctrl_c};
 use crate::error::Error;
+use crate::model::Problem;
 use crate::output::history::Tables;
 use crate::output::snapshot::Snapshot;
 use crate::output::vtk::Series;
-use crate::model::Problem;
 use crate::simulation::{History, StepRecord, StepView};
 
 /// The observer of a run: writes tables and `.vtu` files, shows progress, keeps what pictures need, and passes Ctrl-C on.
