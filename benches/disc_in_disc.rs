@@ -9,12 +9,10 @@
 //! own, too. Own code is all but Ipopt with its linear solver.
 
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 use clap::Parser;
-use contact_core::Cost;
 use contact_fem::output::record::peak_memory;
 use ipopt_contact::prelude::*;
 use ipopt_contact::{contact_core, contact_fem, versions};
@@ -146,7 +144,7 @@ fn measure(arguments: &Arguments, segments: usize) -> Result<Line, Box<dyn Error
         optimizer: cost.optimizer,
         peak_memory: peak_memory(),
         energy: last.map(|step| step.energy),
-        reaction: last.map(|step| step.reactions[roles.ring()][1]),
+        reaction: last.map(|step| step.reaction(roles.ring())[1]),
     })
 }
 

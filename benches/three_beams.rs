@@ -18,7 +18,7 @@ use clap::Parser;
 use contact_fem::element::Order;
 use contact_fem::output::record::peak_memory;
 use ipopt_contact::prelude::*;
-use ipopt_contact::{contact_core, contact_fem, versions};
+use ipopt_contact::{contact_fem, versions};
 use ipopt_contact_scenes::beams::{self, Beams, Law};
 
 /// Times the three beams

@@ -70,7 +70,7 @@ fn run(arguments: &Arguments) -> Result<Recorded<2>, Failure> {
             Slaves::Disc => Passes::SecondIsSlave,
         },
     };
-    let force = |record: &StepRecord<2>| record.reactions[roles.ring()][1];
+    let force = |record: &StepRecord<2>| record.reaction(roles.ring())[1];
 
     let mut problem = disc_in_disc::scene(arguments.mesh, roles)?.problem()?;
     let mut simulation = arguments.options.simulation(100)?;

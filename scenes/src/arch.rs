@@ -42,7 +42,13 @@ pub fn scene(across: usize) -> Result<Scene<2>, Error> {
     let mut foundation = Body::new(ground, LinearElastic::new(YOUNG, NU)?);
     foundation.prescribe_all([Some(0.0); 2])?;
 
-    let mut scene = Scene::of(vec![arch, foundation]);
-    scene.contact_in_passes((0, "bottom"), (1, "top"), Passes::FirstIsSlave)?;
+    let mut scene = Scene::new();
+    let arch = scene.add("arch", arch);
+    let foundation = scene.add("foundation", foundation);
+    scene.contact_in_passes(
+        arch.on("bottom"),
+        foundation.on("top"),
+        Passes::FirstIsSlave,
+    )?;
     Ok(scene)
 }

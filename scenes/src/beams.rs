@@ -4,7 +4,7 @@ use contact_fem::element::Order;
 use contact_fem::mesh::generators::cuboid;
 use contact_fem::model::Problem;
 use contact_fem::tensor::Vector;
-use contact_fem::{Body, Error, LinearElastic, NeoHookean, Scene};
+use contact_fem::{Body, BodyId, Error, LinearElastic, NeoHookean, Scene};
 
 /// The length of the beams (UL).
 pub const LENGTH: f64 = 200.0;
@@ -61,11 +61,12 @@ impl Beams {
     /// Clamped at x = 0, the lowest beam first. Every other one has one division more along its
     /// length, so that nodes do not meet.
     pub fn scene(&self) -> Result<Scene<3>, Error> {
-        let bodies: Result<Vec<_>, _> = (0..self.count).map(|k| self.beam(k)).collect();
-        let mut scene = Scene::of(bodies?);
-        if self.contact {
-            for k in 1..self.count {
-                scene.contact((k - 1, "top"), (k, "bottom"))?;
+        let mut scene = Scene::new();
+        let mut below: Option<BodyId> = None;
+        for k in 0..self.count {
+            let beam = scene.add(format!("beam{}", k + 1), self.beam(k)?);
+            if let Some(below) = below.replace(beam).filter(|_| self.contact) {
+                scene.contact(below.on("top"), beam.on("bottom"))?;
             }
         }
         Ok(scene)

@@ -77,7 +77,8 @@ impl Blocks {
         P1: Element<D>,
         P2: Element<D>,
     {
-        let mut bodies = Vec::new();
+        let mut scene = Scene::new();
+        let mut sides = Vec::new();
         for (k, mesh) in meshes.into_iter().enumerate() {
             let mesh = match self.orders[k] {
                 Order::Linear => mesh,
@@ -89,15 +90,20 @@ impl Blocks {
                 true => Body::new(mesh, NeoHookean::new(YOUNG, 0.0)?),
             };
             let down = turn.column(D - 1) * -PRESSED;
-            match k {
-                0 => body.prescribe("bottom", [Some(0.0); D])?,
-                _ => body.prescribe("top", std::array::from_fn(|i| Some(down[i])))?,
+            let (name, held, by, touching) = match k {
+                0 => ("lower", "bottom", [Some(0.0); D], "top"),
+                _ => (
+                    "upper",
+                    "top",
+                    std::array::from_fn(|i| Some(down[i])),
+                    "bottom",
+                ),
             };
-            bodies.push(body);
+            body.prescribe(held, by)?;
+            sides.push(scene.add(name, body).on(touching));
         }
-        let mut scene = Scene::of(bodies);
         scene.integration = Some(self.integration);
-        scene.contact_in_passes((0, "top"), (1, "bottom"), self.passes)?;
+        scene.contact_in_passes(sides[0].clone(), sides[1].clone(), self.passes)?;
         Ok(scene)
     }
 }

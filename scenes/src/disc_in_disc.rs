@@ -2,7 +2,7 @@
 
 use contact_fem::mesh::generators::{Diagonals, annulus, disc};
 use contact_fem::model::Passes;
-use contact_fem::{Body, Error, Mesh, NeoHookean, Scene};
+use contact_fem::{Body, BodyId, Error, Mesh, NeoHookean, Scene};
 
 use crate::mirrored;
 
@@ -49,9 +49,9 @@ pub struct Roles {
 }
 
 impl Roles {
-    /// The ring's number among the bodies.
-    pub fn ring(self) -> usize {
-        usize::from(self.swapped)
+    /// The ring among the bodies.
+    pub fn ring(self) -> BodyId {
+        usize::from(self.swapped).into()
     }
 }
 
@@ -97,14 +97,14 @@ fn pushed(
     let mut inner = Body::new(inner, second);
     inner.prescribe_all([Some(0.0), Some(-push)])?;
 
-    let (hole, edge) = ("inner", "boundary");
+    let mut scene = Scene::new();
+    let mut bodies = [("ring", ring, "inner"), ("disc", inner, "boundary")];
+    let mut passes = roles.passes;
     if roles.swapped {
-        let mut scene = Scene::of(vec![inner, ring]);
-        scene.contact_in_passes((0, edge), (1, hole), mirrored(roles.passes))?;
-        Ok(scene)
-    } else {
-        let mut scene = Scene::of(vec![ring, inner]);
-        scene.contact_in_passes((0, hole), (1, edge), roles.passes)?;
-        Ok(scene)
+        bodies.reverse();
+        passes = mirrored(passes);
     }
+    let [first, second] = bodies.map(|(name, body, side)| scene.add(name, body).on(side));
+    scene.contact_in_passes(first, second, passes)?;
+    Ok(scene)
 }

@@ -73,9 +73,10 @@ where
 
 /// The plane hairpin; it may touch itself anywhere on its skin unless that is left out.
 pub fn scene(fine: usize, self_contact: bool) -> Result<Scene<2>, Error> {
-    let mut scene = Scene::of(vec![body(band(fine)?.mapped(fold)?)?]);
+    let mut scene = Scene::new();
+    let hairpin = scene.add("hairpin", body(band(fine)?.mapped(fold)?)?);
     if self_contact {
-        scene.self_contact((0, "skin"))?;
+        scene.self_contact(hairpin.on("skin"))?;
     }
     Ok(scene)
 }
@@ -91,8 +92,9 @@ pub fn scene_in_space(fine: usize, deep: usize) -> Result<Scene<3>, Error> {
         let nodes: Vec<usize> = nodes.into_iter().filter(back_or_free).collect();
         body.prescribe_nodes(&nodes, [None, None, Some(0.0)])?;
     }
-    let mut scene = Scene::of(vec![body]);
-    scene.self_contact((0, "skin"))?;
+    let mut scene = Scene::new();
+    let hairpin = scene.add("hairpin", body);
+    scene.self_contact(hairpin.on("skin"))?;
     Ok(scene)
 }
 

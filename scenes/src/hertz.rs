@@ -107,17 +107,18 @@ impl Hertz {
 
     /// Both bodies, supported and loaded.
     pub fn scene(&self) -> Result<Scene<2>, Error> {
-        let (cylinder, block) = (self.cylinder()?, self.block()?);
-        let (arc, top) = ("arc", "top");
-        let mut scene = if self.swapped {
-            let mut scene = Scene::of(vec![block, cylinder]);
-            scene.contact_in_passes((0, top), (1, arc), mirrored(self.passes))?;
-            scene
-        } else {
-            let mut scene = Scene::of(vec![cylinder, block]);
-            scene.contact_in_passes((0, arc), (1, top), self.passes)?;
-            scene
-        };
+        let mut scene = Scene::new();
+        let mut bodies = [
+            ("cylinder", self.cylinder()?, "arc"),
+            ("block", self.block()?, "top"),
+        ];
+        let mut passes = self.passes;
+        if self.swapped {
+            bodies.reverse();
+            passes = mirrored(passes);
+        }
+        let [first, second] = bodies.map(|(name, body, side)| scene.add(name, body).on(side));
+        scene.contact_in_passes(first, second, passes)?;
         scene.integration = self.integration;
         Ok(scene)
     }

@@ -17,6 +17,7 @@ use contact_fem::certificate::Limits;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::model::{Integration, Passes, Problem};
 use contact_fem::{Body, Certificate, LinearElastic, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::pair;
 
 /// The names of what is beyond its limit.
 fn failures(certificate: &Certificate) -> Vec<&'static str> {
@@ -166,8 +167,7 @@ fn next_to_no_load() {
         lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
         upper.prescribe("left", [Some(0.0), None]).expect("support");
         upper.traction("top", [0.0, -load]).expect("load");
-        let mut scene = Scene::of(vec![lower, upper]);
-        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+        let scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let certificate = run(&mut problem, 1, 1e-6).certificate().expect("a step");
         assert!(failures(&certificate).is_empty(), "{load}: {certificate}");
@@ -312,9 +312,9 @@ fn elastic(young: f64) -> impl Fn(Mesh<2>) -> Body<2> {
 }
 
 fn touching(bodies: [Body<2>; 2], integration: Option<Integration>) -> Problem<2> {
-    let mut scene = Scene::of(bodies.into());
+    let [lower, upper] = bodies;
+    let mut scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
     scene.integration = integration;
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     scene.problem().expect("valid scene")
 }
 
@@ -367,18 +367,19 @@ fn stiff_bodies_inside_each_other_are_found() {
 /// A pair beside one that is 1e8 times stiffer is judged by its own forces.
 #[test]
 fn a_soft_pair_is_judged_by_its_own_forces() {
-    let mut bodies = Vec::new();
+    let mut scene = Scene::new();
     for (young, x) in [(1.0, 0.0), (1e8, 5.0)] {
         let aside = |mesh: Mesh<2>| mesh.translated([x, 0.0]).expect("mesh");
         let law = |mesh| elastic(young)(aside(mesh));
         let [lower, mut upper] = blocks([3, 4], [0.0, 1.0], law);
         let down = [Some(0.0), Some(-0.01)];
         upper.prescribe("top", down).expect("support");
-        bodies.extend([lower, upper]);
+        let lower = scene.add(format!("lower of {young}"), lower);
+        let upper = scene.add(format!("upper of {young}"), upper);
+        scene
+            .contact(lower.on("top"), upper.on("bottom"))
+            .expect("surfaces");
     }
-    let mut scene = Scene::of(bodies);
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
-    scene.contact((2, "top"), (3, "bottom")).expect("surfaces");
     let mut problem = scene.problem().expect("valid scene");
     let solution = run(&mut problem, 1, 1e-6).run.solution.expect("converged");
     let sound = Certificate::new(&problem, &solution);

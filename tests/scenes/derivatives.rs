@@ -6,8 +6,9 @@ use contact_core::{ContactProblem, LoadStepped, check};
 use contact_fem::mesh::generators::{Diagonals, annulus, linspace, rectangle};
 use contact_fem::model::{Geometry, Problem};
 use contact_fem::tensor::Vector;
-use contact_fem::{Body, LinearElastic, Material, Mesh, NeoHookean, Scene};
+use contact_fem::{Body, LinearElastic, Material, Mesh, NeoHookean};
 use ipopt_contact_scenes::disc_in_disc::Roles;
+use ipopt_contact_scenes::{alone, pair};
 
 /// A body with a prescribed boundary, a traction and a body force, at 70 % load.
 fn loaded<const D: usize>(mut body: Body<D>, support: &str, load: &str) -> Problem<D>
@@ -17,7 +18,7 @@ where
     body.prescribe(support, [Some(0.02); D]).expect("support");
     body.traction(load, [0.3; D]).expect("load");
     body.body_force([-0.1; D]).expect("load");
-    let mut problem = Scene::of(vec![body]).problem().expect("valid scene");
+    let mut problem = alone(body).problem().expect("valid scene");
     problem.set_load(0.7).expect("load");
     problem
 }
@@ -93,8 +94,7 @@ fn energy_of_a_scene() {
     block
         .prescribe("left", [Some(0.0), Some(0.0)])
         .expect("support");
-    let mut scene = Scene::of(vec![ring, block]);
-    scene.contact((0, "inner"), (1, "right")).expect("surfaces");
+    let mut scene = pair((ring, "inner"), (block, "right")).expect("surfaces");
     scene.geometry = Some(Geometry::Current);
     let mut problem = scene.problem().expect("valid scene");
     problem.set_load(1.0).expect("load");

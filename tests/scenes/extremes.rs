@@ -4,8 +4,9 @@ use crate::common::{disc_in_disc, relative, run};
 use contact_core::Ending;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::model::Problem;
-use contact_fem::{Body, LinearElastic, NeoHookean, Scene};
+use contact_fem::{Body, LinearElastic, NeoHookean};
 use ipopt_contact_scenes::disc_in_disc::Roles;
+use ipopt_contact_scenes::pair;
 
 fn square(y: f64, modulus: f64) -> Body<2> {
     let mesh = rectangle(
@@ -24,8 +25,7 @@ fn stack(mut top: Body<2>, modulus: f64) -> Problem<2> {
     let mut bottom = square(0.0, modulus);
     bottom.prescribe("bottom", [Some(0.0); 2]).expect("support");
     top.prescribe("left", [Some(0.0), None]).expect("support");
-    let mut scene = Scene::of(vec![bottom, top]);
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    let scene = pair((bottom, "top"), (top, "bottom")).expect("surfaces");
     scene.problem().expect("valid scene")
 }
 
@@ -107,8 +107,7 @@ fn small_strain_scenes_are_linear_in_the_load() {
         };
         let (lower, mut upper) = (beam(0.0), beam(1.0));
         upper.traction("top", [0.0, -load]).expect("load");
-        let mut scene = Scene::of(vec![lower, upper]);
-        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+        let scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let history = run(&mut problem, 1, 1e-6);
         assert_eq!(history.run.ending, Ending::Complete, "load {load}");
@@ -141,8 +140,7 @@ fn coarse_facets_do_not_hide_a_tunnel() {
             lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
             let down = [Some(0.0), Some(-0.7)];
             upper.prescribe("top", down).expect("support");
-            let mut scene = Scene::of(vec![lower, upper]);
-            scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+            let scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
             let mut problem = scene.problem().expect("valid scene");
             let history = run(&mut problem, increments, 1e-9);
             assert_eq!(history.run.ending, Ending::Complete);
@@ -174,11 +172,11 @@ fn thin_bodies_are_not_jumped_over() {
         block
             .prescribe("top", [Some(0.0), Some(-0.4)])
             .expect("support");
-        let mut scene = Scene::of(match block_first {
-            true => vec![block, plate],
-            false => vec![plate, block],
-        });
-        scene.contact((0, "all"), (1, "all")).expect("surfaces");
+        let (first, second) = match block_first {
+            true => (block, plate),
+            false => (plate, block),
+        };
+        let scene = pair((first, "all"), (second, "all")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let history = run(&mut problem, increments, 1e-8);
         assert_eq!(history.run.ending, Ending::Complete);

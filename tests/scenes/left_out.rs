@@ -7,6 +7,7 @@ use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, LeftOut, LinearElastic, Material, Mesh, NeoHookean, Scene};
 use ipopt_contact_scenes::hairpin;
+use ipopt_contact_scenes::{alone, pair};
 
 fn of_order<const D: usize>(mesh: Mesh<D>, order: Order) -> Mesh<D> {
     match order {
@@ -29,9 +30,8 @@ fn disc_on_block<M: Material<2>>(law: M, order: Order) -> Scene<2> {
     disc.prescribe_all([Some(0.0), Some(-0.03)])
         .expect("support");
 
-    let mut scene = Scene::of(vec![block, disc]);
+    let mut scene = pair((block, "skin"), (disc, "boundary")).expect("pair");
     scene.reach = Some(0.25);
-    scene.contact((0, "skin"), (1, "boundary")).expect("pair");
     scene
 }
 
@@ -47,9 +47,8 @@ fn cube_on_block<M: Material<3>>(law: M, order: Order) -> Scene<3> {
     cube.prescribe_all([Some(0.01), Some(0.005), Some(-0.04)])
         .expect("support");
 
-    let mut scene = Scene::of(vec![block, cube]);
+    let mut scene = pair((block, "skin"), (cube, "bottom")).expect("pair");
     scene.reach = Some(0.2);
-    scene.contact((0, "skin"), (1, "bottom")).expect("pair");
     scene
 }
 
@@ -200,7 +199,7 @@ fn no_pair_no_rows() {
     );
     block.prescribe("bottom", [Some(0.0); 2]).expect("support");
     block.traction("top", [0.0, -1.0]).expect("load");
-    let mut problem = Scene::of(vec![block]).problem().expect("valid scene");
+    let mut problem = alone(block).problem().expect("valid scene");
     assert_eq!(problem.contact_nodes(), 0);
     let history = run_with(&mut InteriorPoint::default(), &mut problem, 1, 1e-6);
     let step = history.steps.last().expect("converged");

@@ -34,8 +34,7 @@ fn stack(order: &[usize]) -> (Scene<2>, Vec<usize>) {
         let body = Body::new(mesh.expect("mesh"), law);
         (body, touching, [Some(0.0), Some(push)])
     };
-    let mut bodies = Vec::new();
-    let mut surfaces = Vec::new();
+    let mut scene = Scene::new();
     for &k in order {
         let (mut body, surface, held) = match k {
             DISCS => plate(-0.2, 0.0, "top"),
@@ -50,12 +49,8 @@ fn stack(order: &[usize]) -> (Scene<2>, Vec<usize>) {
         } else {
             body.prescribe_all(held).expect("support");
         }
-        bodies.push(body);
-        surfaces.push(surface);
-    }
-    let mut scene = Scene::of(bodies);
-    for (body, surface) in surfaces.into_iter().enumerate() {
-        scene.contact_surface((body, surface)).expect("declared");
+        let body = scene.add(k.to_string(), body);
+        scene.contact_surface(body.on(surface)).expect("declared");
     }
     let place = (0..DISCS + 2).map(|k| order.iter().position(|o| *o == k));
     (scene, place.map(|p| p.expect("all bodies")).collect())
@@ -183,18 +178,17 @@ fn slabs_do_not_see_through_each_other() {
         let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
         Body::new(mesh, LinearElastic::new(100.0, 0.0).expect("law"))
     };
-    let mut bodies = [0, 1, 2].map(slab);
-    for (body, side, held) in [
+    let mut scene = Scene::new();
+    for (k, side, held) in [
         (0, "bottom", [Some(0.0); 2]),
         (1, "left", [Some(0.0), None]),
         (2, "top", [Some(0.0), Some(-0.012)]),
     ] {
-        bodies[body].prescribe(side, held).expect("support");
-    }
-    let mut scene = Scene::of(bodies.into());
-    for body in 0..3 {
+        let mut body = slab(k);
+        body.prescribe(side, held).expect("support");
+        let body = scene.add(k.to_string(), body);
         for side in ["top", "bottom"] {
-            scene.contact_surface((body, side)).expect("declared");
+            scene.contact_surface(body.on(side)).expect("declared");
         }
     }
     let mut problem = scene.problem().expect("no overlap");
@@ -283,8 +277,9 @@ where
         let all = std::array::from_fn(|i| (held[i].is_some() || i < 2 && in_plane).then_some(u[i]));
         body.prescribe_nodes(&[node], all).expect("support");
     }
-    let mut scene = Scene::of(vec![body]);
-    scene.self_contact((0, "skin")).expect("surface");
+    let mut scene = Scene::new();
+    let body = scene.add("body", body);
+    scene.self_contact(body.on("skin")).expect("surface");
     scene
 }
 
@@ -428,9 +423,10 @@ fn slit_integrated(
     body.prescribe("bottom", [Some(0.0); 2]).expect("support");
     body.prescribe("top", [Some(0.1 * sin), Some(-0.1 * cos)])
         .expect("support");
-    let mut scene = Scene::of(vec![body]);
+    let mut scene = Scene::new();
+    let body = scene.add("body", body);
     scene.integration = Some(integration);
-    scene.self_contact((0, "slit")).expect("a surface");
+    scene.self_contact(body.on("slit")).expect("a surface");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, increments, 1e-9);
     assert_eq!(history.run.ending, Ending::Complete);

@@ -13,10 +13,11 @@ use contact_core::{Retry, Solved, Stop};
 use contact_fem::element;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::model::{Integration, Passes, Problem};
-use contact_fem::{Body, LinearElastic, Scene, Simulation};
+use contact_fem::{Body, LinearElastic, Simulation};
 use ipopt_contact_scenes::beams::{Beams, Law};
 use ipopt_contact_scenes::disc_in_disc::{self, Roles};
 use ipopt_contact_scenes::hertz::{Fineness, Hertz};
+use ipopt_contact_scenes::pair;
 use ipopt_contact_scenes::studies::pointwise::{Pointwise, order};
 
 /// Penalty factors at which errors fall as they do for μ → ∞.
@@ -365,7 +366,7 @@ fn every_method_through_large_strains_in_any_passes_whichever_body_comes_first()
                 let outcome = &history.run.ending;
                 assert_eq!(*outcome, Ending::Complete, "{name} {passes:?}");
                 let last = history.steps.last().expect("steps");
-                (last.energy, last.reactions[roles.ring()][1])
+                (last.energy, last.reaction(roles.ring())[1])
             });
             let [(e1, r1), (e2, r2)] = ends;
             assert!(relative(e1, e2) < 1e-6, "{name} {passes:?}: {e1} {e2}");
@@ -416,8 +417,7 @@ fn blocks() -> Problem<2> {
         .prescribe("bottom", [None, Some(0.0)])
         .expect("support");
     upper.traction("top", [0.0, -PRESSURE]).expect("load");
-    let mut scene = Scene::of(vec![lower, upper]);
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    let mut scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
     scene.integration = Some(Integration::Exact);
     scene.problem().expect("valid scene")
 }
