@@ -46,9 +46,6 @@ struct Arguments {
     /// The beams do not touch, and each carries a third of the load
     #[arg(long)]
     apart: bool,
-    /// Do all that the scene does not need
-    #[arg(long)]
-    keep_everything: bool,
     #[command(flatten)]
     options: Options,
 }
@@ -84,8 +81,7 @@ fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         contact: !arguments.apart,
         ..Beams::new(arguments.across, order, law)
     };
-    let mut scene = beams.scene()?;
-    scene.keep_everything = arguments.keep_everything;
+    let scene = beams.scene()?;
     let run = Run {
         name: "three_beams",
         reaction: &|record| record.reactions.iter().map(|r| r[2]).sum(),
