@@ -15,7 +15,7 @@ use std::time::Instant;
 use clap::Parser;
 use contact_fem::output::record::peak_memory;
 use ipopt_contact::prelude::*;
-use ipopt_contact::{contact_core, contact_fem, versions};
+use ipopt_contact::{contact_fem, versions};
 use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 use serde::{Deserialize, Serialize};
 

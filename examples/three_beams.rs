@@ -40,9 +40,6 @@ struct Arguments {
     /// The beams do not touch, and each carries a third of the load
     #[arg(long)]
     apart: bool,
-    /// Do all that the scene does not need
-    #[arg(long)]
-    keep_everything: bool,
     #[command(flatten)]
     options: Options,
 }
@@ -78,9 +75,7 @@ fn run(arguments: &Arguments) -> Result<Recorded<3>, Failure> {
         contact: !arguments.apart,
         ..Beams::new(arguments.across, order, law)
     };
-    let mut scene = beams.scene()?;
-    scene.keep_everything = arguments.keep_everything;
-    let mut problem = scene.problem()?;
+    let mut problem = beams.scene()?.problem()?;
     let mut simulation = arguments.options.simulation(increments)?;
     let mut recording = arguments.options.record(&mut simulation, "three_beams");
     // the beams before and after, as in the paper's Figure 2

@@ -5,8 +5,7 @@ use std::fmt;
 use crate::model::Problem;
 use crate::simulation::History;
 
-/// Work that a scene made unnecessary. [`Scene::keep_everything`](crate::Scene::keep_everything)
-/// does it all the same, with the same result.
+/// Work that a scene made unnecessary; done all the same, it changes nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LeftOut {
     /// Prescribed dofs, eliminated before the optimiser sees them.
@@ -27,18 +26,13 @@ impl LeftOut {
     /// Of the run of a problem.
     pub fn new<const D: usize>(problem: &Problem<D>, history: &History<D>) -> Self {
         let bodies = problem.scene().bodies();
-        let is_prescribed = bodies.iter().flat_map(|body| body.prescribed());
-        let prescribed = is_prescribed.filter(|value| value.is_some()).count();
         let cells: usize = bodies.iter().map(|body| body.mesh().len()).sum();
         let energies = problem.body_energies().iter();
         let assembled: usize = energies.map(|energy| energy.assembled_cells()).sum();
         let last = history.steps.last();
         let cost = history.run.cost();
         LeftOut {
-            dofs: match problem.scene().keep_everything {
-                true => 0,
-                false => prescribed,
-            },
+            dofs: problem.dofs().prescribed(),
             cells: cells - assembled,
             rows: last.map_or(0, |step| problem.contact_nodes() - step.rows),
             solves: match problem.is_exact() {

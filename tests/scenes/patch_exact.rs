@@ -57,7 +57,11 @@ fn is_solved_by_the_exact_state<const D: usize>(scene: Scene<D>, case: &Blocks) 
 
     // the passes share the pressure
     let share = stress.norm() / problem.passes().len() as f64;
-    let integrals: Vec<Vec<f64>> = problem.surfaces().iter().map(test_integrals).collect();
+    let integrals: Vec<Vec<f64>> = problem
+        .surfaces()
+        .iter()
+        .map(|s| test_integrals(s))
+        .collect();
     let force = |key: &RowKey| {
         let slave = problem.passes()[key.pass as usize].slave;
         let nodes = problem.surfaces()[slave].nodes();

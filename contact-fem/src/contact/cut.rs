@@ -54,7 +54,7 @@ impl<const D: usize> Points<D> {
     pub fn on<'a>(
         &mut self,
         facet: &Facet<D>,
-        master: &Master<'_, D>,
+        master: &Master<D>,
         seeker: &impl Fn(&Vector<D>) -> Seeker<'a, D>,
     ) -> &[(f64, Vector<D>)] {
         match self {
@@ -100,7 +100,7 @@ impl<const D: usize> Cutter<D> {
     fn points<'a>(
         &mut self,
         facet: &Facet<D>,
-        master: &Master<'_, D>,
+        master: &Master<D>,
         seeker: &impl Fn(&Vector<D>) -> Seeker<'a, D>,
     ) -> &[(f64, Vector<D>)] {
         self.cast(facet, master, &seeker(&Vector::repeat(1.0 / D as f64)));
@@ -122,7 +122,7 @@ impl<const D: usize> Cutter<D> {
     }
 
     /// Projects the master's facets that points of `facet` may be closest to; `middle` is its middle.
-    fn cast(&mut self, facet: &Facet<D>, master: &Master<'_, D>, middle: &Seeker<'_, D>) {
+    fn cast(&mut self, facet: &Facet<D>, master: &Master<D>, middle: &Seeker<'_, D>) {
         self.shadows.clear();
         let distances = facet.nodes().iter().map(|x| (x - middle.x).norm());
         let radius = distances.fold(0.0, f64::max);
@@ -210,6 +210,8 @@ fn faces<const D: usize>(shadow: &[Vector<D>; D], least: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::super::clip::tests::{Random, at, shared_area};
     use super::*;
     use crate::element::Order;
@@ -324,7 +326,7 @@ mod tests {
         gap: f64,
     ) -> (usize, usize) {
         let (slave, at) = slave;
-        let master = Master::new(master.0, master.1);
+        let master = Master::new(&Arc::new(master.0.clone()), master.1);
         let mut points = Points::new(Integration::Exact, slave, master.surface());
         let (mut all, mut counted) = (0, 0);
         for facet in slave.facets_at(&slave.gather(at)) {

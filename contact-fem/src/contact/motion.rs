@@ -6,6 +6,8 @@
 //! has gone through it. One that emerges where it went in, as nodes do that slide over facets and corners,
 //! has not.
 
+use std::sync::Arc;
+
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
@@ -48,7 +50,7 @@ impl<const D: usize> Motion<'_, D> {
 
     /// The furthest that a node of `slave` goes through `master` and beyond, as the length of its way
     /// relative to that (UL).
-    pub fn through(&self, slave: &Surface<D>, master: &Surface<D>) -> Option<f64> {
+    pub fn through(&self, slave: &Surface<D>, master: &Arc<Surface<D>>) -> Option<f64> {
         let tree = RTree::bulk_load(self.swept_facets(master));
         let ways = slave.nodes().iter().enumerate().map(|(k, &node)| {
             let path = AABB::from_corners(self.before[node].into(), self.after[node].into());
@@ -91,7 +93,7 @@ impl<const D: usize> Motion<'_, D> {
         slave: &Surface<D>,
         k: usize,
         facing: Vector<D>,
-        master: &Master<'_, D>,
+        master: &Master<D>,
     ) -> Option<Vector<D>> {
         let seeker = Seeker {
             x: self.before[slave.nodes()[k]],
@@ -193,7 +195,7 @@ mod tests {
 
     /// Two bodies' surfaces, all around, and the positions of all nodes.
     struct Pair<const D: usize> {
-        surfaces: [Surface<D>; 2],
+        surfaces: [Arc<Surface<D>>; 2],
         X: Vec<Vector<D>>,
         first: usize,
     }
@@ -211,7 +213,7 @@ mod tests {
                 let facets: Vec<Vec<usize>> = meshes[body].exterior().map(shift).collect();
                 Surface::new(body, Order::Linear, facets.iter().map(Vec::as_slice), &X)
             };
-            let surfaces = [surface(0), surface(1)];
+            let surfaces = [surface(0), surface(1)].map(Arc::new);
             Pair { surfaces, X, first }
         }
 

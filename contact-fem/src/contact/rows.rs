@@ -63,7 +63,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
     /// Projects every point of `integration` on `slave` on `master`.
     pub fn new(
         slave: &'a Surface<D>,
-        master: &'a Master<'_, D>,
+        master: &'a Master<D>,
         x: &[Vector<D>],
         integration: Integration,
         reach: f64,

@@ -1,7 +1,7 @@
 //! Which point of a master surface is closest, by a bounding-volume tree over its current facets, and
 //! whether it counts.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
@@ -13,8 +13,8 @@ use crate::element::{Facet, facet_shapes};
 use crate::tensor::{Vector, facet_normal};
 
 /// A master surface at current positions, to be projected on.
-pub struct Master<'a, const D: usize> {
-    moving: Moving<'a, D>,
+pub struct Master<const D: usize> {
+    moving: Moving<D>,
     /// Built by the first search.
     tree: OnceLock<RTree<Leaf<D>>>,
     facet_size: f64,
@@ -67,7 +67,7 @@ pub struct Own<'a, const D: usize> {
     pub nodes: &'a [usize],
 }
 
-impl<'a, const D: usize> Master<'a, D> {
+impl<const D: usize> Master<D> {
     /// A tangential offset beyond this share of the facet's size is off the end.
     const OFF_THE_END: f64 = 1e-9;
     /// The other side of the material: in the reference configuration the way to it starts or ends
@@ -82,7 +82,7 @@ impl<'a, const D: usize> Master<'a, D> {
     const THROUGH: f64 = 0.5;
 
     /// For positions `x` of all scene nodes.
-    pub fn new(surface: &'a Surface<D>, x: &[Vector<D>]) -> Self {
+    pub fn new(surface: &Arc<Surface<D>>, x: &[Vector<D>]) -> Self {
         Master {
             moving: Moving::new(surface, x),
             tree: OnceLock::new(),
@@ -91,12 +91,12 @@ impl<'a, const D: usize> Master<'a, D> {
     }
 
     /// Its positions and normals.
-    pub fn moving(&self) -> &Moving<'a, D> {
+    pub fn moving(&self) -> &Moving<D> {
         &self.moving
     }
 
     /// The surface it was made from.
-    pub fn surface(&self) -> &'a Surface<D> {
+    pub fn surface(&self) -> &Surface<D> {
         self.moving.surface()
     }
 
@@ -281,7 +281,7 @@ impl<const D: usize> PointDistance for Leaf<D> {
 pub fn nodes_inside<const D: usize>(
     slave: &Surface<D>,
     slave_normals: &[Vector<D>],
-    master: &Master<'_, D>,
+    master: &Master<D>,
     x: &[Vector<D>],
     now: &[Vector<D>],
     reach: f64,
@@ -326,7 +326,7 @@ mod tests {
         let mesh = cylinder(1.0, 1.0, 3, 1).expect("mesh");
         let facets = mesh.boundary("top").expect("named");
         let top = Surface::new(0, Order::Linear, facets.iter().copied(), mesh.nodes());
-        let master = Master::new(&top, mesh.nodes());
+        let master = Master::new(&Arc::new(top), mesh.nodes());
         for k in 0..3600 {
             let angle = std::f64::consts::TAU * f64::from(k) / 3600.0;
             let x = Vector::<3>::new(1.1 * angle.cos(), 1.1 * angle.sin(), 1.01);

@@ -12,7 +12,7 @@ use crate::tensor::Vector;
 #[derive(Clone, Copy, Debug)]
 pub struct Stencil<'a, const D: usize> {
     slave: &'a Surface<D>,
-    master: &'a Moving<'a, D>,
+    master: &'a Moving<D>,
     number: usize,
     facet: usize,
     /// ξ: barycentric coordinates on the slave's facet.
@@ -60,7 +60,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
 /// nodes, and keeps those that count within `reach` (UL).
 pub fn stencils<'a, const D: usize>(
     slave: &'a Surface<D>,
-    master: &'a Master<'_, D>,
+    master: &'a Master<D>,
     x: &[Vector<D>],
     integration: Integration,
     reach: f64,

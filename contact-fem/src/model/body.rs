@@ -9,7 +9,22 @@ use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
-/// An elastic body.
+/// An elastic body: a mesh, a law, what its supports prescribe and what loads it.
+///
+/// ```
+/// use contact_fem::mesh::generators::cuboid;
+/// use contact_fem::{Body, NeoHookean};
+///
+/// # fn main() -> Result<(), contact_fem::Error> {
+/// let beam = cuboid([0.0; 3], [4.0, 1.0, 1.0], [8, 2, 2])?;
+/// let mut beam = Body::new(beam.quadratic(), NeoHookean::new(1000.0, 0.3)?);
+/// beam.prescribe("left", [Some(0.0); 3])?;
+/// beam.traction("right", [0.0, 0.0, -2.5])?;
+/// let force: f64 = beam.forces().iter().sum();
+/// assert!((force + 2.5).abs() < 1e-12, "on an area of 1");
+/// # Ok(())
+/// # }
+/// ```
 pub struct Body<const D: usize> {
     mesh: Mesh<D>,
     law: Box<dyn Law<D>>,
@@ -183,17 +198,16 @@ impl<const D: usize> Body<D> {
         self.prescribed.iter().flatten().copied().collect()
     }
 
-    /// Its energy over its free dofs, at no load; over all dofs, and without use of a constant
-    /// stiffness, if everything is kept.
-    pub(super) fn energy(&self, keep_everything: bool) -> Box<dyn BodyEnergy<D>> {
-        self.law.energy(self, keep_everything)
+    /// Its energy over its free dofs, at no load.
+    pub(super) fn energy(&self) -> Box<dyn BodyEnergy<D>> {
+        self.law.energy(self)
     }
 }
 
 /// Hides the types of element and material behind the body.
 trait Law<const D: usize>: Send + Sync {
     fn is_small_strain(&self) -> bool;
-    fn energy(&self, body: &Body<D>, keep_everything: bool) -> Box<dyn BodyEnergy<D>>;
+    fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>>;
     fn add_body_force(
         &self,
         mesh: &Mesh<D>,
@@ -209,19 +223,14 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> 
         M::QUADRATIC
     }
 
-    fn energy(&self, body: &Body<D>, keep_everything: bool) -> Box<dyn BodyEnergy<D>> {
-        let (is_prescribed, prescribed) = match keep_everything {
-            true => (vec![false; body.prescribed.len()], Vec::new()),
-            false => (body.is_prescribed(), body.prescribed_values()),
-        };
-        let dofs = DofMap::new(&is_prescribed);
-        let forces = body.forces.clone();
-        let law = self.1.clone();
+    fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
+        let dofs = DofMap::new(&body.is_prescribed());
+        let prescribed = body.prescribed_values();
+        let (law, forces) = (self.1.clone(), body.forces.clone());
         let energy = StrainEnergy::<D, E, M>::new(&body.mesh, law, dofs, prescribed, forces);
-        match (keep_everything, M::QUADRATIC) {
-            (true, _) => Box::new(energy.with_changing_hessian()),
-            (false, true) => Box::new(QuadraticEnergy::new(energy)),
-            (false, false) => Box::new(energy),
+        match M::QUADRATIC {
+            true => Box::new(QuadraticEnergy::new(energy)),
+            false => Box::new(energy),
         }
     }
 

@@ -1,6 +1,8 @@
 //! How a scene's bodies and their boundaries are named.
 
-/// A body of a scene, as [`Scene::add`](super::Scene::add) returns it.
+/// A body of a scene, as [`Scene::add`](super::Scene::add) returns it. For another scene it means the
+/// body that was added there at the same place; where there is none, methods of problems and records
+/// panic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyId(pub(super) usize);
 

@@ -2,10 +2,14 @@
 //! that they make.
 
 mod body;
+mod contact_set;
 mod handle;
+mod kinematics;
 mod overlap;
 mod preflight;
 mod problem;
+mod results;
+mod scale;
 mod scene;
 
 pub use crate::contact::Integration;

@@ -1,5 +1,7 @@
 //! Bodies that overlap before any load.
 
+use std::sync::Arc;
+
 use rstar::{
     AABB, Envelope, RTree, RTreeObject,
     primitives::{GeomWithData, Rectangle},
@@ -30,11 +32,13 @@ pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
 fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     let name = |body: usize| problem.scene().names()[body].clone();
     let x = problem.reference();
-    let masters = problem.masters(x);
+    let located = problem.contact.located_at(x);
     for pass in problem.passes() {
-        let (slave, master) = (&problem.surfaces()[pass.slave], &masters[pass.master]);
-        let normals = masters[pass.slave].normals();
-        let facing = search::nodes_inside(slave, normals, master, x, x, problem.reach());
+        let slave = &problem.surfaces()[pass.slave];
+        let master = &located.masters[pass.master];
+        let normals = located.masters[pass.slave].normals();
+        let reach = problem.contact.reach();
+        let facing = search::nodes_inside(slave, normals, master, x, x, reach);
         let facing = facing.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let facing = facing.map(|(k, gap)| (slave.nodes()[k], gap));
         let other = master.surface().body();
@@ -82,7 +86,7 @@ fn swallowed_node<const D: usize>(
     let facet = |nodes: &[usize]| nodes.iter().map(|a| a + first).collect::<Vec<_>>();
     let facets: Vec<Vec<usize>> = mesh.exterior().map(facet).collect();
     let exterior = Surface::new(body, mesh.order(), facets.iter().map(Vec::as_slice), x);
-    let boundary = Master::new(&exterior, x);
+    let boundary = Master::new(&Arc::new(exterior), x);
     let depths = inside
         .iter()
         .filter_map(|&a| Some((a, -boundary.project(&x[a])?.distance)));

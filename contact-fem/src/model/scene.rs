@@ -40,6 +40,28 @@ pub struct Pair {
 }
 
 /// Bodies and contact pairs; [`Scene::problem`] checks it and makes it solvable.
+///
+/// ```
+/// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+/// use contact_fem::{Body, LinearElastic, Scene};
+///
+/// # fn main() -> Result<(), contact_fem::Error> {
+/// let law = LinearElastic::new(210.0, 0.3)?;
+/// let block = |y| rectangle(&linspace(0.0, 1.0, 4), &linspace(y, y + 1.0, 4), Diagonals::Rising);
+/// let mut lower = Body::new(block(0.0)?, law);
+/// lower.prescribe("bottom", [Some(0.0), Some(0.0)])?;
+/// let mut upper = Body::new(block(1.0)?, law);
+/// upper.prescribe("top", [Some(0.0), Some(-0.01)])?;
+///
+/// let mut scene = Scene::new();
+/// let lower = scene.add("lower block", lower);
+/// let upper = scene.add("upper block", upper);
+/// scene.contact(lower.on("top"), upper.on("bottom"))?;
+/// let problem = scene.problem()?;
+/// assert_eq!(problem.nodes(upper), 25..50);
+/// # Ok(())
+/// # }
+/// ```
 pub struct Scene<const D: usize> {
     bodies: Vec<Body<D>>,
     names: Vec<String>,
@@ -61,12 +83,6 @@ pub struct Scene<const D: usize> {
     /// How deep bodies may overlap before any load, as a share of the facet size; polygons of
     /// touching curves overlap by a little. 0.05 by default.
     pub overlap_tolerance: f64,
-    /// Does what could be left out, for comparison: prescribed dofs stay as fixed unknowns, cells
-    /// that cannot deform are assembled, no row is out of reach whatever `reach` is, stiffness is
-    /// evaluated in every iteration, and the fixed point goes on until exact rows are seen not to
-    /// change. `false` by default; the result is the same to solver tolerance, unless `reach` left
-    /// out what does touch.
-    pub keep_everything: bool,
 }
 
 impl<const D: usize> Default for Scene<D> {
@@ -80,35 +96,12 @@ impl<const D: usize> Default for Scene<D> {
             geometry: None,
             reach: None,
             overlap_tolerance: 0.05,
-            keep_everything: false,
         }
     }
 }
 
 impl<const D: usize> Scene<D> {
     /// A scene without bodies so far.
-    ///
-    /// ```
-    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-    /// use contact_fem::{Body, LinearElastic, Scene};
-    ///
-    /// # fn main() -> Result<(), contact_fem::Error> {
-    /// let law = LinearElastic::new(210.0, 0.3)?;
-    /// let block = |y| rectangle(&linspace(0.0, 1.0, 4), &linspace(y, y + 1.0, 4), Diagonals::Rising);
-    /// let mut lower = Body::new(block(0.0)?, law);
-    /// lower.prescribe("bottom", [Some(0.0), Some(0.0)])?;
-    /// let mut upper = Body::new(block(1.0)?, law);
-    /// upper.prescribe("top", [Some(0.0), Some(-0.01)])?;
-    ///
-    /// let mut scene = Scene::new();
-    /// let lower = scene.add("lower block", lower);
-    /// let upper = scene.add("upper block", upper);
-    /// scene.contact(lower.on("top"), upper.on("bottom"))?;
-    /// let problem = scene.problem()?;
-    /// assert_eq!(problem.nodes(upper), 25..50);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn new() -> Self {
         Self::default()
     }

@@ -1,0 +1,370 @@
+//! Which surfaces may touch, in which roles, and how they find each other.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use contact_core::gaps::{LinearGaps, Sampling};
+
+use super::kinematics::Kinematics;
+use super::{Geometry, Integration, Passes, Scene, Side};
+use crate::contact::motion::Motion;
+use crate::contact::rows::{PassRows, Unknowns};
+use crate::contact::search::nodes_inside;
+use crate::contact::{Master, Pass, Surface};
+use crate::tensor::Vector;
+
+/// Default reach as a share of the scene's diagonal.
+const REACH: f64 = 0.1;
+
+/// The contact surfaces and passes of a scene.
+pub(super) struct ContactSet<const D: usize> {
+    surfaces: Vec<Arc<Surface<D>>>,
+    passes: Vec<Pass>,
+    /// For each pass, whether its roles are the reversed ones of its pair.
+    reversed: Vec<bool>,
+    geometry: Geometry,
+    integration: Integration,
+    reach: f64,
+    /// The last positions asked about, and how many there were.
+    located: Mutex<Option<Arc<Located<D>>>>,
+    built: AtomicUsize,
+}
+
+/// All surfaces where contact is looked for, each with normals and a search tree.
+pub(super) struct Located<const D: usize> {
+    /// The positions of all nodes there (UL): X or x.
+    pub x: Vec<Vector<D>>,
+    /// In the order of the surfaces.
+    pub masters: Vec<Master<D>>,
+}
+
+impl<const D: usize> ContactSet<D> {
+    /// Each surface once, however many pairs name it, and the passes over them.
+    pub fn new(scene: &Scene<D>, geometry: Geometry, kinematics: &Kinematics<D>) -> Self {
+        let (sides, passes) = sides_and_passes(scene);
+        let (passes, reversed) = passes.into_iter().unzip();
+        let surface = |side: &&Side| {
+            let body = side.body.index();
+            let mesh = scene.bodies()[body].mesh();
+            // the side was checked when the pair was declared
+            let facets = mesh.boundary(&side.boundary).unwrap_or_default();
+            let offset = kinematics.nodes(body).start;
+            let facet = |nodes: &[usize]| nodes.iter().map(|a| a + offset).collect();
+            let facets: Vec<Vec<usize>> = facets.into_iter().map(facet).collect();
+            let facets = facets.iter().map(Vec::as_slice);
+            let surface = Surface::new(body, mesh.order(), facets, kinematics.reference());
+            Arc::new(surface)
+        };
+        ContactSet {
+            surfaces: sides.iter().map(surface).collect(),
+            passes,
+            reversed,
+            geometry,
+            integration: scene.integration(),
+            reach: match (scene.reach, geometry) {
+                (Some(reach), _) => reach,
+                (None, Geometry::Reference) => kinematics.diagonal(),
+                (None, Geometry::Current) => REACH * kinematics.diagonal(),
+            },
+            located: Mutex::new(None),
+            built: AtomicUsize::new(0),
+        }
+    }
+
+    pub fn surfaces(&self) -> &[Arc<Surface<D>>] {
+        &self.surfaces
+    }
+
+    pub fn passes(&self) -> &[Pass] {
+        &self.passes
+    }
+
+    /// How far a point looks for another surface (UL).
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Whether rows do not depend on the state that they are linearised at.
+    pub fn is_exact(&self) -> bool {
+        self.geometry == Geometry::Reference || self.passes.is_empty()
+    }
+
+    /// How many nodes of slave surfaces may have a row, over all passes.
+    pub fn contact_nodes(&self) -> usize {
+        let slaves = self.passes.iter().map(|pass| &self.surfaces[pass.slave]);
+        slaves.map(|slave| slave.test_functions_len()).sum()
+    }
+
+    /// The length of the smallest facet, at most `unless` (UL).
+    pub fn smallest_facet(&self, unless: f64) -> f64 {
+        let smallest = self.surfaces.iter().map(|s| s.smallest_facet());
+        smallest.fold(unless, f64::min)
+    }
+
+    /// Whether a row's name means the same in every iteration and load step, as numbers of points
+    /// do not where facets are cut.
+    pub fn has_lasting_names(&self, sampling: Sampling) -> bool {
+        sampling == Sampling::Nodes || self.integration != Integration::Exact
+    }
+
+    /// How often normals and search trees were built.
+    pub fn built(&self) -> usize {
+        self.built.load(Ordering::Relaxed)
+    }
+
+    /// The surfaces where contact is looked for at `u`. Everything asked about one state in turn
+    /// shares them; in the reference geometry, everything asked at all.
+    pub fn located(&self, kinematics: &Kinematics<D>, u: &[f64]) -> Arc<Located<D>> {
+        match self.geometry {
+            Geometry::Reference => self.located_at(kinematics.reference()),
+            Geometry::Current => self.located_at(&kinematics.positions(u)),
+        }
+    }
+
+    /// The surfaces at positions `x` of all nodes.
+    pub fn located_at(&self, x: &[Vector<D>]) -> Arc<Located<D>> {
+        let mut last = self.located.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(located) = last.as_ref().filter(|located| located.x == x) {
+            return Arc::clone(located);
+        }
+        self.built.fetch_add(1, Ordering::Relaxed);
+        let surfaces = self.surfaces.iter();
+        let located = Arc::new(Located {
+            x: x.to_vec(),
+            masters: surfaces.map(|s| Master::new(s, x)).collect(),
+        });
+        *last = Some(Arc::clone(&located));
+        located
+    }
+
+    /// The passes with their numbers: those whose roles are as they were declared, or the reversed ones.
+    pub fn passes_in(&self, reversed: bool) -> impl Iterator<Item = (usize, Pass)> {
+        let passes = self.passes.iter().copied().enumerate().zip(&self.reversed);
+        passes.filter_map(move |(pass, role)| (*role == reversed).then_some(pass))
+    }
+
+    /// The rows c(u) = C u + c₀ of numbered passes with projections and normals frozen at `u`.
+    pub fn rows(
+        &self,
+        passes: impl Iterator<Item = (usize, Pass)>,
+        kinematics: &Kinematics<D>,
+        u: &[f64],
+        sampling: Sampling,
+    ) -> LinearGaps {
+        let mut gaps = LinearGaps::new(self.is_exact()).sampled_at(sampling);
+        let mut passes = passes.peekable();
+        if passes.peek().is_none() {
+            return gaps;
+        }
+        let located = self.located(kinematics, u);
+        let unknowns = Unknowns {
+            dofs: kinematics.dofs(),
+            supports: kinematics.dofs(),
+            prescribed: kinematics.prescribed(),
+        };
+        for (k, pass) in passes {
+            let slave = &self.surfaces[pass.slave];
+            let master = &located.masters[pass.master];
+            let (integration, reach) = (self.integration, self.reach);
+            let rows = PassRows::new(slave, master, &located.x, integration, reach, sampling);
+            rows.append(k as u32, kinematics.reference(), &unknowns, &mut gaps);
+        }
+        gaps
+    }
+
+    /// The deepest that any contact node is inside another surface at `u` (UL, ≥ 0).
+    pub fn penetration(&self, kinematics: &Kinematics<D>, u: &[f64]) -> f64 {
+        self.deepest(kinematics, u, |surface| vec![1.0; surface.nodes().len()])
+    }
+
+    /// As [`ContactSet::penetration`], with every depth over the facet size around its node.
+    pub fn relative_penetration(&self, kinematics: &Kinematics<D>, u: &[f64]) -> f64 {
+        self.deepest(kinematics, u, Surface::node_sizes)
+    }
+
+    fn deepest(
+        &self,
+        kinematics: &Kinematics<D>,
+        u: &[f64],
+        units: impl Fn(&Surface<D>) -> Vec<f64>,
+    ) -> f64 {
+        let now = kinematics.positions(u);
+        let located = self.located(kinematics, u);
+        let depth = |pass: &Pass| {
+            let normals = located.masters[pass.slave].normals();
+            let slave = &self.surfaces[pass.slave];
+            let master = &located.masters[pass.master];
+            let inside = nodes_inside(slave, normals, master, &located.x, &now, self.reach);
+            let units = units(slave);
+            let depths = inside.iter().map(|(k, gap)| -gap / units[*k]);
+            depths.fold(0.0, f64::max)
+        };
+        self.passes.iter().map(depth).fold(0.0, f64::max)
+    }
+
+    /// How far bodies have gone through each other (UL), if they have: by more than a facet or the
+    /// reach at `u`, or on the way there from `last` at load factor `from`.
+    pub fn tunnels(
+        &self,
+        kinematics: &Kinematics<D>,
+        u: &[f64],
+        (last, from): (&[f64], f64),
+    ) -> Option<f64> {
+        let facets = self.surfaces.iter().map(|surface| surface.facet_size());
+        let facet = facets.fold(0.0, f64::max);
+        let depth = self.penetration(kinematics, u);
+        if depth > facet.min(self.reach) {
+            return Some(depth);
+        }
+        if self.geometry == Geometry::Reference {
+            return None;
+        }
+        let motion = Motion {
+            before: &kinematics.positions_at(last, from),
+            after: &kinematics.positions(u),
+        };
+        let through = |pass: &Pass| {
+            let [slave, master] = [pass.slave, pass.master].map(|k| &self.surfaces[k]);
+            motion.through(slave, master)
+        };
+        self.passes.iter().filter_map(through).reduce(f64::max)
+    }
+}
+
+/// Every side that a pair names, once; and the passes over them, with whether their roles are reversed.
+fn sides_and_passes<const D: usize>(scene: &Scene<D>) -> (Vec<&Side>, Vec<(Pass, bool)>) {
+    let (mut sides, mut passes) = (Vec::<&Side>::new(), Vec::new());
+    for pair in scene.pairs() {
+        let [a, b] = [&pair.first, &pair.second].map(|side| {
+            sides.iter().position(|s| *s == side).unwrap_or_else(|| {
+                sides.push(side);
+                sides.len() - 1
+            })
+        });
+        let pass = |slave, master, reversed| (Pass { slave, master }, reversed);
+        match pair.passes {
+            _ if a == b => passes.push(pass(a, b, false)),
+            Passes::Both => passes.extend([pass(a, b, false), pass(b, a, true)]),
+            Passes::FirstIsSlave => passes.push(pass(a, b, false)),
+            Passes::SecondIsSlave => passes.push(pass(b, a, true)),
+        }
+    }
+    (sides, passes)
+}
+
+#[cfg(test)]
+mod tests {
+    use contact_core::equilibrium::Solution;
+    use contact_core::{ContactProblem, LoadStepped, Outcome, State};
+
+    use super::*;
+    use crate::certificate::Certificate;
+    use crate::mesh::generators::{Diagonals, rectangle};
+    use crate::model::{Body, Problem};
+    use crate::output::Snapshot;
+    use crate::{LinearElastic, NeoHookean};
+
+    /// Two unit squares on each other, the lower one held, the upper one to be pushed by 0.1.
+    fn squares(geometry: Geometry, passes: Passes) -> Problem<2> {
+        let body = |y: f64, side: &str, push: f64| {
+            let mesh = rectangle(&[0.0, 0.5, 1.0], &[y, y + 1.0], Diagonals::Rising);
+            let mesh = mesh.expect("mesh");
+            let mut body = match geometry {
+                Geometry::Reference => Body::new(mesh, LinearElastic::new(1.0, 0.0).expect("law")),
+                Geometry::Current => Body::new(mesh, NeoHookean::new(1.0, 0.0).expect("law")),
+            };
+            let pushed = [Some(0.0), Some(-push)];
+            body.prescribe(side, pushed).expect("support");
+            body
+        };
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", body(0.0, "bottom", 0.0)).on("top");
+        let upper = scene.add("upper", body(1.0, "top", 0.1)).on("bottom");
+        scene
+            .contact_in_passes(lower.clone(), upper.clone(), passes)
+            .expect("a pair");
+        scene
+            .contact_in_passes(upper, lower, Passes::FirstIsSlave)
+            .expect("a pair");
+        scene.problem().expect("a problem")
+    }
+
+    #[test]
+    fn a_surface_that_two_pairs_name_is_there_once() {
+        let roles = |passes| {
+            let problem = squares(Geometry::Current, passes);
+            assert_eq!(problem.surfaces().len(), 2);
+            let roles = problem.passes().iter().map(|p| (p.slave, p.master));
+            roles.collect::<Vec<_>>()
+        };
+        assert_eq!(roles(Passes::Both), [(0, 1), (1, 0), (1, 0)]);
+        assert_eq!(roles(Passes::FirstIsSlave), [(0, 1), (1, 0)]);
+        assert_eq!(roles(Passes::SecondIsSlave), [(1, 0), (1, 0)]);
+    }
+
+    /// The upper square pushed into the lower one by 0.1.
+    #[test]
+    fn depths_in_either_geometry() {
+        for geometry in [Geometry::Reference, Geometry::Current] {
+            let mut problem = squares(geometry, Passes::Both);
+            problem.set_load(1.0).expect("load");
+            let mut u = vec![0.0; problem.dofs().free()];
+            let upper = problem.nodes(1);
+            problem
+                .kinematics
+                .add_free(1, &[0.0, -0.1].repeat(upper.len()), &mut u);
+            assert!((problem.penetration(&u) - 0.1).abs() < 1e-14);
+            assert!((problem.relative_penetration(&u) - 0.2).abs() < 1e-14);
+            assert_eq!(problem.tunnels(&u, &u, 1.0), None);
+            // facets are 0.5 long
+            problem
+                .kinematics
+                .add_free(1, &[0.0, -0.5].repeat(upper.len()), &mut u);
+            let depth = problem.tunnels(&u, &u, 1.0).expect("through");
+            assert!((depth - 0.6).abs() < 1e-14);
+        }
+    }
+
+    /// All that is asked of a converged state: another one is asked first, and one after it.
+    #[test]
+    fn one_set_of_trees_a_state() {
+        for (geometry, sets) in [
+            (Geometry::Reference, [1, 1, 1]),
+            (Geometry::Current, [1, 2, 3]),
+        ] {
+            let mut problem = squares(geometry, Passes::FirstIsSlave);
+            assert_eq!(problem.searches_built(), 1, "the check for overlap");
+            let rest = vec![0.0; problem.dofs().free()];
+            problem
+                .linearize_gaps(&rest, Sampling::Nodes)
+                .expect("rows");
+            assert_eq!(
+                problem.searches_built(),
+                sets[0],
+                "at rest all is where it was"
+            );
+            problem.set_load(1.0).expect("load");
+            let gaps = problem.rows(&rest, Sampling::Nodes);
+            assert_eq!(problem.searches_built(), sets[1]);
+            let mut u = rest.clone();
+            u[0] += 1e-3;
+            let solution = Solution {
+                lambda: vec![1.0; gaps.len()],
+                state: State {
+                    u,
+                    ..State::default()
+                },
+                gaps,
+                outcome: Outcome::Converged,
+                energy: 0.0,
+                history: Vec::new(),
+            };
+            problem.tunnels(&solution.state.u, &rest, 0.0);
+            problem.penetration(&solution.state.u);
+            Certificate::new(&problem, &solution);
+            Snapshot::new(&problem, &solution).expect("pressures");
+            problem.rows(&solution.state.u, Sampling::Nodes);
+            assert_eq!(problem.searches_built(), sets[2]);
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! What follows from a solution: reactions, contact forces, pressures, penetrations.
+
+use contact_core::{Energy, LinearGaps};
+
+use super::{BodyId, Problem};
+use crate::Error;
+use crate::contact::{Pass, Surface, pressure};
+use crate::tensor::Vector;
+
+impl<const D: usize> Problem<D> {
+    /// The contact forces Cᵀλ on all nodes (UF).
+    pub fn contact_forces(&self, gaps: &LinearGaps, lambda: &[f64]) -> Vec<Vector<D>> {
+        self.kinematics.contact_forces(gaps, lambda)
+    }
+
+    /// ∂E/∂U of a body (UF) for all its dofs, whether prescribed or not.
+    pub fn residual(&self, body: impl Into<BodyId>, u: &[f64]) -> Vec<f64> {
+        let body = body.into().index();
+        let mut residual = vec![0.0; D * self.kinematics.nodes(body).len()];
+        self.energy.parts()[body].add_residual(&u[self.energy.range(body)], &mut residual);
+        residual
+    }
+
+    /// The forces (UF) that the supports exert on each body: ∂E/∂U − Cᵀλ summed over its prescribed
+    /// dofs.
+    pub fn reactions(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<Vector<D>> {
+        let bodies = self.scene.ids().zip(self.scene.bodies());
+        let reaction = |(id, body): (BodyId, &super::Body<D>)| {
+            let residual = self.residual(id, u);
+            let contact = contact_forces[self.nodes(id)].iter().flatten();
+            let rest = residual.iter().zip(contact).zip(body.prescribed());
+            let mut sum = Vector::zeros();
+            for (dof, ((residual, contact), prescribed)) in rest.enumerate() {
+                if prescribed.is_some() {
+                    sum[dof % D] += residual - contact;
+                }
+            }
+            sum
+        };
+        bodies.map(reaction).collect()
+    }
+
+    /// The contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area,
+    /// compression positive), recovered from the nodal forces of the passes that it takes part in; in
+    /// [`Geometry::Reference`](super::Geometry) along the normals there.
+    ///
+    /// # Errors
+    /// See [`pressure::tractions`].
+    pub fn pressures(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        lambda: &[f64],
+    ) -> Result<Vec<Vec<f64>>, Error> {
+        let located = self.contact.located(&self.kinematics, u);
+        let of_surface = |(index, surface): (usize, &std::sync::Arc<Surface<D>>)| {
+            let takes_part = |pass: &Pass| pass.slave == index || pass.master == index;
+            let own = gaps.keys().iter().zip(lambda);
+            let own = own.map(
+                |(key, &l)| match takes_part(&self.passes()[key.pass as usize]) {
+                    true => l,
+                    false => 0.0,
+                },
+            );
+            let all_forces = self.contact_forces(gaps, &own.collect::<Vec<_>>());
+            let forces: Vec<_> = surface.nodes().iter().map(|&a| all_forces[a]).collect();
+            let tractions = pressure::tractions(surface, &forces)?;
+            let pairs = tractions.iter().zip(located.masters[index].normals());
+            Ok(pairs.map(|(t, n)| -t.dot(n)).collect())
+        };
+        self.surfaces().iter().enumerate().map(of_surface).collect()
+    }
+
+    /// The deepest that any contact node is inside another surface (UL, ≥ 0), over all passes; in
+    /// [`Geometry::Reference`](super::Geometry) along the normals there.
+    pub fn penetration(&self, u: &[f64]) -> f64 {
+        self.contact.penetration(&self.kinematics, u)
+    }
+
+    /// As [`Problem::penetration`], with every depth over the facet size around its node.
+    pub fn relative_penetration(&self, u: &[f64]) -> f64 {
+        self.contact.relative_penetration(&self.kinematics, u)
+    }
+
+    /// The smallest volume ratio of all assembled cells; infinite for small-strain laws.
+    pub fn min_j(&self, u: &[f64]) -> f64 {
+        let mut J = vec![0.0; self.energy.domain_len()];
+        self.energy.domain(u, &mut J);
+        J.into_iter().fold(f64::INFINITY, f64::min)
+    }
+}

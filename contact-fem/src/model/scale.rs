@@ -1,0 +1,120 @@
+//! Units in which a scene's numbers are O(1), estimated before any solve.
+
+use contact_core::Scale;
+
+use super::{Body, Geometry, Scene};
+use crate::assembly::BodyEnergy;
+
+/// Strains below this are round-off in F = I + ∇u, by a law that is not linear.
+const SMALLEST_STRAIN: f64 = 1e-9;
+/// How much finer than the expected displacement of a facet gaps are resolved where one solve is all.
+const FINER: f64 = 0.03;
+/// Displacements may exceed the estimate by this factor.
+const MARGIN: f64 = 10.0;
+/// The strain of a scene without loads and prescribed displacements.
+const UNLOADED: f64 = 1e-6;
+
+/// The units of a scene of diagonal `length` whose smallest contact facet has length `facet` (UL).
+///
+/// Lengths are displacements over the whole scene, resolved to those of a facet; energies are those
+/// of the softest body at that displacement.
+pub(super) fn estimate<const D: usize>(
+    scene: &Scene<D>,
+    geometry: Geometry,
+    energies: &[Box<dyn BodyEnergy<D>>],
+    (length, facet): (f64, f64),
+) -> Scale {
+    let stiffness = softest(energies);
+    let expected = expected_strain(scene, stiffness, length, facet);
+    let strain = match scene.bodies().iter().all(Body::is_small_strain) {
+        true => expected,
+        false => expected.max(SMALLEST_STRAIN),
+    };
+    let finer = match geometry {
+        Geometry::Reference => FINER,
+        Geometry::Current => 1.0,
+    };
+    Scale {
+        length: strain * length,
+        resolution: strain * facet * finer,
+        area: facet.powi(D as i32 - 1),
+        roundoff: f64::EPSILON / strain, // strains are differences of F and I
+        energy: stiffness * (strain * length).powi(2),
+    }
+}
+
+/// The typical stiffness (UF/UL) of the softest body that has free unknowns: a scale that suits a
+/// stiffer one would let the softer one's forces drown in the tolerances.
+fn softest<const D: usize>(energies: &[Box<dyn BodyEnergy<D>>]) -> f64 {
+    let all = energies.iter().map(|e| e.typical_stiffness());
+    let softest = all.filter(|k| *k > 0.0).fold(f64::INFINITY, f64::min);
+    if softest.is_finite() { softest } else { 1.0 }
+}
+
+/// About how large displacements will be over the scene's `length`, at most 1: [`MARGIN`] times what
+/// is prescribed or what the loads would do to a bar of the given stiffness. Solutions of linear
+/// scenes then scale with their loads, however small these are.
+fn expected_strain<const D: usize>(
+    scene: &Scene<D>,
+    stiffness: f64,
+    length: f64,
+    facet: f64,
+) -> f64 {
+    let bodies = || scene.bodies().iter();
+    let magnitude = |body: &Body<D>| body.forces().iter().fold(0.0, |m: f64, v| m + v.abs());
+    let force: f64 = bodies().map(magnitude).sum();
+    let prescribed = bodies().flat_map(|body| body.prescribed().iter().flatten());
+    let prescribed = prescribed.fold(0.0, |m: f64, v| m.max(v.abs()));
+    let stretch = force / stiffness * (facet / length).powi(D as i32 - 2);
+    match MARGIN * prescribed.max(stretch) / length {
+        strain if strain > 0.0 => strain.min(1.0),
+        _ => UNLOADED,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use contact_core::ContactProblem;
+
+    use super::*;
+    use crate::mesh::generators::{Diagonals, linspace, rectangle};
+    use crate::{LinearElastic, Material, NeoHookean};
+
+    /// A unit square of modulus `young` per unit, held below and moved down by `by` on top.
+    fn pressed(law: impl Material<2>, by: f64) -> Scale {
+        let mesh = rectangle(
+            &linspace(0.0, 3.0, 3),
+            &linspace(0.0, 4.0, 4),
+            Diagonals::Rising,
+        );
+        let mut body = Body::new(mesh.expect("mesh"), law);
+        body.prescribe("bottom", [Some(0.0); 2]).expect("support");
+        body.prescribe("top", [None, Some(-by)]).expect("support");
+        let mut scene = Scene::new();
+        scene.add("block", body);
+        scene.problem().expect("a problem").scale()
+    }
+
+    #[test]
+    fn lengths_are_ten_times_what_is_prescribed() {
+        let law = |young| LinearElastic::new(young, 0.3).expect("law");
+        let (one, half) = (pressed(law(1.0), 1e-3), pressed(law(1.0), 0.5e-3));
+        assert!((one.length / 1e-2 - 1.0).abs() < 1e-14);
+        assert!((half.length / 0.5e-2 - 1.0).abs() < 1e-14);
+        assert!((one.energy / half.energy - 4.0).abs() < 1e-12);
+        let stiff = pressed(law(7.0), 1e-3);
+        assert!((stiff.energy / one.energy - 7.0).abs() < 1e-12);
+        // no longer than the scene, and no shorter than a millionth of it where nothing moves
+        assert_eq!(pressed(law(1.0), 0.9).length, 5.0);
+        assert!((pressed(law(1.0), 0.0).length / 5e-6 - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn strains_that_round_off_hides() {
+        let tiny = |law| pressed(law, 1e-12).length;
+        let large = pressed(NeoHookean::new(1.0, 0.3).expect("law"), 1e-12);
+        assert!((large.length / 5e-9 - 1.0).abs() < 1e-14);
+        let linear = tiny(LinearElastic::new(1.0, 0.3).expect("law"));
+        assert!((linear / 1e-11 - 1.0).abs() < 1e-14);
+    }
+}
