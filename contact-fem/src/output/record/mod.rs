@@ -87,6 +87,25 @@ pub struct Stage<const D: usize> {
 
 impl<S: Equilibrium> Simulation<S> {
     /// A run that leaves all its files in `folder`, shows progress and stops on Ctrl-C.
+    ///
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Body, NeoHookean, Scene, Simulation};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let sides = linspace(0.0, 1.0, 4);
+    /// let mut block = Body::new(rectangle(&sides, &sides, Diagonals::Rising)?, NeoHookean::new(1.0, 0.3)?);
+    /// block.prescribe("bottom", [Some(0.0), Some(0.0)])?;
+    /// block.traction("top", [0.1, 0.0])?;
+    /// let mut scene = Scene::new();
+    /// let block = scene.add("block", block);
+    ///
+    /// let folder = std::env::temp_dir().join("sheared_block");
+    /// let recorded = Simulation::with_increments(2).record(&folder).run(&mut scene.problem()?)?;
+    /// assert!(recorded.history.is_complete() && folder.join("summary.json").exists());
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn record<const D: usize>(&mut self, folder: impl Into<PathBuf>) -> Recording<'_, D, S> {
         let folder = folder.into();
         let name = folder.file_name().map(|name| name.to_string_lossy());

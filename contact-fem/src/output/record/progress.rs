@@ -41,8 +41,7 @@ impl Progress {
                 }
                 bar.set_message(message);
             }
-            // the run goes on without a reader
-            Progress::Lines => drop(print(format!("load {factor:.4}: {message}"))),
+            Progress::Lines => print(format!("load {factor:.4}: {message}")),
             Progress::Quiet => {}
         }
     }

@@ -52,7 +52,7 @@ pub(super) struct Summary {
 impl Summary {
     /// Of a run that `observer` has seen, all in all `wall` seconds long.
     pub(super) fn new<const D: usize>(
-        recording: &Plan<'_, D>,
+        plan: &Plan<'_, D>,
         problem: &Problem<D>,
         observer: &Observer<'_, D>,
         result: &Result<History<D>, Error>,
@@ -70,10 +70,10 @@ impl Summary {
         let left_out = history.map(|history| LeftOut::new(problem, history));
         let shares = shares(&cost, observer.seconds, wall);
         let vectors = last.map_or(&[][..], |record| &record.reactions);
-        let reaction = last.map(|record| (recording.force)(record));
+        let reaction = last.map(|record| (plan.force)(record));
         let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.4}"));
         let mut table = vec![
-            format!("{}: {status}", recording.name),
+            format!("{}: {status}", plan.name),
             format!(
                 "energy             {:>10} UF·UL",
                 number(last.map(|r| r.energy))
@@ -82,13 +82,13 @@ impl Summary {
         ];
         table.extend(cost_lines(&cost));
         table.extend(certificate.map(|found| format!("certificate of all steps {found}")));
-        table.extend(left_out.map(|left| format!("left out           {left}")));
+        table.extend(left_out.map(|left| format!("left out                   {left}")));
         table.extend(time_lines(&shares, wall));
         table.extend(program_lines());
         Summary {
-            scene: recording.name.clone(),
+            scene: plan.name.clone(),
             mesh: mesh(problem),
-            increments: recording.increments,
+            increments: plan.increments,
             converged: history.is_some_and(|h| h.run.ending == Ending::Complete),
             status,
             load_factor: last.map_or(0.0, |record| record.factor),
@@ -142,14 +142,7 @@ fn status<const D: usize>(
 ) -> String {
     let status = match result {
         Err(error) => format!("failed: {error}"),
-        Ok(history) => match &history.run.ending {
-            Ending::Complete => "complete".into(),
-            Ending::NotConverged { at, why } => {
-                format!("not converged beyond load factor {at}: {why}")
-            }
-            Ending::Interrupted { at } => format!("interrupted at load factor {at}"),
-            other => format!("{other:?}"),
-        },
+        Ok(history) => history.run.ending.to_string(),
     };
     match certificate {
         Some(found) if !found.holds(&Limits::default()) => {
