@@ -39,6 +39,7 @@ test: install
 	$(CARGO) check -p contact-fem --features vtk
 	$(CARGO) check -p contact-fem --features csv
 	$(CARGO) check -p contact-fem --features plot
+	$(CARGO) check -p contact-fem --features record
 
 test-ipopt-3.14: install
 	@./scripts/test_ipopt_3_14.sh

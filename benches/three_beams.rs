@@ -9,17 +9,16 @@
 //! No files are written. Every case runs in a process of its own, so that the peak of memory is its
 //! own, too.
 
-use std::error::Error;
-use std::ops::ControlFlow;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use contact_fem::element::Order;
-use contact_fem::output::record::peak_memory;
+use ipopt_contact::contact_fem::element::Order;
+use ipopt_contact::contact_fem::output::record::{exit, peak_memory};
 use ipopt_contact::prelude::*;
-use ipopt_contact::{contact_fem, versions};
+use ipopt_contact::versions;
 use ipopt_contact_scenes::beams::{self, Beams, Law};
+use ipopt_contact_scenes::{Failure, cli};
 
 /// Times the three beams
 #[derive(Parser, Debug)]
@@ -49,49 +48,29 @@ const CASES: [(&str, Law, bool); 4] = [
     ("neo-Hookean, in contact", Law::NeoHookean, true),
 ];
 
+const HEADER: &str = "\
+case                      free dofs  rows   wall s  set-up s  projection s  callbacks s  optimizer s  fixed  Ipopt  factori-  peak    tip
+                                                                                                      point  iter.   sations    MB     UL";
+
 fn main() -> ExitCode {
     let mut arguments = Arguments::parse();
-    if !(arguments.bench || arguments.case.is_some()) {
+    if !arguments.bench {
         (arguments.across, arguments.along) = (1, 3);
     }
-    let result = match arguments.case {
+    exit(match arguments.case {
         Some(case) => measure(&arguments, case),
-        None => all(&arguments),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+        None => all(),
+    })
 }
 
 /// Runs every case in a child.
-fn all(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    println!("{}\n", versions());
-    println!(
-        "case                      free dofs  rows   wall s  set-up s  projection s  callbacks s  \
-         optimizer s  fixed  Ipopt  factori-  peak    tip\n{:>105}{:>7}{:>10}{:>6}{:>7}",
-        "point", "iter.", "sations", "MB", "UL"
-    );
-    for (case, (name, ..)) in CASES.iter().enumerate() {
-        let status = Command::new(std::env::current_exe()?)
-            .args(["--across", &arguments.across.to_string()])
-            .args(["--along", &arguments.along.to_string()])
-            .args(["--case", &case.to_string()])
-            .args(arguments.exact.then_some("--exact"))
-            .stdout(Stdio::inherit())
-            .status()?;
-        if !status.success() {
-            return Err(format!("the case {name} failed").into());
-        }
-    }
-    Ok(())
+fn all() -> Result<(), Failure> {
+    println!("{}\n\n{HEADER}", versions());
+    (0..CASES.len()).try_for_each(|case| cli::again(&["--case", &case.to_string()]))
 }
 
 /// One load increment: all of the load at small strain, a tenth for the neo-Hookean beams.
-fn measure(arguments: &Arguments, case: usize) -> Result<(), Box<dyn Error>> {
+fn measure(arguments: &Arguments, case: usize) -> Result<(), Failure> {
     let (name, law, contact) = CASES[case];
     let clock = Instant::now();
     let beams = Beams {

@@ -1,6 +1,7 @@
 //! Options that every example understands.
 
 use std::path::PathBuf;
+use std::process::Command;
 
 use contact_core::ipopt::{self, OptionValue, Solver};
 use contact_core::nlp::{Bounds, Pattern, Structure};
@@ -131,6 +132,22 @@ impl Options {
     pub fn folder(&self, name: &str) -> PathBuf {
         let default = || PathBuf::from("out").join(name);
         self.out.clone().unwrap_or_else(default)
+    }
+}
+
+/// Runs this program again with the same arguments and these, in a process whose peak of memory is its own.
+///
+/// # Errors
+/// If it does not end with exit code 0.
+pub fn again(arguments: &[&str]) -> Result<(), Failure> {
+    let mut command = Command::new(std::env::current_exe()?);
+    let status = command
+        .args(std::env::args_os().skip(1))
+        .args(arguments)
+        .status()?;
+    match status.success() {
+        true => Ok(()),
+        false => Err(format!("the run with {} failed", arguments.join(" ")).into()),
     }
 }
 

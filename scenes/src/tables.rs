@@ -15,8 +15,9 @@ pub struct Table {
 
 impl Table {
     /// An empty one with these columns.
-    pub fn new(name: &'static str, columns: &[&str]) -> Self {
-        let head = columns.iter().map(|c| c.to_string()).collect();
+    pub fn new(name: &'static str, columns: impl IntoIterator<Item: AsRef<str>>) -> Self {
+        let columns = columns.into_iter();
+        let head = columns.map(|c| c.as_ref().to_string()).collect();
         Table {
             name,
             rows: vec![head],

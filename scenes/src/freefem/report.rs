@@ -97,38 +97,15 @@ impl Report {
     pub fn tables(&self) -> [Table; 2] {
         let mut results = Table::new(
             "results",
-            &[
-                "scene",
-                "size",
-                "cells",
-                "program",
-                "converged",
-                "fixed point",
-                "Ipopt",
-                "energy off",
-                "displacement off",
-                "reaction off",
-                "pressure off",
-            ],
+            "scene | size | cells | program | converged | fixed point | Ipopt | energy off | \
+            displacement off | reaction off | pressure off"
+                .split(" | "),
         );
         let mut costs = Table::new(
             "costs",
-            &[
-                "scene",
-                "size",
-                "cells",
-                "program",
-                "runs",
-                "wall s",
-                "CPU s",
-                "rows s",
-                "Ipopt s",
-                "rest s",
-                "peak MB",
-                "CPU / ours",
-                "wall / ours",
-                "memory / ours",
-            ],
+            "scene | size | cells | program | runs | wall s | CPU s | rows s | Ipopt s | rest s | \
+            peak MB | CPU / ours | wall / ours | memory / ours"
+                .split(" | "),
         );
         (results.quiet, costs.quiet) = (true, true);
         for entry in &self.entries {

@@ -26,18 +26,12 @@ pub fn tables(quick: bool) -> Result<Vec<Table>, Failure> {
 /// Cylinder and block with facets as 1 to 3 and 3 to 1, for all ratios of their moduli. Loads are
 /// such that Hertz's pressure and half-width are the same for all.
 fn hertz(quick: bool) -> Result<Table, Failure> {
-    let columns = [
-        "E cylinder : block",
-        "facets in a, cylinder : block",
-        "method",
-        "slave",
-        "energy off",
-        "pressure off, cylinder",
-        "pressure off, block",
-        "cylinder's nodes inside",
-        "block's nodes inside",
-    ];
-    let mut table = Table::new("hertz_passes", &columns);
+    let columns =
+        "E cylinder : block | facets in a, cylinder : block | method | slave | energy off | \
+            pressure off, cylinder | pressure off, block | cylinder's nodes inside | \
+            block's nodes inside"
+            .split(" | ");
+    let mut table = Table::new("hertz_passes", columns);
     let (ratios, reference): (Vec<i32>, _) = match quick {
         true => (vec![-3, 0, 3], 12),
         false => ((-3..=3).collect(), 48),
@@ -203,16 +197,10 @@ fn at(profile: &[(f64, f64)], x: f64) -> f64 {
 
 /// The disc-in-disc on three pairs of meshes.
 fn discs(quick: bool) -> Result<Table, Failure> {
-    let columns = [
-        "facets hole : disc",
-        "slave",
-        "energy",
-        "energy off",
-        "reaction off",
-        "hole's nodes inside (UL)",
-        "disc's nodes inside (UL)",
-    ];
-    let mut table = Table::new("discs_passes", &columns);
+    let columns = "facets hole : disc | slave | energy | energy off | reaction off | \
+            hole's nodes inside (UL) | disc's nodes inside (UL)"
+        .split(" | ");
+    let mut table = Table::new("discs_passes", columns);
     let (divisor, increments) = if quick { (4, 10) } else { (1, 40) };
     let fineness = |hole: usize, disc: usize| disc_in_disc::Fineness {
         hole: hole / divisor,

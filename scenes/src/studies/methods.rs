@@ -67,21 +67,12 @@ struct Ended {
 
 impl Study {
     fn new() -> Self {
-        let columns = [
-            "scene",
-            "method",
-            "μ",
-            "energy to (7)",
-            "u to (7)",
-            "energy to own limit",
-            "max −c (UL)",
-            "node inside (facets)",
-            "fixed point",
-            "Ipopt",
-            "condition",
-        ];
+        let columns =
+            "scene | method | μ | energy to (7) | u to (7) | energy to own limit | max −c (UL) | \
+            node inside (facets) | fixed point | Ipopt | condition"
+                .split(" | ");
         Study {
-            rows: Table::new("methods", &columns),
+            rows: Table::new("methods", columns),
             orders: Table::new("orders", &["scene", "method", "order in μ"]),
         }
     }
