@@ -89,7 +89,7 @@ pub mod prelude {
         Acceleration, Continuation, Ending, Equilibrium, FixedPoint, InteriorPoint, LoadSteps,
         Method, Outcome, PenalizedSlack, Penalty, Retry, Stop,
     };
-    pub use contact_fem::certificate::Limits;
+    pub use contact_fem::certificate::{Condition, Limits};
     pub use contact_fem::mesh::generators::{
         Diagonals, annulus, cuboid, cuboid_graded, cylinder, disc, eighth_sphere, equilateral_disc,
         extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,
