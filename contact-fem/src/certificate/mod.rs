@@ -176,7 +176,7 @@ impl Certificate {
     }
 
     /// What is left of every condition, beside its limit.
-    pub fn entries(&self, limits: &Limits) -> impl ExactSizeIterator<Item = Entry> {
+    pub fn entries(&self, limits: &Limits) -> impl ExactSizeIterator<Item = Entry> + use<> {
         let attainable = 10.0 * self.roundoff;
         let lines = TABLE.iter().zip(self.left).zip(limits.0);
         lines.map(move |((line, value), limit)| Entry {

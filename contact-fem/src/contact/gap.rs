@@ -37,10 +37,12 @@
 //! the foot jumps to another facet; where it moves on to a neighbour over their common side, ∇g jumps.
 //! Where exact integration cuts the slave's facets, ξ and the weight move, too; that is not part of ∇g.
 
-use super::moving::Moving;
-use super::normals::Direction;
+mod foot;
+
+use foot::Foot;
+
 use super::stencil::Stencil;
-use crate::element::{Facet, FacetShapes, MAX_FACET_NODES, facet_shapes, facet_slopes};
+use crate::element::{FacetShapes, MAX_FACET_NODES, facet_slopes};
 use crate::tensor::{Matrix, Vector};
 
 /// g of one integration point after the other, as a function of the positions of the nodes that it
@@ -75,90 +77,6 @@ struct Forms<const D: usize> {
     lambda: Matrix<D>,
     /// What δλ_j is multiplied with in δ²g, by j.
     c: Matrix<D>,
-}
-
-/// What all nodes of a point have in common.
-struct Foot<'a, const D: usize> {
-    master: &'a Moving<D>,
-    /// The facet's nodes as positions in the surface's.
-    nodes: &'a [usize],
-    x: Facet<D>,
-    normals: Facet<D>,
-    N: FacetShapes,
-    slopes: [FacetShapes; D],
-    p: Vector<D>,
-    m: Direction<D>,
-    /// t_k and m,k as columns.
-    t: Matrix<D>,
-    m_slopes: Matrix<D>,
-    K: Matrix<D>,
-    mu: Vector<D>,
-    q: Vector<D>,
-    w: Vector<D>,
-}
-
-impl<'a, const D: usize> Foot<'a, D> {
-    fn new(stencil: &Stencil<'a, D>) -> Self {
-        let (master, lambda) = (stencil.master(), &stencil.projection().lambda);
-        let (surface, order) = (master.surface(), master.surface().order());
-        let nodes = surface.facet(stencil.projection().facet);
-        let x = Facet::gather(order, nodes, master.positions());
-        let normals = Facet::gather(order, nodes, master.normals());
-        let slopes = facet_slopes(order, lambda);
-        let (t, m_slopes) = (combine(&slopes, &x), combine(&slopes, &normals));
-        let p = stencil.point() - x.point(lambda);
-        let m = Direction::of(normals.point(lambda));
-        let w = m.slope() * p;
-        let K = inverse_within(&(t.tr_mul(&t) - x.curvature(&p)), lambda);
-        let mu = K * (m_slopes.tr_mul(&w) - t.tr_mul(&m.n));
-        Foot {
-            master,
-            nodes,
-            x,
-            normals,
-            N: facet_shapes(order, lambda),
-            slopes,
-            p,
-            q: m.n + t * mu,
-            m,
-            t,
-            m_slopes,
-            K,
-            mu,
-            w,
-        }
-    }
-}
-
-/// Σ_b slopes_kb value_b, as columns k.
-fn combine<const D: usize>(slopes: &[FacetShapes; D], values: &Facet<D>) -> Matrix<D> {
-    let mut columns = Matrix::<D>::zeros();
-    for (mut column, slopes) in columns.column_iter_mut().zip(slopes) {
-        for (slope, value) in slopes.iter().zip(values.nodes()) {
-            column.axpy(*slope, value, 1.0);
-        }
-    }
-    columns
-}
-
-/// K = V (VᵀHV)⁻¹ Vᵀ for the directions V in which λ may move, by making them conjugate one after the
-/// other. A foot that is no minimum in one of them is held there.
-fn inverse_within<const D: usize>(H: &Matrix<D>, lambda: &Vector<D>) -> Matrix<D> {
-    let mut K = Matrix::<D>::zeros();
-    let mut free = (0..D).filter(|&k| lambda[k] != 0.0);
-    let Some(first) = free.next() else {
-        return K;
-    };
-    for k in free {
-        let mut v = Vector::<D>::zeros();
-        (v[first], v[k]) = (-1.0, 1.0);
-        v -= K * (H * v);
-        let curvature = v.dot(&(H * v));
-        if curvature > 0.0 {
-            K += v * v.transpose() / curvature;
-        }
-    }
-    K
 }
 
 impl<const D: usize> MovingGap<D> {
@@ -399,3 +317,7 @@ fn block(l: usize, m: usize) -> usize {
 
 #[cfg(test)]
 mod battery;
+#[cfg(test)]
+mod definition;
+#[cfg(test)]
+mod weak;
