@@ -16,7 +16,7 @@ pub use self::iterate::{
 };
 
 /// Why a [`Structure`] was refused. Each names the culprit and the way out.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NlpError {
     /// There is nothing to optimise.

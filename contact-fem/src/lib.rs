@@ -23,6 +23,9 @@ pub mod output;
 pub mod simulation;
 pub mod tensor;
 
+/// Vectors and matrices of this crate's interface are its types: with this path they are of the version used here.
+pub use nalgebra;
+
 pub use certificate::Certificate;
 pub use error::Error;
 pub use left_out::LeftOut;
