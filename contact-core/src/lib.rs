@@ -34,6 +34,7 @@ pub mod fixed_point;
 pub mod gaps;
 #[cfg(feature = "ipopt")]
 pub mod ipopt;
+pub mod linear;
 pub mod load_steps;
 pub mod method;
 pub mod nlp;
