@@ -1,10 +1,13 @@
 //! E(u) = ∫_Ω ψ(I + ∇u) dX − f(u) for any element and law.
 
+use std::sync::{Mutex, PoisonError};
+
 use contact_core::Energy;
+use contact_core::linear::SymmetricPattern;
 use contact_core::nlp::Pattern;
 
 use super::dofs::{Dof, DofMap};
-use super::extension::harmonic;
+use super::extension::Extension;
 use super::scatter::{SlotMap, pattern_and_slots};
 use super::{BodyEnergy, CellState};
 use crate::element::Element;
@@ -31,8 +34,12 @@ pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     full_prescribed: Vec<f64>,
     factor: f64,
     prescribed: Vec<f64>,
-    pattern: Pattern,
+    pattern: SymmetricPattern,
+    /// The same as entries, for the trait.
+    entries: Pattern,
     slots: SlotMap<D>,
+    /// The harmonic extension of what the supports prescribe, from its first use on.
+    extension: Mutex<Option<Extension<D>>>,
     typical_stiffness: f64,
     hessian_is_constant: bool,
 }
@@ -62,8 +69,10 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             prescribed: vec![0.0; prescribed.len()],
             full_prescribed: prescribed,
             factor: 0.0,
+            entries: pattern.iter().collect(),
             pattern,
             slots,
+            extension: Mutex::new(None),
             dofs,
             typical_stiffness: 0.0,
             hessian_is_constant: M::QUADRATIC,
@@ -84,12 +93,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
     fn median_diagonal(&self) -> f64 {
         let mut values = vec![0.0; self.pattern.len()];
         self.hessian(&vec![0.0; self.dofs.free()], &mut values);
-        let entries = self
-            .pattern
-            .rows()
-            .iter()
-            .zip(self.pattern.cols())
-            .zip(values);
+        let entries = self.pattern.iter().zip(values);
         let mut diagonal: Vec<f64> = entries
             .filter_map(|((r, c), v)| (r == c).then_some(v))
             .collect();
@@ -98,6 +102,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             return 0.0;
         }
         *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// The Hessian's pattern.
+    pub(super) fn pattern(&self) -> &SymmetricPattern {
+        &self.pattern
     }
 
     /// The assembled cells with their points.
@@ -116,6 +125,23 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             }
         }
         local
+    }
+
+    /// The entries ∫ ∇N_a·∇N_b dX of the Laplacian, node by node and cell by cell, b ≤ a in the cell.
+    fn laplacian(&self) -> Vec<(usize, usize, f64)> {
+        let mut entries = Vec::new();
+        for (cell, points) in self.assembled() {
+            let nodes = cell.as_ref();
+            for (k, &a) in nodes.iter().enumerate() {
+                for (l, &b) in nodes[..=k].iter().enumerate() {
+                    let dN = |p: &Point<D, E>| [k, l].map(|n| p.gradients.as_ref()[n]);
+                    let products = points.iter().map(|p| (p.weight, dN(p)));
+                    let sum = products.map(|(w, [dN_a, dN_b])| w * dN_a.dot(&dN_b)).sum();
+                    entries.push((a, b, sum));
+                }
+            }
+        }
+        entries
     }
 
     /// Calls `add(dof, force)` with the internal forces ∫ P ∇N_a dX, cell by cell.
@@ -215,7 +241,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     }
 
     fn hessian_pattern(&self) -> &Pattern {
-        &self.pattern
+        &self.entries
     }
 
     // K_ab = Σ_q w_q A : (∇N_a ⊗ ∇N_b), lower triangle
@@ -290,26 +316,16 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
         self.internal_forces(u, |dof, force| forces[dof] += force);
     }
 
-    // K_ab = Σ_q w_q ∇N_a·∇N_b, the same for every component
     fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64> {
-        let mut free = vec![0.0; supports.free()];
-        if increments.iter().all(|d| *d == 0.0) {
-            return vec![0.0; supports.len()];
-        }
-        let mut entries = Vec::new();
-        for (cell, points) in self.assembled() {
-            for point in points {
-                for (&a, dN_a) in cell.as_ref().iter().zip(point.gradients.as_ref()) {
-                    for (&b, dN_b) in cell.as_ref().iter().zip(point.gradients.as_ref()) {
-                        entries.push((a, b, point.weight * dN_a.dot(dN_b)));
-                    }
-                }
-            }
-        }
-        for i in 0..D {
-            harmonic(&entries, supports, (i, D), increments, &mut free);
-        }
-        supports.expand(&free, increments)
+        let mut kept = self
+            .extension
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let extension = match kept.take() {
+            Some(extension) if extension.supports() == supports => extension,
+            _ => Extension::new(supports.clone(), &self.laplacian()),
+        };
+        kept.insert(extension).extend(increments)
     }
 
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
