@@ -8,21 +8,15 @@
 //! No files are written. Every size runs in a process of its own, so that the peak of memory is its
 //! own, too. Own code is all but Ipopt with its linear solver.
 
-#[path = "../examples/support/discs.rs"]
-mod discs;
-#[path = "../examples/support/machine.rs"]
-mod machine;
-
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 use clap::Parser;
-use contact_core::method::Effort;
-use discs::{Fineness, Roles};
+use contact_fem::output::record::peak_memory;
 use ipopt_contact::prelude::*;
-use ipopt_contact::{contact_core, versions};
+use ipopt_contact::{contact_fem, versions};
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 use serde::{Deserialize, Serialize};
 
 /// Times the disc-in-disc scene
@@ -126,37 +120,31 @@ fn child(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 fn measure(arguments: &Arguments, segments: usize) -> Result<Line, Box<dyn Error>> {
     let clock = Instant::now();
     let roles = Roles::default();
-    let mut scene = discs::scene(Fineness::scaled(segments), roles)?;
+    let mut scene = disc_in_disc::scene(Fineness::scaled(segments), roles)?;
     if arguments.exact {
         scene.integration = Some(Integration::Exact);
     }
     let mut problem = scene.problem()?;
     let mut simulation = Simulation::with_increments(arguments.increments);
-    simulation.load_steps.fixed_point.tolerance = arguments.tolerance;
-    let history = simulation.run(&mut problem, &mut InteriorPoint::default(), |_| {
-        ControlFlow::Continue(())
-    })?;
-    let mut effort = Effort::default();
-    let attempts = &history.run.attempts;
-    for attempt in attempts {
-        effort += attempt.effort();
-    }
+    simulation.solver.fixed_point.tolerance = arguments.tolerance;
+    let history = simulation.run(&mut problem)?;
+    let cost = history.run.cost();
     let bodies = problem.scene().bodies().iter();
     let last = history.steps.last();
     Ok(Line {
         triangles: bodies.map(|body| body.mesh().len()).sum(),
         free_dofs: problem.dofs().free(),
-        status: format!("{:?}", history.run.outcome),
+        status: format!("{:?}", history.run.ending),
         wall: clock.elapsed().as_secs_f64(),
-        fixed_point: attempts.iter().map(|a| a.iterations.len()).sum(),
-        ipopt: effort.iterations,
-        factorisations: effort.factorizations,
-        projection: attempts.iter().map(|a| a.projection()).sum(),
-        callbacks: effort.callbacks,
-        optimizer: effort.optimizer,
-        peak_memory: machine::peak_memory(),
+        fixed_point: cost.fixed_point,
+        ipopt: cost.iterations,
+        factorisations: cost.factorizations,
+        projection: cost.projection,
+        callbacks: cost.callbacks,
+        optimizer: cost.optimizer,
+        peak_memory: peak_memory(),
         energy: last.map(|step| step.energy),
-        reaction: last.map(|step| step.reactions[roles.ring()][1]),
+        reaction: last.map(|step| step.reaction(roles.ring())[1]),
     })
 }
 

@@ -8,25 +8,18 @@
 //!
 //! No files are written. Every case runs in a process of its own, so that the peak of memory is its
 //! own, too.
-#![allow(non_snake_case)] // the symbols of the field
-
-#[path = "../examples/support/beams.rs"]
-#[allow(dead_code)] // the example uses more of it
-mod beams;
-#[path = "../examples/support/machine.rs"]
-mod machine;
 
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
-use beams::{Beams, Law};
 use clap::Parser;
-use contact_core::method::Effort;
 use contact_fem::element::Order;
+use contact_fem::output::record::peak_memory;
 use ipopt_contact::prelude::*;
-use ipopt_contact::{contact_core, contact_fem, versions};
+use ipopt_contact::{contact_fem, versions};
+use ipopt_contact_scenes::beams::{self, Beams, Law};
 
 /// Times the three beams
 #[derive(Parser, Debug)]
@@ -114,32 +107,25 @@ fn measure(arguments: &Arguments, case: usize) -> Result<(), Box<dyn Error>> {
     let set_up = clock.elapsed().as_secs_f64();
     let increments = if law == Law::NeoHookean { 10 } else { 1 };
     let mut tip = f64::NAN;
-    let history = Simulation::with_increments(increments).run(
-        &mut problem,
-        &mut InteriorPoint::default(),
-        |step| {
-            let u = step.problem.displacements(&step.solution.state.u);
-            tip = beams::tip(step.problem, &u, 0)[2];
-            ControlFlow::Break(())
-        },
-    )?;
-    let mut effort = Effort::default();
-    let attempts = &history.run.attempts;
-    for attempt in attempts {
-        effort += attempt.effort();
-    }
-    let peak = machine::peak_memory().map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6));
+    let mut simulation = Simulation::with_increments(increments);
+    let history = simulation.run_observed(&mut problem, |step| {
+        let u = step.problem.displacements(&step.solution.state.u);
+        tip = beams::tip(step.problem, &u, 0)[2];
+        ControlFlow::Break(())
+    })?;
+    let cost = history.run.cost();
+    let peak = peak_memory().map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6));
     println!(
         "{name:<25} {:>9} {:>5} {:>8.2} {set_up:>9.2} {:>13.2} {:>12.2} {:>12.2} {:>6} {:>6} {:>9} {peak:>5} {tip:>6.3}",
         problem.dofs().free(),
         history.steps.last().map_or(0, |step| step.rows),
         clock.elapsed().as_secs_f64(),
-        attempts.iter().map(|a| a.projection()).sum::<f64>(),
-        effort.callbacks,
-        effort.optimizer,
-        attempts.iter().map(|a| a.iterations.len()).sum::<usize>(),
-        effort.iterations,
-        effort.factorizations,
+        cost.projection,
+        cost.callbacks,
+        cost.optimizer,
+        cost.fixed_point,
+        cost.iterations,
+        cost.factorizations,
     );
     Ok(())
 }

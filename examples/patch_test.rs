@@ -6,23 +6,19 @@
 //! ```
 //!
 //! Two blocks with a flat interface and meshes that do not match are pressed on each other; the scene
-//! is in `support/blocks.rs`. One line for each kind of elements and pair of meshes: the largest error
+//! is in `scenes/src/blocks.rs`. One line for each kind of elements and pair of meshes: the largest error
 //! of a component of the stress in any cell, as a share of the pressure; first with both passes, then
 //! with the lower block as slave. It ends with exit code 1 if exact integration leaves more than 1e-10,
 //! or 1e-7 with both passes and quadratic elements in the plane, whose constraints all but depend on
 //! each other, so that the solver resolves no less.
-#![allow(non_snake_case)] // the symbols of the field
-
-#[path = "support/blocks.rs"]
-mod blocks;
 
 use std::process::ExitCode;
 
-use blocks::{Blocks, errors};
 use clap::Parser;
 use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::element::Order;
 use ipopt_contact::prelude::*;
+use ipopt_contact_scenes::blocks::{Blocks, errors};
 
 /// Gauss points a facet and direction.
 const POINTS: [usize; 8] = [2, 3, 4, 6, 8, 12, 16, 32];

@@ -5,7 +5,7 @@
 //! cargo run --release --example three_beams -- --law neo-hookean --order p1 --across 4
 //! ```
 //!
-//! The scene itself is in `support/beams.rs`. All files go to `out/three_beams`: the tables
+//! The scene itself is in `scenes/src/beams.rs`. All files go to `out/three_beams`: the tables
 //! `three_beams.csv` and `three_beams_iterations.csv`, a series for ParaView (`three_beams.pvd`),
 //! the picture `beams.svg`, and `summary.json`. Beside what every example reports there are the
 //! displacement of each beam's tip, how far the beams slide there, and the pressures between them
@@ -13,23 +13,17 @@
 //!
 //! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, 3 if
 //! some certificate does not hold, and 130 on Ctrl-C, with everything written up to there.
-#![allow(non_snake_case)] // the symbols of the field
-
-#[path = "support/beams.rs"]
-mod beams;
-mod support;
 
 use std::process::ExitCode;
 
-use beams::{Beams, Law};
 use clap::{Parser, ValueEnum};
 use ipopt_contact::contact_fem::element::Order;
-use ipopt_contact::contact_fem::output::picture::{MeshPicture, Panel};
+use ipopt_contact::contact_fem::output::Snapshot;
+use ipopt_contact::contact_fem::output::record::{Recorded, exit, print};
 use ipopt_contact::prelude::*;
-use support::Failure;
-use support::options::{Options, positive};
-use support::recorder::Recorder;
-use support::run::{Run, exit};
+use ipopt_contact_scenes::Failure;
+use ipopt_contact_scenes::beams::{self, Beams, Law};
+use ipopt_contact_scenes::cli::{Options, positive};
 
 /// Three beams share a load and slide on each other (section 6.2 of the paper)
 #[derive(Parser, Debug)]
@@ -65,10 +59,10 @@ enum Laws {
 }
 
 fn main() -> ExitCode {
-    exit(run(Arguments::parse()))
+    exit(run(&Arguments::parse()))
 }
 
-fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
+fn run(arguments: &Arguments) -> Result<Recorded<3>, Failure> {
     let order = match arguments.order {
         Elements::P1 => Order::Linear,
         Elements::P2 => Order::Quadratic,
@@ -81,18 +75,20 @@ fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         contact: !arguments.apart,
         ..Beams::new(arguments.across, order, law)
     };
-    let scene = beams.scene()?;
-    let run = Run {
-        name: "three_beams",
-        reaction: &|record| record.reactions.iter().map(|r| r[2]).sum(),
-        message: &message,
-        draw: &draw,
-        report: &report,
-    };
-    run.go(
-        scene.problem()?,
-        &arguments.options.default_increments(increments),
-    )
+    let mut problem = beams.scene()?.problem()?;
+    let mut simulation = arguments.options.simulation(increments)?;
+    let mut recording = arguments.options.record(&mut simulation, "three_beams");
+    // the beams before and after, as in the paper's Figure 2
+    recording.plan.picture = "beams.svg".into();
+    recording.plan.half_way = false;
+    let recorded = recording
+        .force(|record| record.reactions.iter().map(|r| r[2]).sum())
+        .message(message)
+        .run(&mut problem)?;
+    if let (false, Some(last)) = (arguments.options.quiet, recorded.stages.last()) {
+        print(report(&problem, &last.snapshot));
+    }
+    Ok(recorded)
 }
 
 /// What is shown of a step.
@@ -103,40 +99,28 @@ fn message(step: &StepView<'_, 3>) -> String {
         "tip {:.3}  iterations {} ({} of Ipopt)",
         beams::tip(step.problem, &u, 0)[2],
         attempt.iterations.len(),
-        attempt.effort().iterations
+        attempt.cost.iterations
     )
 }
 
-/// The beams before and after, as in the paper's Figure 2.
-fn draw(problem: &Problem<3>, recorder: &Recorder<3>) -> Result<(), Failure> {
-    let stages = [recorder.stages.first(), recorder.stages.last()];
-    let panels = stages.into_iter().flatten().map(|stage| Panel {
-        title: stage.title.clone(),
-        snapshot: &stage.snapshot,
-    });
-    let path = recorder.folder().join("beams.svg");
-    Ok(MeshPicture::von_mises(panels.collect()).save(path, problem)?)
-}
-
-/// Tips, slips and pressures of the last state.
-fn report(problem: &Problem<3>, recorder: &Recorder<3>) -> String {
-    let Some(stage) = recorder.stages.last() else {
-        return String::new();
-    };
-    let u = &stage.snapshot.displacements;
+/// Tips, slips and pressures of a state.
+fn report(problem: &Problem<3>, state: &Snapshot<3>) -> String {
+    let u = &state.displacements;
     let count = problem.scene().bodies().len();
-    let mut text = String::new();
+    let mut lines = Vec::new();
     for k in 0..count {
         let [x, _, z] = beams::tip(problem, u, k);
-        text += &format!("\n  tip {k}              {z:>10.4} UL down, {x:.4} UL along");
+        lines.push(format!(
+            "  tip {k}              {z:>10.4} UL down, {x:.4} UL along"
+        ));
     }
     for k in 0..problem.scene().pairs().len() {
-        let pressure = beams::mid_span_pressure(problem, &stage.snapshot.pressures, k);
-        text += &format!(
-            "\n  between {k} and {}    {:>10.4} UL slip at the tip, {pressure:.3} UF/UL² at mid-span",
+        let pressure = beams::mid_span_pressure(problem, &state.pressures, k);
+        lines.push(format!(
+            "  between {k} and {}    {:>10.4} UL slip at the tip, {pressure:.3} UF/UL² at mid-span",
             k + 1,
             beams::slip(problem, u, k)
-        );
+        ));
     }
-    text
+    lines.join("\n")
 }

@@ -24,19 +24,21 @@
 //!     let mut inner = Body::new(disc(0.6, 20, 1, 0.03)?, NeoHookean::new(2000.0, 0.3)?);
 //!     inner.prescribe_all([Some(0.0), Some(-1.125)])?;
 //!
-//!     let mut scene = Scene::of(vec![ring, inner]);
-//!     scene.contact((0, "inner"), (1, "boundary"))?;
+//!     let mut scene = Scene::new();
+//!     let ring = scene.add("ring", ring);
+//!     let inner = scene.add("disc", inner);
+//!     scene.contact(ring.on("inner"), inner.on("boundary"))?;
 //!     let (mut work, mut pushed, mut force) = (0.0, 0.0, 0.0);
-//!     let simulation = Simulation::with_increments(10);
+//!     let mut simulation = Simulation::with_increments(10);
 //!     let mut problem = scene.problem()?;
-//!     let history = simulation.run(&mut problem, &mut InteriorPoint::default(), |step| {
-//!         let (by, up) = (1.125 * step.record.factor, step.record.reactions[0][1]);
+//!     let history = simulation.run_observed(&mut problem, |step| {
+//!         let (by, up) = (1.125 * step.record.factor, step.record.reaction(ring)[1]);
 //!         work += 0.5 * (force + up) * (by - pushed);
 //!         (pushed, force) = (by, up);
 //!         println!("pushed by {by:.3}: energy {:.2}, force {up:.2}", step.record.energy);
 //!         ControlFlow::Continue(())
 //!     })?;
-//!     assert_eq!(history.run.outcome, RunOutcome::Complete);
+//!     assert_eq!(history.run.ending, Ending::Complete);
 //!     assert!((work / history.steps[9].energy - 1.0).abs() < 0.01);
 //!     Ok(())
 //! }
@@ -51,16 +53,16 @@
 //! lower.prescribe("bottom", [Some(0.0), Some(0.0)])?;
 //! let mut upper = Body::new(block(1.0, 7)?, LinearElastic::new(210.0, 0.3)?);
 //! upper.prescribe("top", [Some(0.0), Some(-0.01)])?;
-//! let mut scene = Scene::of(vec![lower, upper]);
+//! let mut scene = Scene::new();
+//! let (lower, upper) = (scene.add("lower", lower), scene.add("upper", upper));
 //! scene.integration = Some(Integration::Exact);
 //! // the lower block's surface alone is slave; `contact` takes both in turn
-//! scene.contact_in_passes((0, "top"), (1, "bottom"), Passes::FirstIsSlave)?;
+//! scene.contact_in_passes(lower.on("top"), upper.on("bottom"), Passes::FirstIsSlave)?;
 //!
 //! // method (37) with a penalty factor that grows until 1e-4 of what matters is left of penetration
 //! let continuation = Continuation { penetration: 1e-4, ..Continuation::default() };
-//! let mut method = PenalizedSlack::with(continuation);
-//! let simulation = Simulation::with_increments(1);
-//! let history = simulation.run(&mut scene.problem()?, &mut method, |_| ControlFlow::Continue(()))?;
+//! let solver = Retry::with(PenalizedSlack::with(continuation));
+//! let history = Simulation::solved_by(solver, 1).run(&mut scene.problem()?)?;
 //! let certificate = history.certificate().ok_or("no step converged")?;
 //! println!("{certificate}");
 //! assert!(certificate.holds(&Limits::default()));
@@ -72,24 +74,20 @@
 //! ```
 //!
 //! # Features
-//! `vtk`, `csv` and `plot`, all on by default, are the output formats of [`contact_fem::output`].
-
-mod versions;
+//! `vtk`, `csv` and `plot` are the output formats of [`contact_fem::output`], `record` makes all of them while a run
+//! goes on: `simulation.record("out/disc")`. All are on by default.
 
 pub use contact_core;
-pub use contact_core::ipopt::{Blas, BlasKind};
+pub use contact_core::ipopt::{Blas, BlasKind, Versions, versions};
 pub use contact_fem;
-pub use versions::{Versions, versions};
 
 /// What most scenes need, in one `use`.
 pub mod prelude {
     pub use std::ops::ControlFlow;
 
-    pub use contact_core::fixed_point::Outcome;
-    pub use contact_core::load_steps::RunOutcome;
     pub use contact_core::{
-        Acceleration, Continuation, FixedPoint, InteriorPoint, LoadSteps, Method, PenalizedSlack,
-        Penalty,
+        Acceleration, Continuation, Ending, Equilibrium, FixedPoint, InteriorPoint, LoadSteps,
+        Method, Outcome, PenalizedSlack, Penalty, Retry, Stop,
     };
     pub use contact_fem::certificate::Limits;
     pub use contact_fem::mesh::generators::{

@@ -1,5 +1,5 @@
 //! What can go wrong before or around a solve. An iteration limit is not an error: it is a status
-//! with its history, see [`fixed_point::Outcome`](crate::fixed_point::Outcome).
+//! with its history, see [`Outcome`](crate::Outcome).
 
 /// Errors of the optimisation layer. Each names the offending thing, its value and the remedy.
 #[derive(Debug, thiserror::Error)]

@@ -113,6 +113,38 @@ impl LinearGaps {
         }
     }
 
+    /// These rows and `others`, pass after pass: what Algorithm 2 forms in step 4 of the rows of both
+    /// roles. Within a pass these come first, each kind in its order.
+    pub fn and(self, others: LinearGaps) -> LinearGaps {
+        if others.is_empty() {
+            return self;
+        }
+        if self.is_empty() {
+            return others;
+        }
+        let mut all = LinearGaps::new(self.exact && others.exact).sampled_at(self.sampling);
+        let mut left = (0..self.len()).peekable();
+        let mut right = (0..others.len()).peekable();
+        loop {
+            let (rows, i) = match (left.peek(), right.peek()) {
+                (Some(&i), Some(&j)) if self.keys[i].pass <= others.keys[j].pass => {
+                    left.next();
+                    (&self, i)
+                }
+                (_, Some(&j)) => {
+                    right.next();
+                    (&others, j)
+                }
+                (Some(&i), None) => {
+                    left.next();
+                    (&self, i)
+                }
+                (None, None) => return all,
+            };
+            all.push(rows.keys[i], &rows.row(i));
+        }
+    }
+
     /// Rows that speak for something else than contact nodes.
     pub fn sampled_at(self, sampling: Sampling) -> Self {
         LinearGaps { sampling, ..self }

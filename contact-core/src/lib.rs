@@ -7,10 +7,18 @@
 //! Nothing of the rest is needed for it.
 //!
 //! # Contact
-//! An [`Energy`] is minimised under linearised gap constraints [`LinearGaps`] by a [`Method`];
-//! [`fixed_point`] repeats that with fresh constraints until the displacement stands still
-//! (Algorithm 2 of Houssein, Garnotel and Hecht), and [`load_steps`] walks the load up to its full
-//! value. Whoever can state a [`ContactProblem`] gets the rest from here.
+//! A [`Method`] minimises an [`Energy`] under linearised gap constraints [`LinearGaps`]. A [`FixedPoint`]
+//! repeats that with fresh constraints until the displacement stands still (Algorithm 2 of Houssein,
+//! Garnotel and Hecht); it is one [`Equilibrium`], a way to solve one load. [`LoadSteps`] walks the load
+//! up to its full value. Whoever states a [`ContactProblem`] gets the rest from here.
+//!
+//! | level | result | how it ended |
+//! |---|---|---|
+//! | subproblem | [`Minimum`] | [`Solved`] |
+//! | load step | [`Solution`](equilibrium::Solution) | [`Outcome`] |
+//! | run | [`Run`](load_steps::Run) | [`Ending`] |
+//!
+//! What each took is a [`Cost`], and costs add up.
 //!
 //! # Glossary
 //!
@@ -26,29 +34,34 @@
 // The front page leads to the module of a feature.
 #![cfg_attr(not(feature = "ipopt"), allow(rustdoc::broken_intra_doc_links))]
 
-pub mod anderson;
 pub mod check;
+pub mod cost;
 pub mod energy;
+pub mod equilibrium;
 pub mod error;
-pub mod fixed_point;
 pub mod gaps;
 #[cfg(feature = "ipopt")]
 pub mod ipopt;
 pub mod load_steps;
 pub mod method;
 pub mod nlp;
+pub mod outcome;
 pub mod problem;
+mod stop;
 
+pub use cost::Cost;
 pub use energy::{DirectSum, Energy};
+pub use equilibrium::{Acceleration, Equilibrium, FixedPoint, Retry};
 pub use error::Error;
-pub use fixed_point::{Acceleration, FixedPoint};
 pub use gaps::{LinearGaps, RowKey};
 pub use load_steps::{LoadStepped, LoadSteps};
 #[cfg(feature = "ipopt")]
 pub use method::{Continuation, InteriorPoint, PenalizedSlack, Penalty};
 pub use method::{Method, Minimum};
 pub use nlp::Bounds;
+pub use outcome::{Ending, Outcome, Solved};
 pub use problem::{ContactProblem, Multipliers, Scale, State};
+pub use stop::Stop;
 
 /// The example of the README, as a test.
 #[cfg(all(doctest, feature = "ipopt"))]

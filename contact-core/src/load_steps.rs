@@ -3,9 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use crate::fixed_point::{Acceleration, FixedPoint, Iteration, Outcome, Solution};
-use crate::method::{Effort, Method};
-use crate::{ContactProblem, Energy, Error, State};
+use crate::equilibrium::{Equilibrium, Iteration, Solution, StepContext};
+use crate::{ContactProblem, Cost, Ending, Energy, Error, Outcome, State, Stop};
 
 /// A contact problem whose loads and prescribed displacements scale with one factor.
 pub trait LoadStepped: ContactProblem {
@@ -28,7 +27,7 @@ pub trait LoadStepped: ContactProblem {
 }
 
 /// Settings of the load stepping.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct LoadSteps {
     /// Equal increments from no load to full load.
     pub increments: usize,
@@ -37,8 +36,8 @@ pub struct LoadSteps {
     /// Start each increment from the line through the last two converged states, where that is
     /// admissible.
     pub predictor: bool,
-    /// Algorithm 2 within each increment.
-    pub fixed_point: FixedPoint,
+    /// The request to stop, which the run looks at in every iteration.
+    pub stop: Stop,
 }
 
 impl Default for LoadSteps {
@@ -47,7 +46,7 @@ impl Default for LoadSteps {
             increments: 1,
             max_halvings: 6,
             predictor: true,
-            fixed_point: FixedPoint::default(),
+            stop: Stop::default(),
         }
     }
 }
@@ -67,53 +66,17 @@ pub struct Attempt {
     pub energy: f64,
     /// The smallest domain function (volume ratio J) at its end; `+∞` where there is none.
     pub min_domain: f64,
-    /// The fixed point's iterations.
+    /// The iterations that it took.
     pub iterations: Vec<Iteration>,
-    /// Seconds of wall time, all in.
-    pub seconds: f64,
-}
-
-impl Attempt {
-    /// The optimiser's effort over all iterations.
-    pub fn effort(&self) -> Effort {
-        let mut total = Effort::default();
-        for iteration in &self.iterations {
-            total += iteration.effort;
-        }
-        total
-    }
-
-    /// Seconds spent on projections, normals and rows.
-    pub fn projection(&self) -> f64 {
-        self.iterations.iter().map(|i| i.projection).sum()
-    }
-}
-
-/// How a run ended.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum RunOutcome {
-    /// Full load, every increment converged.
-    Complete,
-    /// Stopped at this load factor because even the smallest cut did not converge.
-    NotConverged {
-        /// The last converged load factor.
-        at: f64,
-        /// Why the last attempt failed.
-        why: Outcome,
-    },
-    /// Stopped on request at this load factor.
-    Interrupted {
-        /// The last converged load factor.
-        at: f64,
-    },
+    /// Their cost, and all seconds of the attempt.
+    pub cost: Cost,
 }
 
 /// A run's end and history.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// How it ended.
-    pub outcome: RunOutcome,
+    pub ending: Ending,
     /// The last converged load factor.
     pub factor: f64,
     /// The last converged state.
@@ -129,6 +92,11 @@ impl Run {
     pub fn cuts(&self) -> usize {
         let failed = |attempt: &&Attempt| attempt.outcome != Outcome::Converged;
         self.attempts.iter().filter(failed).count()
+    }
+
+    /// What all attempts cost.
+    pub fn cost(&self) -> Cost {
+        self.attempts.iter().map(|attempt| attempt.cost).sum()
     }
 }
 
@@ -184,23 +152,24 @@ impl LoadSteps {
                 remedy: "choose at most 16: smaller steps are lost in round-off",
             });
         }
-        self.fixed_point.validate()
+        Ok(())
     }
 
-    /// Walks from `start`, converged at no load, to full load; `observe` sees every converged step
-    /// and may stop the run.
+    /// Walks from `start`, converged at no load, to full load, each step solved by `solver`;
+    /// `observe` sees every converged step and may stop the run.
     ///
     /// # Errors
-    /// Settings out of range and what problem or method report. A run that does not converge is
-    /// told by [`Run::outcome`].
+    /// Settings out of range and what problem or solver report. A run that does not converge is
+    /// told by [`Run::ending`].
     pub fn run<P: LoadStepped>(
         &self,
         problem: &mut P,
-        method: &mut dyn Method,
+        solver: &mut dyn Equilibrium,
         start: State,
         mut observe: impl FnMut(&Step<'_, P>) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         self.validate()?;
+        solver.validate()?;
         Error::check_vector("start.u", &start.u, problem.energy().dofs())?;
         let mut path = Path {
             settings: self,
@@ -212,10 +181,10 @@ impl LoadSteps {
             solution: None,
             attempts: Vec::new(),
         };
-        let outcome = path.walk(problem, method, &mut observe)?;
+        let ending = path.walk(problem, solver, &mut observe)?;
         problem.set_load(path.last.factor)?;
         Ok(Run {
-            outcome,
+            ending,
             factor: path.last.factor,
             state: path.last.state,
             solution: path.solution,
@@ -237,9 +206,9 @@ impl Path<'_> {
     fn walk<P: LoadStepped>(
         &mut self,
         problem: &mut P,
-        method: &mut dyn Method,
+        solver: &mut dyn Equilibrium,
         observe: &mut impl FnMut(&Step<'_, P>) -> ControlFlow<()>,
-    ) -> Result<RunOutcome, Error> {
+    ) -> Result<Ending, Error> {
         let whole = 1.0 / self.settings.increments as f64;
         let mut halvings = 0_usize;
         for increment in 1..=self.settings.increments {
@@ -248,13 +217,13 @@ impl Path<'_> {
                 let cut = self.last.factor + whole * 0.5f64.powi(halvings as i32);
                 let arrives = cut > goal - LoadSteps::CLOSE;
                 let target = if arrives { goal } else { cut };
-                let solution = self.attempt(problem, method, target)?;
+                let solution = self.attempt(problem, solver, target)?;
                 match solution.outcome {
                     Outcome::Converged => {
                         halvings = halvings.saturating_sub(1); // success grows back
                     }
                     Outcome::Interrupted => {
-                        return Ok(RunOutcome::Interrupted {
+                        return Ok(Ending::Interrupted {
                             at: self.last.factor,
                         });
                     }
@@ -263,7 +232,7 @@ impl Path<'_> {
                         continue;
                     }
                     why => {
-                        return Ok(RunOutcome::NotConverged {
+                        return Ok(Ending::NotConverged {
                             at: self.last.factor,
                             why,
                         });
@@ -279,26 +248,34 @@ impl Path<'_> {
                 let flow = observe(&step);
                 self.advance(target, solution);
                 if flow.is_break() && self.last.factor < 1.0 - LoadSteps::CLOSE {
-                    return Ok(RunOutcome::Interrupted { at: target });
+                    return Ok(Ending::Interrupted { at: target });
                 }
             }
         }
-        Ok(RunOutcome::Complete)
+        Ok(Ending::Complete)
     }
 
     /// Tries to converge at load factor `target` and records how it went.
     fn attempt<P: LoadStepped>(
         &mut self,
         problem: &mut P,
-        method: &mut dyn Method,
+        solver: &mut dyn Equilibrium,
         target: f64,
     ) -> Result<Solution, Error> {
         let clock = Instant::now();
         problem.set_load(target)?;
         let prediction = self.prediction(problem.energy(), target);
         let predicted = prediction.is_some();
-        let start = prediction.unwrap_or_else(|| self.lifted(problem));
-        let mut solution = self.converge(problem, method, start)?;
+        let lifted = || self.lifted(&*problem);
+        let start = prediction.unwrap_or_else(lifted);
+        let context = StepContext {
+            last: &self.last.state,
+            from: self.last.factor,
+            to: target,
+            lifted: &lifted,
+            stop: &self.settings.stop,
+        };
+        let mut solution = solver.solve(&*problem, start, &context)?;
         if solution.outcome == Outcome::Converged {
             let last = &self.last;
             if let Some(depth) = problem.tunnels(&solution.state.u, &last.state.u, last.factor) {
@@ -315,39 +292,11 @@ impl Path<'_> {
                 .into_iter()
                 .fold(f64::INFINITY, f64::min),
             iterations: solution.history.clone(),
-            seconds: clock.elapsed().as_secs_f64(),
+            cost: Cost {
+                wall: clock.elapsed().as_secs_f64(),
+                ..solution.cost()
+            },
         });
-        Ok(solution)
-    }
-
-    /// Algorithm 2 from `start`; where the accelerated iteration wanders about a kink of the
-    /// projections without end, plainly, and at last without the guess.
-    fn converge<P: LoadStepped>(
-        &self,
-        problem: &P,
-        method: &mut dyn Method,
-        start: State,
-    ) -> Result<Solution, Error> {
-        let fixed_point = &self.settings.fixed_point;
-        let mut solution = fixed_point.solve(problem, method, start.clone())?;
-        let plain = FixedPoint {
-            acceleration: Acceleration::Plain,
-            ..fixed_point.clone()
-        };
-        let again = [(&plain, start), (fixed_point, self.lifted(problem))];
-        for (settings, start) in again {
-            let wanders = matches!(
-                solution.outcome,
-                Outcome::IterationLimit | Outcome::Cycle { .. }
-            );
-            if !wanders || fixed_point.acceleration == Acceleration::Plain {
-                break;
-            }
-            let mut history = std::mem::take(&mut solution.history);
-            solution = settings.solve(problem, method, start)?;
-            history.append(&mut solution.history);
-            solution.history = history;
-        }
         Ok(solution)
     }
 

@@ -1,5 +1,6 @@
 //! The seam between mechanics and optimisation: what a contact problem must offer.
 
+use crate::gaps::Sampling;
 use crate::nlp::Bounds;
 use crate::{Energy, Error, LinearGaps, RowKey};
 
@@ -79,13 +80,16 @@ pub trait ContactProblem {
     fn energy(&self) -> &dyn Energy;
     /// Bounds on the free unknowns (n, UL), infinite where there is none.
     fn bounds(&self) -> &Bounds;
-    /// Steps 1–3 of Algorithm 2: project at `u`, freeze projections and normals, both roles.
-    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error>;
-    /// As [`linearize_gaps`](Self::linearize_gaps), but one row an integration point, whose weight
-    /// is its share of the integral over the surface: what method (39) penalises. Where there is no
-    /// surface to integrate over, the rows themselves.
-    fn linearize_points(&self, u: &[f64]) -> Result<LinearGaps, Error> {
-        self.linearize_gaps(u)
+    /// Steps 1 and 2 of Algorithm 2: the rows of the roles as they were declared, with projections
+    /// and normals frozen at `u`.
+    ///
+    /// [`Sampling::Nodes`] asks for one row a contact node; [`Sampling::Points`] for one row an
+    /// integration point, whose weight is its share of the integral over the surface, which is what
+    /// method (39) penalises. A problem without surfaces gives its rows in either case.
+    fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error>;
+    /// Step 3: the rows of the reversed roles. By default there are none.
+    fn linearize_reversed(&self, _u: &[f64], _sampling: Sampling) -> Result<LinearGaps, Error> {
+        Ok(LinearGaps::new(true))
     }
     /// Units in which numbers are O(1).
     fn scale(&self) -> Scale {

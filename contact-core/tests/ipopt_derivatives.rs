@@ -1,14 +1,12 @@
 //! Planted errors in derivatives, found by Ipopt's checker and by the one that needs no Ipopt.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
-use common::*;
 use contact_core::{
     check::{self, Derivative, Differences, Finding},
     ipopt::{DerivativeCheck, DerivativeTest, Options, Solver, Start, Status},
     nlp::{Bounds, Nlp, Pattern, Structure},
 };
+use problems::*;
 
 /// HS071 with something added to one derivative, or with the entry ∂g₀/∂x₂ left out of the Jacobian.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,17 +1,15 @@
 //! Ends of solves that take a special problem, or a new Ipopt.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
 use std::{ops::ControlFlow, thread, time::Duration};
 
-use common::*;
 use contact_core::{
     ipopt::{
         Error, OptionError, Options, Sequence, SequenceSettings, Solver, Start, Status, VERSION,
     },
     nlp::{Bounds, Nlp, Pattern, Structure},
 };
+use problems::*;
 
 /// |x|² = 2 and x₀ = x₁, from next to a solution.
 struct Square;

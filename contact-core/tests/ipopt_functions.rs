@@ -9,8 +9,7 @@ use contact_core::{
     nlp::{Bounds, Nlp, Pattern, Structure},
 };
 
-mod common;
-use common::*;
+use problems::*;
 
 /// min Σ (xᵢ − 1)², by its gradient alone.
 struct Sphere;
@@ -124,7 +123,7 @@ impl Nlp for Zeros {
 
 #[test]
 fn outputs_arrive_filled_with_zeros() {
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     for _ in 0..2 {
         let solution = solver.solve(&mut Zeros, &Start::at(&HS071_START)).unwrap();
         assert_eq!(solution.status, Status::Solved);

@@ -1,15 +1,13 @@
 //! What a solve tells while it runs and when it is done.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
 use std::{cell::RefCell, collections::HashMap, ops::ControlFlow};
 
-use common::*;
 use contact_core::{
     ipopt::{Options, Solution, Solver, Start, Status},
     nlp::{Bounds, Iterate, IterationRecord, Multipliers, Nlp, Phase, Structure},
 };
+use problems::*;
 
 /// All that was seen of an iterate.
 #[derive(Debug)]
@@ -286,7 +284,7 @@ fn statistics_count_what_happened() {
             .or_insert(0usize) += 1;
         ControlFlow::Continue(())
     });
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     let solution = solver.solve(&mut nlp, &Start::at(&HS071_START)).unwrap();
     let statistics = &solution.statistics;
     let count = |name: &str| calls.borrow()[name];

@@ -1,8 +1,6 @@
 //! The log: to the `log` crate, and nowhere else. Alone in its process, which has but one logger.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
 use std::{
     env,
     ops::ControlFlow,
@@ -11,8 +9,8 @@ use std::{
     sync::Mutex,
 };
 
-use common::*;
 use contact_core::ipopt::{Options, Solver, Start, Status};
+use problems::*;
 
 struct Capture(Mutex<Vec<String>>);
 

@@ -1,8 +1,6 @@
 //! The log, to a writer of the caller's.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
 use std::{
     env,
     io::{self, Write},
@@ -11,8 +9,8 @@ use std::{
     sync::{Arc, Mutex},
 };
 
-use common::*;
 use contact_core::ipopt::{Log, Options, Solution, Solver, Start, Status};
+use problems::*;
 
 /// Keeps what is written, and does something else at each write.
 #[derive(Clone)]
@@ -63,7 +61,7 @@ fn rows(log: &str) -> Vec<usize> {
 #[test]
 fn a_writer_gets_a_line_an_iteration_unless_told_otherwise() {
     let kept = Kept::new(|| Ok(()));
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     solver.set_log(Log::writer(kept.clone()));
     let solution = solve(&mut solver);
     let log = kept.take();
@@ -94,7 +92,7 @@ fn a_writer_gets_a_line_an_iteration_unless_told_otherwise() {
 #[test]
 fn a_text_has_the_log_since_the_last_time() {
     let (log, text) = Log::text();
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     solver.set_log(log);
     assert_eq!(text.take(), "");
     let solution = solve(&mut solver);
@@ -110,7 +108,7 @@ fn a_text_has_the_log_since_the_last_time() {
 #[test]
 fn a_writer_that_fails_is_reported_and_stops_nothing() {
     let kept = Kept::new(|| Err(io::Error::new(io::ErrorKind::StorageFull, "disk full")));
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     solver.set_log(Log::writer(kept.clone()));
     let error = solve(&mut solver).log_error.unwrap();
     assert_eq!(error.kind, io::ErrorKind::StorageFull);
@@ -127,7 +125,7 @@ fn panicking() -> Log {
 
 #[test]
 fn a_writer_that_panics_is_a_callback_that_panics() {
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     solver.set_log(panicking());
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         solver.solve(&mut Hs071, &Start::at(&HS071_START))

@@ -1,12 +1,10 @@
 //! An `ipopt.opt` in the working directory. Alone in its process, whose working directory it changes.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
 use std::{env, fs, process};
 
-use common::*;
 use contact_core::ipopt::{Options, Solver, Start, Status};
+use problems::*;
 
 #[test]
 fn an_option_file_is_read_on_request_only() {
@@ -15,7 +13,7 @@ fn an_option_file_is_read_on_request_only() {
     fs::write(directory.join("ipopt.opt"), "max_iter 1\n").unwrap();
     env::set_current_dir(&directory).unwrap();
 
-    let unasked = hs071_solver()
+    let unasked = hs071_solver!()
         .solve(&mut Hs071, &Start::at(&HS071_START))
         .unwrap();
     let options = Options::new().with("option_file_name", "ipopt.opt");

@@ -1,13 +1,11 @@
 //! The table of options against the Ipopt that is installed, and the presets.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
-use common::*;
 use contact_core::{
     ipopt::*,
     nlp::{Bounds, Pattern, Structure},
 };
+use problems::*;
 
 fn set(name: &str, value: impl Into<OptionValue>) -> Result<Solver, Error> {
     Solver::new(hs071_structure(), &Options::new().with(name, value))
@@ -15,7 +13,7 @@ fn set(name: &str, value: impl Into<OptionValue>) -> Result<Solver, Error> {
 
 #[test]
 fn every_option_of_the_table_has_ipopts_type_and_default() {
-    let solver = hs071_solver();
+    let solver = hs071_solver!();
     for option in KNOWN_OPTIONS {
         let name = option.name;
         let default = option.default_in(VERSION);
@@ -266,7 +264,7 @@ fn the_only_prefix_is_that_of_the_restoration_phase() {
         if !name.ends_with('.') {
             assert!(error.to_string().contains("`resto.`"), "{error}");
         }
-        assert_eq!(hs071_solver().ipopt_default(name), None);
+        assert_eq!(hs071_solver!().ipopt_default(name), None);
     }
     refused("x.warm_start_init_point", "yes");
     set("resto.tol", 1e-3).unwrap();

@@ -1,9 +1,6 @@
 //! The presets on problems they are meant for, and on some they are not.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
-use common::*;
 use contact_core::{
     ipopt::{
         DerivativeTest, Error, LimitedMemoryUpdate, OptionError, Options, Solution, Solver, Start,
@@ -11,6 +8,7 @@ use contact_core::{
     },
     nlp::{Bounds, Nlp, Pattern, Structure},
 };
+use problems::*;
 
 const POINTS: usize = 40;
 const LOAD: f64 = 8.0;

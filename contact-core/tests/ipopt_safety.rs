@@ -1,8 +1,6 @@
 //! What a careless caller can do to Ipopt, and what comes of it.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
 use std::{
     ops::ControlFlow,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -15,11 +13,11 @@ use std::{
     time::Duration,
 };
 
-use common::*;
 use contact_core::{
     ipopt::{Error, OptionError, Options, Scaling, Solver, Start, Status, VERSION},
     nlp::{Bounds, Multipliers, Nlp, NlpError, Pattern, Structure},
 };
+use problems::*;
 
 #[test]
 fn eight_threads_at_once() {
@@ -33,7 +31,7 @@ fn eight_threads_at_once() {
                     barrier.wait();
                     let mut solved = 0;
                     for round in 0..rounds {
-                        let solution = hs071_solver()
+                        let solution = hs071_solver!()
                             .solve(&mut Hs071, &Start::at(&HS071_START))
                             .unwrap();
                         assert_eq!(solution.status, Status::Solved);
@@ -64,7 +62,7 @@ fn eight_threads_at_once() {
 
 /// Makes a solver, sets it, asks it and drops it, and one that is refused.
 fn all_but_a_solve(tol: f64) {
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     solver
         .set_options(&Options::new().tol(tol).max_iter(7))
         .unwrap();
@@ -83,8 +81,8 @@ fn all_but_a_solve(tol: f64) {
 #[test]
 fn only_a_solve_waits_for_a_solve() {
     let (sender, done) = mpsc::channel();
-    let mut solver = hs071_solver();
-    let mut moved = Some(hs071_solver());
+    let mut solver = hs071_solver!();
+    let mut moved = Some(hs071_solver!());
     let mut waited = 0;
     let solution = solver.solve_with(&mut Hs071, &Start::at(&HS071_START), |_| {
         let (sender, other) = (sender.clone(), moved.take());
@@ -120,7 +118,7 @@ fn solvers_come_and_go_while_another_solves() {
             })
             .collect();
         for _ in 0..20 {
-            let solution = hs071_solver()
+            let solution = hs071_solver!()
                 .solve(&mut Hs071, &Start::at(&HS071_START))
                 .unwrap();
             assert_eq!(solution.status, Status::Solved);
@@ -137,7 +135,7 @@ fn solvers_come_and_go_while_another_solves() {
 
 #[test]
 fn a_solver_moves_between_threads() {
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
     let mut solver = thread::spawn(move || {
         let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
@@ -179,7 +177,7 @@ fn panic_in(solver: &mut Solver, culprit: Function, nth: usize) -> (String, usiz
 
 #[test]
 fn a_panic_in_any_callback_goes_on_and_the_solver_survives() {
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     for culprit in FUNCTIONS {
         for nth in [1, 4] {
             let (message, later) = panic_in(&mut solver, culprit, nth);
@@ -194,7 +192,7 @@ fn a_panic_in_any_callback_goes_on_and_the_solver_survives() {
 
 #[test]
 fn nan_everywhere_is_an_invalid_number() {
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     for spoil in FUNCTIONS
         .into_iter()
         .filter(|function| *function != Function::Iterate)
@@ -281,7 +279,7 @@ fn an_inadmissible_trial_shortens_the_step() {
 
 #[test]
 fn a_solve_inside_a_callback_is_refused() {
-    let mut inner = hs071_solver();
+    let mut inner = hs071_solver!();
     let mut refused = 0;
     let mut nlp = Watched::new(Hs071, |_| {
         match inner.solve(&mut Hs071, &Start::at(&HS071_START)) {
@@ -289,10 +287,10 @@ fn a_solve_inside_a_callback_is_refused() {
             other => panic!("{other:?}"),
         }
         // Creating and dropping one is fine.
-        drop(hs071_solver());
+        drop(hs071_solver!());
         ControlFlow::Continue(())
     });
-    let solution = hs071_solver()
+    let solution = hs071_solver!()
         .solve(&mut nlp, &Start::at(&HS071_START))
         .unwrap();
     assert_close(&solution.x, &HS071_X, 1e-6);
@@ -304,7 +302,7 @@ fn a_solve_inside_a_callback_is_refused() {
 #[test]
 fn drops_in_any_order() {
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
-        let mut solvers: Vec<Option<Solver>> = (0..3).map(|_| Some(hs071_solver())).collect();
+        let mut solvers: Vec<Option<Solver>> = (0..3).map(|_| Some(hs071_solver!())).collect();
         for &next in &order {
             for solver in solvers.iter_mut().flatten() {
                 let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
@@ -313,7 +311,7 @@ fn drops_in_any_order() {
             solvers[next] = None;
         }
     }
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     let solution = solver.solve(&mut Hs071, &Start::at(&HS071_START)).unwrap();
     drop(solver);
     assert_close(&solution.x, &HS071_X, 1e-6);
@@ -463,7 +461,7 @@ fn bad_bounds_are_refused_by_index() {
         })
     ));
 
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     let g = solver.structure().constraint_bounds().clone();
     assert!(
         solver
@@ -604,7 +602,7 @@ fn a_scaling_that_needs_hsl_is_a_status() {
 
 #[test]
 fn bad_starts_are_refused() {
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     let mut solve = |start: &Start<'_>| solver.solve(&mut Hs071, start);
     assert!(matches!(
         solve(&Start::at(&[1.0; 3])),

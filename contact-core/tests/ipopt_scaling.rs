@@ -1,15 +1,13 @@
 //! Scaling by the caller's factors.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
 use std::ops::ControlFlow;
 
-use common::*;
 use contact_core::{
     ipopt::{Error, NlpScalingMethod, Options, Scaling, Solver, Start, Status},
     nlp::{Bounds, Multipliers, Nlp, NlpError},
 };
+use problems::*;
 
 const FACTORS: Scaling = Scaling {
     objective: 6.0,
@@ -80,7 +78,7 @@ fn a_scaling_that_would_be_ignored_is_an_error() {
 
 #[test]
 fn factors_are_checked() {
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     let mut refused = |scaling: Scaling| match solver.set_scaling(&scaling) {
         Err(Error::Nlp(error)) => error,
         other => panic!("{scaling:?}: {other:?}"),

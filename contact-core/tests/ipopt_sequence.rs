@@ -8,8 +8,7 @@ use contact_core::{
     nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure},
 };
 
-mod common;
-use common::{HS071_START, Hs071, Obstacle, assert_close, hs071_solver, hs071_structure};
+use problems::{HS071_START, Hs071, Obstacle, assert_close, hs071_solver, hs071_structure};
 
 /// Young's modulus, so large that the forces of the problem are about 1, as tolerances expect.
 const E: f64 = 1e3;
@@ -274,7 +273,7 @@ impl<N: Nlp> Nlp for First<N> {
 /// Primal, constraint and bound multipliers are those that were given.
 #[test]
 fn a_warm_start_starts_there() {
-    let solved: Solution = hs071_solver()
+    let solved: Solution = hs071_solver!()
         .solve(&mut Hs071, &Start::at(&HS071_START))
         .unwrap();
     let multipliers = solved.multipliers.expect("solved");
@@ -480,8 +479,8 @@ fn a_stop_is_no_failure_to_repeat() {
     let mut sequence =
         Sequence::new(hs071_structure(), SequenceSettings::default(), &HS071_START).unwrap();
     sequence.solve(&mut Hs071).unwrap();
-    let mut stopping = common::Watched::new(Hs071, |function| match function {
-        common::Function::Iterate => ControlFlow::Break(()),
+    let mut stopping = problems::Watched::new(Hs071, |function| match function {
+        problems::Function::Iterate => ControlFlow::Break(()),
         _ => ControlFlow::Continue(()),
     });
     let run = sequence.solve(&mut stopping).unwrap();

@@ -12,8 +12,7 @@ use contact_core::{
     nlp::{Bounds, Multipliers, NlpError, Structure},
 };
 
-mod common;
-use common::{HS071_START, HS071_X, Hs071, Separable, assert_close, hs071_structure};
+use problems::{HS071_START, HS071_X, Hs071, Separable, assert_close, hs071_structure};
 
 fn hs071() -> Sequence {
     Sequence::new(hs071_structure(), SequenceSettings::default(), &HS071_START).unwrap()

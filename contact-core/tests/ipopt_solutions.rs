@@ -1,22 +1,20 @@
 //! The driver against solutions known from elsewhere.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
 use std::{
     ops::ControlFlow,
     time::{Duration, Instant},
 };
 
-use common::*;
 use contact_core::{
     ipopt::{FixedVariableTreatment, Options, Scaling, Solver, Start, Status},
     nlp::{Bounds, Nlp, Pattern, Structure},
 };
+use problems::*;
 
 #[test]
 fn hs071_has_the_published_solution() {
-    let solution = hs071_solver()
+    let solution = hs071_solver!()
         .solve(&mut Hs071, &Start::at(&HS071_START))
         .unwrap();
     assert_eq!(solution.status, Status::Solved);

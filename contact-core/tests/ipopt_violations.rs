@@ -8,8 +8,7 @@ use contact_core::{
     nlp::{Bounds, Iterate, Nlp, Pattern, Phase, Structure},
 };
 
-mod common;
-use common::*;
+use problems::*;
 
 /// The gradient of the Lagrangian from the problem's own functions.
 fn lagrangian(

@@ -1,19 +1,17 @@
 //! A closure that looks at every iterate, and may stop the solve.
 #![cfg(feature = "ipopt")]
 
-mod common;
-
 use std::{
     ops::ControlFlow,
     panic::{AssertUnwindSafe, catch_unwind},
     thread,
 };
 
-use common::*;
 use contact_core::{
     ipopt::{Error, Solver, Start, Status},
     nlp::{Multipliers, Phase},
 };
+use problems::*;
 
 #[test]
 fn every_iterate_is_seen_after_the_problem_has_seen_it() {
@@ -26,7 +24,7 @@ fn every_iterate_is_seen_after_the_problem_has_seen_it() {
     });
     let mut records = Vec::new();
     let mut last = (Vec::new(), Vec::new(), Multipliers::default());
-    let solution = hs071_solver()
+    let solution = hs071_solver!()
         .solve_with(&mut nlp, &Start::at(&HS071_START), |iterate| {
             records.push(*iterate.record());
             assert_eq!(seen_by_problem.get(), records.len());
@@ -59,7 +57,7 @@ fn both_may_stop() {
             }
         });
         let mut calls = 0;
-        let solution = hs071_solver()
+        let solution = hs071_solver!()
             .solve_with(&mut nlp, &Start::at(&HS071_START), |iterate| {
                 calls += 1;
                 match iterate.record().iteration {
@@ -79,7 +77,7 @@ fn both_may_stop() {
 
 #[test]
 fn a_panic_of_the_closure_goes_on_in_the_caller() {
-    let mut solver: Solver = hs071_solver();
+    let mut solver: Solver = hs071_solver!();
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         solver.solve_with(&mut Hs071, &Start::at(&HS071_START), |iterate| {
             assert!(iterate.record().iteration < 2, "that is enough");
@@ -95,9 +93,9 @@ fn a_panic_of_the_closure_goes_on_in_the_caller() {
 #[test]
 fn a_solve_inside_the_closure_is_refused() {
     let mut refused = 0;
-    hs071_solver()
+    hs071_solver!()
         .solve_with(&mut Hs071, &Start::at(&HS071_START), |_| {
-            let inner = hs071_solver().solve(&mut Hs071, &Start::at(&HS071_START));
+            let inner = hs071_solver!().solve(&mut Hs071, &Start::at(&HS071_START));
             refused += usize::from(inner == Err(Error::Reentrant));
             ControlFlow::Break(())
         })
@@ -119,7 +117,7 @@ fn is_send<T: Send>(_: &T) {}
 #[test]
 fn a_solver_may_move_to_another_thread_and_is_not_shared() {
     <Solver as UnlessSync<_>>::check();
-    let mut solver = hs071_solver();
+    let mut solver = hs071_solver!();
     is_send(&solver);
     let solution = thread::spawn(move || solver.solve(&mut Hs071, &Start::at(&HS071_START)))
         .join()

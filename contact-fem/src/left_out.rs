@@ -30,7 +30,7 @@ impl LeftOut {
         let energies = problem.body_energies().iter();
         let assembled: usize = energies.map(|energy| energy.assembled_cells()).sum();
         let last = history.steps.last();
-        let efforts = history.run.attempts.iter().map(|attempt| attempt.effort());
+        let cost = history.run.cost();
         LeftOut {
             dofs: problem.dofs().prescribed(),
             cells: cells - assembled,
@@ -39,9 +39,7 @@ impl LeftOut {
                 true => history.run.attempts.len(),
                 false => 0,
             },
-            hessians: efforts
-                .map(|effort| effort.iterations.saturating_sub(effort.hessians))
-                .sum(),
+            hessians: cost.iterations.saturating_sub(cost.hessians),
         }
     }
 }

@@ -29,6 +29,5 @@ pub use left_out::LeftOut;
 pub use material::{LinearElastic, Material, NeoHookean};
 pub use mesh::Mesh;
 pub use mesh::read::MeshFile;
-pub use model as scene; // its former name
 pub use model::{Body, BodyId, Scene};
 pub use simulation::{Simulation, StepRecord};

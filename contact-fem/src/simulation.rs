@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use contact_core::fixed_point::Solution;
+use contact_core::equilibrium::Solution;
 use contact_core::load_steps::{Attempt, LoadSteps, Run, Step};
-use contact_core::{ContactProblem, Method, State};
+use contact_core::{ContactProblem, Ending, Equilibrium, State};
 
 use crate::certificate::Certificate;
 use crate::error::Error;
@@ -48,6 +48,16 @@ pub struct History<const D: usize> {
 }
 
 impl<const D: usize> History<D> {
+    /// Whether the run came to full load.
+    pub fn is_complete(&self) -> bool {
+        self.run.ending == Ending::Complete
+    }
+
+    /// The record of the last converged step; nothing if there is none.
+    pub fn last(&self) -> Option<&StepRecord<D>> {
+        self.steps.last()
+    }
+
     /// Value by value the worst certificate of all steps; nothing if there is no step.
     pub fn certificate(&self) -> Option<Certificate> {
         let steps = self.steps.iter().map(|step| step.certificate);
@@ -65,34 +75,56 @@ pub struct StepView<'a, const D: usize> {
     pub record: &'a StepRecord<D>,
 }
 
-/// Load steps of a scene.
+/// The solver of a simulation that names none: the fixed point of the paper around Ipopt.
+#[cfg(feature = "ipopt")]
+pub type DefaultSolver = contact_core::Retry<contact_core::InteriorPoint>;
+/// Without Ipopt there is no default; the solver is one of the user's own.
+#[cfg(not(feature = "ipopt"))]
+pub type DefaultSolver = Box<dyn Equilibrium>;
+
+/// A scene walked to full load.
 #[derive(Clone, Debug, Default)]
-pub struct Simulation {
-    /// Increments, predictor, cut-back, and the fixed point within.
+pub struct Simulation<S = DefaultSolver> {
+    /// Increments, predictor, cut-back, and the request to stop.
     pub load_steps: LoadSteps,
+    /// How each load is solved.
+    pub solver: S,
 }
 
+#[cfg(feature = "ipopt")]
 impl Simulation {
     /// `increments` equal increments, all else by default.
     pub fn with_increments(increments: usize) -> Self {
-        Simulation {
-            load_steps: LoadSteps {
-                increments,
-                ..LoadSteps::default()
-            },
-        }
+        Simulation::solved_by(DefaultSolver::default(), increments)
+    }
+}
+
+impl<S: Equilibrium> Simulation<S> {
+    /// `increments` equal increments, each solved by `solver`.
+    pub fn solved_by(solver: S, increments: usize) -> Self {
+        let load_steps = LoadSteps {
+            increments,
+            ..LoadSteps::default()
+        };
+        Simulation { load_steps, solver }
     }
 
-    /// Walks `problem` from rest to full load. `observe` sees every converged step as it comes and
-    /// may stop the run.
+    /// Walks `problem` from rest to full load.
     ///
     /// # Errors
-    /// Settings out of range and what the method reports. A run that does not converge says so in
-    /// [`Run::outcome`]; its converged steps are all there.
-    pub fn run<const D: usize>(
-        &self,
+    /// Settings out of range and what the solver reports. A run that does not converge says so in
+    /// [`Run::ending`]; its converged steps are all there.
+    pub fn run<const D: usize>(&mut self, problem: &mut Problem<D>) -> Result<History<D>, Error> {
+        self.run_observed(problem, |_| ControlFlow::Continue(()))
+    }
+
+    /// As [`Simulation::run`]; `observe` sees every converged step as it comes and may stop the run.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`].
+    pub fn run_observed<const D: usize>(
+        &mut self,
         problem: &mut Problem<D>,
-        method: &mut dyn Method,
         mut observe: impl FnMut(&StepView<'_, D>) -> ControlFlow<()>,
     ) -> Result<History<D>, Error> {
         let start = State {
@@ -100,16 +132,18 @@ impl Simulation {
             ..State::default()
         };
         let mut steps = Vec::new();
-        let run = self.load_steps.run(problem, method, start, |step| {
-            let record = StepRecord::new(step);
-            let flow = observe(&StepView {
-                problem: step.problem,
-                solution: step.solution,
-                record: &record,
-            });
-            steps.push(record);
-            flow
-        })?;
+        let run = self
+            .load_steps
+            .run(problem, &mut self.solver, start, |step| {
+                let record = StepRecord::new(step);
+                let flow = observe(&StepView {
+                    problem: step.problem,
+                    solution: step.solution,
+                    record: &record,
+                });
+                steps.push(record);
+                flow
+            })?;
         Ok(History { run, steps })
     }
 }

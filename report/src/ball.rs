@@ -7,6 +7,7 @@ use ipopt_contact::contact_fem::element::Order;
 use ipopt_contact::contact_fem::mesh::generators::onto_sphere;
 use ipopt_contact::contact_fem::tensor::Vector;
 use ipopt_contact::prelude::*;
+use ipopt_contact_scenes::pair;
 
 /// The ball's radius (UL).
 pub const RADIUS: f64 = 50.0;
@@ -49,9 +50,7 @@ impl Ball {
 
     /// The ball, which is the first body, and the plane.
     pub fn scene(&self) -> Result<Scene<3>, Error> {
-        let mut scene = Scene::of(vec![self.ball()?, self.plane()?]);
-        scene.contact((0, "below"), (1, "above"))?;
-        Ok(scene)
+        pair((self.ball()?, "below"), (self.plane()?, "above"))
     }
 
     /// A box whose bottom is drawn up to the sphere, heights in proportion.

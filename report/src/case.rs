@@ -31,7 +31,7 @@ pub enum Formulation {
 pub enum Variant {
     /// As in the paper.
     Plain,
-    /// Anderson acceleration of depth 3, the default.
+    /// Anderson acceleration as deep as the library has it by default.
     Anderson,
 }
 
@@ -67,7 +67,7 @@ impl Case {
             points: Points::Gauss,
             method: Formulation::InteriorPoint,
             variant: Variant::Anderson,
-            tolerance: FixedPoint::default().tolerance,
+            tolerance: FixedPoint::<InteriorPoint>::default().tolerance,
             complementarity: InteriorPoint::default().complementarity,
         }
     }
@@ -96,7 +96,7 @@ impl Case {
     }
 
     /// The method with its settings.
-    pub fn solver(&self) -> Box<dyn Method> {
+    fn solver(&self) -> Box<dyn Method> {
         match self.method {
             Formulation::InteriorPoint => {
                 let default = InteriorPoint::default();
@@ -113,9 +113,9 @@ impl Case {
     }
 
     /// So many load increments with the fixed point asked for.
-    pub fn simulation(&self, increments: usize) -> Simulation {
-        let mut simulation = Simulation::with_increments(increments);
-        let fixed_point = &mut simulation.load_steps.fixed_point;
+    pub fn simulation(&self, increments: usize) -> Simulation<Retry<Box<dyn Method>>> {
+        let mut simulation = Simulation::solved_by(Retry::with(self.solver()), increments);
+        let fixed_point = &mut simulation.solver.fixed_point;
         fixed_point.tolerance = self.tolerance;
         fixed_point.acceleration = match self.variant {
             Variant::Plain => Acceleration::Plain,

@@ -16,9 +16,9 @@ use crate::Failure;
 use crate::families::Family;
 use crate::record::{Cost, Measured, Numbers};
 use crate::study::Axis;
-use crate::support::beams::{Beams, Law, SIDE};
-use crate::support::discs::{self, Roles};
-use crate::support::hertz::{self, Hertz};
+use ipopt_contact_scenes::beams::{Beams, Law, SIDE};
+use ipopt_contact_scenes::disc_in_disc::{self, Roles};
+use ipopt_contact_scenes::hertz::{self, Hertz};
 
 /// One result.
 #[derive(Clone, Debug)]
@@ -87,7 +87,8 @@ const SCENERIES: [Scenery; 3] = [
         values: &[("energy", "energy"), ("reaction", "reaction_y")],
         mesh: |size| {
             let hole = [24, 64, 114, 231][size];
-            let scene = discs::scene(discs::Fineness::scaled(hole), Roles::default())?;
+            let scene =
+                disc_in_disc::scene(disc_in_disc::Fineness::scaled(hole), Roles::default())?;
             Ok((std::f64::consts::TAU * 0.7 / hole as f64, dofs(scene)?))
         },
     },

@@ -30,7 +30,6 @@ mod refined;
 mod revision;
 mod store;
 mod study;
-mod support;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -3,8 +3,7 @@
 use std::time::Instant;
 
 use ipopt_contact::contact_core::ContactProblem;
-use ipopt_contact::contact_core::fixed_point::Solution;
-use ipopt_contact::contact_core::method::Effort;
+use ipopt_contact::contact_core::equilibrium::Solution;
 use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::certificate::{Entry, Limits};
 use ipopt_contact::contact_fem::tensor::Vector;
@@ -14,7 +13,7 @@ use crate::Failure;
 use crate::case::Case;
 use crate::processor;
 use crate::record::{Cost, Measured, Phases};
-use crate::support::machine;
+use ipopt_contact::contact_fem::output::record::peak_memory;
 
 /// A scene at full load, or wherever it came to.
 pub struct Solved<const D: usize> {
@@ -37,11 +36,7 @@ impl<const D: usize> Solved<D> {
         scene.integration = case.integration().or(scene.integration);
         let mut problem = scene.problem()?;
         let set_up = clock.elapsed().as_secs_f64();
-        let history = case
-            .simulation(increments)
-            .run(&mut problem, &mut *case.solver(), |_| {
-                ControlFlow::Continue(())
-            })?;
+        let history = case.simulation(increments).run(&mut problem)?;
         let wall = clock.elapsed().as_secs_f64();
         let cpu = processor::seconds().zip(cpu).map(|(now, then)| now - then);
         let cost = Cost {
@@ -57,7 +52,7 @@ impl<const D: usize> Solved<D> {
 
     /// The solution at full load, if it came there.
     pub fn solution(&self) -> Option<&Solution> {
-        let is_complete = self.history.run.outcome == RunOutcome::Complete;
+        let is_complete = self.history.run.ending == Ending::Complete;
         self.history.run.solution.as_ref().filter(|_| is_complete)
     }
 
@@ -79,9 +74,9 @@ impl<const D: usize> Solved<D> {
 
     /// All that is known without the errors, which are to be filled in; `h` is the mesh size (UL).
     pub fn measured(&self, h: f64) -> Measured {
-        let status = match &self.history.run.outcome {
-            RunOutcome::Complete => Measured::CONVERGED.to_string(),
-            RunOutcome::NotConverged { at, why } => format!("stopped at load {at:.3}: {why}"),
+        let status = match &self.history.run.ending {
+            Ending::Complete => Measured::CONVERGED.to_string(),
+            Ending::NotConverged { at, why } => format!("stopped at load {at:.3}: {why}"),
             other => format!("{other:?}"),
         };
         Measured {
@@ -111,23 +106,20 @@ fn broken<const D: usize>(history: &History<D>) -> Vec<String> {
 }
 
 fn cost<const D: usize>(history: &History<D>, wall: f64, set_up: f64) -> Cost {
-    let attempts = &history.run.attempts;
-    let mut effort = Effort::default();
-    attempts.iter().for_each(|a| effort += a.effort());
-    let projection = attempts.iter().map(|a| a.projection()).sum::<f64>();
-    let known = set_up + projection + effort.callbacks + effort.optimizer;
+    let effort = history.run.cost();
+    let known = set_up + effort.projection + effort.callbacks + effort.optimizer;
     Cost {
         wall,
         cpu: None,
-        memory: machine::peak_memory(),
+        memory: peak_memory(),
         steps: history.steps.len(),
         cuts: history.run.cuts(),
-        fixed_point: attempts.iter().map(|a| a.iterations.len()).sum(),
+        fixed_point: effort.fixed_point,
         iterations: effort.iterations,
         factorizations: effort.factorizations,
         phases: Phases {
             set_up,
-            projection,
+            projection: effort.projection,
             callbacks: effort.callbacks,
             optimizer: effort.optimizer,
             other: (wall - known).max(0.0),

@@ -180,6 +180,7 @@ pub fn amplitude<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ipopt_contact_scenes::alone;
 
     /// ∫ Π ξ_i^{p_i} over the unit simplex is Π p_i! / (D + Σ p_i)!.
     fn integrates<const D: usize>(powers: [u32; D]) {
@@ -210,7 +211,7 @@ mod tests {
         let mesh = rectangle(&grid, &grid, Diagonals::Rising).expect("mesh");
         let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.0).expect("law"));
         body.prescribe("left", [Some(0.0); 2]).expect("a side");
-        let problem = Scene::of(vec![body]).problem().expect("a scene");
+        let problem = alone(body).problem().expect("a scene");
         let exact = |X: &Vector<2>| {
             (
                 Vector::<2>::new(X[0], 0.0),

@@ -2,7 +2,7 @@
 
 use crate::families::{Bound, Kind};
 use crate::study::{Run, Series, Study};
-use crate::support::tables::{Table, digits};
+use ipopt_contact_scenes::tables::{Table, digits};
 
 /// What had to be shown, and whether it was.
 pub fn claims(studies: &[Study<'_>]) -> Table {

@@ -165,6 +165,7 @@ mod tests {
     use ipopt_contact::contact_fem::tensor::Matrix;
 
     use super::*;
+    use ipopt_contact_scenes::alone;
 
     /// Quadratic elements contain u = (x², x y): it comes back wherever cells are straight, and nowhere outside.
     #[test]
@@ -183,7 +184,7 @@ mod tests {
                 .flat_map(|X| <[f64; 2]>::from(field(X)))
                 .collect(),
         };
-        let refined = Refined::new(Scene::of(vec![body]), &kept).expect("belongs");
+        let refined = Refined::new(alone(body), &kept).expect("belongs");
         for X in [[0.0, 0.0], [0.3, 0.2], [-0.35, 0.41], [0.02, -0.5]].map(Vector::from) {
             let (u, gradient) = refined.at(0, &X).expect("inside");
             assert!((u - field(&X)).norm() < 1e-13, "{X:?}");
@@ -204,10 +205,7 @@ mod tests {
         let mesh = disc(1.0, 12, 3, 0.1).expect("mesh");
         let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.3).expect("law"));
         body.prescribe("boundary", [Some(0.0); 2]).expect("a side");
-        assert!(
-            Refined::new(Scene::of(vec![body]), &other).is_err(),
-            "another mesh"
-        );
+        assert!(Refined::new(alone(body), &other).is_err(), "another mesh");
     }
 
     #[test]

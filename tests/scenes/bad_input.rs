@@ -1,14 +1,12 @@
 //! Bad input is refused before any solve, by a typed error that names it.
 
-use std::ops::ControlFlow;
-
-use contact_core::InteriorPoint;
 use contact_fem::mesh::generators::{
     Diagonals, annulus, cuboid, cuboid_graded, disc, linspace, rectangle,
 };
 use contact_fem::model::{Geometry, Integration, Passes};
 use contact_fem::tensor::Vector;
-use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
+use contact_fem::{Body, BodyId, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
+use ipopt_contact_scenes::{alone, pair};
 
 fn law() -> NeoHookean {
     NeoHookean::new(1.0, 0.3).expect("law")
@@ -101,13 +99,15 @@ fn boundary_names() {
     assert!(matches!(error, Error::UnknownBoundary { .. }));
     assert_says(&error, &["botom", "bottom"]);
     assert!(body.traction("side", [0.0; 2]).is_err());
-    let mut scene = Scene::of(vec![held(0.0), held(1.0)]);
+    let mut scene = Scene::new();
+    let lower = scene.add("lower", held(0.0));
+    let upper = scene.add("upper", held(1.0));
     let error = scene
-        .contact((0, "tip"), (1, "bottom"))
+        .contact(lower.on("tip"), upper.on("bottom"))
         .expect_err("unknown");
     assert!(matches!(error, Error::UnknownBoundary { .. }));
     let error = scene
-        .contact((0, "top"), (2, "bottom"))
+        .contact(lower.on("top"), BodyId::from(2).on("bottom"))
         .expect_err("no body");
     assert!(matches!(error, Error::UnknownBody { body: 2, bodies: 2 }));
 }
@@ -148,7 +148,7 @@ fn numbers_that_are_none() {
         body.traction("top", [0.0, f64::MAX])
             .expect("finite itself");
     }
-    let error = Scene::of(vec![body]).problem().err().expect("overflow");
+    let error = alone(body).problem().err().expect("overflow");
     assert!(matches!(error, Error::NotFinite { .. }), "{error}");
     assert!(matches!(
         LinearElastic::new(f64::NAN, 0.3),
@@ -171,23 +171,20 @@ fn material_constants() {
 
 /// The scene of one body is refused for rigid motions that nothing holds: how many of them.
 fn free_motions(body: Body<2>) -> usize {
-    match Scene::of(vec![body]).problem().err().expect("refused") {
+    match alone(body).problem().err().expect("refused") {
         Error::Unsupported {
             body,
             free,
             modes: 3,
             ..
-        } if body == "0" => free,
+        } if body == "body" => free,
         other => panic!("{other}"),
     }
 }
 
 #[test]
 fn supports() {
-    let nothing_held = Scene::of(vec![square(0.0)])
-        .problem()
-        .err()
-        .expect("refused");
+    let nothing_held = alone(square(0.0)).problem().err().expect("refused");
     assert!(matches!(nothing_held, Error::NoSupport));
     let mut scene = Scene::new();
     scene.add("lower", held(0.0));
@@ -210,10 +207,9 @@ fn supports() {
         .expect("support");
     assert_eq!(free_motions(pinned), 1);
     // with a contact pair, a body may float
-    let mut scene = Scene::of(vec![held(0.0), square(1.0)]);
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    let scene = pair((held(0.0), "top"), (square(1.0), "bottom")).expect("surfaces");
     assert!(scene.problem().is_ok());
-    assert!(Scene::<2>::of(vec![]).problem().is_err());
+    assert!(Scene::<2>::new().problem().is_err());
 }
 
 /// Two triangles that share no node, of which one is held, or one may touch another body.
@@ -231,7 +227,7 @@ fn supports_of_bodies_in_parts() {
             .expect("support");
         body
     };
-    let error = Scene::of(vec![body()]).problem().err().expect("refused");
+    let error = alone(body()).problem().err().expect("refused");
     assert!(matches!(
         error,
         Error::Unsupported {
@@ -240,19 +236,13 @@ fn supports_of_bodies_in_parts() {
             ..
         }
     ));
-    assert_says(&error, &["body `0`", "node 3"]);
-    let mut scene = Scene::of(vec![body(), held(-1.0)]);
-    scene
-        .contact((0, "left foot"), (1, "top"))
-        .expect("surfaces");
+    assert_says(&error, &["body `body`", "node 3"]);
+    let scene = pair((body(), "left foot"), (held(-1.0), "top")).expect("surfaces");
     assert!(matches!(
         scene.problem(),
         Err(Error::Unsupported { node: 3, .. })
     ));
-    let mut scene = Scene::of(vec![body(), held(-1.0)]);
-    scene
-        .contact((0, "right foot"), (1, "top"))
-        .expect("surfaces");
+    let scene = pair((body(), "right foot"), (held(-1.0), "top")).expect("surfaces");
     assert!(scene.problem().is_ok());
 }
 
@@ -279,7 +269,7 @@ fn supports_of_parts_far_apart() {
             let mut body = Body::new(mesh.clone(), law());
             body.prescribe("near", [Some(0.0); 2]).expect("support");
             body.prescribe("far", held).expect("support");
-            match Scene::of(vec![body]).problem() {
+            match alone(body).problem() {
                 Ok(_) => 0,
                 Err(Error::Unsupported { node, free, .. }) if node == count => free,
                 Err(other) => panic!("{other}"),
@@ -313,7 +303,7 @@ fn supports_of_slender_parts() {
             let mut body = Body::new(mesh, law());
             body.prescribe_nodes(&held, [Some(0.0); 3])
                 .expect("support");
-            match Scene::of(vec![body]).problem() {
+            match alone(body).problem() {
                 Ok(_) => 0,
                 Err(Error::Unsupported { free, .. }) => free,
                 Err(other) => panic!("{other}"),
@@ -367,8 +357,11 @@ fn bodies_that_cross() {
         body
     };
     let scene = |ys: [f64; 2]| {
-        let mut scene = Scene::of(vec![bar([-4.0, 4.0], [-0.5, 0.5]), bar([-0.4, 0.7], ys)]);
-        scene.contact((0, "top"), (1, "top")).expect("surfaces");
+        let scene = pair(
+            (bar([-4.0, 4.0], [-0.5, 0.5]), "top"),
+            (bar([-0.4, 0.7], ys), "top"),
+        )
+        .expect("surfaces");
         scene.problem()
     };
     let error = scene([-3.0, 3.0]).err().expect("crossing");
@@ -383,8 +376,7 @@ fn bodies_that_cross() {
 /// A body and its copy, in 2D and 3D; and a band that is wound once and a half around the same ring.
 #[test]
 fn bodies_that_coincide() {
-    let mut scene = Scene::of(vec![held(0.0), held(0.0)]);
-    scene.contact((0, "top"), (1, "top")).expect("surfaces");
+    let scene = pair((held(0.0), "top"), (held(0.0), "top")).expect("surfaces");
     let error = scene.problem().err().expect("coincide");
     assert!(
         matches!(error, Error::Crossing { depth, .. } if depth > 0.1),
@@ -397,8 +389,7 @@ fn bodies_that_coincide() {
         body.prescribe("left", [Some(0.0); 3]).expect("support");
         body
     };
-    let mut scene = Scene::of(vec![cube(), cube()]);
-    scene.contact((0, "top"), (1, "top")).expect("surfaces");
+    let scene = pair((cube(), "top"), (cube(), "top")).expect("surfaces");
     let error = scene.problem().err().expect("coincide");
     assert!(matches!(error, Error::Crossing { .. }), "{error}");
 
@@ -412,14 +403,15 @@ fn bodies_that_coincide() {
         };
         let mut body = Body::new(mesh.mapped(wound).expect("mesh"), law());
         body.prescribe("left", [Some(0.0); 2]).expect("support");
-        let mut scene = Scene::of(vec![body]);
-        scene.self_contact((0, "top")).expect("surface");
+        let mut scene = Scene::new();
+        let body = scene.add("band", body);
+        scene.self_contact(body.on("top")).expect("surface");
         scene.problem()
     };
     assert!(band(0.75).is_ok(), "open ring");
     let error = band(1.5).err().expect("coincides");
     assert!(
-        matches!(&error, Error::Crossing { first, second, .. } if [first, second] == ["0"; 2]),
+        matches!(&error, Error::Crossing { first, second, .. } if [first, second] == ["band"; 2]),
         "{error}"
     );
 }
@@ -438,11 +430,12 @@ fn overlaps_within_the_tolerance() {
             let (mut lower, mut upper) = (block(50, 0.0), block(1, 0.96));
             lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
             upper.prescribe("top", [Some(0.0); 2]).expect("support");
-            let (bodies, first, second) = match coarse_first {
-                true => (vec![upper, lower], (0, "bottom"), (1, "top")),
-                false => (vec![lower, upper], (0, "top"), (1, "bottom")),
-            };
-            let mut scene = Scene::of(bodies);
+            let mut bodies = [("lower", lower, "top"), ("upper", upper, "bottom")];
+            if coarse_first {
+                bodies.reverse();
+            }
+            let mut scene = Scene::new();
+            let [first, second] = bodies.map(|(name, body, side)| scene.add(name, body).on(side));
             scene.integration = Some(Integration::Exact);
             scene
                 .contact_in_passes(first, second, passes)
@@ -461,12 +454,12 @@ fn overlaps_within_the_tolerance() {
         let mut ring = Body::new(hollow, law());
         ring.prescribe("outer", [Some(0.0); 2]).expect("support");
         let inner = Body::new(disc(0.7, 200, 30, 0.03).expect("mesh"), law());
-        let (bodies, first, second) = match disc_first {
-            true => (vec![inner, ring], (0, "boundary"), (1, "inner")),
-            false => (vec![ring, inner], (0, "inner"), (1, "boundary")),
+        let (ring, inner) = ((ring, "inner"), (inner, "boundary"));
+        let scene = match disc_first {
+            true => pair(inner, ring),
+            false => pair(ring, inner),
         };
-        let mut scene = Scene::of(bodies);
-        scene.contact(first, second).expect("surfaces");
+        let scene = scene.expect("surfaces");
         assert!(scene.problem().is_ok(), "disc first: {disc_first}");
     }
 }
@@ -478,36 +471,32 @@ fn empty_contact_surface() {
     mesh.name_boundary("nowhere", |x| x[0] > 7.0);
     let mut body = Body::new(mesh, law());
     body.prescribe_all([Some(0.0); 2]).expect("support");
-    let mut scene = Scene::of(vec![body, held(3.0)]);
-    let error = scene
-        .contact((0, "nowhere"), (1, "bottom"))
-        .expect_err("empty");
+    let error = pair((body, "nowhere"), (held(3.0), "bottom"))
+        .err()
+        .expect("empty");
     assert!(matches!(error, Error::EmptySurface { .. }));
-    assert_says(&error, &["body `0`", "nowhere"]);
+    assert_says(&error, &["body `first`", "nowhere"]);
 }
 
 #[test]
 fn settings() {
-    let run = |simulation: &Simulation| {
-        let mut problem = Scene::of(vec![held(0.0)]).problem().expect("valid");
-        let mut method = InteriorPoint::default();
-        simulation
-            .run(&mut problem, &mut method, |_| ControlFlow::Continue(()))
-            .err()
+    let run = |mut simulation: Simulation| {
+        let mut problem = alone(held(0.0)).problem().expect("valid");
+        simulation.run(&mut problem).err()
     };
-    let error = run(&Simulation::with_increments(0)).expect("refused");
+    let error = run(Simulation::with_increments(0)).expect("refused");
     assert_says(&error, &["increments", "0"]);
     for tolerance in [0.0, -1.0, f64::NAN, 2.0] {
-        let mut simulation = Simulation::default();
-        simulation.load_steps.fixed_point.tolerance = tolerance;
-        let error = run(&simulation).expect("refused");
+        let mut simulation = Simulation::with_increments(1);
+        simulation.solver.fixed_point.tolerance = tolerance;
+        let error = run(simulation).expect("refused");
         assert_says(&error, &["tolerance", &tolerance.to_string()]);
     }
-    let mut simulation = Simulation::default();
-    simulation.load_steps.fixed_point.max_iterations = 0;
-    assert!(run(&simulation).is_some());
+    let mut simulation = Simulation::with_increments(1);
+    simulation.solver.fixed_point.max_iterations = 0;
+    assert!(run(simulation).is_some());
     for points in [0, 65] {
-        let mut scene = Scene::of(vec![held(0.0)]);
+        let mut scene = alone(held(0.0));
         scene.integration = Some(Integration::Gauss(points));
         assert!(matches!(
             scene.problem(),
@@ -518,7 +507,7 @@ fn settings() {
         ));
     }
     for reach in [0.0, -1.0, f64::NAN] {
-        let mut scene = Scene::of(vec![held(0.0)]);
+        let mut scene = alone(held(0.0));
         scene.reach = Some(reach);
         assert!(matches!(
             scene.problem(),
@@ -568,8 +557,7 @@ fn a_body_inside_another() {
     );
     let mut large = Body::new(large.expect("mesh"), law());
     large.prescribe("bottom", [Some(0.0); 2]).expect("support");
-    let mut scene = Scene::of(vec![large, held(0.1)]);
-    scene.contact((0, "top"), (1, "top")).expect("surfaces");
+    let scene = pair((large, "top"), (held(0.1), "top")).expect("surfaces");
     assert!(matches!(scene.problem(), Err(Error::Overlap { .. })));
 }
 
@@ -577,10 +565,7 @@ fn a_body_inside_another() {
 fn scenes_that_are_none() {
     let mut fixed = square(0.0);
     fixed.prescribe_all([Some(0.0); 2]).expect("support");
-    assert!(matches!(
-        Scene::of(vec![fixed]).problem(),
-        Err(Error::NothingFree)
-    ));
+    assert!(matches!(alone(fixed).problem(), Err(Error::NothingFree)));
     for offset in [f64::NAN, f64::INFINITY, 1e20] {
         let mesh = disc(1.0, 8, 1, 0.0).expect("mesh");
         assert!(mesh.translated([offset, 0.0]).is_err(), "{offset}");

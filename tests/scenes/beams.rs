@@ -1,12 +1,14 @@
 //! Section 6.2 of the paper against beam theory: three cantilevers share a load.
 
 use crate::common::{relative, run};
-use crate::support::beams::{Beams, LENGTH, LOAD, Law, SIDE, YOUNG, mid_span_pressure, slip, tip};
 use contact_fem::element::Order;
 use contact_fem::output::Snapshot;
 use contact_fem::simulation::History;
 use contact_fem::tensor::Vector;
 use ipopt_contact::prelude::Problem;
+use ipopt_contact_scenes::beams::{
+    Beams, LENGTH, LOAD, Law, SIDE, YOUNG, mid_span_pressure, slip, tip,
+};
 
 /// Each beam carries a third of q = LOAD · SIDE: bending and shear (shear coefficient 5/6, ν = 0).
 fn theory() -> (f64, f64) {
@@ -22,7 +24,7 @@ fn solved(beams: Beams, increments: usize) -> (Problem<3>, History<3>, Vec<Vecto
     let scene = beams.scene().expect("a scene");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, increments, 1e-6);
-    assert_eq!(history.steps.len(), increments, "{:?}", history.run.outcome);
+    assert_eq!(history.steps.len(), increments, "{:?}", history.run.ending);
     let u = problem.displacements(&history.run.state.u);
     (problem, history, u)
 }

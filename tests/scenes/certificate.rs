@@ -1,21 +1,23 @@
 //! The certificate of a step holds where it should, and finds faults that are planted.
 
-use crate::support::hairpin;
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
+use ipopt_contact_scenes::hairpin;
 use std::ops::ControlFlow;
 
-use crate::common::{Order, disc_in_disc, disc_in_disc_scene, run, run_with};
-use contact_core::fixed_point::{Outcome, Solution};
-use contact_core::gaps::LinearGaps;
-use contact_core::load_steps::RunOutcome;
+use crate::common::{disc_in_disc, run, run_with};
+use contact_core::Ending;
+use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::nlp::Bounds;
 use contact_core::{
     ContactProblem, Continuation, Energy, Error, FixedPoint, InteriorPoint, Method, PenalizedSlack,
     Penalty, Scale, State,
 };
+use contact_core::{Outcome, equilibrium::Solution};
 use contact_fem::certificate::Limits;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Integration, Passes, Problem};
+use contact_fem::model::{Integration, Passes, Problem};
 use contact_fem::{Body, Certificate, LinearElastic, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::pair;
 
 /// The names of what is beyond its limit.
 fn failures(certificate: &Certificate) -> Vec<&'static str> {
@@ -26,9 +28,9 @@ fn failures(certificate: &Certificate) -> Vec<&'static str> {
 
 /// A coarse disc-in-disc at full load.
 fn solved() -> (Problem<2>, Solution) {
-    let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(32, Roles::default());
     let history = run(&mut problem, 8, 1e-8);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let solution = history.run.solution.expect("converged");
     (problem, solution)
 }
@@ -36,7 +38,7 @@ fn solved() -> (Problem<2>, Solution) {
 #[test]
 fn sound_runs_hold() {
     let disc = |method: &mut dyn Method| {
-        let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+        let mut problem = disc_in_disc(32, Roles::default());
         run_with(method, &mut problem, 8, 1e-6).certificate()
     };
     let mut hairpin = hairpin::scene(3, true)
@@ -148,8 +150,8 @@ fn nothing_is_certified_of_a_nan() {
         assert!(found.len() >= 9, "{found:?}");
     }
     let nan = vec![f64::NAN; problem.energy().dofs()];
-    assert!(problem.linearize_gaps(&nan).is_err());
-    assert!(problem.linearize_gaps(&[0.0]).is_err());
+    assert!(problem.linearize_gaps(&nan, Sampling::Nodes).is_err());
+    assert!(problem.linearize_gaps(&[0.0], Sampling::Nodes).is_err());
 }
 
 /// Linear scenes under next to no load: what round-off leaves of their forces is allowed for.
@@ -165,8 +167,7 @@ fn next_to_no_load() {
         lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
         upper.prescribe("left", [Some(0.0), None]).expect("support");
         upper.traction("top", [0.0, -load]).expect("load");
-        let mut scene = Scene::of(vec![lower, upper]);
-        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+        let scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let certificate = run(&mut problem, 1, 1e-6).certificate().expect("a step");
         assert!(failures(&certificate).is_empty(), "{load}: {certificate}");
@@ -212,8 +213,8 @@ impl ContactProblem for Faulty<'_> {
     fn bounds(&self) -> &Bounds {
         self.problem.bounds()
     }
-    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
-        self.problem.linearize_gaps(u).map(self.tamper)
+    fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
+        Ok((self.tamper)(self.problem.rows(u, sampling)))
     }
     fn scale(&self) -> Scale {
         self.problem.scale()
@@ -229,13 +230,12 @@ fn solved_with(
     from: &State,
     tamper: &dyn Fn(LinearGaps) -> LinearGaps,
 ) -> Solution {
-    let settings = FixedPoint {
+    let mut fixed_point = FixedPoint {
         tolerance: 1e-8,
-        ..FixedPoint::default()
+        ..FixedPoint::with(InteriorPoint::default())
     };
     let faulty = Faulty { problem, tamper };
-    let mut method = InteriorPoint::default();
-    let solution = settings.solve(&faulty, &mut method, from.clone());
+    let solution = fixed_point.solve_from(&faulty, from.clone());
     let solution = solution.expect("no misuse");
     assert_eq!(
         solution.outcome,
@@ -279,26 +279,21 @@ fn a_forgotten_row_is_found() {
 /// A run goes on for its observer's certificate only as long as that holds, if the user wants so.
 #[test]
 fn an_observer_may_stop_at_a_bad_certificate() {
-    let mut problem = disc_in_disc(32, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(32, Roles::default());
     let strict = Limits {
         nodal_penetration: 0.0,
         ..Limits::default()
     };
     let mut simulation = contact_fem::Simulation::with_increments(8);
-    simulation.load_steps.fixed_point.tolerance = 1e-6;
-    let history = simulation.run(
-        &mut problem,
-        &mut InteriorPoint::default(),
-        |step| match step.record.certificate.holds(&strict) {
+    simulation.solver.fixed_point.tolerance = 1e-6;
+    let history = simulation.run_observed(&mut problem, |step| {
+        match step.record.certificate.holds(&strict) {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),
-        },
-    );
+        }
+    });
     let history = history.expect("no misuse");
-    assert!(matches!(
-        history.run.outcome,
-        RunOutcome::Interrupted { .. }
-    ));
+    assert!(matches!(history.run.ending, Ending::Interrupted { .. }));
 }
 
 /// The lower of two square blocks, held below, and the upper one.
@@ -317,9 +312,9 @@ fn elastic(young: f64) -> impl Fn(Mesh<2>) -> Body<2> {
 }
 
 fn touching(bodies: [Body<2>; 2], integration: Option<Integration>) -> Problem<2> {
-    let mut scene = Scene::of(bodies.into());
+    let [lower, upper] = bodies;
+    let mut scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
     scene.integration = integration;
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
     scene.problem().expect("valid scene")
 }
 
@@ -372,18 +367,19 @@ fn stiff_bodies_inside_each_other_are_found() {
 /// A pair beside one that is 1e8 times stiffer is judged by its own forces.
 #[test]
 fn a_soft_pair_is_judged_by_its_own_forces() {
-    let mut bodies = Vec::new();
+    let mut scene = Scene::new();
     for (young, x) in [(1.0, 0.0), (1e8, 5.0)] {
         let aside = |mesh: Mesh<2>| mesh.translated([x, 0.0]).expect("mesh");
         let law = |mesh| elastic(young)(aside(mesh));
         let [lower, mut upper] = blocks([3, 4], [0.0, 1.0], law);
         let down = [Some(0.0), Some(-0.01)];
         upper.prescribe("top", down).expect("support");
-        bodies.extend([lower, upper]);
+        let lower = scene.add(format!("lower of {young}"), lower);
+        let upper = scene.add(format!("upper of {young}"), upper);
+        scene
+            .contact(lower.on("top"), upper.on("bottom"))
+            .expect("surfaces");
     }
-    let mut scene = Scene::of(bodies);
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
-    scene.contact((2, "top"), (3, "bottom")).expect("surfaces");
     let mut problem = scene.problem().expect("valid scene");
     let solution = run(&mut problem, 1, 1e-6).run.solution.expect("converged");
     let sound = Certificate::new(&problem, &solution);
@@ -427,7 +423,7 @@ fn rest_is_certified() {
         upper.prescribe("top", [Some(0.0); 2]).expect("support");
         let mut problem = touching([lower, upper], None);
         let history = run(&mut problem, 1, 1e-6);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        assert_eq!(history.run.ending, Ending::Complete);
         let certificate = history.certificate().expect("a step");
         assert!(failures(&certificate).is_empty(), "{certificate}");
     }
@@ -437,7 +433,8 @@ fn rest_is_certified() {
 #[test]
 fn forgotten_points_are_found() {
     for integration in [Integration::Gauss(4), Integration::Exact] {
-        let mut scene = disc_in_disc_scene(32, Passes::Both, Order::RingFirst);
+        let mut scene =
+            disc_in_disc::scene(Fineness::scaled(32), Roles::default()).expect("a scene");
         scene.integration = Some(integration);
         let mut problem = scene.problem().expect("valid scene");
         let history = run_with(&mut Penalty::default(), &mut problem, 16, 1e-6);
@@ -469,7 +466,13 @@ fn forgotten_points_are_found() {
 #[test]
 fn the_other_side_of_a_single_pass_is_told() {
     let other_side = |passes: Passes| {
-        let mut problem = disc_in_disc(32, passes, Order::RingFirst);
+        let mut problem = disc_in_disc(
+            32,
+            Roles {
+                passes,
+                ..Roles::default()
+            },
+        );
         let history = run(&mut problem, 8, 1e-6);
         let certificate = history.certificate().expect("steps");
         assert!(failures(&certificate).is_empty(), "{certificate}");

@@ -1,11 +1,14 @@
 //! Derivatives and constraints against finite differences and a second, slower definition.
 
-use crate::common::{Order, disc_in_disc};
+use crate::common::disc_in_disc;
+use contact_core::gaps::Sampling;
 use contact_core::{ContactProblem, LoadStepped, check};
 use contact_fem::mesh::generators::{Diagonals, annulus, linspace, rectangle};
-use contact_fem::model::{Geometry, Passes, Problem};
+use contact_fem::model::{Geometry, Problem};
 use contact_fem::tensor::Vector;
-use contact_fem::{Body, LinearElastic, Material, Mesh, NeoHookean, Scene};
+use contact_fem::{Body, LinearElastic, Material, Mesh, NeoHookean};
+use ipopt_contact_scenes::disc_in_disc::Roles;
+use ipopt_contact_scenes::{alone, pair};
 
 /// A body with a prescribed boundary, a traction and a body force, at 70 % load.
 fn loaded<const D: usize>(mut body: Body<D>, support: &str, load: &str) -> Problem<D>
@@ -15,7 +18,7 @@ where
     body.prescribe(support, [Some(0.02); D]).expect("support");
     body.traction(load, [0.3; D]).expect("load");
     body.body_force([-0.1; D]).expect("load");
-    let mut problem = Scene::of(vec![body]).problem().expect("valid scene");
+    let mut problem = alone(body).problem().expect("valid scene");
     problem.set_load(0.7).expect("load");
     problem
 }
@@ -91,8 +94,7 @@ fn energy_of_a_scene() {
     block
         .prescribe("left", [Some(0.0), Some(0.0)])
         .expect("support");
-    let mut scene = Scene::of(vec![ring, block]);
-    scene.contact((0, "inner"), (1, "right")).expect("surfaces");
+    let mut scene = pair((ring, "inner"), (block, "right")).expect("surfaces");
     scene.geometry = Some(Geometry::Current);
     let mut problem = scene.problem().expect("valid scene");
     problem.set_load(1.0).expect("load");
@@ -103,10 +105,10 @@ fn energy_of_a_scene() {
 /// weak gap: brute force over all master facets, no tree, no rows.
 #[test]
 fn gaps_against_brute_force() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     problem.set_load(0.13).expect("load");
     let u = wiggle(problem.energy().dofs(), 0.004);
-    let gaps = problem.linearize_gaps(&u).expect("gaps");
+    let gaps = problem.rows(&u, Sampling::Nodes);
     assert!(!gaps.is_exact() && gaps.len() > 16, "{} rows", gaps.len());
     let mut c = vec![0.0; gaps.len()];
     gaps.value(&u, &mut c);
@@ -191,11 +193,11 @@ fn foot_by_brute_force(
 /// must not depend on the order of terms in which they were summed.
 #[test]
 fn constraint_jacobian_against_differences() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     problem.set_load(0.13).expect("load");
     let n = problem.energy().dofs();
     let u = wiggle(n, 0.004);
-    let gaps = problem.linearize_gaps(&u).expect("gaps");
+    let gaps = problem.rows(&u, Sampling::Nodes);
     let mut dense = vec![vec![0.0; n]; gaps.len()];
     gaps.entries().for_each(|(i, j, a)| dense[i][j] += a);
     let (mut up, mut down) = (vec![0.0; gaps.len()], vec![0.0; gaps.len()]);
@@ -214,10 +216,10 @@ fn constraint_jacobian_against_differences() {
 /// Forces that act between bodies are in balance, row by row: rigid translations change no gap.
 #[test]
 fn action_equals_reaction() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     problem.set_load(0.13).expect("load");
     let u = wiggle(problem.energy().dofs(), 0.004);
-    let gaps = problem.linearize_gaps(&u).expect("gaps");
+    let gaps = problem.rows(&u, Sampling::Nodes);
     for row in 0..gaps.len() {
         let mut lambda = vec![0.0; gaps.len()];
         lambda[row] = 1.0;

@@ -1,18 +1,27 @@
 //! Section 6.1 of the paper against reference values computed by an independent implementation.
 
-use std::ops::ControlFlow;
-
-use crate::common::{Order, disc_in_disc, disc_in_disc_scene, relative, run};
-use contact_core::fixed_point::Outcome;
-use contact_core::load_steps::RunOutcome;
-use contact_core::{Acceleration, InteriorPoint};
-use contact_fem::Simulation;
-use contact_fem::scene::{Integration, Passes};
+use crate::common::{disc_in_disc, relative, run};
+use contact_core::Acceleration;
+use contact_core::Ending;
+use contact_core::Outcome;
+use contact_fem::model::{Integration, Passes};
 use contact_fem::simulation::History;
+use contact_fem::{BodyId, Simulation};
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
+
+/// The ring comes first, or the disc.
+const BOTH_ORDERS: [Roles; 2] = [roles(false), roles(true)];
+
+const fn roles(swapped: bool) -> Roles {
+    Roles {
+        swapped,
+        passes: Passes::Both,
+    }
+}
 
 /// Energy and the force on the disc at full load, both within 1e-4 of the reference.
-fn assert_reference(history: &History<2>, ring: usize, energy: f64, reaction: f64) {
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+fn assert_reference(history: &History<2>, ring: BodyId, energy: f64, reaction: f64) {
+    assert_eq!(history.run.ending, Ending::Complete);
     assert_eq!(history.run.cuts(), 0, "nothing was cut");
     let last = history.steps.last().expect("steps");
     assert!(
@@ -21,7 +30,7 @@ fn assert_reference(history: &History<2>, ring: usize, energy: f64, reaction: f6
         last.energy
     );
     // the ring's clamp pushes up with what the disc presses down
-    let up = last.reactions[ring][1];
+    let up = last.reaction(ring)[1];
     assert!(relative(up, reaction) < 1e-4, "reaction {up}");
     let balance = last.reactions[0] + last.reactions[1];
     assert!(
@@ -33,15 +42,16 @@ fn assert_reference(history: &History<2>, ring: usize, energy: f64, reaction: f6
 #[test]
 fn both_passes_at_tight_tolerance_whichever_body_comes_first() {
     let mut ends = Vec::new();
-    for (order, ring) in [(Order::RingFirst, 0), (Order::DiscFirst, 1)] {
-        let mut problem = disc_in_disc(64, Passes::Both, order);
+    for roles in BOTH_ORDERS {
+        let ring = roles.ring();
+        let mut problem = disc_in_disc(64, roles);
         let history = run(&mut problem, 100, 1e-8);
         assert_eq!(history.steps.len(), 100);
         assert_reference(&history, ring, 965.2329, 2377.8);
         let last = history.steps.last().expect("steps");
         let u = problem.displacements(&history.run.state.u);
         let ring_displacements = u[problem.nodes(ring)].to_vec();
-        ends.push((last.energy, last.reactions[ring][1], ring_displacements));
+        ends.push((last.energy, last.reaction(ring)[1], ring_displacements));
     }
     let [(e1, r1, u1), (e2, r2, u2)] = &ends[..] else {
         panic!("two runs")
@@ -58,16 +68,12 @@ fn both_passes_at_tight_tolerance_whichever_body_comes_first() {
 
 #[test]
 fn default_tolerance_reaches_full_load_uncut() {
-    let history = run(
-        &mut disc_in_disc(64, Passes::Both, Order::RingFirst),
-        100,
-        1e-6,
-    );
-    assert_reference(&history, 0, 965.2329, 2377.8);
+    let history = run(&mut disc_in_disc(64, Roles::default()), 100, 1e-6);
+    assert_reference(&history, Roles::default().ring(), 965.2329, 2377.8);
     let iterations: usize = history
         .steps
         .iter()
-        .map(|s| s.attempt.effort().iterations)
+        .map(|s| s.attempt.cost.iterations)
         .sum();
     assert!(iterations <= 4000, "{iterations} iterations of Ipopt");
 }
@@ -76,13 +82,13 @@ fn default_tolerance_reaches_full_load_uncut() {
 /// 6e-6 below the reference with four Gauss points.
 #[test]
 fn exact_integration_whichever_body_comes_first() {
-    let ends = [(Order::RingFirst, 0), (Order::DiscFirst, 1)].map(|(order, ring)| {
-        let mut scene = disc_in_disc_scene(64, Passes::Both, order);
+    let ends = BOTH_ORDERS.map(|roles| {
+        let mut scene = disc_in_disc::scene(Fineness::REFERENCE, roles).expect("a scene");
         scene.integration = Some(Integration::Exact);
         let history = run(&mut scene.problem().expect("valid scene"), 100, 1e-8);
-        assert_reference(&history, ring, 965.2329, 2377.8);
+        assert_reference(&history, roles.ring(), 965.2329, 2377.8);
         let last = history.steps.last().expect("steps");
-        (last.energy, last.reactions[ring][1])
+        (last.energy, last.reaction(roles.ring())[1])
     });
     assert!(relative(ends[0].0, 965.2273) < 1e-6, "{ends:?}");
     assert!(relative(ends[0].0, ends[1].0) < 1e-8, "{ends:?}");
@@ -92,38 +98,46 @@ fn exact_integration_whichever_body_comes_first() {
 #[test]
 fn one_pass_with_the_hole_as_slave() {
     let history = run(
-        &mut disc_in_disc(64, Passes::FirstIsSlave, Order::RingFirst),
+        &mut disc_in_disc(
+            64,
+            Roles {
+                passes: Passes::FirstIsSlave,
+                ..Roles::default()
+            },
+        ),
         100,
         1e-8,
     );
-    assert_reference(&history, 0, 963.41, 2367.0);
+    assert_reference(&history, Roles::default().ring(), 963.41, 2367.0);
 }
 
 #[test]
 fn one_pass_with_the_disc_as_slave() {
     let history = run(
-        &mut disc_in_disc(64, Passes::SecondIsSlave, Order::RingFirst),
+        &mut disc_in_disc(
+            64,
+            Roles {
+                passes: Passes::SecondIsSlave,
+                ..Roles::default()
+            },
+        ),
         100,
         1e-8,
     );
-    assert_reference(&history, 0, 965.233, 2377.9);
+    assert_reference(&history, Roles::default().ring(), 965.233, 2377.9);
 }
 
 /// The paper's plain iteration does not converge everywhere on this scene at 1e-8. What matters is
 /// that the library says so: an attempt that ends in a cycle is on record with its history.
 #[test]
 fn the_plain_fixed_point_reports_its_cycle() {
-    let mut problem = disc_in_disc(64, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(64, Roles::default());
     let mut simulation = Simulation::with_increments(100);
     simulation.load_steps.max_halvings = 0;
-    simulation.load_steps.fixed_point.tolerance = 1e-8;
-    simulation.load_steps.fixed_point.acceleration = Acceleration::Plain;
-    let history = simulation
-        .run(&mut problem, &mut InteriorPoint::default(), |_| {
-            ControlFlow::Continue(())
-        })
-        .expect("no misuse");
-    let RunOutcome::NotConverged { at, why } = &history.run.outcome else {
+    simulation.solver.fixed_point.tolerance = 1e-8;
+    simulation.solver.fixed_point.acceleration = Acceleration::Plain;
+    let history = simulation.run(&mut problem).expect("no misuse");
+    let Ending::NotConverged { at, why } = &history.run.ending else {
         panic!("the plain iteration was expected to cycle somewhere");
     };
     let Outcome::Cycle { period, amplitude } = why else {

@@ -1,10 +1,12 @@
 //! Loads, stiffnesses and steps far from ordinary.
 
-use crate::common::{Order, disc_in_disc, relative, run};
-use contact_core::load_steps::RunOutcome;
+use crate::common::{disc_in_disc, relative, run};
+use contact_core::Ending;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Passes, Problem};
-use contact_fem::{Body, LinearElastic, NeoHookean, Scene};
+use contact_fem::model::Problem;
+use contact_fem::{Body, LinearElastic, NeoHookean};
+use ipopt_contact_scenes::disc_in_disc::Roles;
+use ipopt_contact_scenes::pair;
 
 fn square(y: f64, modulus: f64) -> Body<2> {
     let mesh = rectangle(
@@ -23,8 +25,7 @@ fn stack(mut top: Body<2>, modulus: f64) -> Problem<2> {
     let mut bottom = square(0.0, modulus);
     bottom.prescribe("bottom", [Some(0.0); 2]).expect("support");
     top.prescribe("left", [Some(0.0), None]).expect("support");
-    let mut scene = Scene::of(vec![bottom, top]);
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    let scene = pair((bottom, "top"), (top, "bottom")).expect("surfaces");
     scene.problem().expect("valid scene")
 }
 
@@ -37,11 +38,7 @@ fn small_loads_give_small_displacements() {
         top.traction("top", [0.0, -pressure]).expect("load");
         let mut problem = stack(top, 1.0);
         let history = run(&mut problem, 1, 1e-6);
-        assert_eq!(
-            history.run.outcome,
-            RunOutcome::Complete,
-            "pressure {pressure}"
-        );
+        assert_eq!(history.run.ending, Ending::Complete, "pressure {pressure}");
         let displacements = problem.displacements(&history.run.state.u);
         let lowest = displacements.iter().map(|u| u[1]).fold(0.0, f64::min);
         assert!(
@@ -60,7 +57,7 @@ fn stiff_against_soft() {
             .expect("support");
         let mut problem = stack(top, ratio);
         let history = run(&mut problem, 1, 1e-6);
-        assert_eq!(history.run.outcome, RunOutcome::Complete, "ratio {ratio}");
+        assert_eq!(history.run.ending, Ending::Complete, "ratio {ratio}");
         let force = history.steps[0].reactions[0][1];
         let expected = 0.1 / (1.0 + 1.0 / ratio);
         assert!(
@@ -74,7 +71,7 @@ fn stiff_against_soft() {
 /// the way to full load, nothing is deeper in the wall than polygons of a circle are.
 #[test]
 fn nothing_tunnels() {
-    let mut problem = disc_in_disc(64, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(64, Roles::default());
     let history = run(&mut problem, 1, 1e-6);
     for step in &history.steps {
         assert!(
@@ -84,7 +81,7 @@ fn nothing_tunnels() {
             step.factor
         );
     }
-    if history.run.outcome == RunOutcome::Complete {
+    if history.run.ending == Ending::Complete {
         let energy = history.steps.last().expect("steps").energy;
         assert!(relative(energy, 965.2329) < 1e-4, "{energy}");
     } else {
@@ -110,11 +107,10 @@ fn small_strain_scenes_are_linear_in_the_load() {
         };
         let (lower, mut upper) = (beam(0.0), beam(1.0));
         upper.traction("top", [0.0, -load]).expect("load");
-        let mut scene = Scene::of(vec![lower, upper]);
-        scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+        let scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let history = run(&mut problem, 1, 1e-6);
-        assert_eq!(history.run.outcome, RunOutcome::Complete, "load {load}");
+        assert_eq!(history.run.ending, Ending::Complete, "load {load}");
         let step = history.steps.last().expect("converged");
         assert!(step.penetration < 1e-2 * load / 100.0);
         step.energy
@@ -144,11 +140,10 @@ fn coarse_facets_do_not_hide_a_tunnel() {
             lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
             let down = [Some(0.0), Some(-0.7)];
             upper.prescribe("top", down).expect("support");
-            let mut scene = Scene::of(vec![lower, upper]);
-            scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+            let scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
             let mut problem = scene.problem().expect("valid scene");
             let history = run(&mut problem, increments, 1e-9);
-            assert_eq!(history.run.outcome, RunOutcome::Complete);
+            assert_eq!(history.run.ending, Ending::Complete);
             history.steps.last().expect("converged").energy
         };
         let (one, ten) = (energy(1), energy(10));
@@ -177,20 +172,19 @@ fn thin_bodies_are_not_jumped_over() {
         block
             .prescribe("top", [Some(0.0), Some(-0.4)])
             .expect("support");
-        let mut scene = Scene::of(match block_first {
-            true => vec![block, plate],
-            false => vec![plate, block],
-        });
-        scene.contact((0, "all"), (1, "all")).expect("surfaces");
+        let (first, second) = match block_first {
+            true => (block, plate),
+            false => (plate, block),
+        };
+        let scene = pair((first, "all"), (second, "all")).expect("surfaces");
         let mut problem = scene.problem().expect("valid scene");
         let history = run(&mut problem, increments, 1e-8);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
-        let caught = history.run.attempts.iter().any(|attempt| {
-            matches!(
-                attempt.outcome,
-                contact_core::fixed_point::Outcome::Tunnelled { .. }
-            )
-        });
+        assert_eq!(history.run.ending, Ending::Complete);
+        let caught = history
+            .run
+            .attempts
+            .iter()
+            .any(|attempt| matches!(attempt.outcome, contact_core::Outcome::Tunnelled { .. }));
         assert_eq!(caught, increments == 1);
         history.steps.last().expect("converged").energy
     };

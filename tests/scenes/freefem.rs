@@ -5,11 +5,11 @@ use std::path::Path;
 use ipopt_contact::contact_core::ContactProblem;
 use ipopt_contact::prelude::*;
 
-use crate::support::beams::YOUNG;
-use crate::support::freefem::cases::{Built, CASES, Case, Size};
-use crate::support::freefem::outcome::Outcome;
-use crate::support::freefem::reference::Reference;
-use crate::support::freefem::solve::solve;
+use ipopt_contact_scenes::beams::YOUNG;
+use ipopt_contact_scenes::freefem::cases::{Built, CASES, Case, Size};
+use ipopt_contact_scenes::freefem::outcome::Outcome;
+use ipopt_contact_scenes::freefem::reference::Reference;
+use ipopt_contact_scenes::freefem::solve::solve;
 
 /// Energy to 1e-6, displacement and reaction to 1e-5, relative; pressure to what [`apart`] allows, where the
 /// script leaves at most `left` of gap times force (UF·UL) at a row.

@@ -2,9 +2,9 @@
 
 use crate::common::{relative, run};
 use contact_fem::element::Order;
-use contact_fem::scene::Integration;
+use contact_fem::model::Integration;
 
-use crate::support::hertz::{FORCE, Fineness, Hertz};
+use ipopt_contact_scenes::hertz::{FORCE, Fineness, Hertz};
 
 /// Half-cylinder of radius 50 on a block 100 high, by symmetry their right halves: p₀ = √(P E*/(πR)).
 #[test]

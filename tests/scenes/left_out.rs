@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 
 use contact_core::gaps::Sampling;
-use contact_core::load_steps::{Run, RunOutcome};
+use contact_core::load_steps::Run;
 use contact_core::nlp::{Bounds, Pattern};
 use contact_core::{
-    ContactProblem, DirectSum, Energy, Error, InteriorPoint, LinearGaps, LoadStepped, LoadSteps,
-    Scale, State,
+    ContactProblem, DirectSum, Ending, Energy, Error, InteriorPoint, LinearGaps, LoadStepped,
+    LoadSteps, Retry, Scale, State,
 };
 use contact_fem::assembly::{BodyEnergy, DofMap, StrainEnergy};
 use contact_fem::contact::Master;
@@ -19,7 +19,7 @@ use contact_fem::tensor::Vector;
 use contact_fem::{Body, LeftOut, LinearElastic, Material, Mesh, NeoHookean, Scene};
 
 use crate::common::{relative, run_with};
-use crate::support::hairpin;
+use ipopt_contact_scenes::{alone, hairpin, pair};
 
 fn of_order<const D: usize>(mesh: Mesh<D>, order: Order) -> Mesh<D> {
     match order {
@@ -42,9 +42,8 @@ fn disc_on_block<M: Material<2>>(law: M, order: Order) -> Scene<2> {
     disc.prescribe_all([Some(0.0), Some(-0.03)])
         .expect("support");
 
-    let mut scene = Scene::of(vec![block, disc]);
+    let mut scene = pair((block, "skin"), (disc, "boundary")).expect("pair");
     scene.reach = Some(0.25);
-    scene.contact((0, "skin"), (1, "boundary")).expect("pair");
     scene
 }
 
@@ -60,9 +59,8 @@ fn cube_on_block<M: Material<3>>(law: M, order: Order) -> Scene<3> {
     cube.prescribe_all([Some(0.01), Some(0.005), Some(-0.04)])
         .expect("support");
 
-    let mut scene = Scene::of(vec![block, cube]);
+    let mut scene = pair((block, "skin"), (cube, "bottom")).expect("pair");
     scene.reach = Some(0.2);
-    scene.contact((0, "skin"), (1, "bottom")).expect("pair");
     scene
 }
 
@@ -168,7 +166,7 @@ impl<const D: usize> ContactProblem for Full<'_, D> {
         self.lean.scale()
     }
 
-    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+    fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
         let X = self.lean.reference();
         let moved = X.iter().zip(u.chunks_exact(D));
         let moved: Vec<_> = moved
@@ -185,7 +183,7 @@ impl<const D: usize> ContactProblem for Full<'_, D> {
         let mut gaps = LinearGaps::new(false);
         for (k, pass) in self.lean.passes().iter().enumerate() {
             let (slave, master) = (&surfaces[pass.slave], &masters[pass.master]);
-            let (reach, sampling) = (f64::INFINITY, Sampling::Nodes);
+            let reach = f64::INFINITY;
             let rows = PassRows::new(slave, master, x, self.integration, reach, sampling);
             rows.append(k as u32, X, &unknowns, &mut gaps);
         }
@@ -242,19 +240,15 @@ impl<const D: usize> Full<'_, D> {
             let nodes = values.chunks_exact(D);
             nodes.map(Vector::from_column_slice).collect()
         };
-        let efforts: Vec<_> = run
-            .attempts
-            .iter()
-            .map(|a| (a.iterations.len(), a.effort()))
-            .collect();
-        let most = |solves: Vec<usize>| solves.into_iter().max().unwrap_or(0);
+        let cost = run.cost();
+        let solves = run.attempts.iter().map(|a| a.iterations.len());
         Outcome {
             displacements: nodal(u),
             energy: solution.energy,
             reaction,
             contact: nodal(&contact).iter().map(|force| force.norm()).sum(),
             rows: solution.gaps.len(),
-            solves: most(efforts.iter().map(|(solves, _)| *solves).collect()),
+            solves: solves.max().unwrap_or(0),
             left_out: LeftOut {
                 dofs: self.lean.dofs().len() - self.energy.dofs(),
                 cells: {
@@ -269,12 +263,7 @@ impl<const D: usize> Full<'_, D> {
                 },
                 rows: self.lean.contact_nodes() - solution.gaps.len(),
                 solves: 0,
-                hessians: {
-                    let saved = efforts
-                        .iter()
-                        .map(|(_, e)| e.iterations.saturating_sub(e.hessians));
-                    saved.sum()
-                },
+                hessians: cost.iterations.saturating_sub(cost.hessians),
             },
         }
     }
@@ -293,7 +282,7 @@ const TOLERANCE: f64 = 1e-11;
 /// The scene walked to full load, by all means that save work.
 fn lean<const D: usize>(problem: &mut Problem<D>, increments: usize) -> Outcome<D> {
     let history = run_with(&mut method(), problem, increments, TOLERANCE);
-    assert_eq!(history.steps.len(), increments, "{:?}", history.run.outcome);
+    assert_eq!(history.steps.len(), increments, "{:?}", history.run.ending);
     let step = history.steps.last().expect("converged");
     let solution = history.run.solution.as_ref().expect("converged");
     let contact = problem.contact_forces(&solution.gaps, &solution.lambda);
@@ -330,16 +319,17 @@ where
         u: vec![0.0; problem.energy.dofs()],
         ..State::default()
     };
-    let mut load_steps = LoadSteps {
+    let load_steps = LoadSteps {
         increments,
         ..LoadSteps::default()
     };
-    load_steps.fixed_point.tolerance = TOLERANCE;
-    let run = load_steps.run(&mut problem, &mut method(), start, |_| {
+    let mut solver = Retry::with(method());
+    solver.fixed_point.tolerance = TOLERANCE;
+    let run = load_steps.run(&mut problem, &mut solver, start, |_| {
         ControlFlow::Continue(())
     });
     let run = run.expect("no misuse");
-    assert_eq!(run.outcome, RunOutcome::Complete);
+    assert_eq!(run.ending, Ending::Complete);
     problem.outcome(&run)
 }
 
@@ -472,7 +462,7 @@ fn no_pair_no_rows() {
     );
     block.prescribe("bottom", [Some(0.0); 2]).expect("support");
     block.traction("top", [0.0, -1.0]).expect("load");
-    let mut problem = Scene::of(vec![block]).problem().expect("valid scene");
+    let mut problem = alone(block).problem().expect("valid scene");
     assert_eq!(problem.contact_nodes(), 0);
     let history = run_with(&mut InteriorPoint::default(), &mut problem, 1, 1e-6);
     let step = history.steps.last().expect("converged");

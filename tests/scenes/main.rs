@@ -3,7 +3,6 @@
 #![allow(non_snake_case)] // the symbols of the field
 
 mod common;
-mod support;
 
 mod bad_input;
 mod beams;

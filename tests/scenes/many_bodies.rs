@@ -1,16 +1,16 @@
 //! Many bodies, whose pairs are found, and bodies that touch themselves.
 
 use crate::common::{relative, run, run_with};
-use crate::support::hairpin;
+use contact_core::Ending;
 use contact_core::InteriorPoint;
-use contact_core::load_steps::RunOutcome;
 use contact_fem::contact::projection::{closest, interpolate};
 use contact_fem::element::{Element, P1, P2};
 use contact_fem::mesh::Mesh;
 use contact_fem::mesh::generators::{Diagonals, equilateral_disc, linspace, rectangle};
-use contact_fem::scene::Integration;
+use contact_fem::model::Integration;
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, LinearElastic, Material, NeoHookean, Scene};
+use ipopt_contact_scenes::hairpin;
 
 const DISCS: usize = 4;
 
@@ -34,8 +34,7 @@ fn stack(order: &[usize]) -> (Scene<2>, Vec<usize>) {
         let body = Body::new(mesh.expect("mesh"), law);
         (body, touching, [Some(0.0), Some(push)])
     };
-    let mut bodies = Vec::new();
-    let mut surfaces = Vec::new();
+    let mut scene = Scene::new();
     for &k in order {
         let (mut body, surface, held) = match k {
             DISCS => plate(-0.2, 0.0, "top"),
@@ -50,12 +49,8 @@ fn stack(order: &[usize]) -> (Scene<2>, Vec<usize>) {
         } else {
             body.prescribe_all(held).expect("support");
         }
-        bodies.push(body);
-        surfaces.push(surface);
-    }
-    let mut scene = Scene::of(bodies);
-    for (body, surface) in surfaces.into_iter().enumerate() {
-        scene.contact_surface((body, surface)).expect("declared");
+        let body = scene.add(k.to_string(), body);
+        scene.contact_surface(body.on(surface)).expect("declared");
     }
     let place = (0..DISCS + 2).map(|k| order.iter().position(|o| *o == k));
     (scene, place.map(|p| p.expect("all bodies")).collect())
@@ -183,18 +178,17 @@ fn slabs_do_not_see_through_each_other() {
         let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
         Body::new(mesh, LinearElastic::new(100.0, 0.0).expect("law"))
     };
-    let mut bodies = [0, 1, 2].map(slab);
-    for (body, side, held) in [
+    let mut scene = Scene::new();
+    for (k, side, held) in [
         (0, "bottom", [Some(0.0); 2]),
         (1, "left", [Some(0.0), None]),
         (2, "top", [Some(0.0), Some(-0.012)]),
     ] {
-        bodies[body].prescribe(side, held).expect("support");
-    }
-    let mut scene = Scene::of(bodies.into());
-    for body in 0..3 {
+        let mut body = slab(k);
+        body.prescribe(side, held).expect("support");
+        let body = scene.add(k.to_string(), body);
         for side in ["top", "bottom"] {
-            scene.contact_surface((body, side)).expect("declared");
+            scene.contact_surface(body.on(side)).expect("declared");
         }
     }
     let mut problem = scene.problem().expect("no overlap");
@@ -219,7 +213,7 @@ fn closes<const D: usize>(
 ) -> Vec<[Vector<D>; 2]> {
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, increments, tolerance);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let first = history.steps.iter().find(|s| s.rows > 0).expect("rows");
     assert!(first.factor > 0.2, "nothing of the band is near itself");
     let step = history.steps.last().expect("converged");
@@ -283,8 +277,9 @@ where
         let all = std::array::from_fn(|i| (held[i].is_some() || i < 2 && in_plane).then_some(u[i]));
         body.prescribe_nodes(&[node], all).expect("support");
     }
-    let mut scene = Scene::of(vec![body]);
-    scene.self_contact((0, "skin")).expect("surface");
+    let mut scene = Scene::new();
+    let body = scene.add("body", body);
+    scene.self_contact(body.on("skin")).expect("surface");
     scene
 }
 
@@ -305,7 +300,7 @@ where
             ..InteriorPoint::default()
         };
         let history = run_with(&mut method, &mut problem, increments, 2e-11);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        assert_eq!(history.run.ending, Ending::Complete);
         let step = history.steps.last().expect("converged");
         assert!(step.rows > 3);
         let U = problem.displacements(&history.run.state.u);
@@ -340,7 +335,7 @@ fn a_long_reach_adds_no_contact() {
             .filter(|X| X[0] >= 0.0 && (X[1].abs() - 0.2).abs() < 1e-9);
         let arms = arms.count();
         let history = run(&mut problem, 8, 1e-6);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        assert_eq!(history.run.ending, Ending::Complete);
         let step = history.steps.last().expect("converged");
         assert!(
             step.rows <= arms + 12,
@@ -369,7 +364,7 @@ fn without_self_contact_the_arms_cross() {
     let scene = hairpin::scene(3, false).expect("scene");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 8, 1e-6);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let U = problem.displacements(&history.run.state.u);
     let X = problem.reference();
     let arm = (0..X.len()).filter(|&a| hairpin::is_inside_of_upper_arm(&X[a]));
@@ -428,12 +423,13 @@ fn slit_integrated(
     body.prescribe("bottom", [Some(0.0); 2]).expect("support");
     body.prescribe("top", [Some(0.1 * sin), Some(-0.1 * cos)])
         .expect("support");
-    let mut scene = Scene::of(vec![body]);
+    let mut scene = Scene::new();
+    let body = scene.add("body", body);
     scene.integration = Some(integration);
-    scene.self_contact((0, "slit")).expect("a surface");
+    scene.self_contact(body.on("slit")).expect("a surface");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, increments, 1e-9);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let step = history.steps.last().expect("converged");
     assert!(step.penetration < 1e-3, "{}", step.penetration);
     (step.energy, step.reactions[0].norm())

@@ -1,20 +1,24 @@
 //! The three methods for step 5 on the same scenes: the interior point (7), the penalised slack
 //! (37) and the penalty (39).
 
-use crate::common::{Order, disc_in_disc, relative, run, run_with, scaled_discs};
-use crate::support::beams::{Beams, Law};
-use crate::support::hertz::{Fineness, Hertz};
-use crate::support::pointwise::{Pointwise, order};
-use contact_core::fixed_point::{Outcome, Solution};
-use contact_core::load_steps::RunOutcome;
+use crate::common::{disc_in_disc, relative, run, run_with};
+use contact_core::Ending;
+use contact_core::gaps::Sampling;
 use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalty, Subproblem};
 use contact_core::{
     ContactProblem, FixedPoint, InteriorPoint, LinearGaps, LoadStepped, Scale, State,
 };
+use contact_core::{Outcome, equilibrium::Solution};
+use contact_core::{Retry, Solved, Stop};
 use contact_fem::element;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Integration, Passes, Problem};
-use contact_fem::{Body, LinearElastic, Scene};
+use contact_fem::model::{Integration, Passes, Problem};
+use contact_fem::{Body, LinearElastic, Simulation};
+use ipopt_contact_scenes::beams::{Beams, Law};
+use ipopt_contact_scenes::disc_in_disc::{self, Roles};
+use ipopt_contact_scenes::hertz::{Fineness, Hertz};
+use ipopt_contact_scenes::pair;
+use ipopt_contact_scenes::studies::pointwise::{Pointwise, order};
 
 /// Penalty factors at which errors fall as they do for μ → ∞.
 const MUS: [f64; 3] = [1e8, 1e10, 1e12];
@@ -43,15 +47,15 @@ fn solved<const D: usize>(
     u: Vec<f64>,
 ) -> Solution {
     problem.set_load(1.0).expect("load");
-    let fixed_point = FixedPoint {
+    let mut fixed_point = FixedPoint {
         tolerance: 1e-7,
-        ..FixedPoint::default()
+        ..FixedPoint::with(method)
     };
     let start = State {
         u,
         ..State::default()
     };
-    let solution = fixed_point.solve(problem, method, start).expect("solved");
+    let solution = fixed_point.solve_from(problem, start).expect("solved");
     assert_eq!(solution.outcome, Outcome::Converged);
     solution
 }
@@ -123,7 +127,7 @@ fn penalised_slacks_tend_to_the_interior_point_at_order_one_half() {
         assert_slacks_converge(&mut problem, &rest);
     }
 
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     let history = run(&mut problem, 5, 1e-6);
     assert_slacks_converge(&mut problem, &history.run.state.u);
 }
@@ -202,9 +206,9 @@ fn penalties_tend_to_their_pointwise_limit_at_order_one_half() {
 /// points may end elsewhere from elsewhere.
 #[test]
 fn penalties_tend_to_their_pointwise_limit_through_large_strains() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     let state = run(&mut problem, 5, 1e-6).run.state;
-    let gaps = problem.linearize_points(&state.u).expect("rows");
+    let gaps = problem.rows(&state.u, Sampling::Points);
     let minimum = |method: &mut dyn Method| minimum(&problem, &gaps, method, &state.u);
     let limit = minimum(&mut InteriorPoint::default());
     let difference = |mu: f64| {
@@ -228,13 +232,14 @@ fn minimum<const D: usize>(
         scale: problem.scale(),
         change: 1.0,
         accuracy: 0.0,
+        stop: &Stop::new(),
     };
     let start = State {
         u: u.to_vec(),
         ..State::default()
     };
     let minimum = method.minimize(&subproblem, &start).expect("solved");
-    assert_eq!(minimum.solved, contact_core::method::Solved::Optimal);
+    assert_eq!(minimum.solved, Solved::Optimal);
     minimum
 }
 
@@ -298,7 +303,7 @@ fn continuation_ends_within_the_documented_penetration() {
     let found = from_rest(&mut problem, &mut PenalizedSlack::default());
     assert_within_documented_penetration(&problem, exact, &found);
 
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     let history = run(&mut problem, 5, 1e-7);
     let exact = history.run.solution.expect("converged").energy;
     let history = run_with(&mut PenalizedSlack::default(), &mut problem, 5, 1e-7);
@@ -354,19 +359,14 @@ fn every_method_in_any_passes_whichever_body_comes_first() {
 fn every_method_through_large_strains_in_any_passes_whichever_body_comes_first() {
     for (name, mut method) in all_methods() {
         for passes in ALL_PASSES {
-            let ends = [(Order::RingFirst, 0), (Order::DiscFirst, 1)].map(|(order, ring)| {
-                // passes are those of the pair as it was declared
-                let passes = match (order, passes) {
-                    (Order::DiscFirst, Passes::FirstIsSlave) => Passes::SecondIsSlave,
-                    (Order::DiscFirst, Passes::SecondIsSlave) => Passes::FirstIsSlave,
-                    (_, passes) => passes,
-                };
-                let mut problem = disc_in_disc(32, passes, order);
+            let ends = [false, true].map(|swapped| {
+                let roles = Roles { swapped, passes };
+                let mut problem = disc_in_disc(32, roles);
                 let history = run_with(method.as_mut(), &mut problem, 10, 1e-7);
-                let outcome = &history.run.outcome;
-                assert_eq!(*outcome, RunOutcome::Complete, "{name} {passes:?}");
+                let outcome = &history.run.ending;
+                assert_eq!(*outcome, Ending::Complete, "{name} {passes:?}");
                 let last = history.steps.last().expect("steps");
-                (last.energy, last.reactions[ring][1])
+                (last.energy, last.reaction(roles.ring())[1])
             });
             let [(e1, r1), (e2, r2)] = ends;
             assert!(relative(e1, e2) < 1e-6, "{name} {passes:?}: {e1} {e2}");
@@ -384,11 +384,12 @@ fn results_and_iterations_do_not_depend_on_units() {
         }];
     for method in methods {
         let run = |length, modulus| {
-            let mut problem = scaled_discs(length, modulus);
+            let scene = disc_in_disc::in_units(length, modulus).expect("a scene");
+            let mut problem = scene.problem().expect("valid scene");
             let history = run_with(method().as_mut(), &mut problem, 10, 1e-7);
-            assert_eq!(history.run.outcome, RunOutcome::Complete);
+            assert_eq!(history.run.ending, Ending::Complete);
             let attempts = history.steps.iter().map(|step| &step.attempt);
-            let counts = attempts.map(|a| (a.iterations.len(), a.effort().iterations));
+            let counts = attempts.map(|a| (a.iterations.len(), a.cost.iterations));
             let energy = history.steps.last().expect("steps").energy;
             (energy / (modulus * length * length), counts.collect())
         };
@@ -416,8 +417,7 @@ fn blocks() -> Problem<2> {
         .prescribe("bottom", [None, Some(0.0)])
         .expect("support");
     upper.traction("top", [0.0, -PRESSURE]).expect("load");
-    let mut scene = Scene::of(vec![lower, upper]);
-    scene.contact((0, "top"), (1, "bottom")).expect("surfaces");
+    let mut scene = pair((lower, "top"), (upper, "bottom")).expect("surfaces");
     scene.integration = Some(Integration::Exact);
     scene.problem().expect("valid scene")
 }
@@ -456,11 +456,11 @@ fn no_result_of_the_penalty_depends_on_its_move_limit() {
 /// of them in each of these solves but for the secants that foretell its force.
 #[test]
 fn warm_solves_at_a_large_penalty_take_few_iterations() {
-    let mut problem = disc_in_disc(16, Passes::Both, Order::RingFirst);
+    let mut problem = disc_in_disc(16, Roles::default());
     let history = run(&mut problem, 5, 1e-6);
     let mut method = PenalizedSlack::with(Continuation::fixed(1e12));
     let found = solved(&mut problem, &mut method, history.run.state.u);
-    let iterations: Vec<usize> = found.history.iter().map(|i| i.effort.iterations).collect();
+    let iterations: Vec<usize> = found.history.iter().map(|i| i.cost.iterations).collect();
     assert!(iterations.iter().all(|&n| n <= 20), "{iterations:?}");
 }
 
@@ -469,8 +469,8 @@ fn warm_solves_at_a_large_penalty_take_few_iterations() {
 fn the_move_limit_does_not_hold_up_bodies_that_touch() {
     let mut problem = small_beams(element::Order::Linear);
     let found = from_rest(&mut problem, &mut Penalty::with(Continuation::fixed(1e4)));
-    let effort = found.history[0].effort;
-    assert!(effort.solves <= 5, "{} solves", effort.solves);
+    let cost = found.history[0].cost;
+    assert!(cost.solves <= 5, "{} solves", cost.solves);
 }
 
 /// A setting that would silently be another one is refused by its name.
@@ -497,11 +497,8 @@ fn settings_are_checked() {
         (Box::new(slack), "tolerance"),
         (Box::new(penalty), "move_limit"),
     ];
-    for (mut method, name) in refused {
-        let simulation = contact_fem::Simulation::with_increments(1);
-        let run = simulation.run(&mut blocks(), &mut *method, |_| {
-            std::ops::ControlFlow::Continue(())
-        });
+    for (method, name) in refused {
+        let run = Simulation::solved_by(Retry::with(method), 1).run(&mut blocks());
         let error = run.expect_err("refused").to_string();
         assert!(error.contains(name), "{error}");
     }
@@ -516,8 +513,7 @@ fn a_method_that_is_used_again_takes_the_mu_it_is_told() {
     let weak = Continuation::fixed(1e4);
     let expected = from_rest(&mut problem, &mut PenalizedSlack::with(weak));
     method.penalization.continuation = weak;
-    let settings = contact_core::FixedPoint::default();
-    let again = settings.solve(&problem, &mut method, stiff.state.clone());
+    let again = FixedPoint::with(method).solve_from(&problem, stiff.state.clone());
     let again = again.expect("no misuse").energy;
     assert!(relative(again, expected.energy) < 1e-9);
     assert!(relative(again, stiff.energy) > 1e-6);

@@ -1,12 +1,13 @@
 //! Patch tests: states that the elements contain exactly.
 
 use crate::common::{relative, run, stress_error};
-use crate::support::blocks::Blocks;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Integration, Passes};
+use contact_fem::model::{Integration, Passes};
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::alone;
+use ipopt_contact_scenes::blocks::Blocks;
 
 /// A square mesh with its interior nodes shaken off the grid.
 fn distorted() -> Mesh<2> {
@@ -38,7 +39,7 @@ fn homogeneous(mut body: Body<2>, F: Matrix<2>, increments: usize, tolerance: f6
         body.prescribe_nodes(&[node], [Some(u[0]), Some(u[1])])
             .expect("support");
     }
-    let mut problem = Scene::of(vec![body]).problem().expect("valid scene");
+    let mut problem = alone(body).problem().expect("valid scene");
     let history = run(&mut problem, increments, 1e-6);
     let u = problem.displacements(&history.run.state.u);
     for (u, X) in u.iter().zip(problem.reference()) {
@@ -80,7 +81,7 @@ fn traction_gives_the_closed_form_stretch() {
         .prescribe("bottom", [None, Some(0.0)])
         .expect("support");
     strip.traction("right", [0.9, 0.0]).expect("load");
-    let mut problem = Scene::of(vec![strip]).problem().expect("valid scene");
+    let mut problem = alone(strip).problem().expect("valid scene");
     let history = run(&mut problem, 3, 1e-6);
     // μ = 1: F − 1/F = 0.9
     let stretch = 0.5 * (0.9 + (0.81f64 + 4.0).sqrt());
@@ -163,8 +164,11 @@ fn pressure_driven_blocks() {
     let mut top = Body::new(mesh(7, 1.0), law);
     top.prescribe("left", [Some(0.0), None]).expect("support");
     top.traction("top", [0.0, -10.0]).expect("load");
-    let mut scene = Scene::of(vec![bottom, top]);
-    scene.contact((1, "bottom"), (0, "top")).expect("surfaces");
+    let mut scene = Scene::new();
+    let (bottom, top) = (scene.add("bottom", bottom), scene.add("top", top));
+    scene
+        .contact(top.on("bottom"), bottom.on("top"))
+        .expect("surfaces");
     let mut problem = scene.problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);
     let U = problem.displacements(&history.run.state.u);
@@ -188,7 +192,7 @@ fn one_large_increment_starts_admissible() {
     block
         .prescribe("top", [Some(0.0), Some(-0.5)])
         .expect("support");
-    let mut problem = Scene::of(vec![block]).problem().expect("valid scene");
+    let mut problem = alone(block).problem().expect("valid scene");
     let history = run(&mut problem, 1, 1e-6);
     assert_eq!(history.run.cuts(), 0);
     // ψ = μ/2 (F² + 1 − 2 − 2 ln F) at F = 0.5, and P = μ (F − 1/F), with μ = 1

@@ -1,9 +1,11 @@
 //! Rows of the weak non-penetration constraints where surfaces end.
 
 use contact_core::ContactProblem;
+use contact_core::gaps::Sampling;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::scene::{Integration, Problem};
-use contact_fem::{Body, NeoHookean, Scene};
+use contact_fem::model::{Integration, Problem};
+use contact_fem::{Body, NeoHookean};
+use ipopt_contact_scenes::pair;
 
 /// How far the faces are apart at x = 0, and the slope of the upper one.
 const GAP: f64 = 0.2;
@@ -23,10 +25,9 @@ fn below_a_slope(end: f64) -> Problem<2> {
     let sloping = upper.mapped(|X| [X[0], X[1] + SLOPE * X[0]].into());
     let mut upper = Body::new(sloping.expect("sloping"), law);
     upper.prescribe("top", [Some(0.0); 2]).expect("support");
-    let mut scene = Scene::of(vec![lower, upper]);
+    let mut scene = pair((lower, "top"), (upper, "bottom")).expect("pair");
     scene.reach = Some(1.0);
     scene.integration = Some(Integration::Gauss(64)); // to end about anywhere
-    scene.contact((0, "top"), (1, "bottom")).expect("pair");
     scene.problem().expect("valid scene")
 }
 
@@ -39,7 +40,7 @@ fn rows_are_means_of_gaps_wherever_the_other_surface_ends() {
         let end = 2.0 + 0.01 * f64::from(k);
         let problem = below_a_slope(end);
         let u = vec![0.0; problem.energy().dofs()];
-        let gaps = problem.linearize_gaps(&u).expect("rows");
+        let gaps = problem.rows(&u, Sampling::Nodes);
         assert!(gaps.len() > 4);
         let mut c = vec![0.0; gaps.len()];
         gaps.value(&u, &mut c);

@@ -1,15 +1,16 @@
 //! Contact in space, of linear and quadratic tetrahedra: patch test, and what must not matter.
 
 use crate::common::{relative, run, run_with, stress_error};
-use crate::support::blocks::Blocks;
+use contact_core::Ending;
 use contact_core::InteriorPoint;
-use contact_core::load_steps::RunOutcome;
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::cuboid;
-use contact_fem::scene::{Integration, Problem};
+use contact_fem::model::{Integration, Problem};
 use contact_fem::simulation::History;
 use contact_fem::tensor::{Matrix, Vector};
 use contact_fem::{Body, Mesh, NeoHookean, Scene};
+use ipopt_contact_scenes::blocks::Blocks;
+use ipopt_contact_scenes::pair;
 
 fn block(order: Order, low: [f64; 3], size: [f64; 3], divisions: usize) -> Mesh<3> {
     let mesh = cuboid(low, size, [divisions; 3]).expect("mesh");
@@ -84,12 +85,12 @@ impl Oblique {
         small
             .prescribe("top", all([0.05, 0.02, -0.12]))
             .expect("support");
-        let (bodies, pair) = match self.swapped {
-            false => (vec![large, small], [(0, "top"), (1, "bottom")]),
-            true => (vec![small, large], [(0, "bottom"), (1, "top")]),
+        let (large, small) = ((large, "top"), (small, "bottom"));
+        let scene = match self.swapped {
+            false => pair(large, small),
+            true => pair(small, large),
         };
-        let mut scene = Scene::of(bodies);
-        scene.contact(pair[0], pair[1]).expect("surfaces");
+        let mut scene = scene.expect("surfaces");
         scene.integration = self.integration;
         let mut problem = scene.problem().expect("valid scene");
         // where rows are about to open, displacements follow the root of what is left of gap times
@@ -99,7 +100,7 @@ impl Oblique {
             ..InteriorPoint::default()
         };
         let history = run_with(&mut method, &mut problem, 3, 2e-11);
-        assert_eq!(history.run.outcome, RunOutcome::Complete);
+        assert_eq!(history.run.ending, Ending::Complete);
         (problem, history)
     }
 
@@ -176,13 +177,13 @@ fn three_blocks(elements: Order, order: [usize; 3]) -> (Vec<Vector<3>>, f64) {
         body
     };
     let place = [0, 1, 2].map(|k| order.iter().position(|o| *o == k).expect("all bodies"));
-    let mut scene = Scene::of(order.map(body).into());
+    let mut scene = Scene::new();
+    let bodies = order.map(|k| scene.add(k.to_string(), body(k)));
     for (below, above) in [(place[0], place[1]), (place[1], place[2])] {
-        let pair = [(below, "top"), (above, "bottom")];
-        let [first, second] = if below < above {
-            pair
-        } else {
-            [pair[1], pair[0]]
+        let (lower, upper) = (bodies[below].on("top"), bodies[above].on("bottom"));
+        let (first, second) = match below < above {
+            true => (lower, upper),
+            false => (upper, lower),
         };
         scene.contact(first, second).expect("surfaces");
     }
@@ -192,7 +193,7 @@ fn three_blocks(elements: Order, order: [usize; 3]) -> (Vec<Vector<3>>, f64) {
         ..InteriorPoint::default()
     };
     let history = run_with(&mut method, &mut problem, 2, 2e-11);
-    assert_eq!(history.run.outcome, RunOutcome::Complete);
+    assert_eq!(history.run.ending, Ending::Complete);
     let step = history.steps.last().expect("converged");
     assert!(step.contact_forces[place[0]][2] < -1.0 && step.contact_forces[place[2]][2] > 1.0);
     let U = problem.displacements(&history.run.state.u);

@@ -3,16 +3,12 @@
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
-use contact_core::fixed_point::Outcome;
-use contact_core::gaps::{LinearGaps, Row, RowKey};
-use contact_core::load_steps::RunOutcome;
-use contact_core::method::{
-    Continuation, Method, Minimum, PenalizedSlack, Penalty, Solved, Subproblem,
-};
+use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
+use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalty, Subproblem};
 use contact_core::nlp::{Bounds, Pattern};
 use contact_core::{
-    Acceleration, ContactProblem, Energy, Error, FixedPoint, InteriorPoint, LoadStepped, LoadSteps,
-    State,
+    Acceleration, ContactProblem, Ending, Energy, Error, FixedPoint, InteriorPoint, LoadStepped,
+    LoadSteps, Outcome, Retry, Solved, State,
 };
 
 /// E(u) = ½ k |u|² − t f·u with load factor t for one point in the plane, outside the unit disc around (0, −1).
@@ -72,7 +68,7 @@ impl ContactProblem for Point {
         &self.bounds
     }
     /// g(u) = (u − x̄)·n with x̄ the closest point of the circle, frozen.
-    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+    fn linearize_gaps(&self, u: &[f64], _: Sampling) -> Result<LinearGaps, Error> {
         self.linearizations.set(self.linearizations.get() + 1);
         let d = [u[0] - CENTRE[0], u[1] - CENTRE[1]];
         let r = d[0].hypot(d[1]);
@@ -112,19 +108,16 @@ fn a_point_on_a_circle() {
     let force = [0.6, -1.3];
     for acceleration in [Acceleration::Plain, Acceleration::Anderson(3)] {
         let problem = Point::pulled(force);
-        let settings = FixedPoint {
+        let mut fixed_point = FixedPoint {
             tolerance: 1e-9,
             acceleration,
-            ..FixedPoint::default()
+            ..FixedPoint::with(InteriorPoint::default())
         };
         let start = State {
             u: vec![0.0; 2],
             ..State::default()
         };
-        let mut method = InteriorPoint::default();
-        let solution = settings
-            .solve(&problem, &mut method, start)
-            .expect("no misuse");
+        let solution = fixed_point.solve_from(&problem, start).expect("no misuse");
         assert_eq!(solution.outcome, Outcome::Converged, "{acceleration:?}");
         let (u, lambda) = exact(force);
         assert!(
@@ -167,17 +160,18 @@ fn the_last_solve_is_never_rough() {
         ..State::default()
     };
     let asked = |acceleration, max_iterations, u| {
-        let settings = FixedPoint {
+        let mut fixed_point = FixedPoint {
+            method: Watched::default(),
             tolerance: 1e-9,
             acceleration,
             max_iterations,
         };
-        let mut method = Watched::default();
         let problem = Point::pulled(force);
-        let solution = settings.solve(&problem, &mut method, start(u));
+        let solution = fixed_point.solve_from(&problem, start(u));
         let solution = solution.expect("no misuse");
-        assert_eq!(method.asked.len(), solution.history.len());
-        (method.asked, solution)
+        let asked = fixed_point.method.asked;
+        assert_eq!(asked.len(), solution.history.len());
+        (asked, solution)
     };
     let anderson = Acceleration::Anderson(3);
     let (end, _) = exact(force);
@@ -211,17 +205,17 @@ fn a_point_pressed_into_a_circle() {
         let slack = PenalizedSlack::with(Continuation::fixed(mu));
         let penalty = Penalty::with(Continuation::fixed(mu));
         let methods: [Box<dyn Method>; 2] = [Box::new(slack), Box::new(penalty)];
-        for mut method in methods {
-            let settings = FixedPoint {
+        for method in methods {
+            let mut fixed_point = FixedPoint {
                 tolerance: 1e-10,
-                ..FixedPoint::default()
+                ..FixedPoint::with(method)
             };
             let start = State {
                 u: vec![0.0; 2],
                 ..State::default()
             };
             let problem = Point::pulled(force);
-            let solution = settings.solve(&problem, &mut *method, start);
+            let solution = fixed_point.solve_from(&problem, start);
             let solution = solution.expect("no misuse");
             assert_eq!(solution.outcome, Outcome::Converged, "μ = {mu}");
             let depth = 2.0 * lambda / (1.0 + (1.0 + 12.0 * mu * lambda).sqrt());
@@ -248,8 +242,7 @@ fn a_penalty_grows_until_it_holds() {
             u: vec![0.0; 2],
             ..State::default()
         };
-        let mut method = PenalizedSlack::with(continuation);
-        FixedPoint::default().solve(&problem, &mut method, start)
+        FixedPoint::with(PenalizedSlack::with(continuation)).solve_from(&problem, start)
     };
     let solution = solve(Continuation::default()).expect("no misuse");
     assert_eq!(solution.outcome, Outcome::Converged);
@@ -288,9 +281,8 @@ fn an_open_gap_costs_nothing() {
         u: vec![0.0; 2],
         ..State::default()
     };
-    let mut method = InteriorPoint::default();
-    let solution = FixedPoint::default()
-        .solve(&problem, &mut method, start)
+    let solution = FixedPoint::with(InteriorPoint::default())
+        .solve_from(&problem, start)
         .expect("no misuse");
     assert_eq!(solution.outcome, Outcome::Converged);
     assert!((solution.state.u[0] - 0.1).abs() < 1e-8 && (solution.state.u[1] - 0.2).abs() < 1e-8);
@@ -307,7 +299,7 @@ impl Method for Stuck {
             lambda: vec![0.0; subproblem.gaps.len()],
             energy: subproblem.energy.value(&start.u),
             solved: self.0.clone(),
-            effort: Default::default(),
+            cost: Default::default(),
         })
     }
 }
@@ -327,10 +319,8 @@ fn a_subproblem_that_was_not_solved_never_counts_as_converged() {
     ];
     for (solved, word) in cases {
         let problem = Point::pulled([0.6, -1.3]);
-        let mut method = Stuck(solved);
-        let settings = FixedPoint::default();
-        let solution = settings
-            .solve(&problem, &mut method, start.clone())
+        let solution = FixedPoint::with(Stuck(solved))
+            .solve_from(&problem, start.clone())
             .expect("no misuse");
         assert_ne!(solution.outcome, Outcome::Converged);
         assert!(solution.outcome.to_string().contains(word));
@@ -350,25 +340,23 @@ impl Method for Flip {
             lambda: vec![0.0; subproblem.gaps.len()],
             energy: 0.0,
             solved: Solved::Optimal,
-            effort: Default::default(),
+            cost: Default::default(),
         })
     }
 }
 
 #[test]
 fn cycles_are_recognised() {
-    let settings = FixedPoint {
+    let mut fixed_point = FixedPoint {
         acceleration: Acceleration::Plain,
-        ..FixedPoint::default()
+        ..FixedPoint::with(Flip(1e-3))
     };
     let start = State {
         u: vec![0.0; 2],
         ..State::default()
     };
     let problem = Point::pulled([0.6, -1.3]);
-    let solution = settings
-        .solve(&problem, &mut Flip(1e-3), start)
-        .expect("no misuse");
+    let solution = fixed_point.solve_from(&problem, start).expect("no misuse");
     let Outcome::Cycle {
         period: 2,
         amplitude,
@@ -387,7 +375,7 @@ fn starts_are_checked() {
             u,
             ..State::default()
         };
-        let solution = FixedPoint::default().solve(&problem, &mut Stuck(Solved::Optimal), start);
+        let solution = FixedPoint::with(Stuck(Solved::Optimal)).solve_from(&problem, start);
         assert!(solution.is_err());
     }
 }
@@ -419,13 +407,13 @@ fn reluctant_run(failures: usize, max_halvings: usize) -> contact_core::load_ste
         u: vec![0.0; 2],
         ..State::default()
     };
-    let mut method = Reluctant {
+    let mut solver = Retry::with(Reluctant {
         failures,
         method: InteriorPoint::default(),
-    };
+    });
     let mut problem = Point::pulled([0.6, -1.3]);
     settings
-        .run(&mut problem, &mut method, start, |_| {
+        .run(&mut problem, &mut solver, start, |_| {
             ControlFlow::Continue(())
         })
         .expect("no misuse")
@@ -434,7 +422,7 @@ fn reluctant_run(failures: usize, max_halvings: usize) -> contact_core::load_ste
 #[test]
 fn steps_are_halved_and_grow_back() {
     let run = reluctant_run(2, 6);
-    assert_eq!(run.outcome, RunOutcome::Complete);
+    assert_eq!(run.ending, Ending::Complete);
     assert_eq!(run.cuts(), 2);
     let goals: Vec<f64> = run.attempts.iter().map(|attempt| attempt.to).collect();
     assert_eq!(goals, [0.5, 0.25, 0.125, 0.375, 0.5, 1.0]);
@@ -445,8 +433,8 @@ fn steps_are_halved_and_grow_back() {
 #[test]
 fn a_run_that_gives_up_says_where_and_why() {
     let run = reluctant_run(usize::MAX, 3);
-    let RunOutcome::NotConverged { at, why } = &run.outcome else {
-        panic!("not {:?}", run.outcome)
+    let Ending::NotConverged { at, why } = &run.ending else {
+        panic!("not {:?}", run.ending)
     };
     assert_eq!(*at, 0.0);
     assert_eq!(*why, Outcome::SubproblemFailed("reluctant".into()));
@@ -497,7 +485,7 @@ impl ContactProblem for Cliff {
     fn bounds(&self) -> &Bounds {
         &self.bounds
     }
-    fn linearize_gaps(&self, _: &[f64]) -> Result<LinearGaps, Error> {
+    fn linearize_gaps(&self, _: &[f64], _: Sampling) -> Result<LinearGaps, Error> {
         Ok(LinearGaps::new(true))
     }
 }
@@ -514,9 +502,8 @@ fn nothing_collapses_in_one_step() {
         u: vec![30.0],
         ..State::default()
     };
-    let mut method = InteriorPoint::default();
-    let solution = FixedPoint::default()
-        .solve(&problem, &mut method, start)
+    let solution = FixedPoint::with(InteriorPoint::default())
+        .solve_from(&problem, start)
         .expect("no misuse");
     assert_eq!(solution.outcome, Outcome::Converged);
     assert!(

@@ -143,6 +143,7 @@ mod start;
 mod statistics;
 mod status;
 mod totals;
+mod versions;
 
 use thiserror::Error;
 
@@ -161,6 +162,7 @@ pub use self::{
     statistics::{CallbackStatistics, MumpsUse, Ordering, Statistics, Time},
     status::Status,
     totals::Totals,
+    versions::{Versions, versions},
 };
 use crate::nlp::NlpError;
 

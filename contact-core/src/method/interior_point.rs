@@ -1,15 +1,13 @@
 //! Method (7): the interior point method, Ipopt on min E(u) subject to C u + c₀ ≥ 0.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use super::scaled::{Scaled, attainable, check_tolerance, settings};
-use super::{Method, Minimum, Solved, Subproblem};
+use super::{Method, Minimum, Subproblem};
 use crate::ipopt::{Options, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Structure};
-use crate::{Error, Scale, State};
+use crate::{Error, Scale, Solved, State};
 
 /// The interior point method (7), the reference method.
 ///
@@ -30,8 +28,6 @@ pub struct InteriorPoint {
     pub max_iterations: usize,
     /// More options for Ipopt by name; they override everything set here.
     pub options: Options,
-    /// Raising this flag stops a running solve at its next iteration.
-    pub stop: Option<Arc<AtomicBool>>,
 }
 
 impl Default for InteriorPoint {
@@ -42,7 +38,6 @@ impl Default for InteriorPoint {
             max_warm_iterations: 40,
             max_iterations: 300,
             options: Options::new(),
-            stop: None,
         }
     }
 }
@@ -105,9 +100,9 @@ impl Method for InteriorPoint {
         mehrotra.options.set("min_refinement_steps", 1);
         let mut minimum = self.solve(mehrotra, subproblem, start)?;
         if matches!(minimum.solved, Solved::Failed(_)) {
-            let spent = minimum.effort;
+            let spent = minimum.cost;
             minimum = self.solve(settings, subproblem, start)?;
-            minimum.effort += spent;
+            minimum.cost += spent;
         }
         Ok(minimum)
     }
@@ -129,7 +124,7 @@ impl InteriorPoint {
         start: &State,
     ) -> Result<Minimum, Error> {
         let clock = Instant::now();
-        let mut scaled = Scaled::new(subproblem, self.stop.as_deref());
+        let mut scaled = Scaled::new(subproblem);
         let x = scaled.displacements(start);
         let warm = !start.multipliers.is_empty();
 
@@ -138,8 +133,8 @@ impl InteriorPoint {
         let run = sequence.solve(&mut scaled)?;
 
         let wall = clock.elapsed().as_secs_f64();
-        let effort = scaled.effort(sequence.totals(), &run, wall);
-        Ok(scaled.minimum(run, effort))
+        let cost = scaled.cost(sequence.totals(), &run, wall);
+        Ok(scaled.minimum(run, cost))
     }
 }
 

@@ -22,8 +22,9 @@ pub use {
     penalty::Penalty,
 };
 
+use crate::gaps::Sampling;
 use crate::nlp::Bounds;
-use crate::{ContactProblem, Energy, Error, LinearGaps, Scale, State};
+use crate::{Cost, Energy, Error, LinearGaps, Scale, Solved, State, Stop};
 
 /// What a method is to minimise: E(u) over `bounds` and `gaps`, all frozen.
 #[derive(Clone, Copy)]
@@ -41,29 +42,39 @@ pub struct Subproblem<'a> {
     /// The accuracy, relative to the scales, beyond which nothing is gained; 0 for all that the
     /// method is set to.
     pub accuracy: f64,
+    /// The request to stop, to be looked at in every iteration.
+    pub stop: &'a Stop,
 }
 
 /// Step 5: any way to minimise E(u) subject to C u + c₀ ≥ 0.
 pub trait Method {
-    /// Steps 1–3: the rows that it wants at `u`; by default one a contact node.
-    fn linearize(&self, problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
-        problem.linearize_gaps(u)
+    /// The rows that it wants: by default one a contact node.
+    fn sampling(&self) -> Sampling {
+        Sampling::Nodes
     }
 
     /// Solves from `start`; a failure to converge is told by [`Minimum::solved`], not by `Err`.
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error>;
 }
 
-/// Whether a method did what it was asked.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Solved {
-    /// To the tolerance asked.
-    Optimal,
-    /// Someone pulled the brake; the result is not a minimum.
-    Interrupted,
-    /// Not solved, with the solver's own word for why; the result is not a minimum.
-    Failed(String),
+impl<M: Method + ?Sized> Method for &mut M {
+    fn sampling(&self) -> Sampling {
+        (**self).sampling()
+    }
+
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        (**self).minimize(subproblem, start)
+    }
+}
+
+impl<M: Method + ?Sized> Method for Box<M> {
+    fn sampling(&self) -> Sampling {
+        (**self).sampling()
+    }
+
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        (**self).minimize(subproblem, start)
+    }
 }
 
 /// What a method found.
@@ -77,77 +88,6 @@ pub struct Minimum {
     pub energy: f64,
     /// Whether u is a minimum at all.
     pub solved: Solved,
-    /// What it took.
-    pub effort: Effort,
-}
-
-/// What solves cost: counts, and seconds of wall time by phase.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Effort {
-    /// Solves, cold retries included.
-    pub solves: usize,
-    /// Solves that were repeated cold because the warm start led nowhere.
-    pub cold_retries: usize,
-    /// Iterations of the optimiser.
-    pub iterations: usize,
-    /// Numerical factorisations of its linear system.
-    pub factorizations: usize,
-    /// Evaluations of the energy's value.
-    pub values: usize,
-    /// Evaluations of its gradient.
-    pub gradients: usize,
-    /// Evaluations of its Hessian.
-    pub hessians: usize,
-    /// Seconds inside the energy and the gaps.
-    pub callbacks: f64,
-    /// Seconds inside the optimiser, callbacks excluded.
-    pub optimizer: f64,
-    /// The largest factor, where the linear solver tells.
-    pub factor: Option<Factor>,
-}
-
-/// A factor of the optimiser's linear system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Factor {
-    /// The elimination order that the linear solver used.
-    pub ordering: &'static str,
-    /// The bytes it fills.
-    pub bytes: u64,
-    /// The bytes that were allocated by an estimate made before, where the system tells.
-    pub workspace_bytes: Option<u64>,
-    /// How often the estimate was too small, in all solves.
-    pub reallocations: usize,
-}
-
-impl Factor {
-    /// The larger one, with the reallocations of both.
-    fn or_larger(self, other: Self) -> Self {
-        let larger = if other.bytes > self.bytes {
-            other
-        } else {
-            self
-        };
-        Factor {
-            reallocations: self.reallocations + other.reallocations,
-            ..larger
-        }
-    }
-}
-
-impl std::ops::AddAssign for Effort {
-    fn add_assign(&mut self, other: Self) {
-        self.solves += other.solves;
-        self.cold_retries += other.cold_retries;
-        self.iterations += other.iterations;
-        self.factorizations += other.factorizations;
-        self.values += other.values;
-        self.gradients += other.gradients;
-        self.hessians += other.hessians;
-        self.callbacks += other.callbacks;
-        self.optimizer += other.optimizer;
-        self.factor = match (self.factor, other.factor) {
-            (Some(a), Some(b)) => Some(a.or_larger(b)),
-            (a, b) => a.or(b),
-        };
-    }
+    /// What it cost.
+    pub cost: Cost,
 }

@@ -5,15 +5,13 @@
 //! Newton's steps are the same.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use super::scaled::{Scaled, attainable, check_tolerance, settings};
-use super::{Continuation, Effort, Minimum, Solved, Subproblem};
+use super::{Continuation, Minimum, Subproblem};
 use crate::ipopt::{Options, Run, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
-use crate::{Error, Scale, State};
+use crate::{Cost, Error, Scale, Solved, State};
 
 /// η of (38) with its first and second derivative: 0, −x³, and 3x² + 3x + 1 below −1; convex and
 /// twice continuously differentiable.
@@ -61,8 +59,6 @@ pub struct Penalization {
     pub max_iterations: usize,
     /// More options for Ipopt by name; they override everything set here.
     pub options: Options,
-    /// Raising this flag stops a running solve at its next iteration.
-    pub stop: Option<Arc<AtomicBool>>,
     /// μ at the last solution; a warm start goes on from there.
     reached: f64,
 }
@@ -74,7 +70,6 @@ impl Default for Penalization {
             tolerance: 1e-12,
             max_iterations: 300,
             options: Options::new(),
-            stop: None,
             reached: 0.0,
         }
     }
@@ -118,9 +113,9 @@ impl Penalization {
         };
         let mut minimum = self.from(resumed, problem, start)?;
         if resumed > first && matches!(minimum.solved, Solved::Failed(_)) {
-            let spent = minimum.effort;
+            let spent = minimum.cost;
             minimum = self.from(first, problem, start)?;
-            minimum.effort += spent;
+            minimum.cost += spent;
         }
         Ok(minimum)
     }
@@ -130,7 +125,7 @@ impl Penalization {
         let clock = Instant::now();
         let scale = problem.subproblem.scale;
         let mut lifted = Lifted {
-            scaled: Scaled::new(problem.subproblem, self.stop.as_deref()),
+            scaled: Scaled::new(problem.subproblem),
             weights: &problem.weights,
             mu,
         };
@@ -179,8 +174,8 @@ impl Penalization {
             }
         };
         let wall = clock.elapsed().as_secs_f64();
-        let effort = lifted.scaled.effort(sequence.totals(), &run, wall);
-        let mut minimum = lifted.minimum(run, effort);
+        let cost = lifted.scaled.cost(sequence.totals(), &run, wall);
+        let mut minimum = lifted.minimum(run, cost);
         if let Some(why) = failed {
             minimum.solved = Solved::Failed(why);
         }
@@ -276,9 +271,9 @@ impl Lifted<'_> {
     }
 
     /// Back in the user's units; E without the penalty.
-    fn minimum(&self, mut run: Run, effort: Effort) -> Minimum {
+    fn minimum(&self, mut run: Run, cost: Cost) -> Minimum {
         run.solution.objective -= self.penalty(&run.solution.x);
-        self.scaled.minimum(run, effort)
+        self.scaled.minimum(run, cost)
     }
 
     /// μ Σ w η(s).

@@ -2,7 +2,8 @@
 
 use super::penalized::{Penalization, Penalized};
 use super::{Continuation, Method, Minimum, Subproblem};
-use crate::{ContactProblem, Error, LinearGaps, State};
+use crate::gaps::Sampling;
+use crate::{Error, State};
 
 /// The penalty (39) on the gaps of all integration points, with η of (38); no constraints.
 ///
@@ -49,8 +50,8 @@ impl Penalty {
 }
 
 impl Method for Penalty {
-    fn linearize(&self, problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
-        problem.linearize_points(u)
+    fn sampling(&self) -> Sampling {
+        Sampling::Points
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {

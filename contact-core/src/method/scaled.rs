@@ -1,13 +1,13 @@
 //! A subproblem in numbers that are O(1): x = u/L, f = E/E₀, g = c/L, and the way back.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use super::{Effort, Factor, Minimum, Solved, Subproblem};
+use super::{Minimum, Subproblem};
+use crate::cost::FactorSize;
 use crate::ipopt::{Options, Run, SequenceSettings, Totals};
 use crate::nlp::Multipliers;
-use crate::{Energy, Error, LinearGaps, Scale, State};
+use crate::{Cost, Energy, Error, LinearGaps, Scale, Solved, State, Stop};
 
 /// A subproblem as Ipopt sees it, the guard of its domain, and what evaluating it has cost. The x of
 /// its functions may go on after the n displacements.
@@ -21,7 +21,7 @@ pub(super) struct Scaled<'a> {
     /// The domain functions at the last accepted point and at the trial point.
     accepted: Vec<f64>,
     trial: Vec<f64>,
-    stop: Option<&'a AtomicBool>,
+    stop: &'a Stop,
     /// Evaluations, and seconds spent in here.
     values: usize,
     gradients: usize,
@@ -34,7 +34,7 @@ impl<'a> Scaled<'a> {
     /// inadmissible.
     const GUARD: f64 = 0.1;
 
-    pub fn new(subproblem: &Subproblem<'a>, stop: Option<&'a AtomicBool>) -> Self {
+    pub fn new(subproblem: &Subproblem<'a>) -> Self {
         let energy = subproblem.energy;
         Scaled {
             energy,
@@ -44,7 +44,7 @@ impl<'a> Scaled<'a> {
             u: vec![0.0; energy.dofs()],
             accepted: vec![0.0; energy.domain_len()],
             trial: vec![0.0; energy.domain_len()],
-            stop,
+            stop: subproblem.stop,
             values: 0,
             gradients: 0,
             hessians: 0,
@@ -57,13 +57,9 @@ impl<'a> Scaled<'a> {
         self.u.len()
     }
 
-    fn is_stopped(&self) -> bool {
-        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
-    }
-
     /// Whether Ipopt may go on.
     pub fn flow(&self) -> ControlFlow<()> {
-        match self.is_stopped() {
+        match self.stop.is_requested() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }
@@ -86,7 +82,7 @@ impl<'a> Scaled<'a> {
     }
 
     /// Back in the user's units, λ kept ≥ 0.
-    pub fn minimum(&self, run: Run, effort: Effort) -> Minimum {
+    pub fn minimum(&self, run: Run, cost: Cost) -> Minimum {
         let solved = self.solved(&run);
         let solution = run.solution;
         let force = |l: f64| (-l * self.unit / self.length).max(0.0);
@@ -99,7 +95,7 @@ impl<'a> Scaled<'a> {
                 |m| m.constraints.into_iter().map(force).collect(),
             ),
             energy: solution.objective * self.unit,
-            effort,
+            cost,
         }
     }
 
@@ -174,14 +170,14 @@ impl<'a> Scaled<'a> {
     pub fn solved(&self, run: &Run) -> Solved {
         match run.solution.status {
             _ if run.solved => Solved::Optimal,
-            _ if self.is_stopped() => Solved::Interrupted,
+            _ if self.stop.is_requested() => Solved::Interrupted,
             status => Solved::Failed(status.to_string()),
         }
     }
 
     /// What the solves cost, of `wall` seconds in all.
-    pub fn effort(&self, totals: &Totals, run: &Run, wall: f64) -> Effort {
-        Effort {
+    pub fn cost(&self, totals: &Totals, run: &Run, wall: f64) -> Cost {
+        Cost {
             solves: totals.warm + totals.cold,
             cold_retries: totals.cold_retries,
             iterations: totals.iterations,
@@ -191,12 +187,14 @@ impl<'a> Scaled<'a> {
             hessians: self.hessians,
             callbacks: self.seconds,
             optimizer: wall - self.seconds,
-            factor: run.solution.statistics.mumps.map(|mumps| Factor {
+            wall,
+            factor: run.solution.statistics.mumps.map(|mumps| FactorSize {
                 ordering: mumps.ordering.name(),
                 bytes: mumps.factor_bytes,
                 workspace_bytes: mumps.workspace_bytes,
                 reallocations: mumps.reallocations,
             }),
+            ..Cost::default()
         }
     }
 }

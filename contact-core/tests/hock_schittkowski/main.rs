@@ -4,8 +4,6 @@
 #![allow(missing_docs)]
 
 mod collection;
-#[path = "../common/mod.rs"]
-mod common;
 mod hyper_dual;
 mod kkt;
 mod problem;

@@ -1,12 +1,9 @@
 //! Are the problems stated as they were published, and are their derivatives those of their functions?
 
 use contact_core::nlp::{Nlp, Pattern};
+use problems::{HS071_LAMBDA, HS071_START, HS071_X, Hs071, assert_close};
 
-use crate::{
-    collection,
-    common::{self, HS071_LAMBDA, HS071_START, HS071_X, Hs071},
-    problem::Problem,
-};
+use crate::{collection, problem::Problem};
 
 /// Everything an [`Nlp`] says at a point: f, ∇f, g, ∂g/∂x, ∂²L/∂x².
 #[derive(Debug)]
@@ -96,7 +93,7 @@ fn hyper_dual_derivatives_are_those_written_by_hand() {
         let by_hand = Values::at(&mut Hs071, &x, 0.7, &HS071_LAMBDA);
         let found = Values::at(&mut problem, &x, 0.7, &HS071_LAMBDA);
         assert!((found.f - by_hand.f).abs() <= 1e-13 * by_hand.f.abs());
-        common::assert_close(&found.gradient, &by_hand.gradient, 1e-12);
+        assert_close(&found.gradient, &by_hand.gradient, 1e-12);
         // The book subtracts the right-hand sides.
         let g: Vec<_> = found
             .g
@@ -104,9 +101,9 @@ fn hyper_dual_derivatives_are_those_written_by_hand() {
             .zip([25.0, 40.0])
             .map(|(g, b)| g + b)
             .collect();
-        common::assert_close(&g, &by_hand.g, 1e-12);
-        common::assert_close(&found.jacobian, &by_hand.jacobian, 1e-12);
-        common::assert_close(&found.hessian, &by_hand.hessian, 1e-12);
+        assert_close(&g, &by_hand.g, 1e-12);
+        assert_close(&found.jacobian, &by_hand.jacobian, 1e-12);
+        assert_close(&found.hessian, &by_hand.hessian, 1e-12);
     }
 }
 

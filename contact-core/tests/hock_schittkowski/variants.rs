@@ -3,10 +3,10 @@
 use std::f64::consts::LN_2;
 
 use contact_core::ipopt::{Options, Status};
+use problems::assert_close;
 
 use crate::{
     collection::problem,
-    common::assert_close,
     hyper_dual::HyperDual,
     kkt::Residuals,
     problem::{DEFAULT, INF, POSITIVE, Problem, X, ZERO},

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use contact_core::fixed_point::Solution;
+use contact_core::equilibrium::Solution;
 use contact_core::gaps::Sampling;
 use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 

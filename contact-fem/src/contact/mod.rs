@@ -1,9 +1,10 @@
 //! The weak non-penetration constraints, step by step:
 //! [`surface`] → [`moving`] with its [`normals`] → [`cut`] → [`search`] with its [`projection`] →
-//! [`stencil`] → [`rows`].
+//! [`stencil`] → [`rows`]; derivatives that follow the projection: [`gap`].
 
 mod clip;
 pub mod cut;
+pub mod gap;
 pub mod motion;
 pub mod moving;
 pub mod normals;
@@ -15,6 +16,7 @@ pub mod stencil;
 pub mod surface;
 
 pub use cut::Integration;
+pub use gap::MovingGap;
 pub use moving::Moving;
 pub use rows::Pass;
 pub use search::Master;

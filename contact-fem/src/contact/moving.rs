@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::normals;
+use super::normals::{self, Addend, Direction};
 use super::surface::Surface;
+use crate::element::Facet;
 use crate::tensor::Vector;
 
 /// The positions x of a surface's own nodes and the averaged normals there, both in the order of
@@ -13,17 +14,20 @@ pub struct Moving<const D: usize> {
     surface: Arc<Surface<D>>,
     x: Vec<Vector<D>>,
     normals: Vec<Vector<D>>,
+    /// |s_a| of the sums s_a that the normals are the directions of.
+    lengths: Vec<f64>,
 }
 
 impl<const D: usize> Moving<D> {
     /// For positions `x` of all scene nodes.
     pub fn new(surface: &Arc<Surface<D>>, x: &[Vector<D>]) -> Self {
         let x = surface.gather(x);
-        let normals = normals::averaged(surface, &x);
+        let sums = normals::sums(surface, &x);
         Moving {
             surface: Arc::clone(surface),
             x,
-            normals,
+            lengths: sums.iter().map(Vector::norm).collect(),
+            normals: sums.into_iter().map(normals::unit).collect(),
         }
     }
 
@@ -37,8 +41,26 @@ impl<const D: usize> Moving<D> {
         &self.x
     }
 
-    /// The averaged unit normals.
+    /// The averaged unit normals n_a.
     pub fn normals(&self) -> &[Vector<D>] {
         &self.normals
+    }
+
+    /// n_a as the direction of the sum s_a of what [`Moving::addends`] returns.
+    pub(super) fn normal(&self, a: usize) -> Direction<D> {
+        Direction {
+            n: self.normals[a],
+            length: self.lengths[a],
+        }
+    }
+
+    /// What the facets around node `a` add to its normal, with their indices.
+    pub(super) fn addends(&self, a: usize) -> impl Iterator<Item = (usize, Addend<D>)> + '_ {
+        let facets = self.surface.facets_around(a);
+        facets.map(|(f, k)| {
+            let nodes = self.surface.facet(f);
+            let facet = Facet::gather(self.surface.order(), nodes, &self.x);
+            (f, Addend::new(&facet, k))
+        })
     }
 }

@@ -1,8 +1,13 @@
-//! Averaged normals at the nodes of a surface.
+//! Averaged normals at the nodes of a surface, and their derivatives.
+//!
+//! n_a = s_a/|s_a|, s_a = Σ_f θ_f c_f/|c_f| over the facets around node a: c is the normal of the
+//! tangent facet at the node and a function of its corners y, of which each is linear in the nodes,
+//! ∂y_j/∂x_b = ∂N_b/∂λ_j up to what is common to all j and moves the facet without turning it. In space
+//! θ is the facet's angle at a corner, else 1. With edges e, e' from the corner, θ = atan2(2|c|, e·e').
 
 use super::surface::Surface;
-use crate::element::facet_edge;
-use crate::tensor::{Vector, facet_normal};
+use crate::element::{Facet, FacetShapes, facet_edge, facet_slopes};
+use crate::tensor::{Matrix, Vector, facet_normal};
 
 /// The outward unit normal at each node of `surface` for positions `x` of its own nodes: unit
 /// normals of the adjacent facets summed, weighted in space by the facet's angle at the node, and
@@ -51,6 +56,184 @@ fn node_weight<const D: usize>(tangent: &[Vector<D>; D], k: usize) -> f64 {
 pub(super) fn unit<const D: usize>(v: Vector<D>) -> Vector<D> {
     let norm = v.norm();
     if norm > 0.0 { v / norm } else { v }
+}
+
+/// The direction n = v/|v| of a vector.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Direction<const D: usize> {
+    pub n: Vector<D>,
+    pub length: f64,
+}
+
+impl<const D: usize> Direction<D> {
+    pub fn of(v: Vector<D>) -> Self {
+        Direction {
+            n: unit(v),
+            length: v.norm(),
+        }
+    }
+
+    /// ∂n/∂v = (I − n nᵀ)/|v|; zero where v is.
+    pub fn slope(&self) -> Matrix<D> {
+        match self.length > 0.0 {
+            true => (Matrix::identity() - self.n * self.n.transpose()) / self.length,
+            false => Matrix::zeros(),
+        }
+    }
+
+    /// ∂²(w·n)/∂v² = −(w nᵀ + n wᵀ + w·n (I − 3 n nᵀ))/|v|²; zero where v is.
+    pub fn curvature(&self, w: &Vector<D>) -> Matrix<D> {
+        if self.length == 0.0 {
+            return Matrix::zeros();
+        }
+        let nn = self.n * self.n.transpose();
+        let isotropic = (Matrix::identity() - nn * 3.0) * w.dot(&self.n);
+        let wn = w * self.n.transpose();
+        -(wn + wn.transpose() + isotropic) / self.length.powi(2)
+    }
+}
+
+/// θ c/|c|, what one facet adds to the normal at its k-th node.
+pub(super) struct Addend<const D: usize> {
+    k: usize,
+    /// ∂y_j/∂x_b.
+    pub slopes: [FacetShapes; D],
+    c: Direction<D>,
+    /// ∂c/∂y_j.
+    c_y: [Matrix<D>; D],
+    angle: Angle<D>,
+}
+
+/// θ and its derivatives by s = 2|c| and d = e·e'.
+struct Angle<const D: usize> {
+    value: f64,
+    by_s: f64,
+    by_d: f64,
+    by_ss: f64,
+    by_sd: f64,
+    /// ∂d/∂y_j.
+    d_y: [Vector<D>; D],
+}
+
+impl<const D: usize> Addend<D> {
+    pub fn new(facet: &Facet<D>, k: usize) -> Self {
+        let lambda = node_coordinates(k);
+        let y = facet.tangent(&lambda);
+        let c = Direction::of(facet_normal(&y));
+        Addend {
+            k,
+            slopes: facet_slopes(facet.order(), &lambda),
+            angle: Angle::new(&y, k, 2.0 * c.length),
+            c,
+            c_y: normal_slopes(&y),
+        }
+    }
+
+    /// Its derivatives by the y_j.
+    pub fn jacobian(&self) -> [Matrix<D>; D] {
+        let (n, angle) = (self.c.n, &self.angle);
+        let by_c = self.c.slope() * angle.value + n * n.transpose() * (2.0 * angle.by_s);
+        std::array::from_fn(|j| by_c * self.c_y[j] + n * angle.d_y[j].transpose() * angle.by_d)
+    }
+
+    /// The second derivatives of its product with `v`, by y_i and y_j: those of h(c, d) by the chain
+    /// rule, where c is bilinear and d quadratic in the y.
+    pub fn hessian(&self, v: &Vector<D>) -> [[Matrix<D>; D]; D] {
+        let (n, angle) = (self.c.n, &self.angle);
+        let (slope, along) = (self.c.slope(), v.dot(&n));
+        let across = slope * v;
+        let by_c = n * (2.0 * angle.by_s * along) + across * angle.value;
+        let by_d = angle.by_d * along;
+        let nq = n * across.transpose();
+        let by_cc = n * n.transpose() * (4.0 * angle.by_ss * along)
+            + (slope * along + nq + nq.transpose()) * (2.0 * angle.by_s)
+            + self.c.curvature(v) * angle.value;
+        let by_cd = n * (2.0 * angle.by_sd * along) + across * angle.by_d;
+        let by_dd = -angle.by_ss * along; // θ is harmonic in (s, d)
+        let twist = normal_curvature(&by_c);
+        let c_y_by_cd = self.c_y.map(|c_y| c_y.tr_mul(&by_cd));
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let [d_i, d_j] = [angle.d_y[i], angle.d_y[j]];
+                let mut h = self.c_y[i].tr_mul(&(by_cc * self.c_y[j]));
+                h += c_y_by_cd[i] * d_j.transpose() + d_i * c_y_by_cd[j].transpose();
+                h += d_i * d_j.transpose() * by_dd;
+                // by the second derivatives of c and d
+                if D == 3 && i != j {
+                    h += if j == (i + 1) % D { twist } else { -twist };
+                }
+                let d_yy = match (i == self.k, j == self.k) {
+                    (true, true) => 2.0,
+                    (false, false) if i == j => 0.0,
+                    (false, false) => 1.0,
+                    _ => -1.0,
+                };
+                h + Matrix::identity() * (d_yy * by_d)
+            })
+        })
+    }
+}
+
+impl<const D: usize> Angle<D> {
+    /// At corner `k`; 1 for the nodes that [`node_weight`] says.
+    fn new(y: &[Vector<D>; D], k: usize, s: f64) -> Self {
+        let mut angle = Angle {
+            value: node_weight(y, k),
+            by_s: 0.0,
+            by_d: 0.0,
+            by_ss: 0.0,
+            by_sd: 0.0,
+            d_y: [Vector::zeros(); D],
+        };
+        if D == 2 || k >= D {
+            return angle;
+        }
+        let (first, second) = ((k + 1) % D, (k + 2) % D);
+        let (a, b) = (y[first] - y[k], y[second] - y[k]);
+        let d = a.dot(&b);
+        let square = s * s + d * d;
+        if square > 0.0 {
+            angle.by_s = d / square;
+            angle.by_d = -s / square;
+            angle.by_ss = -2.0 * s * d / square.powi(2);
+            angle.by_sd = (s * s - d * d) / square.powi(2);
+        }
+        (angle.d_y[first], angle.d_y[second], angle.d_y[k]) = (b, a, -(a + b));
+        angle
+    }
+}
+
+/// ∂c/∂y_j of c = [`facet_normal`]: in the plane a turn by a right angle, in space
+/// ½ (y_{j+2} − y_{j+1}) ×.
+fn normal_slopes<const D: usize>(y: &[Vector<D>; D]) -> [Matrix<D>; D] {
+    std::array::from_fn(|j| {
+        if D == 3 {
+            return cross(&((y[(j + 2) % D] - y[(j + 1) % D]) * 0.5));
+        }
+        let mut turn = Matrix::zeros();
+        turn[(0, 1)] = if j == 0 { -1.0 } else { 1.0 };
+        turn[(1, 0)] = -turn[(0, 1)];
+        turn
+    })
+}
+
+/// ∂²(q·c)/∂y_j∂y_{j+1} in space; in the plane c is linear.
+fn normal_curvature<const D: usize>(q: &Vector<D>) -> Matrix<D> {
+    if D == 3 {
+        cross(&(q * -0.5))
+    } else {
+        Matrix::zeros()
+    }
+}
+
+/// The matrix of a × in space.
+fn cross<const D: usize>(a: &Vector<D>) -> Matrix<D> {
+    let mut matrix = Matrix::zeros();
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        (matrix[(k, j)], matrix[(j, k)]) = (a[i], -a[i]);
+    }
+    matrix
 }
 
 #[cfg(test)]

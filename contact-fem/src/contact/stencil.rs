@@ -18,6 +18,7 @@ pub struct Stencil<'a, const D: usize> {
     /// ξ: barycentric coordinates on the slave's facet.
     lambda: Vector<D>,
     weight: f64,
+    x: Vector<D>,
     projection: Projection<D>,
 }
 
@@ -32,6 +33,16 @@ impl<'a, const D: usize> Stencil<'a, D> {
         self.weight
     }
 
+    /// x_q (UL).
+    pub fn point(&self) -> Vector<D> {
+        self.x
+    }
+
+    /// The master's surface.
+    pub fn master(&self) -> &'a Moving<D> {
+        self.master
+    }
+
     /// Where it is projected.
     pub fn projection(&self) -> &Projection<D> {
         &self.projection
@@ -44,15 +55,38 @@ impl<'a, const D: usize> Stencil<'a, D> {
         tests.take(self.slave.test_nodes())
     }
 
+    /// N_a(ξ) of the slave facet's scene nodes a.
+    pub(super) fn slave_shapes(&self) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
+        let slave = self.slave;
+        let nodes = slave.facet(self.facet).iter().map(|&a| slave.nodes()[a]);
+        nodes.zip(facet_shapes(slave.order(), &self.lambda))
+    }
+
     /// ∇g with η* and n held, as (scene node, coefficient): N_a n at the slave facet's nodes, −N_b n
     /// at the master's. In self-contact a node may appear as both. g is the sum of coefficient · x.
     pub fn frozen_gradient(&self) -> impl Iterator<Item = (usize, Vector<D>)> + Clone + 'a {
-        let (slave, master, p) = (self.slave, self.master.surface(), self.projection);
-        let own = slave.facet(self.facet).iter().map(|&a| slave.nodes()[a]);
-        let own = own.zip(facet_shapes(slave.order(), &self.lambda));
+        let (master, p) = (self.master.surface(), self.projection);
+        let own = self.slave_shapes();
         let other = master.facet(p.facet).iter().map(|&b| master.nodes()[b]);
         let other = other.zip(facet_shapes(master.order(), &p.lambda).map(|N| -N));
         own.chain(other).map(move |(a, N)| (a, p.normal * N))
+    }
+}
+
+#[cfg(test)]
+impl<'a, const D: usize> Stencil<'a, D> {
+    /// The same point of the slave at other positions, with its foot at `lambda` of the same facet.
+    pub(super) fn moved(&self, master: &'a Moving<D>, x: Vector<D>, lambda: Vector<D>) -> Self {
+        let projection = Projection {
+            lambda,
+            ..self.projection
+        };
+        Stencil {
+            master,
+            x,
+            projection,
+            ..*self
+        }
     }
 }
 
@@ -86,13 +120,15 @@ pub fn stencils<'a, const D: usize>(
             }),
         };
         for (weight, lambda) in rule.on(&facet, master, &seeker) {
-            stencils.extend(master.find(&seeker(lambda)).map(|projection| Stencil {
+            let seeker = seeker(lambda);
+            stencils.extend(master.find(&seeker).map(|projection| Stencil {
                 slave,
                 master: master.moving(),
                 number,
                 facet: index,
                 lambda: *lambda,
                 weight: weight * reference.normal(lambda).norm(),
+                x: seeker.x,
                 projection,
             }));
             number += 1;

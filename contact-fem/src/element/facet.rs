@@ -67,6 +67,25 @@ pub fn facet_shapes<const D: usize>(order: Order, lambda: &Vector<D>) -> FacetSh
     N
 }
 
+/// ∂N_a/∂λ_k of a facet for each k, with all λ independent.
+pub fn facet_slopes<const D: usize>(order: Order, lambda: &Vector<D>) -> [FacetShapes; D] {
+    let mut slopes = [[0.0; MAX_FACET_NODES]; D];
+    for k in 0..D {
+        slopes[k][k] = match order {
+            Order::Linear => 1.0,
+            Order::Quadratic => 4.0 * lambda[k] - 1.0,
+        };
+    }
+    if order == Order::Quadratic {
+        for e in 0..D * (D - 1) / 2 {
+            let [a, b] = facet_edge::<D>(e);
+            slopes[a][D + e] = 4.0 * lambda[b];
+            slopes[b][D + e] = 4.0 * lambda[a];
+        }
+    }
+    slopes
+}
+
 /// A facet with its nodes at given positions: the corners, then the middles of the edges.
 #[derive(Clone, Copy, Debug)]
 pub struct Facet<const D: usize> {

@@ -8,7 +8,9 @@ mod facet_rule;
 mod p1;
 pub(crate) mod p2;
 
-pub use facet::{Facet, FacetShapes, MAX_FACET_NODES, Order, facet_edge, facet_shapes};
+pub use facet::{
+    Facet, FacetShapes, MAX_FACET_NODES, Order, facet_edge, facet_shapes, facet_slopes,
+};
 pub use facet_rule::FacetRule;
 pub use p1::P1;
 pub use p2::P2;

@@ -20,6 +20,8 @@ const REACH: f64 = 0.1;
 pub(super) struct ContactSet<const D: usize> {
     surfaces: Vec<Arc<Surface<D>>>,
     passes: Vec<Pass>,
+    /// For each pass, whether its roles are the reversed ones of its pair.
+    reversed: Vec<bool>,
     geometry: Geometry,
     integration: Integration,
     reach: f64,
@@ -40,6 +42,7 @@ impl<const D: usize> ContactSet<D> {
     /// Each surface once, however many pairs name it, and the passes over them.
     pub fn new(scene: &Scene<D>, geometry: Geometry, kinematics: &Kinematics<D>) -> Self {
         let (sides, passes) = sides_and_passes(scene);
+        let (passes, reversed) = passes.into_iter().unzip();
         let surface = |side: &&Side| {
             let body = side.body.index();
             let mesh = scene.bodies()[body].mesh();
@@ -55,6 +58,7 @@ impl<const D: usize> ContactSet<D> {
         ContactSet {
             surfaces: sides.iter().map(surface).collect(),
             passes,
+            reversed,
             geometry,
             integration: scene.integration(),
             reach: match (scene.reach, geometry) {
@@ -133,16 +137,23 @@ impl<const D: usize> ContactSet<D> {
         located
     }
 
-    /// The rows c(u) = C u + c₀ of `passes` with projections and normals frozen at `u`.
+    /// The passes with their numbers: those whose roles are as they were declared, or the reversed ones.
+    pub fn passes_in(&self, reversed: bool) -> impl Iterator<Item = (usize, Pass)> {
+        let passes = self.passes.iter().copied().enumerate().zip(&self.reversed);
+        passes.filter_map(move |(pass, role)| (*role == reversed).then_some(pass))
+    }
+
+    /// The rows c(u) = C u + c₀ of numbered passes with projections and normals frozen at `u`.
     pub fn rows(
         &self,
-        passes: &[Pass],
+        passes: impl Iterator<Item = (usize, Pass)>,
         kinematics: &Kinematics<D>,
         u: &[f64],
         sampling: Sampling,
     ) -> LinearGaps {
         let mut gaps = LinearGaps::new(self.is_exact()).sampled_at(sampling);
-        if passes.is_empty() {
+        let mut passes = passes.peekable();
+        if passes.peek().is_none() {
             return gaps;
         }
         let located = self.located(kinematics, u);
@@ -151,7 +162,7 @@ impl<const D: usize> ContactSet<D> {
             supports: kinematics.dofs(),
             prescribed: kinematics.prescribed(),
         };
-        for (k, pass) in passes.iter().enumerate() {
+        for (k, pass) in passes {
             let slave = &self.surfaces[pass.slave];
             let master = &located.masters[pass.master];
             let (integration, reach) = (self.integration, self.reach);
@@ -220,8 +231,8 @@ impl<const D: usize> ContactSet<D> {
     }
 }
 
-/// Every side that a pair names, once; and the passes over them.
-fn sides_and_passes<const D: usize>(scene: &Scene<D>) -> (Vec<&Side>, Vec<Pass>) {
+/// Every side that a pair names, once; and the passes over them, with whether their roles are reversed.
+fn sides_and_passes<const D: usize>(scene: &Scene<D>) -> (Vec<&Side>, Vec<(Pass, bool)>) {
     let (mut sides, mut passes) = (Vec::<&Side>::new(), Vec::new());
     for pair in scene.pairs() {
         let [a, b] = [&pair.first, &pair.second].map(|side| {
@@ -230,12 +241,12 @@ fn sides_and_passes<const D: usize>(scene: &Scene<D>) -> (Vec<&Side>, Vec<Pass>)
                 sides.len() - 1
             })
         });
-        let pass = |slave, master| Pass { slave, master };
+        let pass = |slave, master, reversed| (Pass { slave, master }, reversed);
         match pair.passes {
-            _ if a == b => passes.push(pass(a, b)),
-            Passes::Both => passes.extend([pass(a, b), pass(b, a)]),
-            Passes::FirstIsSlave => passes.push(pass(a, b)),
-            Passes::SecondIsSlave => passes.push(pass(b, a)),
+            _ if a == b => passes.push(pass(a, b, false)),
+            Passes::Both => passes.extend([pass(a, b, false), pass(b, a, true)]),
+            Passes::FirstIsSlave => passes.push(pass(a, b, false)),
+            Passes::SecondIsSlave => passes.push(pass(b, a, true)),
         }
     }
     (sides, passes)
@@ -243,8 +254,8 @@ fn sides_and_passes<const D: usize>(scene: &Scene<D>) -> (Vec<&Side>, Vec<Pass>)
 
 #[cfg(test)]
 mod tests {
-    use contact_core::fixed_point::{Outcome, Solution};
-    use contact_core::{ContactProblem, LoadStepped, State};
+    use contact_core::equilibrium::Solution;
+    use contact_core::{ContactProblem, LoadStepped, Outcome, State};
 
     use super::*;
     use crate::certificate::Certificate;
@@ -324,14 +335,16 @@ mod tests {
             let mut problem = squares(geometry, Passes::FirstIsSlave);
             assert_eq!(problem.searches_built(), 1, "the check for overlap");
             let rest = vec![0.0; problem.dofs().free()];
-            problem.linearize_gaps(&rest).expect("rows");
+            problem
+                .linearize_gaps(&rest, Sampling::Nodes)
+                .expect("rows");
             assert_eq!(
                 problem.searches_built(),
                 sets[0],
                 "at rest all is where it was"
             );
             problem.set_load(1.0).expect("load");
-            let gaps = problem.linearize_gaps(&rest).expect("rows");
+            let gaps = problem.rows(&rest, Sampling::Nodes);
             assert_eq!(problem.searches_built(), sets[1]);
             let mut u = rest.clone();
             u[0] += 1e-3;
@@ -350,7 +363,7 @@ mod tests {
             problem.penetration(&solution.state.u);
             Certificate::new(&problem, &solution);
             Snapshot::new(&problem, &solution).expect("pressures");
-            problem.linearize_gaps(&solution.state.u).expect("rows");
+            problem.rows(&solution.state.u, Sampling::Nodes);
             assert_eq!(problem.searches_built(), sets[2]);
         }
     }

@@ -35,9 +35,3 @@ impl From<usize> for BodyId {
         BodyId(index)
     }
 }
-
-impl From<(usize, &str)> for Side {
-    fn from((body, boundary): (usize, &str)) -> Self {
-        BodyId(body).on(boundary)
-    }
-}

@@ -128,7 +128,8 @@ impl<const D: usize> Problem<D> {
 
     /// As [`Problem::rows`], of any roles of its surfaces.
     pub fn rows_of(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
-        self.contact.rows(passes, &self.kinematics, u, sampling)
+        let numbered = passes.iter().copied().enumerate();
+        self.contact.rows(numbered, &self.kinematics, u, sampling)
     }
 }
 
@@ -150,14 +151,16 @@ impl<const D: usize> ContactProblem for Problem<D> {
         prescribed.fold(0.0, |m, v| m.max(v.abs()))
     }
 
-    fn linearize_gaps(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+    fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
         Error::check_vector("u", u, self.dofs().free())?;
-        Ok(self.rows(u, Sampling::Nodes))
+        let passes = self.contact.passes_in(false);
+        Ok(self.contact.rows(passes, &self.kinematics, u, sampling))
     }
 
-    fn linearize_points(&self, u: &[f64]) -> Result<LinearGaps, Error> {
+    fn linearize_reversed(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
         Error::check_vector("u", u, self.dofs().free())?;
-        Ok(self.rows(u, Sampling::Points))
+        let passes = self.contact.passes_in(true);
+        Ok(self.contact.rows(passes, &self.kinematics, u, sampling))
     }
 }
 

@@ -147,11 +147,7 @@ impl<const D: usize> Scene<D> {
     ///
     /// # Errors
     /// A body or boundary that does not exist, a boundary without facets.
-    pub fn contact(
-        &mut self,
-        first: impl Into<Side>,
-        second: impl Into<Side>,
-    ) -> Result<(), Error> {
+    pub fn contact(&mut self, first: Side, second: Side) -> Result<(), Error> {
         self.contact_in_passes(first, second, Passes::Both)
     }
 
@@ -161,13 +157,13 @@ impl<const D: usize> Scene<D> {
     /// As [`Scene::contact`].
     pub fn contact_in_passes(
         &mut self,
-        first: impl Into<Side>,
-        second: impl Into<Side>,
+        first: Side,
+        second: Side,
         passes: Passes,
     ) -> Result<(), Error> {
         let pair = Pair {
-            first: self.checked(first.into())?,
-            second: self.checked(second.into())?,
+            first: self.checked(first)?,
+            second: self.checked(second)?,
             passes,
         };
         self.pairs.push(pair);
@@ -178,8 +174,7 @@ impl<const D: usize> Scene<D> {
     ///
     /// # Errors
     /// As [`Scene::contact`].
-    pub fn self_contact(&mut self, side: impl Into<Side>) -> Result<(), Error> {
-        let side = side.into();
+    pub fn self_contact(&mut self, side: Side) -> Result<(), Error> {
         self.contact(side.clone(), side)
     }
 
@@ -188,8 +183,8 @@ impl<const D: usize> Scene<D> {
     ///
     /// # Errors
     /// As [`Scene::contact`].
-    pub fn contact_surface(&mut self, side: impl Into<Side>) -> Result<(), Error> {
-        let side = self.checked(side.into())?;
+    pub fn contact_surface(&mut self, side: Side) -> Result<(), Error> {
+        let side = self.checked(side)?;
         if !self.surfaces.contains(&side) {
             self.surfaces.push(side);
         }

@@ -3,9 +3,8 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use contact_core::fixed_point::Outcome;
 use contact_core::load_steps::Attempt;
-use contact_core::method::Effort;
+use contact_core::{Cost, Outcome};
 
 use super::file;
 use crate::certificate::{Certificate, Limits};
@@ -188,11 +187,10 @@ fn step_line<const D: usize>(
             line.extend(vec![String::new(); 3]);
         }
     }
-    let effort = attempt.effort();
     line.push(attempt.iterations.len().to_string());
-    line.extend(counts(&effort));
-    line.extend(seconds(attempt.projection(), &effort));
-    line.push(number(attempt.seconds));
+    line.extend(counts(&attempt.cost));
+    line.extend(seconds(&attempt.cost));
+    line.push(number(attempt.cost.wall));
     line.push(attempt.predicted.to_string());
     match record {
         Some(record) => line.extend(certificate(&record.certificate)),
@@ -213,7 +211,7 @@ fn certificate(certificate: &Certificate) -> Vec<String> {
 }
 
 fn iteration_lines(attempt: &Attempt, increment: Option<usize>) -> Vec<Vec<String>> {
-    let line = |(k, iteration): (usize, &contact_core::fixed_point::Iteration)| {
+    let line = |(k, iteration): (usize, &contact_core::equilibrium::Iteration)| {
         let mut line = vec![
             increment.map_or_else(String::new, |k| k.to_string()),
             number(attempt.from),
@@ -222,28 +220,28 @@ fn iteration_lines(attempt: &Attempt, increment: Option<usize>) -> Vec<Vec<Strin
             number(iteration.error),
             iteration.rows.to_string(),
         ];
-        line.extend(counts(&iteration.effort));
-        line.extend(seconds(iteration.projection, &iteration.effort));
+        line.extend(counts(&iteration.cost));
+        line.extend(seconds(&iteration.cost));
         line
     };
     attempt.iterations.iter().enumerate().map(line).collect()
 }
 
-fn counts(effort: &Effort) -> [String; 7] {
+fn counts(cost: &Cost) -> [String; 7] {
     [
-        effort.iterations,
-        effort.factorizations,
-        effort.solves,
-        effort.cold_retries,
-        effort.values,
-        effort.gradients,
-        effort.hessians,
+        cost.iterations,
+        cost.factorizations,
+        cost.solves,
+        cost.cold_retries,
+        cost.values,
+        cost.gradients,
+        cost.hessians,
     ]
     .map(|count| count.to_string())
 }
 
-fn seconds(projection: f64, effort: &Effort) -> [String; 3] {
-    [projection, effort.callbacks, effort.optimizer].map(number)
+fn seconds(cost: &Cost) -> [String; 3] {
+    [cost.projection, cost.callbacks, cost.optimizer].map(number)
 }
 
 /// The shortest text that reads back as the same number, with an exponent where that is shorter.
@@ -315,9 +313,9 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use contact_core::State;
-    use contact_core::fixed_point::Iteration;
-    use contact_core::load_steps::{Run, RunOutcome};
+    use contact_core::equilibrium::Iteration;
+    use contact_core::load_steps::Run;
+    use contact_core::{Ending, State};
 
     use super::*;
     use crate::tensor::Vector;
@@ -326,10 +324,10 @@ mod tests {
         let iteration = Iteration {
             error: 0.25,
             rows: 7,
-            projection: 0.5,
-            effort: Effort {
+            cost: Cost {
                 iterations: 11,
-                ..Effort::default()
+                projection: 0.5,
+                ..Cost::default()
             },
         };
         Attempt {
@@ -339,8 +337,11 @@ mod tests {
             predicted: false,
             energy: 2.5,
             min_domain: 0.75,
+            cost: Cost {
+                wall: 4.0,
+                ..[iteration.cost; 2].into_iter().sum()
+            },
             iterations: vec![iteration; 2],
-            seconds: 4.0,
         }
     }
 
@@ -396,7 +397,7 @@ mod tests {
         let failed = attempt(2.0, Outcome::IterationLimit);
         let history = History {
             run: Run {
-                outcome: RunOutcome::Complete,
+                ending: Ending::Complete,
                 factor: 1.0,
                 state: State::default(),
                 solution: None,

@@ -1,7 +1,7 @@
 //! The fields of one state, ready to be written or drawn.
 
 use contact_core::LinearGaps;
-use contact_core::fixed_point::Solution;
+use contact_core::equilibrium::Solution;
 
 use crate::assembly::CellState;
 use crate::certificate::Certificate;
@@ -99,7 +99,7 @@ pub(super) fn cells<const D: usize>(
 
 #[cfg(test)]
 pub(super) mod tests {
-    use contact_core::ContactProblem;
+    use contact_core::gaps::Sampling;
 
     use super::*;
     use crate::element::{Element, P1, P2};
@@ -122,8 +122,12 @@ pub(super) mod tests {
     pub fn squares() -> Problem<2> {
         let square =
             |y: f64| rectangle(&[0.0, 1.0], &[y, y + 1.0], Diagonals::Rising).expect("a square");
-        let mut scene = Scene::of(vec![held(square(0.0)), held(square(1.1))]);
-        scene.contact((0, "top"), (1, "bottom")).expect("a pair");
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", held(square(0.0)));
+        let upper = scene.add("upper", held(square(1.1)));
+        scene
+            .contact(lower.on("top"), upper.on("bottom"))
+            .expect("a pair");
         scene.problem().expect("a problem")
     }
 
@@ -132,13 +136,15 @@ pub(super) mod tests {
     pub fn tetrahedron() -> Problem<3> {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mesh = Mesh::new(corners.to_vec(), vec![0, 1, 2, 3]).expect("a mesh");
-        Scene::of(vec![held(mesh)]).problem().expect("a problem")
+        let mut scene = Scene::new();
+        scene.add("tetrahedron", held(mesh));
+        scene.problem().expect("a problem")
     }
 
     /// Every free component displaced by 0.1, and a multiplier of 3 on every row.
     pub fn displaced<const D: usize>(problem: &Problem<D>) -> Snapshot<D> {
         let u = vec![0.1; problem.dofs().free()];
-        let gaps = problem.linearize_gaps(&u).expect("rows");
+        let gaps = problem.rows(&u, Sampling::Nodes);
         let lambda = vec![3.0; gaps.len()];
         Snapshot::with_contact(problem, &u, &gaps, &lambda).expect("a snapshot")
     }

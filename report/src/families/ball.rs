@@ -1,6 +1,6 @@
 //! Hertz's contact of a ball on a rigid plane.
 
-use ipopt_contact::contact_core::fixed_point::Solution;
+use ipopt_contact::contact_core::equilibrium::Solution;
 use ipopt_contact::contact_fem::tensor::Vector;
 
 use super::{Bound, Claim, Family, Kind, Quantity, Scope, ladder};

@@ -5,7 +5,7 @@ use crate::Failure;
 use crate::case::{Case, Formulation, Points};
 use crate::measure::Solved;
 use crate::record::Measured;
-use crate::support::beams::{self, Beams, Law, SIDE};
+use ipopt_contact_scenes::beams::{self, Beams, Law, SIDE};
 
 const NAME: &str = "three-beams";
 

@@ -11,6 +11,7 @@ use crate::case::{Case, Formulation, Points, Variant};
 use crate::measure::Solved;
 use crate::norms;
 use crate::record::Measured;
+use ipopt_contact_scenes::pair;
 
 const NAME: &str = "block";
 /// Young's modulus (UF/UL²) and Poisson's ratio.
@@ -67,9 +68,7 @@ fn scene(case: &Case) -> Result<Scene<2>, Error> {
     let plate = rectangle(&xs, &[1.0, 1.25], Diagonals::Rising)?;
     let mut plate = Body::new(plate, NeoHookean::new(MODULI[0], MODULI[1])?);
     plate.prescribe_all([Some(0.0), Some(-PRESSED)])?;
-    let mut scene = Scene::of(vec![block, plate]);
-    scene.contact((0, "top"), (1, "bottom"))?;
-    Ok(scene)
+    pair((block, "top"), (plate, "bottom"))
 }
 
 fn run(case: &Case) -> Result<Measured, Failure> {

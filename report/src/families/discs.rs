@@ -5,7 +5,7 @@ use crate::Failure;
 use crate::case::{Case, Formulation, Points, Variant};
 use crate::measure::Solved;
 use crate::record::Measured;
-use crate::support::discs::{self, Fineness, Roles};
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 
 const NAME: &str = "disc-in-disc";
 /// Load increments, on every mesh the same.
@@ -14,7 +14,7 @@ const INCREMENTS: usize = 20;
 fn run(case: &Case) -> Result<Measured, Failure> {
     let fineness = Fineness::scaled(case.level);
     let solved = Solved::new(case, INCREMENTS, || {
-        discs::scene(fineness, Roles::default())
+        disc_in_disc::scene(fineness, Roles::default())
     })?;
     // facets of the hole
     let h = std::f64::consts::TAU * 0.7 / case.level as f64;

@@ -1,6 +1,6 @@
 //! Hertz's contact of a cylinder on a block, in plane strain.
 
-use ipopt_contact::contact_core::fixed_point::Solution;
+use ipopt_contact::contact_core::equilibrium::Solution;
 use ipopt_contact::contact_fem::tensor::Vector;
 
 use super::{Bound, Claim, Family, Kind, Quantity, Scope, ladder};
@@ -11,7 +11,7 @@ use crate::measure::Solved;
 use crate::norms;
 use crate::record::Measured;
 use crate::refined::{Place, Refined};
-use crate::support::hertz::{Fineness, Hertz, RADIUS};
+use ipopt_contact_scenes::hertz::{Fineness, Hertz, RADIUS};
 
 const NAME: &str = "hertz-2d";
 const PUBLISHED: &str = "hertz-2d-published";

@@ -14,6 +14,7 @@ use crate::measure::Solved;
 use crate::norms;
 use crate::record::Measured;
 use crate::refined::Place;
+use ipopt_contact_scenes::pair;
 
 /// A box of this many cells from `low` with these edges.
 type Block<const D: usize> = fn([f64; D], [f64; D], [usize; D]) -> Result<Mesh<D>, Error>;
@@ -57,9 +58,7 @@ where
         divisions[D - 1] = 1;
         let mut plane = Body::new((self.block)(low, size, divisions)?, self.field.law()?);
         plane.prescribe_all([Some(0.0); D])?;
-        let mut scene = Scene::of(vec![self.body(case)?, plane]);
-        scene.contact((0, "bottom"), (1, "top"))?;
-        Ok(scene)
+        pair((self.body(case)?, "bottom"), (plane, "top"))
     }
 
     fn body(&self, case: &Case) -> Result<Body<D>, Error> {

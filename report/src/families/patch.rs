@@ -9,7 +9,7 @@ use crate::Failure;
 use crate::case::{Case, Formulation, Points};
 use crate::measure::Solved;
 use crate::record::Measured;
-use crate::support::blocks::{Blocks, deviation};
+use ipopt_contact_scenes::blocks::{Blocks, deviation};
 
 fn run<const D: usize>(
     case: &Case,

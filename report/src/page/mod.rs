@@ -11,7 +11,7 @@ use crate::freefem::Point;
 use crate::overview;
 use crate::pareto::front;
 use crate::study::{Axis, Run, Series, Study};
-use crate::support::tables::Table;
+use ipopt_contact_scenes::tables::Table;
 
 const STYLE: &str = include_str!("style.css");
 

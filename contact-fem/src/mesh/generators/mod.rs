@@ -142,7 +142,7 @@ mod tests {
     fn grids_without_steps_and_beyond_all_memory() {
         assert_eq!(linspace(2.0, 5.0, 3), [2.0, 3.0, 4.0, 5.0]);
         assert_eq!(linspace(2.0, 5.0, 0), [2.0]);
-        assert_eq!(linspace(2.0, 5.0, usize::MAX), []);
+        assert!(linspace(2.0, 5.0, usize::MAX).is_empty());
         for count in [0, usize::MAX] {
             let (grid, unit) = (linspace(0.0, 1.0, count), [0.0, 1.0]);
             rectangle(&grid, &unit, Diagonals::Rising).expect_err("no grid");

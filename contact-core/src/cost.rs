@@ -1,0 +1,94 @@
+//! What solving costs: one additive account for subproblems, load steps and runs.
+
+use std::iter::Sum;
+use std::ops::AddAssign;
+
+/// Counts, and seconds of wall time by phase. Costs add up: a load step's is the sum over its subproblems, a run's the
+/// sum over its load steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// Iterations of the fixed point.
+    pub fixed_point: usize,
+    /// Solves of the optimiser, cold retries included.
+    pub solves: usize,
+    /// Solves that were repeated cold because the warm start failed.
+    pub cold_retries: usize,
+    /// Iterations of the optimiser.
+    pub iterations: usize,
+    /// Numerical factorisations of its linear system.
+    pub factorizations: usize,
+    /// Evaluations of the energy's value.
+    pub values: usize,
+    /// Evaluations of its gradient.
+    pub gradients: usize,
+    /// Evaluations of its Hessian.
+    pub hessians: usize,
+    /// Seconds for projections, normals and rows (steps 1–4 of Algorithm 2).
+    pub projection: f64,
+    /// Seconds inside the energy and the gaps while the optimiser runs.
+    pub callbacks: f64,
+    /// Seconds inside the optimiser, callbacks excluded.
+    pub optimizer: f64,
+    /// Seconds in all.
+    pub wall: f64,
+    /// The largest factor, where the linear solver tells.
+    pub factor: Option<FactorSize>,
+}
+
+/// The size of a factor of the optimiser's linear system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FactorSize {
+    /// The elimination order that the linear solver used.
+    pub ordering: &'static str,
+    /// The bytes that the factor fills.
+    pub bytes: u64,
+    /// The bytes that the linear solver allocated by its estimate, where the system tells.
+    pub workspace_bytes: Option<u64>,
+    /// How often the estimate was too small, in all solves.
+    pub reallocations: usize,
+}
+
+impl FactorSize {
+    /// The larger one, with the reallocations of both.
+    fn or_larger(self, other: Self) -> Self {
+        let larger = if other.bytes > self.bytes {
+            other
+        } else {
+            self
+        };
+        FactorSize {
+            reallocations: self.reallocations + other.reallocations,
+            ..larger
+        }
+    }
+}
+
+impl AddAssign for Cost {
+    fn add_assign(&mut self, other: Self) {
+        self.fixed_point += other.fixed_point;
+        self.solves += other.solves;
+        self.cold_retries += other.cold_retries;
+        self.iterations += other.iterations;
+        self.factorizations += other.factorizations;
+        self.values += other.values;
+        self.gradients += other.gradients;
+        self.hessians += other.hessians;
+        self.projection += other.projection;
+        self.callbacks += other.callbacks;
+        self.optimizer += other.optimizer;
+        self.wall += other.wall;
+        self.factor = match (self.factor, other.factor) {
+            (Some(a), Some(b)) => Some(a.or_larger(b)),
+            (a, b) => a.or(b),
+        };
+    }
+}
+
+impl Sum for Cost {
+    fn sum<I: Iterator<Item = Self>>(costs: I) -> Self {
+        costs.fold(Cost::default(), |mut sum, cost| {
+            sum += cost;
+            sum
+        })
+    }
+}

@@ -1,0 +1,110 @@
+//! Algorithm 2: the symmetric fixed point on projections and normals.
+
+use super::journal::Journal;
+use super::{Acceleration, Equilibrium, Solution, StepContext};
+use crate::method::Method;
+use crate::{ContactProblem, Error, State, Stop};
+
+/// Algorithm 2 of the paper around a [`Method`] for its step 5.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FixedPoint<M> {
+    /// Step 5.
+    pub method: M,
+    /// TOLER: bound on the relative change of U, see [`relative_change`].
+    pub tolerance: f64,
+    /// Iterations before it gives up.
+    pub max_iterations: usize,
+    /// How the next iterate is found: plainly, as in the paper, or accelerated.
+    pub acceleration: Acceleration,
+}
+
+impl<M> FixedPoint<M> {
+    /// All by default around `method`.
+    pub fn with(method: M) -> Self {
+        FixedPoint {
+            method,
+            tolerance: 1e-6,
+            max_iterations: 30,
+            acceleration: Acceleration::default(),
+        }
+    }
+}
+
+impl<M: Default> Default for FixedPoint<M> {
+    fn default() -> Self {
+        FixedPoint::with(M::default())
+    }
+}
+
+impl<M: Method> Equilibrium for FixedPoint<M> {
+    fn solve(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        self.validate()?;
+        let sampling = self.method.sampling();
+        let mut journal = Journal::new(self, problem, start)?;
+        while journal.goes_on() {
+            let before = journal.point.clone(); // U_{n−1}
+            // 1, 2: projections and normals at U_{n−1}; with both held, every gap is linear in U
+            let forward = problem.linearize_gaps(&before.u, sampling)?;
+            // 3: the roles of master and slave reversed
+            let reversed = problem.linearize_reversed(&before.u, sampling)?;
+            // 4: the energy and the symmetric linear constraints
+            let gaps = forward.and(reversed);
+            let subproblem = journal.subproblem(&gaps, context.stop);
+            // 5: their minimum U_n
+            let minimum = self.method.minimize(&subproblem, &before)?;
+            // 6: ‖U_n − U_{n−1}‖∞ / ‖U‖∞
+            let error = relative_change(&minimum.u, &before.u, journal.least);
+            journal.accept(gaps, minimum, error);
+        }
+        Ok(journal.solution())
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        let is_share = self.tolerance > 0.0 && self.tolerance < 1.0;
+        let remedy = "choose it between 0 and 1, 1e-6 by default";
+        Error::check_setting(is_share, "tolerance", self.tolerance, remedy)?;
+        if self.max_iterations == 0 {
+            return Err(Error::Setting {
+                name: "max_iterations",
+                value: "0".into(),
+                remedy: "allow at least one iteration",
+            });
+        }
+        Ok(())
+    }
+}
+
+impl<M: Method> FixedPoint<M> {
+    /// Solves a problem that belongs to no run.
+    ///
+    /// # Errors
+    /// As [`Equilibrium::solve`].
+    pub fn solve_from(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+    ) -> Result<Solution, Error> {
+        let (again, stop) = (start.clone(), Stop::new());
+        let lifted = || again.clone();
+        self.solve(problem, start, &StepContext::single(&again, &lifted, &stop))
+    }
+}
+
+/// Step 6: ‖U_n − U_{n−1}‖∞ / max(‖U_{n−1}‖∞, ‖U_n‖∞, `least`) over all unknowns, zero if nothing moved.
+///
+/// `least` is the largest prescribed displacement, or 1e-6 of the length scale if that is more, so that a solution
+/// without displacement is found to stand still.
+pub fn relative_change(u: &[f64], before: &[f64], least: f64) -> f64 {
+    let change = max_norm(u.iter().zip(before).map(|(a, b)| a - b));
+    let size = max_norm(u.iter().chain(before).copied()).max(least);
+    if change == 0.0 { 0.0 } else { change / size }
+}
+
+fn max_norm(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |norm, v| norm.max(v.abs()))
+}

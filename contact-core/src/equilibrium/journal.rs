@@ -1,0 +1,165 @@
+//! What a fixed point has found so far, and whether it goes on.
+
+use std::time::Instant;
+
+use super::accuracy::Accuracy;
+use super::anderson::Anderson;
+use super::cycles::CycleDetector;
+use super::{FixedPoint, Iteration, Solution};
+use crate::method::{Minimum, Subproblem};
+use crate::{ContactProblem, Cost, Error, LinearGaps, Multipliers, Outcome, Solved, State, Stop};
+
+/// A fixed point under way.
+pub(super) struct Journal<'a> {
+    /// U_{n−1} and its multipliers: where the next iteration starts.
+    pub point: State,
+    /// The least denominator of the relative change (UL).
+    pub least: f64,
+    problem: &'a dyn ContactProblem,
+    tolerance: f64,
+    max_iterations: usize,
+    anderson: Anderson,
+    accuracy: Accuracy,
+    cycles: CycleDetector,
+    solution: Solution,
+    ended: Option<Outcome>,
+    /// When this iteration began, what its projections took (s), and the accuracy asked of its subproblem.
+    clock: Instant,
+    projection: f64,
+    asked: f64,
+}
+
+impl<'a> Journal<'a> {
+    /// Displacements below this share of [`Scale::length`](crate::Scale) are those of bodies that carry no load.
+    const NONE: f64 = 1e-6;
+    /// The relative change to expect of the first iteration.
+    const GUESS: f64 = 1.0;
+
+    /// Nothing solved yet.
+    pub fn new<M>(
+        settings: &FixedPoint<M>,
+        problem: &'a dyn ContactProblem,
+        start: State,
+    ) -> Result<Self, Error> {
+        Error::check_vector("start.u", &start.u, problem.energy().dofs())?;
+        let energy = problem.energy().value(&start.u);
+        Ok(Journal {
+            least: problem
+                .prescribed_magnitude()
+                .max(Self::NONE * problem.scale().length),
+            problem,
+            tolerance: settings.tolerance,
+            max_iterations: settings.max_iterations,
+            anderson: Anderson::of(settings.acceleration),
+            accuracy: Accuracy::new(settings.acceleration, settings.max_iterations),
+            cycles: CycleDetector::default(),
+            ended: (!energy.is_finite()).then_some(Outcome::InadmissibleStart),
+            solution: Solution {
+                outcome: Outcome::InadmissibleStart,
+                energy,
+                state: start.clone(),
+                gaps: LinearGaps::new(false),
+                lambda: Vec::new(),
+                history: Vec::new(),
+            },
+            point: start,
+            clock: Instant::now(),
+            projection: 0.0,
+            asked: 0.0,
+        })
+    }
+
+    /// Whether there is no reason yet to end.
+    pub fn goes_on(&self) -> bool {
+        self.ended.is_none()
+    }
+
+    /// Step 5's problem under these rows.
+    pub fn subproblem<'b>(&mut self, gaps: &'b LinearGaps, stop: &'b Stop) -> Subproblem<'b>
+    where
+        'a: 'b,
+    {
+        self.projection = self.clock.elapsed().as_secs_f64();
+        let history = &self.solution.history;
+        let change = history.last().map_or(Self::GUESS, |last| last.error);
+        self.asked = self.accuracy.of(history.len(), change, gaps.is_exact());
+        Subproblem {
+            energy: self.problem.energy(),
+            bounds: self.problem.bounds(),
+            gaps,
+            scale: self.problem.scale(),
+            change,
+            accuracy: self.asked,
+            stop,
+        }
+    }
+
+    /// Takes U_n: records it, decides whether the iteration is over and, if not, where it goes on.
+    pub fn accept(&mut self, gaps: LinearGaps, minimum: Minimum, error: f64) {
+        let error = match minimum.solved {
+            Solved::Optimal => error,
+            _ => f64::INFINITY,
+        };
+        self.solution.history.push(Iteration {
+            error,
+            rows: gaps.len(),
+            cost: Cost {
+                fixed_point: 1,
+                projection: self.projection,
+                wall: self.clock.elapsed().as_secs_f64(),
+                ..minimum.cost
+            },
+        });
+        self.ended = self.verdict(&minimum, error, gaps.is_exact());
+        self.solution.state = State {
+            multipliers: Multipliers::new(&gaps, &minimum.lambda),
+            u: minimum.u,
+        };
+        self.solution.lambda = minimum.lambda;
+        self.solution.energy = minimum.energy;
+        self.solution.gaps = gaps;
+        if self.goes_on() {
+            self.advance();
+        }
+        self.clock = Instant::now();
+    }
+
+    /// The next point: Anderson's proposal, or the plain image where that is inadmissible.
+    fn advance(&mut self) {
+        let next = self.anderson.next(&self.point.u, &self.solution.state.u);
+        self.point.clone_from(&self.solution.state);
+        if self.problem.energy().value(&next).is_finite() {
+            self.point.u = next;
+        } else {
+            self.anderson.restart();
+        }
+    }
+
+    /// Whether the iteration is over, and why.
+    fn verdict(&mut self, minimum: &Minimum, error: f64, is_exact: bool) -> Option<Outcome> {
+        match &minimum.solved {
+            Solved::Failed(why) => return Some(Outcome::SubproblemFailed(why.clone())),
+            Solved::Interrupted => return Some(Outcome::Interrupted),
+            Solved::Optimal => {}
+        }
+        let is_accurate = self.asked == 0.0;
+        if is_accurate && (error < self.tolerance || is_exact) {
+            return Some(Outcome::Converged);
+        }
+        if let Some(period) = self.cycles.period(&minimum.u, error) {
+            return Some(Outcome::Cycle {
+                period,
+                amplitude: error,
+            });
+        }
+        (self.solution.history.len() == self.max_iterations).then_some(Outcome::IterationLimit)
+    }
+
+    /// Where it ended.
+    pub fn solution(self) -> Solution {
+        Solution {
+            outcome: self.ended.unwrap_or(Outcome::IterationLimit),
+            ..self.solution
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! What is tried where the fixed point wanders about a kink of the projections.
+
+use super::{Acceleration, Equilibrium, FixedPoint, Solution, StepContext};
+use crate::method::Method;
+use crate::{ContactProblem, Error, Outcome, State};
+
+/// [`FixedPoint`], again and otherwise where it neither converges nor fails: plainly from the same start, then
+/// accelerated from a start that is not extrapolated. The histories of all attempts follow each other.
+///
+/// A plain iteration is what it is, and is not tried again.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Retry<M> {
+    /// The first attempt.
+    pub fixed_point: FixedPoint<M>,
+}
+
+impl<M> Retry<M> {
+    /// Around a fixed point by default with this method.
+    pub fn with(method: M) -> Self {
+        Retry {
+            fixed_point: FixedPoint::with(method),
+        }
+    }
+}
+
+impl<M: Method> Equilibrium for Retry<M> {
+    fn solve(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let accelerated = self.fixed_point.acceleration;
+        let mut solution = self.fixed_point.solve(problem, start.clone(), context)?;
+        for acceleration in [Acceleration::Plain, accelerated] {
+            if !wanders(&solution) || accelerated == Acceleration::Plain {
+                break;
+            }
+            let start = match acceleration {
+                Acceleration::Plain => start.clone(),
+                Acceleration::Anderson(_) => (context.lifted)(),
+            };
+            let mut history = std::mem::take(&mut solution.history);
+            self.fixed_point.acceleration = acceleration;
+            let again = self.fixed_point.solve(problem, start, context);
+            self.fixed_point.acceleration = accelerated;
+            solution = again?;
+            history.append(&mut solution.history);
+            solution.history = history;
+        }
+        Ok(solution)
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        self.fixed_point.validate()
+    }
+}
+
+fn wanders(solution: &Solution) -> bool {
+    matches!(
+        solution.outcome,
+        Outcome::IterationLimit | Outcome::Cycle { .. }
+    )
+}

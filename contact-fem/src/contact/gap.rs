@@ -1,0 +1,401 @@
+//! The gap of one integration point as it moves, with its derivatives.
+//!
+//! In a linearisation the foot and the normal are held (equations (3)–(5) of the paper, step 3 of
+//! Algorithm 2). Here all follow the positions x of the nodes: with the point's own ξ fixed,
+//!
+//! g(x) = p·n,  p = x_q − x̄(λ*),  n = m/|m|,  m = Σ_b N_b(λ*) n_b(x),
+//!
+//! where x̄(λ) = Σ_b N_b(λ) x_b is the master's facet, n_b(x) its averaged normals (see
+//! [`normals`](super::normals)) and λ*(x) the closest point: p·∂x̄/∂λ·v = 0 for all v with Σv = 0 that
+//! keep it on the side of the facet or in the corner where it is. Write ,k for ∂/∂λ_k, t_k = x̄,k and
+//! δ for the derivative along a change of x.
+//!
+//! **Foot.** H_kj = t_k·t_j − p·x̄,kj is the Hessian of ½|p|², and K = V (VᵀHV)⁻¹ Vᵀ its inverse on the
+//! span of the v. The implicit function theorem gives δλ = Kρ with
+//! ρ_k = t_k·(δx_q − Σ N_b δx_b) + p·Σ N_b,k δx_b.
+//!
+//! **First derivative.** With A = (I − n nᵀ)/|m|, w = Ap, the slope γ_k = w·m,k − n·t_k of p·n along the
+//! facet, μ = Kγ and q = n + Σ μ_k t_k:
+//!
+//! δg = q·(δx_q − Σ N_b δx_b) + p·Σ μ_k N_b,k δx_b + w·Σ N_b δn_b.
+//!
+//! On a facet with n normal to it and p along n, μ = 0 and w = 0: the frozen gradient is left.
+//!
+//! **Second derivative.** μ makes L = p·n + Σ μ_k p·t_k, of independent x and λ, stationary in λ, so that
+//! δ²λ drops out and δ²g is that of L along (δx, Kρ), μ held:
+//!
+//! δ²g = 2 δp·(A δm + Σ μ_k δt_k) + δm·S δm + Σ N_b w·δ²n_b
+//!     + 2 Σ_j δλ_j Σ_b (−N_b,j q·δx_b + Σ_k μ_k N_b,kj p·δx_b + N_b,j w·δn_b)
+//!     + Σ_kj δλ_k δλ_j (w·m,kj − q·x̄,kj),
+//!
+//! where S = −(p nᵀ + n pᵀ + p·n (I − 3 n nᵀ))/|m|² is the second derivative of p·m/|m|, and δp, δm and
+//! δt_k are of first order and with δλ in them.
+//!
+//! ∇²g is symmetric. The derivative of the frozen gradient is not: contact forces with held projections,
+//! as the paper has them, are no gradient of a potential of x. Within one facet and one side of it g is as
+//! smooth as the surface, which facets have no area and no normals that cancel. It is discontinuous where
+//! the foot jumps to another facet; where it moves on to a neighbour over their common side, ∇g jumps.
+//! Where exact integration cuts the slave's facets, ξ and the weight move, too; that is not part of ∇g.
+
+use super::moving::Moving;
+use super::normals::Direction;
+use super::stencil::Stencil;
+use crate::element::{Facet, FacetShapes, MAX_FACET_NODES, facet_shapes, facet_slopes};
+use crate::tensor::{Matrix, Vector};
+
+/// g of one integration point after the other, as a function of the positions of the nodes that it
+/// depends on: those of the slave's facet, and of the master's facets around the one with the foot.
+/// Buffers are kept from point to point.
+#[derive(Clone, Debug)]
+pub struct MovingGap<const D: usize> {
+    nodes: Vec<usize>,
+    gradient: Vec<Vector<D>>,
+    /// Blocks (l, m ≤ l), row by row.
+    hessian: Vec<Matrix<D>>,
+    forms: Vec<Forms<D>>,
+    /// ∂s_b/∂x_l of the normals' sums, for every node b of the master's facet and all l.
+    sums: Vec<Matrix<D>>,
+    n: Vector<D>,
+}
+
+/// Linear forms of the position of one node.
+#[derive(Clone, Copy, Debug)]
+struct Forms<const D: usize> {
+    /// The node's shape function in x_q − x̄, and its slopes in x̄.
+    shape: f64,
+    slopes: Vector<D>,
+    /// Σ_k μ_k N_,kj by j.
+    bends: Vector<D>,
+    /// δp, A δm + Σ μ_k δt_k, δm, S δm, δn, δλ.
+    p: Matrix<D>,
+    r: Matrix<D>,
+    m: Matrix<D>,
+    s: Matrix<D>,
+    n: Matrix<D>,
+    lambda: Matrix<D>,
+    /// What δλ_j is multiplied with in δ²g, by j.
+    c: Matrix<D>,
+}
+
+/// What all nodes of a point have in common.
+struct Foot<'a, const D: usize> {
+    master: &'a Moving<D>,
+    /// The facet's nodes as positions in the surface's.
+    nodes: &'a [usize],
+    x: Facet<D>,
+    normals: Facet<D>,
+    N: FacetShapes,
+    slopes: [FacetShapes; D],
+    p: Vector<D>,
+    m: Direction<D>,
+    /// t_k and m,k as columns.
+    t: Matrix<D>,
+    m_slopes: Matrix<D>,
+    K: Matrix<D>,
+    mu: Vector<D>,
+    q: Vector<D>,
+    w: Vector<D>,
+}
+
+impl<'a, const D: usize> Foot<'a, D> {
+    fn new(stencil: &Stencil<'a, D>) -> Self {
+        let (master, lambda) = (stencil.master(), &stencil.projection().lambda);
+        let (surface, order) = (master.surface(), master.surface().order());
+        let nodes = surface.facet(stencil.projection().facet);
+        let x = Facet::gather(order, nodes, master.positions());
+        let normals = Facet::gather(order, nodes, master.normals());
+        let slopes = facet_slopes(order, lambda);
+        let (t, m_slopes) = (combine(&slopes, &x), combine(&slopes, &normals));
+        let p = stencil.point() - x.point(lambda);
+        let m = Direction::of(normals.point(lambda));
+        let w = m.slope() * p;
+        let K = inverse_within(&(t.tr_mul(&t) - x.curvature(&p)), lambda);
+        let mu = K * (m_slopes.tr_mul(&w) - t.tr_mul(&m.n));
+        Foot {
+            master,
+            nodes,
+            x,
+            normals,
+            N: facet_shapes(order, lambda),
+            slopes,
+            p,
+            q: m.n + t * mu,
+            m,
+            t,
+            m_slopes,
+            K,
+            mu,
+            w,
+        }
+    }
+}
+
+/// Σ_b slopes_kb value_b, as columns k.
+fn combine<const D: usize>(slopes: &[FacetShapes; D], values: &Facet<D>) -> Matrix<D> {
+    let mut columns = Matrix::<D>::zeros();
+    for (mut column, slopes) in columns.column_iter_mut().zip(slopes) {
+        for (slope, value) in slopes.iter().zip(values.nodes()) {
+            column.axpy(*slope, value, 1.0);
+        }
+    }
+    columns
+}
+
+/// K = V (VᵀHV)⁻¹ Vᵀ for the directions V in which λ may move, by making them conjugate one after the
+/// other. A foot that is no minimum in one of them is held there.
+fn inverse_within<const D: usize>(H: &Matrix<D>, lambda: &Vector<D>) -> Matrix<D> {
+    let mut K = Matrix::<D>::zeros();
+    let mut free = (0..D).filter(|&k| lambda[k] != 0.0);
+    let Some(first) = free.next() else {
+        return K;
+    };
+    for k in free {
+        let mut v = Vector::<D>::zeros();
+        (v[first], v[k]) = (-1.0, 1.0);
+        v -= K * (H * v);
+        let curvature = v.dot(&(H * v));
+        if curvature > 0.0 {
+            K += v * v.transpose() / curvature;
+        }
+    }
+    K
+}
+
+impl<const D: usize> MovingGap<D> {
+    /// The scene nodes that g depends on, each once: the order of what follows.
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// ∂g/∂x_l of every node.
+    pub fn gradient(&self) -> &[Vector<D>] {
+        &self.gradient
+    }
+
+    /// ∂²g/∂x_l∂x_m (1/UL); its transpose is that of (m, l). After [`MovingGap::second`].
+    pub fn hessian(&self, l: usize, m: usize) -> Matrix<D> {
+        match l >= m {
+            true => self.hessian[block(l, m)],
+            false => self.hessian[block(m, l)].transpose(),
+        }
+    }
+
+    /// ∂f_l/∂x_m (1/UL) of the frozen gradient f, which is N_a n at the slave's nodes and −N_b n at the
+    /// master's. Not symmetric. After [`MovingGap::second`].
+    pub fn frozen_jacobian(&self, l: usize, m: usize) -> Matrix<D> {
+        let (own, other) = (&self.forms[l], &self.forms[m]);
+        other.n * own.shape - self.n * other.lambda.tr_mul(&own.slopes).transpose()
+    }
+
+    /// Nodes and ∇g of `stencil`.
+    pub fn first(&mut self, stencil: &Stencil<'_, D>) {
+        self.differentiate(stencil, false);
+    }
+
+    /// As [`MovingGap::first`], and the second derivatives.
+    pub fn second(&mut self, stencil: &Stencil<'_, D>) {
+        self.differentiate(stencil, true);
+    }
+
+    fn differentiate(&mut self, stencil: &Stencil<'_, D>, second: bool) {
+        let foot = Foot::new(stencil);
+        self.n = foot.m.n;
+        self.number(stencil, &foot);
+        self.add_normals(&foot, second);
+        self.gradient.clear();
+        for (l, forms) in self.forms.iter_mut().enumerate() {
+            let mut gradient = foot.q * forms.shape + foot.p * forms.slopes.dot(&foot.mu);
+            let sums = self.sums[l..].iter().step_by(self.nodes.len());
+            for (b, sum) in sums.enumerate() {
+                let n_b = foot.master.normal(foot.nodes[b]).slope() * sum;
+                forms.m += n_b * foot.N[b];
+                let w_n = n_b.tr_mul(&foot.w);
+                gradient += w_n * foot.N[b];
+                for j in 0..D {
+                    let mut row = forms.c.row_mut(j);
+                    row += w_n.transpose() * foot.slopes[j][b];
+                }
+            }
+            self.gradient.push(gradient);
+        }
+        if second {
+            self.follow_the_foot(&foot);
+            self.multiply();
+        }
+    }
+
+    /// The position of a scene node among those of the point.
+    fn place(&mut self, node: usize) -> usize {
+        let known = self.nodes.iter().position(|&other| other == node);
+        known.unwrap_or_else(|| {
+            self.nodes.push(node);
+            self.forms.push(Forms::zeros());
+            self.nodes.len() - 1
+        })
+    }
+
+    /// Numbers the nodes and says how the point depends on those of the two facets.
+    fn number(&mut self, stencil: &Stencil<'_, D>, foot: &Foot<'_, D>) {
+        self.nodes.clear();
+        self.forms.clear();
+        let surface = foot.master.surface();
+        // of a quadratic facet, slopes are linear in λ
+        let [at_mu, at_zero] =
+            [foot.mu, Vector::zeros()].map(|mu| facet_slopes(surface.order(), &mu));
+        for (b, &node) in foot.nodes.iter().enumerate() {
+            let l = self.place(surface.nodes()[node]);
+            let forms = &mut self.forms[l];
+            forms.shape = -foot.N[b];
+            forms.slopes = Vector::from_fn(|j, _| foot.slopes[j][b]);
+            forms.bends = Vector::from_fn(|j, _| at_mu[j][b] - at_zero[j][b]);
+        }
+        for (a, N) in stencil.slave_shapes() {
+            let l = self.place(a);
+            self.forms[l].shape += N;
+        }
+        for &b in foot.nodes {
+            for (f, _) in surface.facets_around(b) {
+                for &c in surface.facet(f) {
+                    self.place(surface.nodes()[c]);
+                }
+            }
+        }
+    }
+
+    /// ∂s_b/∂x_l; and N_b w·∇²n_b in the Hessian, if wanted.
+    fn add_normals(&mut self, foot: &Foot<'_, D>, second: bool) {
+        let count = self.nodes.len();
+        let surface = foot.master.surface();
+        self.sums.clear();
+        self.sums.resize(foot.nodes.len() * count, Matrix::zeros());
+        self.hessian.clear();
+        if second {
+            self.hessian.resize(block(count, 0), Matrix::zeros());
+        }
+        for (b, &node) in foot.nodes.iter().enumerate() {
+            let normal = foot.master.normal(node);
+            let v = normal.slope() * foot.w * foot.N[b];
+            for (f, addend) in foot.master.addends(node) {
+                let mut places = [0; MAX_FACET_NODES];
+                for (place, &c) in places.iter_mut().zip(surface.facet(f)) {
+                    *place = self.place(surface.nodes()[c]);
+                }
+                let places = &places[..surface.facet(f).len()];
+                for (j, by_y) in addend.jacobian().iter().enumerate() {
+                    for (l, slope) in places.iter().zip(&addend.slopes[j]) {
+                        self.sums[b * count + l] += by_y * *slope;
+                    }
+                }
+                if second {
+                    self.spread(&addend.hessian(&v), &addend.slopes, places);
+                }
+            }
+            if second {
+                self.add_quadratic(b, &(normal.curvature(&foot.w) * foot.N[b]));
+            }
+        }
+    }
+
+    /// Adds the second derivatives by the corners y to those by the nodes.
+    fn spread(&mut self, by_y: &[[Matrix<D>; D]; D], slopes: &[FacetShapes; D], places: &[usize]) {
+        for (i, rows) in by_y.iter().enumerate() {
+            for (j, by_y) in rows.iter().enumerate() {
+                let of = |k: usize| places.iter().zip(&slopes[k]).filter(|(_, s)| **s != 0.0);
+                for (&l, slope_l) in of(i) {
+                    for (&m, slope_m) in of(j).filter(|(m, _)| **m <= l) {
+                        self.hessian[block(l, m)] += by_y * (slope_l * slope_m);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds δs_b·S δs_b.
+    fn add_quadratic(&mut self, b: usize, S: &Matrix<D>) {
+        let sums = &self.sums[b * self.nodes.len()..];
+        let zero = Matrix::<D>::zeros();
+        for l in 0..self.nodes.len() {
+            if sums[l] == zero {
+                continue;
+            }
+            let row = S * sums[l];
+            for m in (0..=l).filter(|&m| sums[m] != zero) {
+                self.hessian[block(l, m)] += row.tr_mul(&sums[m]);
+            }
+        }
+    }
+
+    /// The forms with δλ in them.
+    fn follow_the_foot(&mut self, foot: &Foot<'_, D>) {
+        let (A, S) = (foot.m.slope(), foot.m.curvature(&foot.p));
+        // Σ_k μ_k x̄,kj as columns, and half of what δλ_k δλ_j is multiplied with
+        let mut t_bends = Matrix::<D>::zeros();
+        for (forms, x) in self.forms.iter().zip(foot.x.nodes()) {
+            t_bends += x * forms.bends.transpose();
+        }
+        let half = (foot.normals.curvature(&foot.w) - foot.x.curvature(&foot.q)) * 0.5;
+        for forms in &mut self.forms {
+            forms.lambda = foot.t.transpose() * forms.shape + forms.slopes * foot.p.transpose();
+            forms.lambda = foot.K * forms.lambda;
+            forms.p = Matrix::identity() * forms.shape - foot.t * forms.lambda;
+            forms.m += foot.m_slopes * forms.lambda;
+            forms.n = A * forms.m;
+            forms.s = S * forms.m;
+            let t = Matrix::identity() * forms.slopes.dot(&foot.mu) + t_bends * forms.lambda;
+            forms.r = forms.n + t;
+            forms.c -= forms.slopes * foot.q.transpose();
+            forms.c += forms.bends * foot.p.transpose() + half * forms.lambda;
+        }
+    }
+
+    /// Adds the products of forms to the Hessian.
+    fn multiply(&mut self) {
+        for (l, a) in self.forms.iter().enumerate() {
+            for (m, b) in self.forms[..=l].iter().enumerate() {
+                let mut h = a.s.tr_mul(&b.m);
+                h += a.p.tr_mul(&b.r) + a.r.tr_mul(&b.p);
+                h += a.lambda.tr_mul(&b.c) + a.c.tr_mul(&b.lambda);
+                self.hessian[block(l, m)] += h;
+            }
+        }
+    }
+}
+
+impl<const D: usize> Default for MovingGap<D> {
+    fn default() -> Self {
+        MovingGap {
+            nodes: Vec::new(),
+            gradient: Vec::new(),
+            hessian: Vec::new(),
+            forms: Vec::new(),
+            sums: Vec::new(),
+            n: Vector::zeros(),
+        }
+    }
+}
+
+impl<const D: usize> Forms<D> {
+    fn zeros() -> Self {
+        let (none, zero) = (Vector::zeros(), Matrix::zeros());
+        Forms {
+            shape: 0.0,
+            slopes: none,
+            bends: none,
+            p: zero,
+            r: zero,
+            m: zero,
+            s: zero,
+            n: zero,
+            lambda: zero,
+            c: zero,
+        }
+    }
+}
+
+/// Where the lower triangle keeps block (l, m ≤ l).
+fn block(l: usize, m: usize) -> usize {
+    l * (l + 1) / 2 + m
+}
+
+#[cfg(test)]
+mod battery;

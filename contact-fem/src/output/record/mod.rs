@@ -1,0 +1,235 @@
+//! Runs that leave files, show how far they have come and stop cleanly on Ctrl-C.
+
+mod interrupt;
+mod memory;
+mod observer;
+mod progress;
+mod summary;
+
+use std::fmt::Display;
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
+use std::process::{ExitCode, Termination};
+use std::time::Instant;
+
+use contact_core::{Ending, Equilibrium};
+
+use super::file;
+use super::picture::{MeshPicture, Panel};
+use super::snapshot::Snapshot;
+use crate::certificate::Limits;
+use crate::error::Error;
+use crate::model::Problem;
+use crate::simulation::{DefaultSolver, History, Simulation, StepRecord, StepView};
+use observer::Observer;
+use summary::Summary;
+
+pub use interrupt::{INTERRUPTED, stop_on_ctrl_c};
+pub use memory::peak_memory;
+
+/// The exit code of a run that converged to something whose certificate does not hold.
+pub const NOT_CERTIFIED: u8 = 3;
+
+type Force<'a, const D: usize> = Box<dyn Fn(&StepRecord<D>) -> f64 + 'a>;
+type Message<'a, const D: usize> = Box<dyn Fn(&StepView<'_, D>) -> String + 'a>;
+
+/// A run with its files, made by [`Simulation::record`]. Everything is on disk up to wherever the run comes.
+///
+/// | file | what |
+/// |---|---|
+/// | `NAME.csv`, `NAME_iterations.csv` | the load steps and their iterations, see [`Tables`](super::history::Tables) |
+/// | `NAME.pvd`, `NAME_0000.vtu`, … | the states for ParaView, see [`Series`](super::vtk::Series) |
+/// | `meshes.svg` | the deformed bodies at rest, half way and at the end |
+/// | `summary.json` | what ran on what, how it ended, the results and what they cost |
+pub struct Recording<'a, const D: usize, S = DefaultSolver> {
+    simulation: &'a mut Simulation<S>,
+    /// What is written and shown.
+    pub plan: Plan<'a, D>,
+}
+
+/// What a [`Recording`] writes and shows.
+pub struct Plan<'a, const D: usize> {
+    /// The folder of all files; it is made if it does not exist.
+    pub folder: PathBuf,
+    /// What the files' names begin with, of letters, digits, `_`, `-` and `.`; the folder's name by default.
+    pub name: String,
+    /// A `.vtu` file is written every so many increments, none for 0; 1 by default.
+    pub vtu_every: usize,
+    /// The name of the picture; none is drawn if it is empty.
+    pub picture: String,
+    /// The state half way is kept for the picture, too; `true` by default.
+    pub half_way: bool,
+    /// Nothing is printed; `false` by default.
+    pub quiet: bool,
+    increments: usize,
+    force: Force<'a, D>,
+    message: Option<Message<'a, D>>,
+}
+
+/// A run that was recorded. As the result of `main` it gives the exit code.
+#[derive(Debug)]
+pub struct Recorded<const D: usize> {
+    /// How it ended, and its steps.
+    pub history: History<D>,
+    /// The states at rest, half way and at the last converged step, as far as the run came.
+    pub stages: Vec<Stage<D>>,
+}
+
+/// A state to make a picture of.
+#[derive(Clone, Debug)]
+pub struct Stage<const D: usize> {
+    /// The increment it completes, or the load factor.
+    pub title: String,
+    is_half_way: bool,
+    /// Its fields.
+    pub snapshot: Snapshot<D>,
+}
+
+impl<S: Equilibrium> Simulation<S> {
+    /// A run that leaves all its files in `folder`, shows progress and stops on Ctrl-C.
+    ///
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Body, NeoHookean, Scene, Simulation};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let sides = linspace(0.0, 1.0, 4);
+    /// let mut block = Body::new(rectangle(&sides, &sides, Diagonals::Rising)?, NeoHookean::new(1.0, 0.3)?);
+    /// block.prescribe("bottom", [Some(0.0), Some(0.0)])?;
+    /// block.traction("top", [0.1, 0.0])?;
+    /// let mut scene = Scene::new();
+    /// let block = scene.add("block", block);
+    ///
+    /// let folder = std::env::temp_dir().join("sheared_block");
+    /// let recorded = Simulation::with_increments(2).record(&folder).run(&mut scene.problem()?)?;
+    /// assert!(recorded.history.is_complete() && folder.join("summary.json").exists());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn record<const D: usize>(&mut self, folder: impl Into<PathBuf>) -> Recording<'_, D, S> {
+        let folder = folder.into();
+        let name = folder.file_name().map(|name| name.to_string_lossy());
+        let largest = |record: &StepRecord<D>| {
+            let reactions = record.reactions.iter().map(|r| r.norm());
+            reactions.fold(0.0, f64::max)
+        };
+        let plan = Plan {
+            name: name.map_or("run".into(), Into::into),
+            folder,
+            vtu_every: 1,
+            picture: "meshes.svg".into(),
+            half_way: true,
+            quiet: false,
+            increments: self.load_steps.increments,
+            force: Box::new(largest),
+            message: None,
+        };
+        Recording {
+            simulation: self,
+            plan,
+        }
+    }
+}
+
+impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
+    /// Sets the force (UF) that the summary reports as `reaction`; by default the largest reaction of a body.
+    pub fn force(mut self, force: impl Fn(&StepRecord<D>) -> f64 + 'a) -> Self {
+        self.plan.force = Box::new(force);
+        self
+    }
+
+    /// Sets what progress shows of a step; by default energy, force and iterations.
+    pub fn message(mut self, message: impl Fn(&StepView<'_, D>) -> String + 'a) -> Self {
+        self.plan.message = Some(Box::new(message));
+        self
+    }
+
+    /// Solves the problem from rest to full load, as [`Simulation::run`] does.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`], and files that cannot be written. A summary is written all the same.
+    pub fn run(self, problem: &mut Problem<D>) -> Result<Recorded<D>, Error> {
+        let Recording { simulation, plan } = self;
+        let clock = Instant::now();
+        stop_on_ctrl_c(&simulation.load_steps.stop);
+        let mut observer = Observer::new(&plan, problem)?;
+        let result = simulation.run_observed(problem, |step| observer.observe(step));
+        let written = observer.finish(result.as_ref().ok());
+        let drawn = plan.draw(problem, &observer.stages);
+        let seconds = clock.elapsed().as_secs_f64();
+        let summary = Summary::new(&plan, problem, &observer, &result, seconds);
+        let path = plan.folder.join("summary.json");
+        let text = summary.json().map_err(|why| file::failed(&path, why))?;
+        file::replace(&path, text.as_bytes())?;
+        written.and(drawn)?;
+        if !plan.quiet {
+            let files = plan.folder.display();
+            print(format!("{}\n  files              {files}", summary.table()));
+        }
+        let stages = observer.stages;
+        result.map(|history| Recorded { history, stages })
+    }
+}
+
+impl<const D: usize> Plan<'_, D> {
+    fn message_of(&self, step: &StepView<'_, D>) -> String {
+        if let Some(message) = &self.message {
+            return message(step);
+        }
+        let record = step.record;
+        format!(
+            "energy {:.4}  reaction {:.2}  iterations {} ({} of Ipopt)",
+            record.energy,
+            (self.force)(record),
+            record.attempt.iterations.len(),
+            record.attempt.cost.iterations
+        )
+    }
+
+    fn draw(&self, problem: &Problem<D>, stages: &[Stage<D>]) -> Result<(), Error> {
+        if self.picture.is_empty() {
+            return Ok(());
+        }
+        let panels = stages.iter().map(|stage| Panel {
+            title: stage.title.clone(),
+            snapshot: &stage.snapshot,
+        });
+        let path = self.folder.join(&self.picture);
+        MeshPicture::von_mises(panels.collect()).save(path, problem)
+    }
+}
+
+/// 0 at full load, 1 if some increment did not converge, [`NOT_CERTIFIED`] if some certificate does not hold,
+/// [`INTERRUPTED`] on Ctrl-C.
+impl<const D: usize> Termination for Recorded<D> {
+    fn report(self) -> ExitCode {
+        let certificate = self.history.certificate();
+        match self.history.run.ending {
+            Ending::Complete if certificate.is_none_or(|c| c.holds(&Limits::default())) => {
+                ExitCode::SUCCESS
+            }
+            Ending::Complete => ExitCode::from(NOT_CERTIFIED),
+            Ending::Interrupted { .. } => ExitCode::from(INTERRUPTED),
+            _ => ExitCode::FAILURE,
+        }
+    }
+}
+
+/// For `main`: the result's exit code, or 2 with the error on the standard error.
+pub fn exit<T: Termination>(result: Result<T, impl Display>) -> ExitCode {
+    match result {
+        Ok(done) => done.report(),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints a line on the standard output. That nobody reads it, as after `| head`, is no error, nor worth a panic.
+pub fn print(line: impl Display) {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => eprintln!("cannot print: {error}"),
+        _ => {}
+    }
+}

@@ -1,0 +1,111 @@
+//! What a run leaves on disk while it goes on.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use super::progress::Progress;
+use super::{Plan, Stage};
+use crate::error::Error;
+use crate::model::Problem;
+use crate::output::history::Tables;
+use crate::output::snapshot::Snapshot;
+use crate::output::vtk::Series;
+use crate::simulation::{History, StepRecord, StepView};
+
+/// The observer of a run: writes tables and `.vtu` files, shows progress, and keeps what pictures need.
+pub(super) struct Observer<'a, const D: usize> {
+    recording: &'a Plan<'a, D>,
+    series: Series,
+    tables: Tables,
+    progress: Progress,
+    /// One a converged step.
+    pub(super) records: Vec<StepRecord<D>>,
+    /// The states at rest, half way and at the last converged step, as far as the run came.
+    pub(super) stages: Vec<Stage<D>>,
+    /// Seconds spent in here.
+    pub(super) seconds: f64,
+    failure: Option<Error>,
+}
+
+impl<'a, const D: usize> Observer<'a, D> {
+    /// Makes the files, with the state at rest as the first one.
+    pub(super) fn new(recording: &'a Plan<'a, D>, problem: &Problem<D>) -> Result<Self, Error> {
+        let (folder, name) = (&recording.folder, &recording.name);
+        let mut series = Series::create(folder, name)?;
+        let tables = Tables::create::<D>(folder, name, problem.scene().bodies().len())?;
+        let rest = Snapshot::at_rest(problem)?;
+        if recording.vtu_every > 0 {
+            series.write(0.0, problem, &rest)?;
+        }
+        Ok(Observer {
+            recording,
+            series,
+            tables,
+            progress: Progress::new(recording.increments, recording.quiet),
+            records: Vec::new(),
+            stages: vec![Stage {
+                title: "step 0".into(),
+                is_half_way: false,
+                snapshot: rest,
+            }],
+            seconds: 0.0,
+            failure: None,
+        })
+    }
+
+    /// To be called for every converged step; stops the run when a file cannot be written.
+    pub(super) fn observe(&mut self, step: &StepView<'_, D>) -> ControlFlow<()> {
+        let clock = Instant::now();
+        let record = step.record;
+        let message = self.recording.message_of(step);
+        self.progress.step(record.increment, record.factor, message);
+        self.failure = self.write(step).err();
+        self.records.push(record.clone());
+        self.seconds += clock.elapsed().as_secs_f64();
+        match self.failure.is_some() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
+    fn write(&mut self, step: &StepView<'_, D>) -> Result<(), Error> {
+        let (record, recording) = (step.record, self.recording);
+        self.tables.write(record)?;
+        let snapshot = Snapshot::of_step(step)?;
+        let is_due = match record.increment {
+            Some(increment) => recording.vtu_every > 0 && increment % recording.vtu_every == 0,
+            None => recording.vtu_every == 1,
+        };
+        if is_due {
+            self.series.write(record.factor, step.problem, &snapshot)?;
+        }
+        // the last stage is replaced by the next one unless it is worth keeping
+        if self.stages.len() > 1 && !self.stages[self.stages.len() - 1].is_half_way {
+            self.stages.pop();
+        }
+        let half_way = recording.increments / 2;
+        self.stages.push(Stage {
+            title: match record.increment {
+                Some(increment) => format!("step {increment}"),
+                None => format!("load {:.4}", record.factor),
+            },
+            is_half_way: recording.half_way && record.increment == Some(half_way),
+            snapshot,
+        });
+        Ok(())
+    }
+
+    /// To be called after the run: failed attempts come into the tables. Reports what could not be written on the way.
+    pub(super) fn finish(&mut self, history: Option<&History<D>>) -> Result<(), Error> {
+        let clock = Instant::now();
+        self.progress.finish();
+        if let Some(failure) = self.failure.take() {
+            return Err(failure);
+        }
+        if let Some(history) = history {
+            self.tables.finish(history)?;
+        }
+        self.seconds += clock.elapsed().as_secs_f64();
+        Ok(())
+    }
+}

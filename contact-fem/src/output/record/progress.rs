@@ -1,0 +1,55 @@
+//! How far a run has come: a bar in a terminal, plain lines elsewhere.
+
+use std::io::IsTerminal;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::print;
+
+/// Shows one message a converged step.
+pub(super) enum Progress {
+    /// In a terminal.
+    Bar(ProgressBar),
+    /// In a file or a pipe.
+    Lines,
+    /// Not at all.
+    Quiet,
+}
+
+impl Progress {
+    /// For a run of so many increments.
+    pub fn new(increments: usize, quiet: bool) -> Self {
+        if quiet {
+            return Progress::Quiet;
+        }
+        if !std::io::stderr().is_terminal() {
+            return Progress::Lines;
+        }
+        let template = "{bar:20} {pos}/{len}, {eta} left: {wide_msg}";
+        let style = ProgressStyle::with_template(template);
+        let bar = ProgressBar::new(increments as u64);
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Progress::Bar(bar)
+    }
+
+    /// A step has converged; `increment` is the one it completes, if any.
+    pub fn step(&self, increment: Option<usize>, factor: f64, message: String) {
+        match self {
+            Progress::Bar(bar) => {
+                if let Some(increment) = increment {
+                    bar.set_position(increment as u64);
+                }
+                bar.set_message(message);
+            }
+            Progress::Lines => print(format!("load {factor:.4}: {message}")),
+            Progress::Quiet => {}
+        }
+    }
+
+    /// Clears the line for what follows.
+    pub fn finish(&self) {
+        if let Progress::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}

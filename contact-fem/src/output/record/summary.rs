@@ -1,0 +1,267 @@
+//! `summary.json`: what a run was, how it ended, and what it took.
+
+use contact_core::Ending;
+use contact_core::cost::{Cost, FactorSize};
+use contact_core::ipopt::{Blas, doctor, versions};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::observer::Observer;
+use super::{Plan, peak_memory};
+use crate::certificate::{Certificate, Limits};
+use crate::error::Error;
+use crate::left_out::LeftOut;
+use crate::model::Problem;
+use crate::simulation::History;
+
+/// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL; what only a converged step has is
+/// null if there is none, and so is what does not apply.
+#[derive(Serialize)]
+pub(super) struct Summary {
+    scene: String,
+    mesh: Value,
+    increments: usize,
+    converged: bool,
+    status: String,
+    load_factor: f64,
+    steps: usize,
+    cuts: usize,
+    energy: Option<f64>,
+    reaction: Option<f64>,
+    reactions: Vec<Vec<f64>>,
+    min_j: Option<f64>,
+    penetration: Option<f64>,
+    weak_penetration: Option<f64>,
+    /// The worst of all steps.
+    certificate: Option<Value>,
+    fixed_point_iterations: usize,
+    ipopt_iterations: usize,
+    factorisations: usize,
+    cold_retries: usize,
+    left_out: Option<Value>,
+    wall_seconds: f64,
+    seconds: Value,
+    peak_memory_bytes: Option<u64>,
+    factor: Option<Value>,
+    versions: Value,
+    /// For people.
+    #[serde(skip)]
+    table: String,
+}
+
+impl Summary {
+    /// Of a run that `observer` has seen, all in all `wall` seconds long.
+    pub(super) fn new<const D: usize>(
+        plan: &Plan<'_, D>,
+        problem: &Problem<D>,
+        observer: &Observer<'_, D>,
+        result: &Result<History<D>, Error>,
+        wall: f64,
+    ) -> Self {
+        let (records, history) = (&observer.records, result.as_ref().ok());
+        let last = records.last();
+        let certificates = records.iter().map(|record| record.certificate);
+        let certificate = certificates.reduce(Certificate::or_worse);
+        let status = status(result, certificate);
+        let cost = match history {
+            Some(history) => history.run.cost(),
+            None => records.iter().map(|record| record.attempt.cost).sum(),
+        };
+        let left_out = history.map(|history| LeftOut::new(problem, history));
+        let shares = shares(&cost, observer.seconds, wall);
+        let vectors = last.map_or(&[][..], |record| &record.reactions);
+        let reaction = last.map(|record| (plan.force)(record));
+        let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.4}"));
+        let mut table = vec![
+            format!("{}: {status}", plan.name),
+            format!(
+                "energy             {:>10} UF·UL",
+                number(last.map(|r| r.energy))
+            ),
+            format!("reaction           {:>10} UF", number(reaction)),
+        ];
+        table.extend(cost_lines(&cost));
+        table.extend(certificate.map(|found| format!("certificate of all steps {found}")));
+        table.extend(left_out.map(|left| format!("left out                   {left}")));
+        table.extend(time_lines(&shares, wall));
+        table.extend(program_lines());
+        Summary {
+            scene: plan.name.clone(),
+            mesh: mesh(problem),
+            increments: plan.increments,
+            converged: history.is_some_and(|h| h.run.ending == Ending::Complete),
+            status,
+            load_factor: last.map_or(0.0, |record| record.factor),
+            steps: records.len(),
+            cuts: history.map_or(0, |history| history.run.cuts()),
+            energy: last.map(|record| record.energy),
+            reaction,
+            reactions: vectors
+                .iter()
+                .map(|v| v.iter().copied().collect())
+                .collect(),
+            min_j: last.map(|record| record.min_j),
+            penetration: last.map(|record| record.penetration),
+            weak_penetration: last.map(|record| record.weak_penetration),
+            certificate: certificate.map(values),
+            fixed_point_iterations: cost.fixed_point,
+            ipopt_iterations: cost.iterations,
+            factorisations: cost.factorizations,
+            cold_retries: cost.cold_retries,
+            left_out: left_out.map(|left| {
+                json!({
+                    "dofs": left.dofs, "cells": left.cells, "rows": left.rows,
+                    "solves": left.solves, "hessians": left.hessians,
+                })
+            }),
+            wall_seconds: wall,
+            seconds: shares
+                .iter()
+                .map(|&(name, seconds)| (name.to_string(), json!(seconds)))
+                .collect(),
+            peak_memory_bytes: peak_memory(),
+            factor: cost.factor.map(factor),
+            versions: program(),
+            table: table.join("\n  "),
+        }
+    }
+
+    pub(super) fn json(&self) -> Result<String, serde_json::Error> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// A short table for people.
+    pub(super) fn table(&self) -> &str {
+        &self.table
+    }
+}
+
+fn status<const D: usize>(
+    result: &Result<History<D>, Error>,
+    certificate: Option<Certificate>,
+) -> String {
+    let status = match result {
+        Err(error) => format!("failed: {error}"),
+        Ok(history) => history.run.ending.to_string(),
+    };
+    match certificate {
+        Some(found) if !found.holds(&Limits::default()) => {
+            format!("{status}, but its certificate does not hold")
+        }
+        _ => status,
+    }
+}
+
+/// How large the problem is, all bodies together.
+fn mesh<const D: usize>(problem: &Problem<D>) -> Value {
+    let bodies = problem.scene().bodies();
+    let mut contact_facets = vec![0; bodies.len()];
+    for surface in problem.surfaces() {
+        contact_facets[surface.body()] += surface.len();
+    }
+    json!({
+        "nodes": problem.reference().len(),
+        "cells": bodies.iter().map(|body| body.mesh().len()).sum::<usize>(),
+        "free_dofs": problem.dofs().free(),
+        "contact_facets": contact_facets,
+    })
+}
+
+fn values(certificate: Certificate) -> Value {
+    let limits = Limits::default();
+    let entries = certificate.entries(&limits);
+    let mut values: Map<String, Value> = entries
+        .iter()
+        .map(|e| (e.name.to_string(), json!(e.value)))
+        .collect();
+    values.insert("holds".into(), json!(certificate.holds(&limits)));
+    values.insert("dropped".into(), json!(certificate.dropped));
+    Value::Object(values)
+}
+
+fn factor(factor: FactorSize) -> Value {
+    json!({
+        "ordering": factor.ordering,
+        "bytes": factor.bytes,
+        "workspace_bytes": factor.workspace_bytes,
+        "reallocations": factor.reallocations,
+    })
+}
+
+/// Wall time by phase (s).
+fn shares(cost: &Cost, output: f64, wall: f64) -> [(&'static str, f64); 5] {
+    let known = cost.projection + cost.callbacks + cost.optimizer + output;
+    [
+        ("projection", cost.projection),
+        ("callbacks", cost.callbacks),
+        ("optimizer", cost.optimizer),
+        ("output", output),
+        ("other", wall - known),
+    ]
+}
+
+fn cost_lines(cost: &Cost) -> Vec<String> {
+    let mut lines = vec![
+        format!("fixed point        {:>10} iterations", cost.fixed_point),
+        format!("Ipopt              {:>10} iterations", cost.iterations),
+        format!("factorisations     {:>10}", cost.factorizations),
+    ];
+    lines.extend(cost.factor.map(|factor| {
+        let megabytes = |bytes: u64| bytes as f64 / 1e6;
+        let mut line = format!("factor             {:>10.2} MB", megabytes(factor.bytes));
+        if let Some(workspace) = factor.workspace_bytes {
+            line += &format!(" of {:.2} MB allocated", megabytes(workspace));
+        }
+        line += &format!(", ordered by {}", factor.ordering);
+        match factor.reallocations {
+            0 => line,
+            count => line + &format!(", allocated anew {count} times"),
+        }
+    }));
+    lines
+}
+
+fn time_lines(shares: &[(&str, f64)], wall: f64) -> Vec<String> {
+    let share = |&(name, seconds): &(&str, f64)| {
+        let percent = 100.0 * seconds / wall;
+        format!("  {name:<16} {seconds:>10.2} s {percent:>5.1} %")
+    };
+    let mut lines = vec![format!("wall time          {wall:>10.2} s")];
+    lines.extend(shares.iter().map(share));
+    lines
+}
+
+/// What the program was built from, and which linear algebra it has loaded.
+fn program() -> Value {
+    let versions = versions();
+    let solvers = doctor::inspect().map_or(Vec::new(), |found| {
+        let names = found.working_linear_solvers();
+        names.map(str::to_owned).collect()
+    });
+    json!({
+        "ipopt_contact": versions.ipopt_contact,
+        "ipopt": versions.ipopt,
+        "ipopt_libraries": versions.ipopt_libraries,
+        "linear_solver": versions.linear_solver,
+        "linear_solvers": solvers,
+        "blas": versions.blas.map(|blas| blas.to_string()),
+        "rustc": versions.rustc,
+        "profile": versions.profile,
+    })
+}
+
+fn program_lines() -> Vec<String> {
+    let versions = versions();
+    let blas = versions.blas.as_ref();
+    let mut lines = vec![format!(
+        "run by             Ipopt {} with {}, {}",
+        versions.ipopt,
+        versions.linear_solver.as_deref().unwrap_or("unknown"),
+        blas.map_or("unknown BLAS".into(), ToString::to_string)
+    )];
+    if blas.is_some_and(Blas::is_reference) {
+        let slow = "slow: the reference BLAS is loaded, `apt-get install libopenblas0-serial` gives a fast one";
+        lines.push(slow.into());
+    }
+    lines
+}

@@ -1,0 +1,224 @@
+//! Meshes that Gmsh and FreeFEM made, against the geometry they were made of.
+
+use contact_fem::mesh::read::{ElementKind, Format};
+use contact_fem::tensor::facet_normal;
+use contact_fem::{Mesh, MeshFile};
+
+use crate::support;
+
+fn read(name: &str) -> MeshFile {
+    MeshFile::read(support::folder().join(name)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The body's area or volume, and the length or area of each boundary.
+fn measures<const D: usize>(mesh: &Mesh<D>) -> (f64, Vec<(&str, f64)>) {
+    let volume = (0..mesh.len()).map(|k| mesh.volume(k)).sum();
+    let corners = |facet: &[usize]| std::array::from_fn(|k| mesh.nodes()[facet[k]]);
+    let of_facet = |facet: &&[usize]| facet_normal::<D>(&corners(facet)).norm();
+    let of = |name| -> f64 {
+        let facets = mesh.boundary(name).expect("named");
+        facets.iter().map(of_facet).sum()
+    };
+    (volume, mesh.boundary_names().map(|n| (n, of(n))).collect())
+}
+
+/// Bodies by name with their measures and those of their boundaries.
+type Expected<'a> = &'a [(&'a str, f64, &'a [(&'a str, f64)])];
+
+fn check<const D: usize>(what: &str, file: &MeshFile, expected: Expected) {
+    let bodies = file.bodies::<D>().unwrap_or_else(|e| panic!("{what}: {e}"));
+    assert_eq!(bodies.len(), expected.len(), "{what}");
+    let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    for ((name, mesh), (expected, volume, boundaries)) in bodies.iter().zip(expected) {
+        let measured = measures(mesh);
+        assert_eq!(name, expected, "{what}");
+        assert!(close(measured.0, *volume), "{what}: {name} {measured:?}");
+        assert_eq!(measured.1.len(), boundaries.len(), "{what}: {measured:?}");
+        for (found, expected) in measured.1.iter().zip(*boundaries) {
+            let same = found.0 == expected.0 && close(found.1, expected.1);
+            assert!(same, "{what}: {name} {found:?}");
+        }
+        let alone = file.body::<D>(name).expect("a body");
+        assert_eq!(measures(&alone), measured, "{what}");
+    }
+}
+
+const BLOCKS: Expected = &[
+    (
+        "lower",
+        2.0,
+        &[
+            ("42", 1.0),
+            ("bottom", 2.0),
+            ("interface", 2.0),
+            ("support", 3.0),
+        ],
+    ),
+    (
+        "upper part",
+        1.0,
+        &[("42", 0.5), ("interface", 2.0), ("top", 2.0)],
+    ),
+];
+
+const BRICKS: Expected = &[
+    (
+        "base",
+        2.0,
+        &[("bottom", 2.0), ("front", 1.0), ("interface", 2.0)],
+    ),
+    (
+        "block",
+        1.0,
+        &[("front", 0.5), ("interface", 2.0), ("top", 2.0)],
+    ),
+];
+
+const VERSIONS: [(&str, Format); 4] = [
+    ("v41", Format::Gmsh41),
+    ("v41.bin", Format::Gmsh41),
+    ("v22", Format::Gmsh22),
+    ("v22.bin", Format::Gmsh22),
+];
+
+#[test]
+fn physical_groups_of_gmsh_are_bodies_and_boundaries() {
+    for (version, format) in VERSIONS {
+        let blocks = read(&format!("blocks.1.{version}.msh"));
+        assert_eq!(blocks.format(), format);
+        check::<2>(version, &blocks, BLOCKS);
+        let bricks = read(&format!("bricks.1.{version}.msh"));
+        assert_eq!(bricks.format(), format);
+        check::<3>(version, &bricks, BRICKS);
+        let named = |name| {
+            let groups = [blocks.groups(), bricks.groups()].concat();
+            let group = groups.into_iter().find(|group| group.name == name);
+            group.map(|group| (group.dimension, group.number))
+        };
+        assert_eq!(named("upper part"), Some((2, 2)));
+        assert_eq!(named("42"), Some((1, 42)));
+        assert_eq!(named("corner"), Some((0, 43)));
+        assert_eq!(named("block"), Some((3, 9)));
+    }
+}
+
+#[test]
+fn parameters_of_nodes_are_passed_over() {
+    for name in ["v41.msh", "v22.msh", "v22.bin.msh"] {
+        check::<2>(name, &read(&format!("parametric.{name}")), BLOCKS);
+    }
+    let binary = read("parametric.v41.bin.msh");
+    check::<3>("v41.bin", &binary, BRICKS);
+}
+
+#[test]
+fn what_is_saved_without_a_group_is_no_boundary() {
+    check::<2>("saved_all", &read("saved_all.v41.msh"), BLOCKS);
+}
+
+#[test]
+fn labels_of_medit_files_are_bodies_and_boundaries() {
+    let expected: Expected = &[
+        ("1", 2.0, &[("1", 2.0), ("2", 1.0), ("3", 2.0), ("4", 1.0)]),
+        ("2", 1.0, &[("3", 2.0), ("5", 0.5), ("6", 2.0)]),
+    ];
+    let file = read("blocks.1.mesh");
+    assert_eq!(file.format(), Format::Medit);
+    check::<2>("blocks", &file, expected);
+    let expected: Expected = &[
+        ("1", 2.0, &[("1", 2.0), ("13", 1.0), ("26", 2.0)]),
+        ("2", 1.0, &[("26", 2.0), ("35", 0.5), ("48", 2.0)]),
+    ];
+    check::<3>("bricks", &read("bricks.1.mesh"), expected);
+}
+
+#[test]
+fn regions_and_labels_of_freefem_are_bodies_and_boundaries() {
+    let expected: Expected = &[
+        ("0", 1.0, &[("3", 2.0), ("4", 1.0), ("5", 2.0)]),
+        ("3", 2.0, &[("1", 2.0), ("2", 2.0), ("3", 2.0)]),
+    ];
+    for (name, format) in [
+        ("freefem.msh", Format::FreeFem),
+        ("freefem.mesh", Format::Medit),
+    ] {
+        let file = read(name);
+        assert_eq!(file.format(), format);
+        check::<2>(name, &file, expected);
+    }
+    let lower: &[(&str, f64)] = &[("1", 1.0), ("2", 2.0), ("3", 1.0), ("4", 2.0), ("5", 2.0)];
+    let upper: &[(&str, f64)] = &[("1", 0.5), ("2", 1.0), ("3", 0.5), ("4", 1.0), ("6", 2.0)];
+    let expected: Expected = &[("7", 2.0, lower), ("9", 1.0, upper)];
+    check::<3>("freefem_3d", &read("freefem_3d.mesh"), expected);
+}
+
+/// Edges in VTK's order.
+fn edges(kind: ElementKind) -> &'static [[usize; 2]] {
+    const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+    &EDGES[..kind.nodes() - kind.corners()]
+}
+
+#[test]
+fn nodes_amid_edges_come_in_the_order_of_vtk() {
+    let versions = VERSIONS.map(|(version, _)| format!("2.{version}.msh"));
+    for ending in versions.into_iter().chain(["2.mesh".to_string()]) {
+        for (name, counts) in [("blocks", [26, 0]), ("bricks", [32, 86])] {
+            let file = read(&format!("{name}.{ending}"));
+            let x = |node: usize| nalgebra::Vector3::from(file.vertices()[node]);
+            let mut found = [0; 4];
+            for elements in file.elements().iter().filter(|e| e.kind.dimension() > 0) {
+                let kind = elements.kind;
+                assert_eq!(
+                    kind.nodes() - kind.corners(),
+                    [1, 3, 6][kind.dimension() - 1]
+                );
+                found[kind.dimension()] += elements.len();
+                for element in elements.iter() {
+                    let mirrored = kind.mirrored().iter().map(|&k| element[k]);
+                    for nodes in [element.to_vec(), mirrored.collect()] {
+                        for (&[a, b], &amid) in edges(kind).iter().zip(&nodes[kind.corners()..]) {
+                            let off = x(amid) - 0.5 * (x(nodes[a]) + x(nodes[b]));
+                            assert!(off.norm() < 1e-9, "{name}.{ending}: {nodes:?}");
+                        }
+                    }
+                }
+            }
+            assert!(found[1] > 0 && found[2..] == counts, "{ending} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn line_ends_byte_order_marks_and_comments_do_not_matter() {
+    for (path, bytes) in support::mesh_files() {
+        let path = path.display().to_string();
+        let text = String::from_utf8(bytes);
+        let (Ok(text), false) = (text, path.contains("found")) else {
+            continue;
+        };
+        let Ok(file) = MeshFile::parse(text.as_bytes()) else {
+            continue;
+        };
+        let comment = match file.format() {
+            Format::Gmsh41 | Format::Gmsh22 => "$Comments\nNodes, $Nodes and é\n$EndComments\n",
+            Format::Medit => "# comment\n",
+            Format::FreeFem => "",
+        };
+        let variants = [
+            text.replace('\n', "\r\n"),
+            format!("\u{feff}\n  {text}\n\n"),
+            format!("{comment}{text}"),
+            text.replace("$Nodes", &format!("{comment}$Nodes")),
+            text.replace("Vertices", &format!("{comment}Vertices")),
+            text.trim_end().to_string(),
+            text.trim_end().trim_end_matches("End").to_string(),
+        ];
+        for variant in variants {
+            let variant = MeshFile::parse(variant.as_bytes());
+            let variant = variant.unwrap_or_else(|error| panic!("{path}: {error}"));
+            assert_eq!(variant.vertices(), file.vertices(), "{path}");
+            assert_eq!(variant.groups(), file.groups(), "{path}");
+            assert_eq!(variant.elements(), file.elements(), "{path}");
+        }
+    }
+}

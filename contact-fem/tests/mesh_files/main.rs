@@ -1,0 +1,8 @@
+//! Mesh files: read, refused, damaged, made into bodies, written. The fuzzer beside them (`fuzz.rs`) is an example.
+
+mod damaged;
+mod from_elsewhere;
+mod refused;
+mod support;
+mod to_bodies;
+mod written;

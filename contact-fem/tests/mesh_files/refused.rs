@@ -1,0 +1,282 @@
+//! Wrong and foreign files: each is refused with its place and the reason.
+
+use crate::support::{self, mutation::Random};
+use contact_fem::mesh::read::{Place, Problem};
+use contact_fem::{Error, MeshFile};
+
+use Place::{File, Line};
+use Problem::*;
+
+/// A piece of a good file, what it is replaced by, the line of the problem, its kind, and what the
+/// message has to contain.
+type Case<'a> = (&'a str, &'a str, usize, &'a str, &'a str);
+
+fn refusal(bytes: &[u8]) -> (Place, Problem) {
+    match MeshFile::parse(bytes) {
+        Err(Error::MeshFile { place, problem, .. }) => (place, problem),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn check(good: &str, cases: &[Case]) {
+    MeshFile::parse(good.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{good}"));
+    for (piece, replacement, line, kind, part) in cases {
+        assert!(good.contains(piece), "{piece}");
+        let bad = good.replacen(piece, replacement, 1);
+        let (place, problem) = refusal(bad.as_bytes());
+        let what = format!("{piece:?} -> {replacement:?}: {place:?} {problem}");
+        assert_eq!(place, Line(*line), "{what}");
+        assert!(format!("{problem:?}").starts_with(kind), "{what}");
+        assert!(problem.to_string().contains(part), "{what}");
+    }
+}
+
+#[test]
+fn gmsh_2_2() {
+    let good = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"plate\"\n\
+        $EndPhysicalNames\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n30 0 1 0\n$EndNodes\n$Elements\n1\n\
+        1 2 2 7 1 1 2 30\n$EndElements\n";
+    #[rustfmt::skip]
+    let cases: &[Case] = &[
+        ("2.2 0", "2.1 0", 2, "Unsupported", ""),
+        ("2.2 0", "5 0", 2, "Unsupported", ""),
+        ("2.2 0", "two 0", 2, "Expected", ""),
+        ("2.2 0", "2.2 2", 2, "Expected", ""),
+        ("$EndMeshFormat", "$Nodes", 3, "Expected", "found `$Nodes`"),
+        ("$MeshFormat", "$NOD", 1, "Unsupported", ""),
+        ("$MeshFormat", "$Format", 1, "Truncated", ""),
+        ("\n1\n2 7", "\n2\n2 7", 7, "Expected", ""),
+        ("\n1\n2 7", "\n0\n2 7", 6, "Expected", ""),
+        ("2 7 \"pl", "4 7 \"pl", 6, "Expected", ""),
+        ("\"plate\"", "plate", 6, "Expected", ""),
+        ("\"plate\"", "\"plate", 6, "Expected", ""),
+        ("\n3\n1", "\n2\n1", 12, "Expected", "expected `$EndNodes`"),
+        ("\n3\n1", "\n4\n1", 13, "Expected", "found `$EndNodes`"),
+        ("\n3\n1", "\n4000000000\n1", 9, "Count", "announces 4000000000"),
+        ("\n3\n1", "\n18446744073709551615\n1", 9, "Count", ""),
+        ("\n3\n1", "\n18446744073709551616\n1", 9, "Expected", ""),
+        ("\n3\n1", "\n-3\n1", 9, "Expected", ""),
+        ("2 1 0 0", "1 1 0 0", 11, "RepeatedNode", "node 1 "),
+        ("2 1 0 0", "-2 1 0 0", 11, "Expected", ""),
+        ("2 1 0 0", "2 nan 0 0", 11, "NotFinite", "node 2 "),
+        ("2 1 0 0", "2 1 0 1e999", 11, "NotFinite", "node 2 "),
+        ("2 1 0 0", "2 1 0 1d0", 11, "Expected", ""),
+        ("2 1 0 0", "2 1 0", 13, "Expected", ""),
+        ("$EndNodes\n", "", 13, "Expected", ""),
+        ("1\n1 2 2", "2\n1 2 2", 17, "Expected", ""),
+        ("1\n1 2 2", "900\n1 2 2", 15, "Count", ""),
+        ("1 2 2 7", "1 3 2 7", 16, "UnsupportedElement", "4-node quad"),
+        ("1 2 2 7", "1 16 2 7", 16, "UnsupportedElement", "8-node quad"),
+        ("1 2 2 7", "1 21 2 7", 16, "UnsupportedElement", ""),
+        ("1 2 2 7", "1 999 2 7", 16, "UnsupportedElement", ""),
+        ("1 2 2 7", "1 4 2 7", 17, "Expected", ""),
+        ("1 2 2 7", "1 2 4 7 1 1", 16, "Partitioned", ""),
+        ("1 2 2 7 1 1", "1 2 9999999999999 7 1 0", 17, "Expected", "a tag"),
+        ("1 2 30\n$", "1 2 3\n$", 16, "UnknownNode", "node 3"),
+        ("1 2 30\n$", "1 2 -3\n$", 16, "Expected", ""),
+        ("$EndElements", "", 18, "Truncated", ""),
+        ("$EndElements", "$End", 17, "Expected", ""),
+        ("$Elements", "$Comments", 14, "Truncated", ""),
+    ];
+    check(good, cases);
+    let (place, problem) = refusal(&good.as_bytes()[..good.find("$Elements").expect("there")]);
+    assert_eq!(place, File);
+    assert!(problem.to_string().contains("no `$Elements`"), "{problem}");
+    let mut latin = good.as_bytes().to_vec();
+    latin[good.find("late").expect("there")] = 0xe9;
+    let (place, problem) = refusal(&latin);
+    assert!(
+        matches!(&problem, NotUtf8 { name } if name.contains("xe9")),
+        "{problem}"
+    );
+    assert_eq!(place, Line(6));
+}
+
+#[test]
+fn gmsh_4_1() {
+    let good = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n\
+        3 0 0 0 1 1 0 1 7 0\n$EndEntities\n$Nodes\n1 3 1 30\n2 3 0 3\n1\n2\n30\n0 0 0\n1 0 0\n\
+        0 1 0\n$EndNodes\n$Elements\n1 1 1 1\n2 3 2 1\n1 1 2 30\n$EndElements\n";
+    let groups: String = (0..65).map(|k| format!(" {}", k + 1)).collect();
+    let groups = format!("0 65{groups} 0\n$End");
+    #[rustfmt::skip]
+    let cases: &[Case] = &[
+        ("4.1 0", "4 0", 2, "Unsupported", "version 4"),
+        ("4.1 0", "4.0 0", 2, "Unsupported", ""),
+        ("4.1 0", "4.2 0", 2, "Unsupported", ""),
+        ("4.1 0", "3 0", 2, "Unsupported", ""),
+        ("4.1 0", "nan 0", 2, "Unsupported", ""),
+        ("0 0 1 0\n", "0 0 2 0\n", 7, "Expected", ""),
+        ("0 0 1 0\n", "0 0 0 1\n", 20, "UnknownEntity", ""),
+        ("0 0 1 0\n", "0 0 18446744073709551615 0\n", 7, "Expected", ""),
+        ("0 1 7 0\n", "0 18446744073709551615 7 0\n", 7, "Expected", ""),
+        ("0 1 7 0\n$End", &groups, 6, "Groups", ""),
+        ("$Entities", "$PartitionedEntities", 4, "Partitioned", ""),
+        ("1 3 1 30", "2 3 1 30", 17, "Expected", ""),
+        ("1 3 1 30", "1 4 1 30", 17, "Total", ""),
+        ("1 3 1 30", "1 99999999 1 30", 9, "Count", "announces 99999999"),
+        ("2 3 0 3", "2 3 0 4", 17, "Expected", "found `$EndNodes`"),
+        ("2 3 0 3", "2 3 0 18446744073709551615", 10, "Count", ""),
+        ("2 3 0 3", "2 3 1 3", 17, "Expected", ""),
+        ("\n2\n30\n", "\n2\n2\n", 16, "RepeatedNode", "node 2 "),
+        ("1 0 0\n", "1 0 inf\n", 15, "NotFinite", "node 2 "),
+        ("1 1 1 1", "0 1 1 1", 20, "Expected", ""),
+        ("1 1 1 1", "1 0 1 1", 22, "Total", ""),
+        ("2 3 2 1", "3 3 2 1", 20, "Expected", "found `3-node triangle`"),
+        ("2 3 2 1", "2 4 2 1", 20, "UnknownEntity", ""),
+        ("2 3 2 1", "2 3 3 1", 20, "UnsupportedElement", ""),
+        ("2 3 2 1", "2 3 2 10000", 20, "Count", "announces 10000"),
+        ("1 1 2 30", "1 1 2 31", 21, "UnknownNode", ""),
+        ("1 1 2 30", "1 1 2", 22, "Expected", ""),
+    ];
+    check(good, cases);
+    let (_, problem) = refusal(&good.as_bytes()[..good.find("$Nodes").expect("there")]);
+    assert!(
+        matches!(
+            problem,
+            Missing {
+                section: "`$Nodes`"
+            }
+        ),
+        "{problem}"
+    );
+}
+
+#[test]
+fn medit() {
+    const EDGES: &str = "Edges 1\n1 2 4";
+    let good = "MeshVersionFormatted 2\nDimension 2\nVertices 3\n0 0 0\n1 0 0\n0 1 0\n\
+        Edges 1\n1 2 4\nCorners\n2\n1 2\nAngleOfCornerBound 1e-3\nTriangles\n1\n1 2 3 7\nEnd\n";
+    #[rustfmt::skip]
+    let cases: &[Case] = &[
+        ("Formatted 2", "Formatted 7", 1, "Unsupported", ""),
+        ("Dimension 2", "Dimension 4", 2, "Expected", ""),
+        ("Dimension 2", "Identifier \"Dimension 2\"", 3, "Order", ""),
+        ("Vertices 3", "Vertices 4", 7, "Expected", "found `Edges`"),
+        ("Vertices 3", "Vertices 2", 6, "Expected", "found `0`"),
+        ("Vertices 3", "Vertices 5000000000", 3, "Count", "announces 5000000000"),
+        ("Vertices 3", "Points 3", 7, "Order", "`Edges`"),
+        ("1 0 0", "1 inf 0", 5, "NotFinite", "node 2 "),
+        (EDGES, "Vertices 1\n1 2 4", 7, "Order", ""),
+        (EDGES, "Edges 1\n1 2", 9, "Expected", ""),
+        (EDGES, "EdgesP3 1\n1 2 4", 7, "UnsupportedElement", ""),
+        (EDGES, "Quadrilaterals 1\n1 2 3 4 5", 7, "UnsupportedElement", ""),
+        (EDGES, "Edges 1\n0 2 4", 8, "UnknownNode", "node 0"),
+        (EDGES, "Edges 1\n1 -9223372036854775808 4", 8, "UnknownNode", ""),
+        ("1 2 3 7", "1 2 4 7", 15, "UnknownNode", "node 4"),
+        ("1 2 3 7", "1 2 3 7 7", 15, "Expected", ""),
+        ("1 2 3 7", "1 2 3", 16, "Expected", "found `End`"),
+        ("1 2 3 7\nEnd\n", "1 2  3 ", 15, "Truncated", "a label"),
+    ];
+    check(good, cases);
+    let none = good.replace(EDGES, "Hexahedra 0 Tetrahedra 0");
+    MeshFile::parse(none.as_bytes()).expect("no hexahedra");
+    let nothing = good.replace(EDGES, "").replace("Triangles\n1\n1 2 3 7", "");
+    let (place, problem) = refusal(nothing.as_bytes());
+    assert!(matches!(problem, Missing { .. }), "{problem}");
+    assert_eq!(place, File);
+}
+
+#[test]
+fn freefem() {
+    let good = "3 1 1\n0 0 1\n1 0 1\n0 1 1\n1 2 3 5\n1 2 9\n";
+    #[rustfmt::skip]
+    let cases: &[Case] = &[
+        ("3 1 1\n0", "4 1 1\n0", 5, "UnknownNode", "node 5"),
+        ("3 1 1\n0", "3 0 1\n0", 5, "Expected", "found `5`"),
+        ("3 1 1\n0", "3 1 0\n0", 6, "Expected", ""),
+        ("3 1 1\n0", "3 99999999999 1\n0", 4, "Count", ""),
+        ("3 1 1\n0", "18446744073709551615 1 1\n0", 1, "Count", ""),
+        ("3 1 1\n0", "18446744073709551616 1 1\n0", 1, "Expected", ""),
+        ("1 0 1\n", "nan 0 1\n", 3, "NotFinite", "node 2 "),
+        ("1 2 3 5", "1 2 4 5", 5, "UnknownNode", ""),
+        ("1 2 9", "0 2 9", 6, "UnknownNode", ""),
+        ("1 2 9", "1 2 nine", 6, "Expected", ""),
+    ];
+    check(good, cases);
+    let (_, problem) = refusal(b"0 0 0");
+    assert!(problem.to_string().contains("no vertices"), "{problem}");
+}
+
+#[test]
+fn what_is_no_mesh_file() {
+    for empty in ["", " \r\n\t ", "\u{feff}"] {
+        assert!(matches!(refusal(empty.as_bytes()).1, Empty));
+    }
+    let mut random = Random(7);
+    let noise: Vec<u8> = (0..10 << 20).map(|_| random.number() as u8).collect();
+    for bytes in [
+        &noise[..],
+        b"\x1f\x8b\x08\x00",
+        b"# vtk DataFile Version 3.0\n",
+        b"1 2",
+        b"\xff",
+    ] {
+        let (place, problem) = refusal(bytes);
+        assert!(
+            matches!(&problem, UnknownFormat { start } if start.len() < 200),
+            "{problem}"
+        );
+        assert_eq!(place, File);
+    }
+    let header = b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n";
+    let (peak, _) = support::memory::peak_of(|| refusal(&[header, &noise[..]].concat()));
+    assert!(peak < 3 * noise.len(), "{peak}");
+    let error = MeshFile::read("/no/such/file.msh").expect_err("no such file");
+    assert!(matches!(error, Error::Read { .. }));
+    assert!(error.to_string().contains("/no/such/file.msh"), "{error}");
+}
+
+#[test]
+fn files_of_other_programs_are_refused_by_name() {
+    let refused = |name: &str| {
+        let error = MeshFile::read(support::folder().join(name)).expect_err(name);
+        let text = error.to_string();
+        assert!(text.contains(name), "{text}");
+        text
+    };
+    for (name, reason) in [
+        ("blocks.v1.msh", "version 1"),
+        ("blocks.v3.msh", "version 3"),
+        ("blocks.v4.msh", "version 4"),
+        ("blocks.3.v41.msh", "4-node segment"),
+        ("quadrilaterals.v41.msh", "4-node quadrilateral"),
+        ("partitioned.v41.msh", "partitioned"),
+        ("partitioned.v22.msh", "partitioned"),
+        ("freefem_3d.meshb", "binary Medit"),
+    ] {
+        let text = refused(name);
+        assert!(text.contains(reason), "{text}");
+    }
+}
+
+#[test]
+fn binary_files_of_other_machines_are_refused() {
+    for name in ["blocks.1.v41.bin.msh", "blocks.1.v22.bin.msh"] {
+        let good = std::fs::read(support::folder().join(name)).expect("a file");
+        let one = good
+            .windows(5)
+            .position(|w| w == b"\n\x01\0\0\0")
+            .expect("there")
+            + 1;
+        let mut bad = good.clone();
+        bad[one..one + 4].copy_from_slice(&1_i32.to_be_bytes());
+        let (place, problem) = refusal(&bad);
+        assert!(matches!(&problem, Unsupported { found, .. } if found.contains("big-endian")));
+        assert_eq!(place, Place::Byte(one));
+        bad[one] = 3;
+        assert!(matches!(refusal(&bad).1, Expected { .. }));
+        let mut short = good.clone();
+        short[one - 2] = b'4';
+        assert!(
+            matches!(&refusal(&short).1, Unsupported { found, .. } if found.contains("4 bytes"))
+        );
+        // the numbers of nodes, entities and elements, wherever they are, made huge
+        for at in (one..good.len() - 8).step_by(4) {
+            let mut bad = good.clone();
+            bad[at..at + 8].copy_from_slice(&(u64::MAX >> 1).to_le_bytes());
+            let (peak, _) = support::memory::peak_of(|| support::read_fully(&bad));
+            assert!(peak < support::allowance(&bad), "{name} {at} {peak}");
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Signorini's problem: an elastic arch is pressed on a rigid foundation, at small strains.
+
+use std::f64::consts::{PI, TAU};
+
+use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+use contact_fem::model::Passes;
+use contact_fem::tensor::Vector;
+use contact_fem::{Body, Error, LinearElastic, Scene};
+
+/// The outer radius of the arch (UL), the lower half of a ring that stands on the line y = 0.
+pub const RADIUS: f64 = 10.0;
+/// Its thickness (UL).
+pub const THICKNESS: f64 = 1.0;
+/// Young's modulus (UF/UL²) and Poisson's ratio.
+pub const YOUNG: f64 = 1000.0;
+const NU: f64 = 0.3;
+/// How far its ends are pushed down (UL).
+pub const PUSH: f64 = 2.0;
+
+/// The arch, the first body, of `across` cells through the thickness and 32 times as many along it,
+/// and the foundation, which is held everywhere.
+///
+/// The arch alone imposes constraints: with normals that are vertical everywhere, its rows are the
+/// weighted means of y + u_y over its test functions.
+pub fn scene(across: usize) -> Result<Scene<2>, Error> {
+    let angles = linspace(PI, TAU, 32 * across);
+    let depths = linspace(0.0, THICKNESS, across);
+    let bend = |X: &Vector<2>| {
+        let r = RADIUS - X[1];
+        Vector::<2>::new(r * X[0].cos(), RADIUS + r * X[0].sin())
+    };
+    let mesh = rectangle(&angles, &depths, Diagonals::Rising)?.mapped(bend)?;
+    let mut arch = Body::new(mesh, LinearElastic::new(YOUNG, NU)?);
+    for end in ["left", "right"] {
+        arch.prescribe(end, [Some(0.0), Some(-PUSH)])?;
+    }
+    let ground = rectangle(
+        &[-2.0 * RADIUS, 2.0 * RADIUS],
+        &[-THICKNESS, 0.0],
+        Diagonals::Rising,
+    )?;
+    let mut foundation = Body::new(ground, LinearElastic::new(YOUNG, NU)?);
+    foundation.prescribe_all([Some(0.0); 2])?;
+
+    let mut scene = Scene::new();
+    let arch = scene.add("arch", arch);
+    let foundation = scene.add("foundation", foundation);
+    scene.contact_in_passes(
+        arch.on("bottom"),
+        foundation.on("top"),
+        Passes::FirstIsSlave,
+    )?;
+    Ok(scene)
+}

@@ -1,0 +1,149 @@
+//! The three beams of section 6.2: cantilevers on top of each other, the top one loaded.
+
+use contact_fem::element::Order;
+use contact_fem::mesh::generators::cuboid;
+use contact_fem::model::Problem;
+use contact_fem::tensor::Vector;
+use contact_fem::{Body, BodyId, Error, LinearElastic, NeoHookean, Scene};
+
+/// The length of the beams (UL).
+pub const LENGTH: f64 = 200.0;
+/// The edge of their square sections (UL).
+pub const SIDE: f64 = 25.0;
+/// Young's modulus (UF/UL²).
+pub const YOUNG: f64 = 2e5;
+/// The load on the top face of the uppermost beam (UF/UL²).
+pub const LOAD: f64 = 100.0;
+
+/// The law of all beams.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// Linear elasticity, contact in the reference configuration.
+    SmallStrain,
+    /// Neo-Hookean bodies through large displacements.
+    NeoHookean,
+}
+
+/// What a scene of the beams is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Beams {
+    /// Cells across a beam's side.
+    pub across: usize,
+    /// Cells along a beam.
+    pub along: usize,
+    /// P1 or P2.
+    pub order: Order,
+    /// One law for all.
+    pub law: Law,
+    /// Poisson's ratio; the paper has 0.
+    pub poisson: f64,
+    /// How many beams share the load.
+    pub count: usize,
+    /// Whether the beams touch; otherwise each goes its own way, the time of which is the floor for
+    /// any contact algorithm.
+    pub contact: bool,
+}
+
+impl Beams {
+    /// The paper's three, in contact, of cells that are twice as long as high.
+    pub fn new(across: usize, order: Order, law: Law) -> Self {
+        Beams {
+            across,
+            along: 4 * across,
+            order,
+            law,
+            poisson: 0.0,
+            count: 3,
+            contact: true,
+        }
+    }
+
+    /// Clamped at x = 0, the lowest beam first. Every other one has one division more along its
+    /// length, so that nodes do not meet.
+    pub fn scene(&self) -> Result<Scene<3>, Error> {
+        let mut scene = Scene::new();
+        let mut below: Option<BodyId> = None;
+        for k in 0..self.count {
+            let beam = scene.add(format!("beam{}", k + 1), self.beam(k)?);
+            if let Some(below) = below.replace(beam).filter(|_| self.contact) {
+                scene.contact(below.on("top"), beam.on("bottom"))?;
+            }
+        }
+        Ok(scene)
+    }
+
+    fn beam(&self, k: usize) -> Result<Body<3>, Error> {
+        let along = self.along + k % 2;
+        let low = [0.0, 0.0, k as f64 * SIDE];
+        let divisions = [along, self.across, self.across];
+        let mut mesh = cuboid(low, [LENGTH, SIDE, SIDE], divisions)?;
+        if self.order == Order::Quadratic {
+            mesh = mesh.quadratic();
+        }
+        let mut beam = match self.law {
+            Law::SmallStrain => Body::new(mesh, LinearElastic::new(YOUNG, self.poisson)?),
+            Law::NeoHookean => Body::new(mesh, NeoHookean::new(YOUNG, self.poisson)?),
+        };
+        beam.prescribe("left", [Some(0.0); 3])?;
+        // without contact every beam gets its share, so that all of them bend
+        let share = match (self.contact, k + 1 == self.count) {
+            (true, top) => f64::from(u8::from(top)),
+            (false, _) => 1.0 / self.count as f64,
+        };
+        if share > 0.0 {
+            beam.traction("top", [0.0, 0.0, -share * LOAD])?;
+        }
+        Ok(beam)
+    }
+}
+
+/// The displacement of the middle of a beam's end (UL): the mean over the corners of its section.
+pub fn tip(problem: &Problem<3>, u: &[Vector<3>], beam: usize) -> [f64; 3] {
+    let [bottom, top] = [0.0, 1.0].map(|level| end_edge(problem, u, beam, level));
+    ((bottom + top) * 0.5).into()
+}
+
+/// How far the end of beam `below` has slid on that of the next one (UL), along the beams.
+pub fn slip(problem: &Problem<3>, u: &[Vector<3>], below: usize) -> f64 {
+    let under = end_edge(problem, u, below, 1.0);
+    let over = end_edge(problem, u, below + 1, 0.0);
+    // tangent to the interface at the tip, as the lower beam's section has turned
+    let section = under - end_edge(problem, u, below, 0.0);
+    let normal = (section + Vector::<3>::new(0.0, 0.0, SIDE)).normalize();
+    let offset = over - under;
+    (offset - normal * offset.dot(&normal)).norm()
+}
+
+/// The mean displacement of the two corners at the end of a beam, at `level` 0 (bottom) or 1 (top).
+fn end_edge(problem: &Problem<3>, u: &[Vector<3>], beam: usize, level: f64) -> Vector<3> {
+    let height = (beam as f64 + level) * SIDE;
+    let is_corner = |&a: &usize| {
+        let X = problem.reference()[a];
+        let at = |x: f64, value: f64| (x - value).abs() < 1e-9;
+        at(X[0], LENGTH) && (at(X[1], 0.0) || at(X[1], SIDE)) && at(X[2], height)
+    };
+    let corners: Vec<usize> = problem.nodes(beam).filter(is_corner).collect();
+    let sum: Vector<3> = corners.iter().map(|&a| u[a]).sum();
+    sum / corners.len() as f64
+}
+
+/// The mean contact pressure (UF/UL²) over the middle third of the top of beam `below`, by facets'
+/// centres.
+pub fn mid_span_pressure(problem: &Problem<3>, pressures: &[f64], below: usize) -> f64 {
+    let height = (below + 1) as f64 * SIDE;
+    let is_near =
+        |x: Vector<3>| (x[0] / LENGTH - 0.5).abs() <= 1.0 / 6.0 && (x[2] - height).abs() < 1e-9;
+    let centre = Vector::<3>::repeat(1.0 / 3.0);
+    let (mut force, mut area) = (0.0, 0.0);
+    for surface in problem.surfaces().iter().filter(|s| s.body() == below) {
+        for (facet, reference) in surface.facets().zip(surface.reference()) {
+            let corners = [0, 1, 2].map(|k| surface.nodes()[facet[k]]);
+            if is_near(reference.point(&centre)) {
+                let measure = reference.normal(&centre).norm();
+                force += measure * corners.map(|a| pressures[a]).iter().sum::<f64>() / 3.0;
+                area += measure;
+            }
+        }
+    }
+    force / area
+}

@@ -1,0 +1,171 @@
+//! Options that every example understands.
+
+use std::path::PathBuf;
+
+use contact_core::ipopt::{self, OptionValue, Solver};
+use contact_core::nlp::{Bounds, Pattern, Structure};
+use contact_core::{
+    Acceleration, Equilibrium, FixedPoint, InteriorPoint, Method, PenalizedSlack, Penalty, Retry,
+};
+use contact_fem::Simulation;
+use contact_fem::output::record::Recording;
+
+use crate::Failure;
+
+/// How to solve, and what to write where.
+#[derive(clap::Args, Debug)]
+pub struct Options {
+    /// Load increments; every example has its own default
+    #[arg(long, value_parser = positive)]
+    pub increments: Option<usize>,
+    /// Relative change of the displacement at which a fixed point has converged, in (0, 1)
+    #[arg(long, default_value_t = FixedPoint::<InteriorPoint>::default().tolerance, value_parser = tolerance)]
+    pub tolerance: f64,
+    /// How every subproblem is solved
+    #[arg(long, value_enum, default_value_t = Formulation::InteriorPoint)]
+    pub method: Formulation,
+    /// How fixed-point iterates are combined
+    #[arg(long, value_enum, default_value_t = Combine::Anderson)]
+    pub acceleration: Combine,
+    /// Differences that Anderson acceleration looks back on
+    #[arg(long, default_value_t = default_depth(), value_parser = positive)]
+    pub depth: usize,
+    /// Write a .vtu file every so many increments, none for 0
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub vtu_every: usize,
+    /// An option for Ipopt; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = ipopt_option)]
+    pub ipopt: Vec<(String, OptionValue)>,
+    /// Folder for all files [default: out/ and the example's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// No progress and no report
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// `--method`
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum Formulation {
+    /// (7) of the paper: Ipopt's barrier on the gaps
+    InteriorPoint,
+    /// (37): slacks may be negative at a price
+    PenalizedSlack,
+    /// (39): a penalty on the gap at every integration point
+    Penalty,
+}
+
+/// `--acceleration`
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum Combine {
+    /// As in the paper
+    Plain,
+    /// Anderson acceleration, see --depth
+    Anderson,
+}
+
+impl Options {
+    /// The load steps and fixed point asked for, in so many increments unless another number was.
+    /// An option that Ipopt does not have is found here, before anything is written.
+    pub fn simulation(
+        &self,
+        increments: usize,
+    ) -> Result<Simulation<Retry<Box<dyn Method>>>, Failure> {
+        let increments = self.increments.unwrap_or(increments);
+        let mut simulation = Simulation::solved_by(Retry::with(self.method()?), increments);
+        let fixed_point = &mut simulation.solver.fixed_point;
+        fixed_point.tolerance = self.tolerance;
+        fixed_point.acceleration = match self.acceleration {
+            Combine::Plain => Acceleration::Plain,
+            Combine::Anderson => Acceleration::Anderson(self.depth),
+        };
+        Ok(simulation)
+    }
+
+    /// The recording of an example called `name`.
+    pub fn record<'a, const D: usize, S: Equilibrium>(
+        &self,
+        simulation: &'a mut Simulation<S>,
+        name: &str,
+    ) -> Recording<'a, D, S> {
+        let mut recording = simulation.record(self.folder(name));
+        let plan = &mut recording.plan;
+        plan.name = name.into();
+        plan.vtu_every = self.vtu_every;
+        plan.quiet = self.quiet;
+        recording
+    }
+
+    /// Ipopt with the options asked for.
+    fn method(&self) -> Result<Box<dyn Method>, Failure> {
+        let mut options = ipopt::Options::new();
+        for (name, value) in &self.ipopt {
+            options.set(name, value.clone());
+        }
+        let any = Structure::new(
+            Bounds::free(1),
+            Bounds::default(),
+            Pattern::empty(),
+            Some(Pattern::diagonal(1)),
+        )?;
+        Solver::new(any, &options)?;
+        Ok(match self.method {
+            Formulation::InteriorPoint => Box::new(InteriorPoint {
+                options,
+                ..InteriorPoint::default()
+            }),
+            Formulation::PenalizedSlack => {
+                let mut method = PenalizedSlack::default();
+                method.penalization.options = options;
+                Box::new(method)
+            }
+            Formulation::Penalty => {
+                let mut method = Penalty::default();
+                method.penalization.options = options;
+                Box::new(method)
+            }
+        })
+    }
+
+    /// The folder for all files of an example called `name`.
+    pub fn folder(&self, name: &str) -> PathBuf {
+        let default = || PathBuf::from("out").join(name);
+        self.out.clone().unwrap_or_else(default)
+    }
+}
+
+/// Of the library's own fixed point.
+fn default_depth() -> usize {
+    match Acceleration::default() {
+        Acceleration::Anderson(depth) => depth,
+        Acceleration::Plain => 0,
+    }
+}
+
+/// A whole number from 1.
+pub fn positive(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(number) if number > 0 => Ok(number),
+        _ => Err("a whole number from 1 is needed".into()),
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
+        _ => Err("a number between 0 and 1 is needed".into()),
+    }
+}
+
+/// `NAME=VALUE` with the value's type guessed: Ipopt takes whole numbers for reals, too.
+fn ipopt_option(text: &str) -> Result<(String, OptionValue), String> {
+    let (name, value) = text
+        .split_once('=')
+        .filter(|(name, value)| !name.is_empty() && !value.is_empty())
+        .ok_or("NAME=VALUE is needed, such as max_iter=500")?;
+    let whole = value.parse::<i32>().map(OptionValue::from);
+    let value = whole
+        .or_else(|_| value.parse::<f64>().map(OptionValue::from))
+        .unwrap_or_else(|_| OptionValue::from(value));
+    Ok((name.to_string(), value))
+}

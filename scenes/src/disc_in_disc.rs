@@ -1,0 +1,110 @@
+//! The disc-in-disc scene of section 6.1: a disc is pushed down through the wall of a hollow one.
+
+use contact_fem::mesh::generators::{Diagonals, annulus, disc};
+use contact_fem::model::Passes;
+use contact_fem::{Body, BodyId, Error, Mesh, NeoHookean, Scene};
+
+use crate::mirrored;
+
+/// How far the inner disc is pushed down at full load (UL).
+pub const PUSH: f64 = 1.125;
+
+/// How fine the two meshes are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fineness {
+    /// Segments of the hole's edge.
+    pub hole: usize,
+    /// Layers of cells from the hole to the outer edge.
+    pub layers: usize,
+    /// Segments of the inner disc's edge.
+    pub disc: usize,
+}
+
+impl Fineness {
+    /// The mesh that the reference values belong to: 1 588 triangles.
+    pub const REFERENCE: Fineness = Fineness {
+        hole: 64,
+        layers: 12,
+        disc: 52,
+    };
+
+    /// The reference mesh with `hole` segments and all else in proportion.
+    pub fn scaled(hole: usize) -> Self {
+        let reference = Self::REFERENCE;
+        Fineness {
+            hole,
+            layers: (reference.layers * hole / reference.hole).max(1),
+            disc: (reference.disc * hole / reference.hole).max(3),
+        }
+    }
+}
+
+/// The order of the bodies, and which of them imposes the constraints.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Roles {
+    /// The inner disc comes first.
+    pub swapped: bool,
+    /// Which surface is slave, were the ring the first body.
+    pub passes: Passes,
+}
+
+impl Roles {
+    /// The ring among the bodies.
+    pub fn ring(self) -> BodyId {
+        usize::from(self.swapped).into()
+    }
+}
+
+/// Both discs, supported and ready to touch.
+pub fn scene(fineness: Fineness, roles: Roles) -> Result<Scene<2>, Error> {
+    // nodes crowd towards the hole, where the strains are
+    let share = |k: usize| (k as f64 / fineness.layers as f64).powf(1.3);
+    let radii: Vec<f64> = (0..=fineness.layers)
+        .map(|k| 0.7 + 1.3 * share(k))
+        .collect();
+    let hollow = annulus(&radii, fineness.hole, Diagonals::Alternating)?;
+    // every node of the inner disc is moved, so that its inside needs no nodes but the centre;
+    // turned by 0.03, its nodes do not meet those of the hole
+    let inner = disc(0.6, fineness.disc, 1, 0.03)?;
+    let laws = [NeoHookean::new(1000.0, 0.0)?, NeoHookean::new(2000.0, 0.3)?];
+    pushed([hollow, inner], laws, PUSH, roles)
+}
+
+/// A coarse mesh with lengths times `length` and moduli times `modulus`, pushed half as far.
+pub fn in_units(length: f64, modulus: f64) -> Result<Scene<2>, Error> {
+    let radii = [0.7, 0.8, 0.95, 1.2, 1.5, 2.0].map(|r| r * length);
+    let hollow = annulus(&radii, 32, Diagonals::Alternating)?;
+    let inner = disc(0.6 * length, 26, 1, 0.03)?;
+    let law = |young: f64, nu| NeoHookean::new(young * modulus, nu);
+    pushed(
+        [hollow, inner],
+        [law(1000.0, 0.2)?, law(2000.0, 0.3)?],
+        0.6 * length,
+        Roles::default(),
+    )
+}
+
+/// The ring held at its outside, the disc pushed down.
+fn pushed(
+    meshes: [Mesh<2>; 2],
+    laws: [NeoHookean; 2],
+    push: f64,
+    roles: Roles,
+) -> Result<Scene<2>, Error> {
+    let ([hollow, inner], [first, second]) = (meshes, laws);
+    let mut ring = Body::new(hollow, first);
+    ring.prescribe("outer", [Some(0.0), Some(0.0)])?;
+    let mut inner = Body::new(inner, second);
+    inner.prescribe_all([Some(0.0), Some(-push)])?;
+
+    let mut scene = Scene::new();
+    let mut bodies = [("ring", ring, "inner"), ("disc", inner, "boundary")];
+    let mut passes = roles.passes;
+    if roles.swapped {
+        bodies.reverse();
+        passes = mirrored(passes);
+    }
+    let [first, second] = bodies.map(|(name, body, side)| scene.add(name, body).on(side));
+    scene.contact_in_passes(first, second, passes)?;
+    Ok(scene)
+}

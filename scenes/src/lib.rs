@@ -1,0 +1,59 @@
+//! The scenes that tests, examples, benches and the report share, and what programs about them need beside the library.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`disc_in_disc`], [`beams`] | sections 6.1 and 6.2 of the paper |
+//! | [`hertz`], [`arch`], [`blocks`], [`hairpin`] | Hertz's contact, Signorini's problem, the patch test, self-contact |
+//! | [`studies`] | methods and passes side by side |
+//! | [`freefem`] | the same scenes solved by FreeFEM's scripts |
+//! | [`cli`], [`files`], [`tables`] | options of the examples, files, tables |
+#![allow(non_snake_case)] // the symbols of the field
+
+pub mod arch;
+pub mod beams;
+pub mod blocks;
+pub mod cli;
+pub mod disc_in_disc;
+pub mod files;
+pub mod freefem;
+pub mod hairpin;
+pub mod hertz;
+pub mod studies;
+pub mod tables;
+
+use contact_fem::model::Passes;
+use contact_fem::{Body, Error, Scene};
+
+/// What a program about scenes may fail with, for `main` to print.
+pub type Failure = Box<dyn std::error::Error>;
+
+/// A scene of one body, called `body`.
+pub fn alone<const D: usize>(body: Body<D>) -> Scene<D> {
+    let mut scene = Scene::new();
+    scene.add("body", body);
+    scene
+}
+
+/// A scene of two bodies, called `first` and `second`, each with the name of the boundary on which it may touch the other.
+///
+/// # Errors
+/// As [`Scene::contact`].
+pub fn pair<const D: usize>(
+    (first, on_first): (Body<D>, &str),
+    (second, on_second): (Body<D>, &str),
+) -> Result<Scene<D>, Error> {
+    let mut scene = Scene::new();
+    let first = scene.add("first", first);
+    let second = scene.add("second", second);
+    scene.contact(first.on(on_first), second.on(on_second))?;
+    Ok(scene)
+}
+
+/// The same roles for the pair in the other order.
+fn mirrored(passes: Passes) -> Passes {
+    match passes {
+        Passes::Both => Passes::Both,
+        Passes::FirstIsSlave => Passes::SecondIsSlave,
+        Passes::SecondIsSlave => Passes::FirstIsSlave,
+    }
+}
