@@ -57,6 +57,8 @@ pub struct MovingGap<const D: usize> {
     forms: Vec<Forms<D>>,
     /// ∂s_b/∂x_l of the normals' sums, for every node b of the master's facet and all l.
     sums: Vec<Matrix<D>>,
+    /// How many nodes, the first, are on the two facets. The others only turn normals.
+    near: usize,
     n: Vector<D>,
 }
 
@@ -125,7 +127,7 @@ impl<const D: usize> MovingGap<D> {
             let mut gradient = foot.q * forms.shape + foot.p * forms.slopes.dot(&foot.mu);
             let sums = self.sums[l..].iter().step_by(self.nodes.len());
             for (b, sum) in sums.enumerate() {
-                let n_b = foot.master.normal(foot.nodes[b]).slope() * sum;
+                let n_b = foot.normal_slopes[b] * sum;
                 forms.m += n_b * foot.N[b];
                 let w_n = n_b.tr_mul(&foot.w);
                 gradient += w_n * foot.N[b];
@@ -171,6 +173,7 @@ impl<const D: usize> MovingGap<D> {
             let l = self.place(a);
             self.forms[l].shape += N;
         }
+        self.near = self.nodes.len();
         for &b in foot.nodes {
             for (f, _) in surface.facets_around(b) {
                 for &c in surface.facet(f) {
@@ -192,7 +195,7 @@ impl<const D: usize> MovingGap<D> {
         }
         for (b, &node) in foot.nodes.iter().enumerate() {
             let normal = foot.master.normal(node);
-            let v = normal.slope() * foot.w * foot.N[b];
+            let v = foot.normal_slopes[b] * foot.w * foot.N[b];
             for (f, addend) in foot.master.addends(node) {
                 let mut places = [0; MAX_FACET_NODES];
                 for (place, &c) in places.iter_mut().zip(surface.facet(f)) {
@@ -271,8 +274,13 @@ impl<const D: usize> MovingGap<D> {
         for (l, a) in self.forms.iter().enumerate() {
             for (m, b) in self.forms[..=l].iter().enumerate() {
                 let mut h = a.s.tr_mul(&b.m);
-                h += a.p.tr_mul(&b.r) + a.r.tr_mul(&b.p);
-                h += a.lambda.tr_mul(&b.c) + a.c.tr_mul(&b.lambda);
+                // δp and δλ are 0 for nodes that are not near
+                if m < self.near {
+                    h += a.r.tr_mul(&b.p) + a.c.tr_mul(&b.lambda);
+                }
+                if l < self.near {
+                    h += a.p.tr_mul(&b.r) + a.lambda.tr_mul(&b.c);
+                }
                 self.hessian[block(l, m)] += h;
             }
         }
@@ -287,6 +295,7 @@ impl<const D: usize> Default for MovingGap<D> {
             hessian: Vec::new(),
             forms: Vec::new(),
             sums: Vec::new(),
+            near: 0,
             n: Vector::zeros(),
         }
     }

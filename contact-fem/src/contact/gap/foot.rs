@@ -3,7 +3,7 @@
 use crate::contact::moving::Moving;
 use crate::contact::normals::Direction;
 use crate::contact::stencil::Stencil;
-use crate::element::{Facet, FacetShapes, facet_shapes, facet_slopes};
+use crate::element::{Facet, FacetShapes, MAX_FACET_NODES, facet_shapes, facet_slopes};
 use crate::tensor::{Matrix, Vector};
 
 /// The foot λ* of one point, and what the derivatives of its gap have in common.
@@ -13,6 +13,8 @@ pub(super) struct Foot<'a, const D: usize> {
     pub nodes: &'a [usize],
     pub x: Facet<D>,
     pub normals: Facet<D>,
+    /// ∂n_b/∂s_b.
+    pub normal_slopes: [Matrix<D>; MAX_FACET_NODES],
     pub N: FacetShapes,
     pub slopes: [FacetShapes; D],
     pub p: Vector<D>,
@@ -33,6 +35,10 @@ impl<'a, const D: usize> Foot<'a, D> {
         let nodes = surface.facet(stencil.projection().facet);
         let x = Facet::gather(order, nodes, master.positions());
         let normals = Facet::gather(order, nodes, master.normals());
+        let mut normal_slopes = [Matrix::zeros(); MAX_FACET_NODES];
+        for (slope, &b) in normal_slopes.iter_mut().zip(nodes) {
+            *slope = master.normal(b).slope();
+        }
         let slopes = facet_slopes(order, lambda);
         let (t, m_slopes) = (combine(&slopes, &x), combine(&slopes, &normals));
         let p = stencil.point() - x.point(lambda);
@@ -45,6 +51,7 @@ impl<'a, const D: usize> Foot<'a, D> {
             nodes,
             x,
             normals,
+            normal_slopes,
             N: facet_shapes(order, lambda),
             slopes,
             p,
