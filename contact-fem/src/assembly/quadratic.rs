@@ -77,6 +77,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticE
         let rest = vec![0.0; self.dofs()];
         self.E_0 = self.elastic.value(&rest);
         self.elastic.gradient(&rest, &mut self.g_0);
+        self.elastic.forget();
     }
 
     fn prescribed(&self) -> &[f64] {
@@ -85,6 +86,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticE
 
     fn add_residual(&self, u: &[f64], forces: &mut [f64]) {
         self.elastic.add_residual(u, forces);
+        self.elastic.forget();
     }
 
     fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64> {
