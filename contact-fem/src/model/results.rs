@@ -79,7 +79,8 @@ impl<const D: usize> Problem<D> {
 
     /// As [`Problem::penetration`], with every depth over the facet size around its node.
     pub fn relative_penetration(&self, u: &[f64]) -> f64 {
-        self.contact.relative_penetration(&self.kinematics, u)
+        self.contact
+            .deepest(&self.kinematics, u, Surface::node_sizes)
     }
 
     /// The smallest volume ratio of all assembled cells; infinite for small-strain laws.
