@@ -79,7 +79,8 @@ impl<const D: usize> Problem<D> {
 
     /// As [`Problem::penetration`], with every depth over the facet size around its node.
     pub fn relative_penetration(&self, u: &[f64]) -> f64 {
-        self.contact.relative_penetration(&self.kinematics, u)
+        self.contact
+            .deepest(&self.kinematics, u, Surface::node_sizes)
     }
 
     /// How many quadrature points of the assembled cells have no J > 0; laws for small strains have none.
