@@ -29,7 +29,7 @@ pub use nalgebra;
 pub use certificate::Certificate;
 pub use error::Error;
 pub use left_out::LeftOut;
-pub use material::{LinearElastic, Material, NeoHookean};
+pub use material::{Deformation, LinearElastic, Material, NeoHookean};
 pub use mesh::Mesh;
 pub use mesh::read::MeshFile;
 pub use model::{Body, BodyId, Scene};

@@ -369,7 +369,10 @@ fn bodies_that_cross() {
         panic!("crossing, not {error}")
     };
     assert!((depth - 2.5).abs() < 1e-12, "depth {depth}");
-    assert_says(&error, &["bodies `first` and `second`", "overlap_tolerance"]);
+    assert_says(
+        &error,
+        &["bodies `first` and `second`", "overlap_tolerance"],
+    );
     assert!(scene([0.5, 3.0]).is_ok(), "touching is no crossing");
 }
 
