@@ -5,7 +5,7 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead report report-quick msrv bindings fuzz-readers
+.PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead report report-quick package msrv bindings fuzz-readers
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -17,6 +17,7 @@ help:
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make report            error against run time: a page, tables and data in out/report, within an hour"
 	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
+	@echo "make package           the crates as packages, each checked on its own, and their documentation without Ipopt"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
 	@echo "make bindings          renews the bindings to Ipopt kept in the source"
@@ -34,7 +35,7 @@ test: install
 	$(CARGO) test --workspace
 	$(CARGO) run -p contact-core --example hanging_chain
 	$(CARGO) test -p contact-core -p contact-fem --no-default-features --lib
-	$(CARGO) test -p ipopt-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
+	$(CARGO) test -p ipopt-contact-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
 	$(CARGO) check -p ipopt-contact --no-default-features
 	$(CARGO) check -p contact-fem --features vtk
 	$(CARGO) check -p contact-fem --features csv
@@ -65,6 +66,9 @@ report: install
 
 report-quick: install
 	$(CARGO) run --release -p ipopt-contact-report -- --quick
+
+package: install
+	@./scripts/package.sh
 
 msrv: install
 	@./scripts/msrv.sh

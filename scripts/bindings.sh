@@ -5,10 +5,10 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/ipopt_3_14.sh
 
-update() { UPDATE_BINDINGS=1 cargo test --quiet -p ipopt-sys --test kept_bindings are_what_the_headers_give; }
+update() { UPDATE_BINDINGS=1 cargo test --quiet -p ipopt-contact-sys --test kept_bindings are_what_the_headers_give; }
 
 update
 use_ipopt_3_14
 update
 # Both are written now: check them together.
-cargo test --quiet -p ipopt-sys --test kept_bindings
+cargo test --quiet -p ipopt-contact-sys --test kept_bindings

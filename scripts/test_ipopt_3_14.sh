@@ -12,8 +12,8 @@ mkdir -p "$aside"
 
 run() { cargo "$@" </dev/null 2>&1 | tee -a "$log"; }
 
-run test -p ipopt-sys -p contact-core --features contact-core/ipopt
-run test -p ipopt-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
+run test -p ipopt-contact-sys -p contact-core --features contact-core/ipopt
+run test -p ipopt-contact-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
 
 # A solver library that ends the process may do so with exit status 0: every test program must come to its last line.
 # Documentation that must not compile has a result of its own.

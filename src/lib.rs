@@ -11,6 +11,8 @@
 //! - [`contact_core`]: energies, the interior point method, the fixed point and load steps in ℝⁿ, and the safe Ipopt
 //!   driver, all without a mesh in sight.
 //!
+//! [`nalgebra`], whose vectors and matrices are in the interface of [`contact_fem`], is re-exported in the version used.
+//!
 //! # A scene
 //! A disc is pushed 1.125 lengths down through the ring around it (the paper's section 6.1 on a coarse mesh). No
 //! energy is lost: what the disc's support does in work is stored as strain.
@@ -80,6 +82,7 @@
 pub use contact_core;
 pub use contact_core::ipopt::{Blas, BlasKind, Versions, versions};
 pub use contact_fem;
+pub use contact_fem::nalgebra;
 
 /// What most scenes need, in one `use`.
 pub mod prelude {
@@ -89,7 +92,7 @@ pub mod prelude {
         Acceleration, Continuation, Ending, Equilibrium, FixedPoint, InteriorPoint, LoadSteps,
         Method, Outcome, PenalizedSlack, Penalty, Retry, Stop,
     };
-    pub use contact_fem::certificate::Limits;
+    pub use contact_fem::certificate::{Condition, Limits};
     pub use contact_fem::mesh::generators::{
         Diagonals, annulus, cuboid, cuboid_graded, cylinder, disc, eighth_sphere, equilateral_disc,
         extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,

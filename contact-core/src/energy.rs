@@ -1,5 +1,7 @@
 //! The potential energy E(u) and the direct sum over bodies.
 
+use std::ops::Range;
+
 use crate::nlp::Pattern;
 
 /// E : ℝⁿ → ℝ ∪ {+∞} over the FREE unknowns (equation (2) of the paper).
@@ -18,6 +20,10 @@ pub trait Energy {
     fn hessian_pattern(&self) -> &Pattern;
     /// ∇²E(u) into `values` (one per position); overwritten.
     fn hessian(&self, u: &[f64], values: &mut [f64]);
+    /// The unknowns of parts that the Hessian does not couple, ascending: the bodies.
+    fn blocks(&self) -> Vec<Range<usize>> {
+        std::iter::once(0..self.dofs()).collect()
+    }
     /// Whether E is quadratic, so that its Hessian need be evaluated only once.
     fn is_quadratic(&self) -> bool {
         false
@@ -77,7 +83,7 @@ impl<E: Energy> DirectSum<E> {
     }
 
     /// The range of unknowns of part `b`.
-    pub fn range(&self, b: usize) -> std::ops::Range<usize> {
+    pub fn range(&self, b: usize) -> Range<usize> {
         self.dofs[b]..self.dofs[b + 1]
     }
 }
@@ -107,6 +113,19 @@ impl<E: Energy> Energy for DirectSum<E> {
             let entries = self.entries[b]..self.entries[b + 1];
             part.hessian(&u[self.range(b)], &mut values[entries]);
         }
+    }
+
+    fn blocks(&self) -> Vec<Range<usize>> {
+        let of_part = |(part, first): (&E, &usize)| {
+            let blocks = part.blocks().into_iter();
+            let first = *first;
+            blocks.map(move |b| first + b.start..first + b.end)
+        };
+        self.parts
+            .iter()
+            .zip(&self.dofs)
+            .flat_map(of_part)
+            .collect()
     }
 
     fn is_quadratic(&self) -> bool {
@@ -140,6 +159,9 @@ impl<E: Energy + ?Sized> Energy for Box<E> {
     }
     fn hessian(&self, u: &[f64], values: &mut [f64]) {
         (**self).hessian(u, values)
+    }
+    fn blocks(&self) -> Vec<Range<usize>> {
+        (**self).blocks()
     }
     fn is_quadratic(&self) -> bool {
         (**self).is_quadratic()

@@ -2,7 +2,7 @@
 //! with its history, see [`Outcome`](crate::Outcome).
 
 /// Errors of the optimisation layer. Each names the offending thing, its value and the remedy.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A slice has the wrong length.
@@ -46,6 +46,24 @@ pub enum Error {
     #[error(transparent)]
     Problem(Box<dyn std::error::Error + Send + Sync>),
 }
+
+/// `Debug` is the message, since that is what `main` and `unwrap` show of an error.
+macro_rules! debug_as_display {
+    ($($error:ty),*) => {$(
+        impl std::fmt::Debug for $error {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                std::fmt::Display::fmt(self, f)
+            }
+        }
+    )*};
+}
+debug_as_display!(Error, crate::nlp::NlpError);
+#[cfg(feature = "ipopt")]
+debug_as_display!(
+    crate::ipopt::Error,
+    crate::ipopt::LogError,
+    crate::ipopt::OptionError
+);
 
 impl Error {
     /// Wraps an error of a [`ContactProblem`](crate::ContactProblem)'s own.

@@ -42,6 +42,7 @@ pub mod error;
 pub mod gaps;
 #[cfg(feature = "ipopt")]
 pub mod ipopt;
+pub mod linear;
 pub mod load_steps;
 pub mod method;
 pub mod nlp;

@@ -6,6 +6,7 @@
 //! and λᵢ ≥ 0 at its upper: a gap constraint g ≥ 0 has the contact pressure −λ.
 
 mod iterate;
+mod pattern;
 
 use std::ops::ControlFlow;
 
@@ -14,9 +15,10 @@ use thiserror::Error;
 pub use self::iterate::{
     Iterate, IterateSource, IterationRecord, Multipliers, Phase, Slacks, Violations,
 };
+pub use self::pattern::Pattern;
 
 /// Why a [`Structure`] was refused. Each names the culprit and the way out.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NlpError {
     /// There is nothing to optimise.
@@ -198,146 +200,6 @@ impl Bounds {
     }
 }
 
-/// Where a sparse matrix has entries: one row and one column each, counted from 0, in the order of the values.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Pattern {
-    rows: Vec<usize>,
-    cols: Vec<usize>,
-}
-
-impl Pattern {
-    /// The entries (`rows[k]`, `cols[k]`). That there are as many rows as columns is for [`Structure::new`] to check.
-    pub fn new(rows: Vec<usize>, cols: Vec<usize>) -> Self {
-        Self { rows, cols }
-    }
-
-    /// No entries.
-    pub fn empty() -> Self {
-        Self::default()
-    }
-
-    /// Every entry of a matrix, row by row.
-    pub fn dense(rows: usize, cols: usize) -> Self {
-        (0..rows)
-            .flat_map(|i| (0..cols).map(move |j| (i, j)))
-            .collect()
-    }
-
-    /// Every entry of the lower triangle, row by row.
-    pub fn dense_lower(n: usize) -> Self {
-        (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect()
-    }
-
-    /// The diagonal.
-    pub fn diagonal(n: usize) -> Self {
-        (0..n).map(|i| (i, i)).collect()
-    }
-
-    /// Number of entries.
-    pub fn len(&self) -> usize {
-        self.rows.len()
-    }
-
-    /// Whether it has no entries.
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
-    }
-
-    /// The row of each entry.
-    pub fn rows(&self) -> &[usize] {
-        &self.rows
-    }
-
-    /// The column of each entry.
-    pub fn cols(&self) -> &[usize] {
-        &self.cols
-    }
-
-    /// The entries in order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
-        self.rows.iter().copied().zip(self.cols.iter().copied())
-    }
-
-    /// Adds one entry.
-    pub fn push(&mut self, row: usize, col: usize) {
-        self.rows.push(row);
-        self.cols.push(col);
-    }
-
-    fn validate(&self, pattern: &'static str, rows: usize, cols: usize) -> Result<(), NlpError> {
-        if self.cols.len() != self.rows.len() {
-            return Err(NlpError::Length {
-                what: "the columns of a pattern",
-                found: self.cols.len(),
-                expected: self.rows.len(),
-            });
-        }
-        match self
-            .iter()
-            .position(|(row, col)| row >= rows || col >= cols)
-        {
-            Some(entry) => {
-                let (row, col) = (self.rows[entry], self.cols[entry]);
-                Err(NlpError::OutOfRange {
-                    pattern,
-                    entry,
-                    row,
-                    col,
-                    rows,
-                    cols,
-                })
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Lower triangle, each place once; every index has been checked.
-    fn validate_lower_once(&self, n: usize) -> Result<(), NlpError> {
-        if let Some((entry, (row, col))) = self.iter().enumerate().find(|(_, (row, col))| col > row)
-        {
-            return Err(NlpError::UpperTriangle { entry, row, col });
-        }
-        match self.repeated(n, n) {
-            Some(entry) => Err(NlpError::Duplicate {
-                entry,
-                row: self.rows[entry],
-                col: self.cols[entry],
-            }),
-            None => Ok(()),
-        }
-    }
-
-    /// An entry at a place that an earlier one has; every index has been checked.
-    fn repeated(&self, rows: usize, cols: usize) -> Option<usize> {
-        // Entries sorted by row (counting), then one mark per column.
-        let mut start = vec![0; rows + 1];
-        for &row in &self.rows {
-            start[row + 1] += 1;
-        }
-        for row in 0..rows {
-            start[row + 1] += start[row];
-        }
-        let mut order = vec![0; self.len()];
-        let mut next = start.clone();
-        for (entry, &row) in self.rows.iter().enumerate() {
-            order[next[row]] = entry;
-            next[row] += 1;
-        }
-        let mut seen_in_row = vec![usize::MAX; cols];
-        order.into_iter().find(|&entry| {
-            let (row, col) = (self.rows[entry], self.cols[entry]);
-            std::mem::replace(&mut seen_in_row[col], row) == row
-        })
-    }
-}
-
-impl FromIterator<(usize, usize)> for Pattern {
-    fn from_iter<I: IntoIterator<Item = (usize, usize)>>(entries: I) -> Self {
-        let (rows, cols) = entries.into_iter().unzip();
-        Self { rows, cols }
-    }
-}
-
 /// Sizes, bounds and sparsity of a problem, owned and validated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Structure {
@@ -387,7 +249,6 @@ impl Structure {
         validate_bounds(&variables, &constraints)?;
         jacobian.validate("Jacobian", m, n)?;
         if let Some(hessian) = &hessian {
-            hessian.validate("Hessian", n, n)?;
             hessian.validate_lower_once(n)?;
         }
         Ok(Self {

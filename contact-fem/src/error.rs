@@ -1,9 +1,11 @@
 //! What is wrong with a scene, said before any solve.
 
+use std::fmt;
+
 use crate::mesh::read::{Place, Problem};
 
 /// Errors of meshes, materials and scenes. Each names the thing, its value and the remedy.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A cell whose corners are in an order that makes its volume negative.
@@ -324,6 +326,13 @@ pub enum Error {
         /// Why.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+/// The message, since that is what `main` and `unwrap` show of an error.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }
 
 impl From<contact_core::Error> for Error {

@@ -23,10 +23,13 @@ pub mod output;
 pub mod simulation;
 pub mod tensor;
 
+/// Vectors and matrices of this crate's interface are its types: with this path they are of the version used here.
+pub use nalgebra;
+
 pub use certificate::Certificate;
 pub use error::Error;
 pub use left_out::LeftOut;
-pub use material::{LinearElastic, Material, NeoHookean};
+pub use material::{Deformation, LinearElastic, Material, NeoHookean};
 pub use mesh::Mesh;
 pub use mesh::read::MeshFile;
 pub use model::{Body, BodyId, Scene};

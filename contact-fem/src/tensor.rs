@@ -27,15 +27,18 @@ pub fn determinant<const D: usize>(A: &Matrix<D>) -> f64 {
 
 /// A⁻ᵀ = cof A / det A for D = 2 or 3. The caller has made sure that det A ≠ 0.
 pub fn inverse_transpose<const D: usize>(A: &Matrix<D>) -> Matrix<D> {
-    let det = determinant(A);
+    cofactors(A) / determinant(A)
+}
+
+/// cof A for D = 2 or 3.
+pub fn cofactors<const D: usize>(A: &Matrix<D>) -> Matrix<D> {
     Matrix::from_fn(|i, j| {
-        let cofactor = if D == 2 {
+        if D == 2 {
             let minor = A[(1 - i, 1 - j)];
             if i == j { minor } else { -minor }
         } else {
             cofactor3(A, i, j)
-        };
-        cofactor / det
+        }
     })
 }
 

@@ -2,9 +2,37 @@
 
 use std::{fs, path::Path};
 
-#[cfg(feature = "bindgen")]
 use crate::locate::Ipopt;
-use crate::version::Release;
+use crate::version::{Release, Version};
+
+/// Which ones a build has.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// The headers found.
+    Headers,
+    /// This source.
+    Source,
+}
+
+/// Writes bindings to `out`: from the headers, or where libclang cannot read them, or the feature `bindgen` is off,
+/// those kept in the source, which exist for known releases.
+pub fn write(ipopt: &Ipopt, version: Version, out: &Path) -> Result<Origin, String> {
+    match generate(ipopt, out) {
+        Some(Ok(())) => return Ok(Origin::Headers),
+        Some(Err(reason)) => {
+            let release = version.release().map_err(|e| format!("{e} {reason}"))?;
+            keep(release, out)?;
+            println!(
+                "cargo::warning=Ipopt's headers were not read: {reason} The bindings kept for Ipopt {version} are used \
+                 instead, and the C++ compiler checks them against the headers. To have them made from the headers, \
+                 install libclang (Debian, Ubuntu: `apt-get install libclang-dev`) or set LIBCLANG_PATH; without the \
+                 feature `bindgen` this is not tried."
+            );
+        }
+        None => keep(version.release()?, out)?,
+    }
+    Ok(Origin::Source)
+}
 
 /// Takes the bindings kept in the source.
 pub fn keep(release: Release, out: &Path) -> Result<(), String> {
@@ -18,9 +46,22 @@ pub fn keep(release: Release, out: &Path) -> Result<(), String> {
         .map_err(|e| format!("{kept} to {}: {e}", bindings.display()))
 }
 
+#[cfg(not(feature = "bindgen"))]
+fn generate(_: &Ipopt, _: &Path) -> Option<Result<(), String>> {
+    None
+}
+
+#[cfg(feature = "bindgen")]
+fn generate(ipopt: &Ipopt, out: &Path) -> Option<Result<(), String>> {
+    Some(run_bindgen(ipopt, out).map_err(|reason| {
+        let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
+        format!("{}.", reason.trim_end_matches('.'))
+    }))
+}
+
 /// Makes them from the headers. Comments stay behind: they are Ipopt's.
 #[cfg(feature = "bindgen")]
-pub fn generate(ipopt: &Ipopt, out: &Path) -> Result<(), String> {
+fn run_bindgen(ipopt: &Ipopt, out: &Path) -> Result<(), String> {
     use std::panic;
 
     let bindings = out.join("bindings.rs");
@@ -49,14 +90,11 @@ pub fn generate(ipopt: &Ipopt, out: &Path) -> Result<(), String> {
     let generated = panic::catch_unwind(panic::AssertUnwindSafe(move || builder.generate()));
     panic::set_hook(hook);
     generated
-        .map_err(|_| {
-            "ipopt-sys reads Ipopt's headers with libclang, and could not load it. \
-             Install it (Debian, Ubuntu: `apt-get install libclang-dev`), set LIBCLANG_PATH, or do without: with the \
-             feature `bindgen` off (`default-features = false`, here and in the crates that depend on this one) the \
-             bindings kept for Ipopt 3.11 to 3.14 are used."
-                .to_owned()
+        .map_err(|panic| match panic.downcast::<String>() {
+            Ok(message) => *message,
+            Err(_) => "libclang could not be loaded".to_owned(),
         })?
-        .map_err(|e| format!("ipopt-sys could not read Ipopt's headers: {e}"))?
+        .map_err(|e| e.to_string())?
         .write_to_file(&bindings)
         .map_err(|e| format!("{}: {e}", bindings.display()))
 }

@@ -15,10 +15,10 @@ pub fn find() -> Result<Ipopt, String> {
         .env_metadata(true)
         .probe("ipopt")
         .map_err(|error| match error {
-            pkg_config::Error::Command { .. } => "ipopt-sys needs `pkg-config` to find Ipopt, and could not run it. \
+            pkg_config::Error::Command { .. } => "ipopt-contact-sys needs `pkg-config` to find Ipopt, and could not run it. \
                  Install it (Debian, Ubuntu: `apt-get install pkg-config`)."
                 .to_owned(),
-            _ => "ipopt-sys found no Ipopt: `pkg-config ipopt` failed. \
+            _ => "ipopt-contact-sys found no Ipopt: `pkg-config ipopt` failed. \
                  Install its development files (Debian, Ubuntu: `apt-get install coinor-libipopt-dev`; \
                  macOS: `brew install ipopt`), or point PKG_CONFIG_PATH at the directory with ipopt.pc."
                 .to_owned(),

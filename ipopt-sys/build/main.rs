@@ -7,8 +7,9 @@ mod bindings;
 mod locate;
 mod version;
 
-use std::{env, path::Path, path::PathBuf};
+use std::{env, path::PathBuf};
 
+use bindings::Origin;
 use locate::Ipopt;
 use version::{Release, Version};
 
@@ -26,8 +27,9 @@ fn main() {
     ] {
         println!("cargo::rerun-if-changed={path}");
     }
-    println!("cargo::rerun-if-env-changed=DOCS_RS");
-    println!("cargo::rerun-if-env-changed=LIBCLANG_PATH");
+    for name in ["DOCS_RS", "LIBCLANG_PATH", "LLVM_CONFIG_PATH"] {
+        println!("cargo::rerun-if-env-changed={name}");
+    }
 
     // Cargo turns the one message into the error a reader sees; a panic would bury it under a backtrace.
     if let Err(message) = run() {
@@ -38,6 +40,7 @@ fn main() {
 fn run() -> Result<(), String> {
     let out =
         PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: run this through cargo")?);
+    hand_to_tests()?;
     if env::var_os("DOCS_RS").is_some() {
         // There is no Ipopt: documentation is made from the newest of the bindings kept in the source.
         version::write(version::DOCUMENTED, &out)?;
@@ -46,29 +49,29 @@ fn run() -> Result<(), String> {
     let ipopt = locate::find()?;
     let version = version::of_headers(&ipopt)?;
     version::write(version, &out)?;
-    bind(&ipopt, version, &out)?;
-    compile(&ipopt, version)?;
+    let origin = bindings::write(&ipopt, version, &out)?;
+    compile(&ipopt, version, origin)?;
     link(&ipopt);
     report(&ipopt, version);
     Ok(())
 }
 
-/// By bindgen, which takes whatever the headers say.
-#[cfg(feature = "bindgen")]
-fn bind(ipopt: &Ipopt, _: Version, out: &Path) -> Result<(), String> {
-    bindings::generate(ipopt, out)
+/// Where this program is and what it builds for: tests run it in other surroundings.
+fn hand_to_tests() -> Result<(), String> {
+    let program = env::current_exe().map_err(|e| format!("the path of the build script: {e}"))?;
+    println!(
+        "cargo::rustc-env=IPOPT_SYS_BUILD_SCRIPT={}",
+        program.display()
+    );
+    let target = env::var("TARGET").map_err(|e| format!("TARGET: {e}"))?;
+    println!("cargo::rustc-env=IPOPT_SYS_TARGET={target}");
+    Ok(())
 }
 
-/// From the bindings kept in the source, which exist for known releases.
-#[cfg(not(feature = "bindgen"))]
-fn bind(_: &Ipopt, version: Version, out: &Path) -> Result<(), String> {
-    bindings::keep(version.release()?, out)
-}
-
-fn compile(ipopt: &Ipopt, version: Version) -> Result<(), String> {
+fn compile(ipopt: &Ipopt, version: Version, origin: Origin) -> Result<(), String> {
     let mut build = ipopt.compiler();
     build.file("src/shim.cpp");
-    if cfg!(not(feature = "bindgen")) {
+    if origin == Origin::Source {
         // Bindings made from other headers than these: have the compiler compare the two.
         build.file("src/c_interface_check.cpp").define(
             "IPOPT_SYS_BOOL",
@@ -82,7 +85,7 @@ fn compile(ipopt: &Ipopt, version: Version) -> Result<(), String> {
     build.try_compile("ipopt_shim").map_err(|e| {
         let reason = e.to_string().replace('\n', " ");
         format!(
-            "ipopt-sys could not compile its C++ shim against Ipopt {version}: {reason}. \
+            "ipopt-contact-sys could not compile its C++ shim against Ipopt {version}: {reason}. \
              It needs a C++14 compiler (Debian, Ubuntu: `apt-get install g++`) and Ipopt's C++ headers, \
              with 32-bit indices and double precision."
         )

@@ -18,7 +18,6 @@ impl fmt::Display for Version {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Release {
     /// 3.11 to 3.13.
-    #[cfg_attr(feature = "bindgen", allow(dead_code))]
     Since3_11,
     /// 3.14.
     Since3_14,
@@ -74,14 +73,14 @@ const GATES: [(Version, &str, &[&str]); 6] = [
 
 impl Version {
     /// Which of the bindings kept in the source fits.
-    #[cfg_attr(feature = "bindgen", allow(dead_code))]
     pub fn release(self) -> Result<Release, String> {
         match (self.0, self.1) {
             (3, 11..=13) => Ok(Release::Since3_11),
             (3, 14) => Ok(Release::Since3_14),
             _ => Err(format!(
-                "ipopt-sys keeps bindings for Ipopt 3.11 to 3.14, and the headers found are of {self}: turn its \
-                 feature `bindgen` on, which makes bindings from the headers."
+                "ipopt-contact-sys keeps bindings for Ipopt 3.11 to 3.14, and the headers found are of {self}: bindings to \
+                 these are made from the headers, with the feature `bindgen` on and libclang installed (Debian, Ubuntu: \
+                 `apt-get install libclang-dev`)."
             )),
         }
     }
@@ -105,7 +104,7 @@ pub fn of_headers(ipopt: &Ipopt) -> Result<Version, String> {
         .map_err(|e| {
             let reason = e.to_string().replace('\n', " ");
             format!(
-                "ipopt-sys could not read IpoptConfig.h in {:?}: {reason}. It needs a C++ compiler (Debian, Ubuntu: \
+                "ipopt-contact-sys could not read IpoptConfig.h in {:?}: {reason}. It needs a C++ compiler (Debian, Ubuntu: \
                  `apt-get install g++`) and Ipopt's headers where `pkg-config --cflags ipopt` says.",
                 ipopt.library.include_paths
             )
@@ -119,17 +118,18 @@ pub fn of_headers(ipopt: &Ipopt) -> Result<Version, String> {
         .skip_while(|word| *word != "ipopt_sys_version")
         .skip(1)
         .collect();
-    let version = parse(&words)
-        .ok_or("ipopt-sys found an IpoptConfig.h that does not say of which version it is.")?;
+    let version = parse(&words).ok_or(
+        "ipopt-contact-sys found an IpoptConfig.h that does not say of which version it is.",
+    )?;
     if version < OLDEST {
         return Err(format!(
-            "ipopt-sys needs Ipopt {OLDEST} or later; the headers found are of {version}."
+            "ipopt-contact-sys needs Ipopt {OLDEST} or later; the headers found are of {version}."
         ));
     }
     let package = &ipopt.library.version;
     if !agree(package, version) {
         return Err(format!(
-            "ipopt-sys found two versions of Ipopt: ipopt.pc is of {package}, and the headers it points at, in {:?}, \
+            "ipopt-contact-sys found two versions of Ipopt: ipopt.pc is of {package}, and the headers it points at, in {:?}, \
              are of {version}. Remove one of them, or point PKG_CONFIG_PATH at an ipopt.pc that fits its headers.",
             ipopt.library.include_paths
         ));

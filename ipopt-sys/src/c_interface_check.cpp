@@ -15,14 +15,14 @@ typedef void *P;
 typedef int *I;
 typedef IpoptProblem T;
 
-static_assert(same<Bool, B>() && same<UserDataPtr, P>(), "ipopt-sys: types differ from the bindings kept");
+static_assert(same<Bool, B>() && same<UserDataPtr, P>(), "ipopt-contact-sys: types differ from the bindings kept");
 static_assert(same<Eval_F_CB, B (*)(int, D, B, D, P)>() && same<Eval_Grad_F_CB, B (*)(int, D, B, D, P)>() &&
                   same<Eval_G_CB, B (*)(int, D, B, int, D, P)>() &&
                   same<Eval_Jac_G_CB, B (*)(int, D, B, int, int, I, I, D, P)>() &&
                   same<Eval_H_CB, B (*)(int, D, B, double, int, D, B, int, I, I, D, P)>() &&
                   same<Intermediate_CB, B (*)(int, int, double, double, double, double, double, double, double, double,
                                               int, P)>(),
-              "ipopt-sys: callbacks differ from the bindings kept");
+              "ipopt-contact-sys: callbacks differ from the bindings kept");
 static_assert(same<decltype(CreateIpoptProblem), T(int, D, D, int, D, D, int, int, int, Eval_F_CB, Eval_G_CB,
                                                    Eval_Grad_F_CB, Eval_Jac_G_CB, Eval_H_CB)>() &&
                   same<decltype(FreeIpoptProblem), void(T)>() &&
@@ -33,11 +33,11 @@ static_assert(same<decltype(CreateIpoptProblem), T(int, D, D, int, D, D, int, in
                   same<decltype(SetIpoptProblemScaling), B(T, double, D, D)>() &&
                   same<decltype(SetIntermediateCallback), B(T, Intermediate_CB)>() &&
                   same<decltype(IpoptSolve), ApplicationReturnStatus(T, D, D, D, D, D, D, P)>(),
-              "ipopt-sys: functions differ from the bindings kept");
+              "ipopt-contact-sys: functions differ from the bindings kept");
 static_assert(sizeof(ApplicationReturnStatus) == sizeof(int) && Solve_Succeeded == 0 && Feasible_Point_Found == 6 &&
                   Maximum_CpuTime_Exceeded == -4 && Not_Enough_Degrees_Of_Freedom == -10 &&
                   Invalid_Number_Detected == -13 && Insufficient_Memory == -102 && Internal_Error == -199 &&
                   RegularMode == 0 && RestorationPhaseMode == 1,
-              "ipopt-sys: statuses differ from the bindings kept");
+              "ipopt-contact-sys: statuses differ from the bindings kept");
 
 } // namespace

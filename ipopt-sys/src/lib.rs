@@ -15,10 +15,10 @@
 //! an error. `Bool` is `int` up to 3.13 and `bool` since 3.14: use the alias. Indices must have 32 bits and numbers 64;
 //! a build of Ipopt with others is refused at compile time.
 //!
-//! The feature `bindgen`, on by default, makes the bindings from the headers, which takes libclang. With
-//! `default-features = false` the bindings kept in the source are used instead, for 3.11 to 3.13 or for 3.14; the C++
-//! compiler checks the C interface of the headers against them, and another version is an error. They are for Unix.
-//! Through the crates above:
+//! The feature `bindgen`, on by default, makes the bindings from the headers, which takes libclang. Where libclang cannot
+//! be loaded or cannot read them, which is a warning, and with `default-features = false`, the bindings kept in the
+//! source are used instead, for 3.11 to 3.13 or for 3.14; the C++ compiler checks the C interface of the headers against
+//! them, and another version is an error. They are for Unix. Without the feature through the crates above:
 //!
 //! ```toml
 //! contact-core = { version = "0.1", default-features = false, features = ["ipopt"] }
@@ -26,7 +26,10 @@
 //! ipopt-contact = { version = "0.1", default-features = false, features = ["vtk", "csv", "plot"] }
 //! ```
 //!
-//! A dependent's build script reads
+//! The package is called `ipopt-contact-sys`, as `ipopt-sys` is another one; this library keeps the short name. Both
+//! bind the same Ipopt, which is not reentrant, and cargo lets only one of them into a program (`links = "ipopt"`).
+//!
+//! The build script of a crate that depends on this one directly reads
 //!
 //! | variable | what |
 //! |---|---|

@@ -97,8 +97,8 @@ fn broken<const D: usize>(history: &History<D>) -> Vec<String> {
         return Vec::new();
     };
     let entries = certificate.entries(&Limits::default());
-    let broken = entries.iter().filter(|entry| !entry.holds());
-    let line = |entry: &Entry| {
+    let broken = entries.filter(|entry| !entry.holds());
+    let line = |entry: Entry| {
         let value = entry.value.unwrap_or(f64::NAN);
         format!("{} {value:.1e} of {:.1e}", entry.name, entry.limit)
     };

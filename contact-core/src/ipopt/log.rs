@@ -91,7 +91,7 @@ impl fmt::Debug for Log {
 }
 
 /// Why the [`Log::Writer`] has not got all of the log. The solve goes on without.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[derive(Clone, PartialEq, Eq, Error)]
 #[error("Ipopt's log could not be written: {message}")]
 #[non_exhaustive]
 pub struct LogError {

@@ -170,7 +170,7 @@ use crate::nlp::NlpError;
 pub const VERSION: (u32, u32, u32) = ipopt_sys::HEADER_VERSION;
 
 /// Misuse of the driver. How a solve went is a [`Status`].
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A structure, bounds, a starting point or multipliers that cannot be.

@@ -41,8 +41,9 @@ impl Solver {
     /// # Errors
     /// [`Error::Option`] names the option Ipopt refuses.
     pub fn new(structure: Structure, options: &Options) -> Result<Self, Error> {
-        let (rows, cols) = indices(structure.jacobian());
-        let (h_rows, h_cols) = structure.hessian().map(indices).unwrap_or_default();
+        let (rows, cols) = structure.jacobian().narrow();
+        let none = Pattern::empty();
+        let (h_rows, h_cols) = structure.hessian().unwrap_or(&none).narrow();
         // SAFETY: the structure is valid: indices in range, counts within 32 bits.
         let shim = unsafe {
             sys::ipopt_shim_create(
@@ -302,11 +303,4 @@ impl fmt::Debug for Solver {
 /// A validated count: [`Structure::new`] lets none pass that does not fit.
 fn count(value: usize) -> i32 {
     i32::try_from(value).unwrap_or(i32::MAX)
-}
-
-fn indices(pattern: &Pattern) -> (Vec<i32>, Vec<i32>) {
-    pattern
-        .iter()
-        .map(|(row, col)| (count(row), count(col)))
-        .unzip()
 }

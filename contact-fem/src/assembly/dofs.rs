@@ -10,7 +10,7 @@ pub enum Dof {
 }
 
 /// Free and prescribed dofs, interleaved per node: dof = D · node + component.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DofMap {
     dofs: Vec<Dof>,
     free: usize,

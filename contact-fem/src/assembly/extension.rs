@@ -1,60 +1,107 @@
 //! The harmonic extension of prescribed displacements into a body.
 
-use faer::prelude::Solve;
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Col, Side};
+use contact_core::linear::{
+    Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern,
+};
 
 use super::dofs::{Dof, DofMap};
 
-/// An entry K_ab = ∫ ∇N_a·∇N_b dX of one cell's Laplacian, a and b being nodes.
-pub(super) type LaplaceEntry = (usize, usize, f64);
+/// Solves Δv = 0 in a body component by component, with given values where its supports are.
+///
+/// Components with the same supports share a factor. It is made when the first of them moves, and kept.
+pub(super) struct Extension<const D: usize> {
+    supports: DofMap,
+    /// K_ab = ∫ ∇N_a·∇N_b dX over all nodes, the same for every component.
+    pattern: SymmetricPattern,
+    K: Vec<f64>,
+    components: Vec<Component>,
+}
 
-/// Solves Δv = 0 for component `i` of `dim`, with `increments` on the prescribed dofs, and writes
-/// the free ones into `free`. A component without prescribed dofs, or whose increments are all
-/// zero, stays where it is; so does one whose matrix cannot be factorised, for the extension only
-/// proposes a start.
-pub(super) fn harmonic(
-    entries: &[LaplaceEntry],
-    dofs: &DofMap,
-    (i, dim): (usize, usize),
-    increments: &[f64],
-    free: &mut [f64],
-) {
-    // unknowns of this component alone, numbered anew
-    let mut number = vec![usize::MAX; dofs.free()];
-    let mut unknowns = Vec::new();
-    let mut matrix = Vec::new();
-    let mut load: Vec<f64> = Vec::new();
-    for &(a, b, k) in entries {
-        let Dof::Free(row) = dofs.get(dim * a + i) else {
-            continue;
-        };
-        if number[row] == usize::MAX {
-            number[row] = unknowns.len();
-            unknowns.push(row);
-            load.push(0.0);
-        }
-        let row = number[row];
-        match dofs.get(dim * b + i) {
-            Dof::Free(col) => matrix.push((row, col, k)),
-            Dof::Prescribed(p) => load[row] -= k * increments[p],
+/// The Laplacian without the nodes at which a component is prescribed.
+struct Component {
+    is_free: Vec<bool>,
+    /// The free nodes, and the factor for them.
+    factor: Result<(Vec<usize>, Cholesky), FactorError>,
+}
+
+impl<const D: usize> Extension<D> {
+    /// From the Laplacian's entries (row, column, value), those at the same place still to be added up.
+    pub fn new(supports: DofMap, entries: &[(usize, usize, f64)]) -> Self {
+        let nodes = supports.len() / D;
+        let (pattern, K) =
+            SymmetricPattern::from_sums(nodes, entries).expect("nodes are below their number");
+        Extension {
+            supports,
+            pattern,
+            K,
+            components: Vec::new(),
         }
     }
-    if load.iter().all(|f| *f == 0.0) {
-        return;
+
+    /// What is prescribed.
+    pub fn supports(&self) -> &DofMap {
+        &self.supports
     }
-    let n = unknowns.len();
-    let triplets: Vec<_> = matrix
-        .into_iter()
-        .map(|(row, col, k)| Triplet::new(row, number[col], k))
-        .collect();
-    let Ok(matrix) = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets) else {
-        return;
-    };
-    if let Ok(factor) = matrix.sp_cholesky(Side::Lower) {
-        let solution = factor.solve(&Col::from_fn(n, |k| load[k]));
-        for (k, &unknown) in unknowns.iter().enumerate() {
-            free[unknown] = solution[k];
+
+    /// The values of all dofs for `values` (UL) of the prescribed ones. A component without prescribed dofs, or whose
+    /// values are all zero, is zero; so is one whose matrix cannot be factored, for the extension only proposes a start.
+    pub fn extend(&mut self, values: &[f64]) -> Vec<f64> {
+        let nodes = self.pattern.dim();
+        let mut v = self
+            .supports
+            .expand(&vec![0.0; self.supports.free()], values);
+        let mut load = vec![0.0; nodes];
+        for i in 0..D {
+            let at_node: Vec<f64> = (0..nodes).map(|a| v[D * a + i]).collect();
+            if at_node.iter().all(|d| *d == 0.0) {
+                continue;
+            }
+            self.pattern.product(&self.K, &at_node, &mut load);
+            let Ok((free, factor)) = self.factor(i) else {
+                continue;
+            };
+            let mut x: Vec<f64> = free.iter().map(|&a| -load[a]).collect();
+            if factor.solve(&mut x).is_ok() {
+                free.iter().zip(x).for_each(|(a, x)| v[D * a + i] = x);
+            }
         }
+        v
     }
+
+    /// The free nodes of component `i` and the factor of their Laplacian.
+    fn factor(&mut self, i: usize) -> &mut Result<(Vec<usize>, Cholesky), FactorError> {
+        let nodes = 0..self.pattern.dim();
+        let is_free = nodes.map(|a| matches!(self.supports.get(D * a + i), Dof::Free(_)));
+        let is_free: Vec<bool> = is_free.collect();
+        let known = self.components.iter().position(|c| c.is_free == is_free);
+        let known = known.unwrap_or_else(|| {
+            let factor = factor(&self.pattern, &self.K, &is_free);
+            self.components.push(Component { is_free, factor });
+            self.components.len() - 1
+        });
+        &mut self.components[known].factor
+    }
+}
+
+/// The nodes that are free and the factor of their part of `K`.
+fn factor(
+    pattern: &SymmetricPattern,
+    K: &[f64],
+    is_free: &[bool],
+) -> Result<(Vec<usize>, Cholesky), FactorError> {
+    let free: Vec<usize> = (0..is_free.len()).filter(|&a| is_free[a]).collect();
+    let mut number = vec![usize::MAX; is_free.len()];
+    free.iter().enumerate().for_each(|(k, &a)| number[a] = k);
+    let own = pattern
+        .iter()
+        .zip(K)
+        .filter(|((a, b), _)| is_free[*a] && is_free[*b]);
+    let (places, values): (Vec<_>, Vec<f64>) =
+        own.map(|((a, b), k)| ((number[a], number[b]), k)).unzip();
+    // sorted entries each in a slot of its own: the slots are in their order
+    let (pattern, _) = SymmetricPattern::from_entries(free.len(), &places).expect("numbered so");
+    let analysis = Analysis::new(&pattern, &Ordering::Automatic)?;
+    let mut factor = Cholesky::new(&analysis, Kind::Llt)?;
+    factor.refactor(&values)?;
+    Ok((free, factor))
 }

@@ -6,6 +6,9 @@ mod loads;
 mod quadratic;
 mod scatter;
 mod strain_energy;
+#[cfg(test)]
+mod tests;
+mod trial;
 
 pub use dofs::{Dof, DofMap};
 pub use loads::{add_body_force, add_traction};

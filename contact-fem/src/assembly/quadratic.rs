@@ -2,7 +2,6 @@
 
 use contact_core::Energy;
 use contact_core::nlp::Pattern;
-use faer::sparse::{SparseColMat, Triplet};
 
 use super::{BodyEnergy, CellState, DofMap, StrainEnergy};
 use crate::element::Element;
@@ -13,9 +12,8 @@ use crate::tensor::Vector;
 /// E(u) = E₀ + g₀·u + ½ uᵀK u over the free unknowns; E₀ and g₀ follow the load, K stays.
 pub struct QuadraticEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     elastic: StrainEnergy<D, E, M>,
-    /// Both triangles of K (UF/UL), and the lower one at the positions of the pattern.
-    K: SparseColMat<usize, f64>,
-    values: Vec<f64>,
+    /// K (UF/UL), a value a slot of the pattern.
+    K: Vec<f64>,
     /// ∇E and E at u = 0 and the present load.
     g_0: Vec<f64>,
     E_0: f64,
@@ -29,34 +27,16 @@ impl<const D: usize, E: Element<D>, M: Material<D>> QuadraticEnergy<D, E, M> {
     pub fn new(elastic: StrainEnergy<D, E, M>) -> Self {
         assert!(M::QUADRATIC, "a quadratic energy needs a linear law");
         let n = elastic.dofs();
-        let pattern = elastic.hessian_pattern();
-        let mut values = vec![0.0; pattern.len()];
-        elastic.hessian(&vec![0.0; n], &mut values);
-        let entries = pattern.iter().zip(&values);
-        let both = entries.flat_map(|((r, c), &k)| {
-            let mirrored = (r != c).then(|| Triplet::new(c, r, k));
-            [Some(Triplet::new(r, c, k)), mirrored]
-                .into_iter()
-                .flatten()
-        });
-        let both: Vec<_> = both.collect();
-        let K = SparseColMat::try_new_from_triplets(n, n, &both);
+        let mut K = vec![0.0; elastic.pattern().len()];
+        elastic.hessian(&vec![0.0; n], &mut K);
         let mut energy = QuadraticEnergy {
-            K: K.expect("the pattern's positions are within n × n"),
-            values,
+            K,
             g_0: vec![0.0; n],
             E_0: 0.0,
             elastic,
         };
         energy.set_load(0.0);
         energy
-    }
-
-    /// (K u)_j, by column j of the symmetric K.
-    fn force(&self, j: usize, u: &[f64]) -> f64 {
-        let rows = self.K.row_idx_of_col_raw(j);
-        let values = self.K.val_of_col(j);
-        rows.iter().zip(values).map(|(&i, k)| k * u[i]).sum()
     }
 }
 
@@ -65,16 +45,17 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for QuadraticEnergy<D
         self.elastic.dofs()
     }
 
+    // E₀ + g₀·u + ½ Σ_ij K_ij u_i u_j, an entry off the diagonal standing for two
     fn value(&self, u: &[f64]) -> f64 {
-        let terms = u.iter().enumerate();
-        let work = terms.map(|(j, u_j)| u_j * (self.g_0[j] + 0.5 * self.force(j, u)));
-        self.E_0 + work.sum::<f64>()
+        let entries = self.elastic.pattern().iter().zip(&self.K);
+        let double = entries.map(|((i, j), k)| if i == j { 1.0 } else { 2.0 } * k * u[i] * u[j]);
+        let work: f64 = self.g_0.iter().zip(u).map(|(g, u)| g * u).sum();
+        self.E_0 + work + 0.5 * double.sum::<f64>()
     }
 
     fn gradient(&self, u: &[f64], g: &mut [f64]) {
-        for (j, g) in g.iter_mut().enumerate() {
-            *g = self.g_0[j] + self.force(j, u);
-        }
+        self.elastic.pattern().product(&self.K, u, g);
+        g.iter_mut().zip(&self.g_0).for_each(|(g, g_0)| *g += g_0);
     }
 
     fn hessian_pattern(&self) -> &Pattern {
@@ -82,7 +63,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for QuadraticEnergy<D
     }
 
     fn hessian(&self, _u: &[f64], values: &mut [f64]) {
-        values.copy_from_slice(&self.values);
+        values.copy_from_slice(&self.K);
     }
 
     fn is_quadratic(&self) -> bool {
@@ -96,6 +77,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticE
         let rest = vec![0.0; self.dofs()];
         self.E_0 = self.elastic.value(&rest);
         self.elastic.gradient(&rest, &mut self.g_0);
+        self.elastic.forget();
     }
 
     fn prescribed(&self) -> &[f64] {
@@ -104,6 +86,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticE
 
     fn add_residual(&self, u: &[f64], forces: &mut [f64]) {
         self.elastic.add_residual(u, forces);
+        self.elastic.forget();
     }
 
     fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! The Hessian's pattern, found once, and where each cell writes into it.
 
-use contact_core::nlp::Pattern;
+use contact_core::linear::SymmetricPattern;
 
 use super::dofs::{Dof, DofMap};
 
@@ -37,11 +37,11 @@ impl<const D: usize> SlotMap<D> {
     }
 }
 
-/// Finds the pattern of the lower triangle over the free dofs; `cells` yields each cell's nodes.
+/// Finds the Hessian's pattern over the free dofs; `cells` yields each cell's nodes.
 pub(super) fn pattern_and_slots<'a, const D: usize>(
     dofs: &DofMap,
     cells: impl Iterator<Item = &'a [usize]> + Clone,
-) -> (Pattern, SlotMap<D>) {
+) -> (SymmetricPattern, SlotMap<D>) {
     let pairs_of = |cell: &'a [usize]| {
         let lower = (0..cell.len()).flat_map(|a| (0..=a).map(move |b| (a, b)));
         lower.map(move |(a, b)| (cell[a].max(cell[b]), cell[a].min(cell[b])))
@@ -70,6 +70,13 @@ pub(super) fn pattern_and_slots<'a, const D: usize>(
         }
         blocks.push(slots);
     }
+    let (pattern, place) = SymmetricPattern::from_entries(dofs.free(), &positions)
+        .expect("free dofs are numbered below their number");
+    for slot in blocks.iter_mut().flatten().flatten() {
+        if *slot != NOWHERE {
+            *slot = place[*slot as usize] as u32;
+        }
+    }
     let number = |pair| pairs.binary_search(&pair).map_or(u32::MAX, |k| k as u32);
     let per_cell = cells.clone().next().map_or(0, |cell| cell.len());
     let slots = SlotMap {
@@ -77,5 +84,5 @@ pub(super) fn pattern_and_slots<'a, const D: usize>(
         per_cell: per_cell * (per_cell + 1) / 2,
         blocks,
     };
-    (positions.into_iter().collect(), slots)
+    (pattern, slots)
 }

@@ -1,14 +1,18 @@
 //! E(u) = ∫_Ω ψ(I + ∇u) dX − f(u) for any element and law.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use contact_core::Energy;
+use contact_core::linear::SymmetricPattern;
 use contact_core::nlp::Pattern;
 
 use super::dofs::{Dof, DofMap};
-use super::extension::harmonic;
+use super::extension::Extension;
 use super::scatter::{SlotMap, pattern_and_slots};
+use super::trial::Trial;
 use super::{BodyEnergy, CellState};
 use crate::element::Element;
-use crate::material::Material;
+use crate::material::{Deformation, Material};
 use crate::mesh::Mesh;
 use crate::tensor::{Matrix, Vector, inverse_transpose};
 
@@ -31,8 +35,13 @@ pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     full_prescribed: Vec<f64>,
     factor: f64,
     prescribed: Vec<f64>,
-    pattern: Pattern,
+    pattern: SymmetricPattern,
+    /// The same as entries, for the trait.
+    entries: Pattern,
     slots: SlotMap<D>,
+    /// The harmonic extension of what the supports prescribe, from its first use on.
+    extension: Mutex<Option<Extension<D>>>,
+    trial: Mutex<Trial<D>>,
     typical_stiffness: f64,
     hessian_is_constant: bool,
 }
@@ -62,8 +71,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             prescribed: vec![0.0; prescribed.len()],
             full_prescribed: prescribed,
             factor: 0.0,
+            entries: pattern.iter().collect(),
             pattern,
             slots,
+            extension: Mutex::new(None),
+            trial: Mutex::default(),
             dofs,
             typical_stiffness: 0.0,
             hessian_is_constant: M::QUADRATIC,
@@ -84,12 +96,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
     fn median_diagonal(&self) -> f64 {
         let mut values = vec![0.0; self.pattern.len()];
         self.hessian(&vec![0.0; self.dofs.free()], &mut values);
-        let entries = self
-            .pattern
-            .rows()
-            .iter()
-            .zip(self.pattern.cols())
-            .zip(values);
+        let entries = self.pattern.iter().zip(values);
         let mut diagonal: Vec<f64> = entries
             .filter_map(|((r, c), v)| (r == c).then_some(v))
             .collect();
@@ -98,6 +105,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             return 0.0;
         }
         *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// The Hessian's pattern.
+    pub(super) fn pattern(&self) -> &SymmetricPattern {
+        &self.pattern
     }
 
     /// The assembled cells with their points.
@@ -118,19 +130,64 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         local
     }
 
+    /// The entries ∫ ∇N_a·∇N_b dX of the Laplacian, node by node and cell by cell, b ≤ a in the cell.
+    fn laplacian(&self) -> Vec<(usize, usize, f64)> {
+        let mut entries = Vec::new();
+        for (cell, points) in self.assembled() {
+            let nodes = cell.as_ref();
+            for (k, &a) in nodes.iter().enumerate() {
+                for (l, &b) in nodes[..=k].iter().enumerate() {
+                    let dN = |p: &Point<D, E>| [k, l].map(|n| p.gradients.as_ref()[n]);
+                    let products = points.iter().map(|p| (p.weight, dN(p)));
+                    let sum = products.map(|(w, [dN_a, dN_b])| w * dN_a.dot(&dN_b)).sum();
+                    entries.push((a, b, sum));
+                }
+            }
+        }
+        entries
+    }
+
+    /// Calls `visit` with every assembled cell, its points and the deformations there at u.
+    fn visit(
+        &self,
+        u: &[f64],
+        mut visit: impl FnMut(&E::PerNode<usize>, &[Point<D, E>], &[Deformation<D>]),
+    ) {
+        let mut trial = lock(&self.trial);
+        let points = trial.at(u, || {
+            self.assembled().flat_map(|(cell, points)| {
+                let local = self.gather(cell, u);
+                points.iter().map(move |point| point.deformation(&local))
+            })
+        });
+        let cells = points.chunks_exact(E::QUADRATURE.len());
+        for ((cell, points), at) in self.assembled().zip(cells) {
+            visit(cell, points, at);
+        }
+    }
+
+    /// Gives back the memory that evaluations at one u share.
+    pub(super) fn forget(&self) {
+        *lock(&self.trial) = Trial::default();
+    }
+
     /// Calls `add(dof, force)` with the internal forces ∫ P ∇N_a dX, cell by cell.
     fn internal_forces(&self, u: &[f64], mut add: impl FnMut(usize, f64)) {
-        for (cell, points) in self.assembled() {
-            let local = self.gather(cell, u);
-            for point in points {
-                let P = self.material.stress(&point.deformation(&local)) * point.weight;
+        self.visit(u, |cell, points, at| {
+            for (point, at) in points.iter().zip(at) {
+                let P = self.material.stress(at) * point.weight;
                 for (&a, dN) in cell.as_ref().iter().zip(point.gradients.as_ref()) {
                     let force = P * dN;
                     (0..D).for_each(|i| add(D * a + i, force[i]));
                 }
             }
-        }
+        });
     }
+}
+
+/// What the lock protects; whoever panicked with it left nothing half done that counts as done.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl<const D: usize, E: Element<D>> Point<D, E> {
@@ -181,15 +238,15 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     // E = Σ_cells Σ_q w_q ψ(F_q) − f·U
     fn value(&self, u: &[f64]) -> f64 {
         let mut energy = 0.0;
-        for (cell, points) in self.assembled() {
-            let local = self.gather(cell, u);
-            for point in points {
-                let psi = self.material.energy_density(&point.deformation(&local));
-                if !psi.is_finite() {
-                    return f64::INFINITY;
-                }
-                energy += point.weight * psi;
-            }
+        self.visit(u, |_, points, at| {
+            let psi = at.iter().map(|at| self.material.energy_density(at));
+            points
+                .iter()
+                .zip(psi)
+                .for_each(|(point, psi)| energy += point.weight * psi);
+        });
+        if !energy.is_finite() {
+            return f64::INFINITY;
         }
         let forces = self
             .full_forces
@@ -215,19 +272,18 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     }
 
     fn hessian_pattern(&self) -> &Pattern {
-        &self.pattern
+        &self.entries
     }
 
     // K_ab = Σ_q w_q A : (∇N_a ⊗ ∇N_b), lower triangle
     fn hessian(&self, u: &[f64], values: &mut [f64]) {
         values.fill(0.0);
-        for (k, (cell, points)) in self.assembled().enumerate() {
-            let local = self.gather(cell, u);
+        let mut k = 0..;
+        self.visit(u, |cell, points, at| {
             let nodes = cell.as_ref();
             let mut blocks = E::per_node(E::per_node(Matrix::<D>::zeros()));
-            for point in points {
-                let F = point.deformation(&local);
-                let A = self.material.contraction(&F);
+            for (point, at) in points.iter().zip(at) {
+                let A = self.material.contraction(at);
                 let dN = point.gradients.as_ref();
                 for (a, row) in blocks.as_mut().iter_mut().enumerate() {
                     for (b, block) in row.as_mut()[..=a].iter_mut().enumerate() {
@@ -235,6 +291,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
                     }
                 }
             }
+            let k = k.next().unwrap_or_default();
             for (a, row) in blocks.as_ref().iter().enumerate() {
                 for (b, block) in row.as_ref()[..=a].iter().enumerate() {
                     if nodes[a] >= nodes[b] {
@@ -244,7 +301,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
                     }
                 }
             }
-        }
+        });
     }
 
     fn is_quadratic(&self) -> bool {
@@ -263,12 +320,10 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
         if !M::NEEDS_POSITIVE_J {
             return;
         }
-        let values = self.assembled().flat_map(|(cell, points)| {
-            let local = self.gather(cell, u);
-            let J = move |p: &Point<D, E>| crate::tensor::determinant(&p.deformation(&local));
-            points.iter().map(J)
+        let mut d = d.iter_mut();
+        self.visit(u, |_, _, at| {
+            at.iter().zip(&mut d).for_each(|(at, d)| *d = at.J);
         });
-        d.iter_mut().zip(values).for_each(|(d, J)| *d = J);
     }
 }
 
@@ -277,6 +332,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
         self.factor = factor;
         let full = self.full_prescribed.iter();
         self.prescribed = full.map(|full| factor * full).collect();
+        lock(&self.trial).invalidate();
     }
 
     fn prescribed(&self) -> &[f64] {
@@ -290,26 +346,16 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
         self.internal_forces(u, |dof, force| forces[dof] += force);
     }
 
-    // K_ab = Σ_q w_q ∇N_a·∇N_b, the same for every component
     fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64> {
-        let mut free = vec![0.0; supports.free()];
-        if increments.iter().all(|d| *d == 0.0) {
-            return vec![0.0; supports.len()];
-        }
-        let mut entries = Vec::new();
-        for (cell, points) in self.assembled() {
-            for point in points {
-                for (&a, dN_a) in cell.as_ref().iter().zip(point.gradients.as_ref()) {
-                    for (&b, dN_b) in cell.as_ref().iter().zip(point.gradients.as_ref()) {
-                        entries.push((a, b, point.weight * dN_a.dot(dN_b)));
-                    }
-                }
-            }
-        }
-        for i in 0..D {
-            harmonic(&entries, supports, (i, D), increments, &mut free);
-        }
-        supports.expand(&free, increments)
+        let mut kept = self
+            .extension
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let extension = match kept.take() {
+            Some(extension) if extension.supports() == supports => extension,
+            _ => Extension::new(supports.clone(), &self.laplacian()),
+        };
+        kept.insert(extension).extend(increments)
     }
 
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
@@ -324,10 +370,10 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
                 mean += point.deformation(&local) * point.weight;
                 volume += point.weight;
             }
-            let F = mean / volume;
-            let (sigma, sigma_zz) = self.material.cauchy_stress(&F);
+            let at = Deformation::new(mean / volume);
+            let (sigma, sigma_zz) = self.material.cauchy_stress(&at);
             CellState {
-                J: crate::tensor::determinant(&F),
+                J: at.J,
                 sigma,
                 sigma_zz,
             }

@@ -2,98 +2,143 @@
 
 mod state;
 
-/// How well a state satisfies what defines a solution, from scratch: it is projected once more, at
-/// the state itself, and no residual of the solver is used.
+use std::fmt;
+
+/// A condition that a solution satisfies. What is left of it is dimensionless.
 ///
-/// All of it is dimensionless. Lengths are over the mean facet around a node; what is left of weak
-/// gaps is over the displacement of such a facet that matters, which is less by
-/// [`Scale::resolution`](contact_core::Scale) over the smallest facet: stiff bodies move by a tiny
-/// part of their facets, and may not penetrate by more. Forces are over the largest force on a node of
-/// the same body, be it contact, support or load, but at least over a ten thousandth of
-/// [`Scale`](contact_core::Scale)'s energy over its length: when bodies begin to touch there is next to no force.
+/// Lengths are over the mean facet around a node; weak gaps over the displacement of such a facet that matters, which is
+/// less by [`Scale::resolution`](contact_core::Scale) over the smallest facet: stiff bodies move by a tiny part of their
+/// facets, and may not penetrate by more. Forces are over the largest force on a node of the same body, be it contact,
+/// support or load, but at least over a ten thousandth of [`Scale`](contact_core::Scale)'s energy over its length: when
+/// bodies begin to touch there is next to no force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Condition {
+    /// No contact node is inside another surface: the largest depth, over all passes of the scene. Weak constraints
+    /// allow a little, and more where corners meet.
+    NodalPenetration,
+    /// No weak gap is negative: max(−c_i) over all rows at the state, of all passes of the scene.
+    WeakPenetration,
+    /// Contact pushes and never pulls: max(−λ_i).
+    Adhesion,
+    /// Forces act at closed gaps only: max |λ_i c_i|, with [`Scale::resolution`](contact_core::Scale) for a length.
+    Complementarity,
+    /// The energy is stationary: max |∇E − Cᵀλ| over the unknowns that no support holds, with the solver's rows.
+    Stationarity,
+    /// One more iteration would not change the forces: max |Cᵀλ − C'ᵀλ|, C' the rows at the state. Nothing where the
+    /// rows of the two have no names in common: method (39) with exact integration.
+    Drift,
+    /// Contact forces come in pairs: |Σ Cᵀλ| over all bodies, of Σ |Cᵀλ|.
+    ActionReaction,
+    /// All forces are in balance: |Σ reactions + Σ loads| over the sum of their magnitudes.
+    Balance,
+    /// No element is inverted: the number of points with J ≤ 0.
+    Inverted,
+    /// The solver had every closed row: the number of closed constraints present at the solution but missing from the
+    /// solver's rows. A row is closed if it is not open by more than the default limit of the weak penetration. For
+    /// method (39) with exact integration, whose points have no lasting names: the passes whose closed points covered a
+    /// ten thousandth less of the surface.
+    Closed,
+    /// The same as [`Condition::WeakPenetration`] over the passes that the scene leaves out, without a limit: what a
+    /// single pass lets through on its other side. Nothing where every pair has both.
+    OtherSide,
+    /// Contact nodes without a row, without a limit; of method (39), whose rows are points, those without one at the
+    /// state.
+    Dropped,
+}
+
+/// One line of the table of conditions.
+struct Line {
+    condition: Condition,
+    name: &'static str,
+    /// For the default tolerance of the fixed point, 1e-6, and twice what penalties leave by default.
+    limit: f64,
+    /// Whether round-off in forces at strains as small as the scene's is told by this condition.
+    sees_roundoff: bool,
+}
+
+const fn line(condition: Condition, name: &'static str, limit: f64) -> Line {
+    Line {
+        condition,
+        name,
+        limit,
+        sees_roundoff: matches!(
+            condition,
+            Condition::Stationarity | Condition::Drift | Condition::Balance
+        ),
+    }
+}
+
+/// The table that limits, files and summaries are made from, in the order of [`Condition`].
+const TABLE: [Line; 12] = [
+    line(Condition::NodalPenetration, "nodal_penetration", 0.2),
+    line(Condition::WeakPenetration, "weak_penetration", 2e-3),
+    line(Condition::Adhesion, "adhesion", 1e-9),
+    line(Condition::Complementarity, "complementarity", 2e-3),
+    line(Condition::Stationarity, "stationarity", 1e-6),
+    line(Condition::Drift, "drift", 1e-4),
+    line(Condition::ActionReaction, "action_reaction", 1e-9),
+    line(Condition::Balance, "balance", 1e-6),
+    line(Condition::Inverted, "inverted", 0.0),
+    line(Condition::Closed, "closed", 0.0),
+    line(Condition::OtherSide, "other_side", f64::INFINITY),
+    line(Condition::Dropped, "dropped", f64::INFINITY),
+];
+
+impl Condition {
+    /// All conditions, in the order of files and summaries.
+    pub fn all() -> impl ExactSizeIterator<Item = Condition> {
+        TABLE.iter().map(|line| line.condition)
+    }
+
+    /// Its name in files and summaries.
+    pub fn name(self) -> &'static str {
+        TABLE[self as usize].name
+    }
+}
+
+/// How well a state satisfies the conditions of a solution, from scratch: it is projected once more, at the state
+/// itself, and no residual of the solver is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
-    /// How deep the deepest contact node is inside another surface, over all passes of the scene.
-    /// Weak constraints allow a little, and more where corners meet.
-    pub nodal_penetration: f64,
-    /// max(−c_i) over all rows at the state, of all passes of the scene.
-    pub weak_penetration: f64,
-    /// The same over the passes that the scene leaves out, which has no limit: what a single pass lets
-    /// through on its other side. Nothing where every pair has both.
-    pub other_side: Option<f64>,
-    /// max(−λ_i): contact pushes and never pulls.
-    pub adhesion: f64,
-    /// max |λ_i c_i|, with [`Scale::resolution`](contact_core::Scale) for a length.
-    pub complementarity: f64,
-    /// max |∇E − Cᵀλ| over the unknowns that no support holds, with the solver's rows.
-    pub stationarity: f64,
-    /// max |Cᵀλ − C'ᵀλ| with C' the rows at the state itself: what one more iteration of the fixed
-    /// point would see change in the forces. Nothing where the rows of the two have no names in
-    /// common: method (39) with exact integration.
-    pub drift: Option<f64>,
-    /// |Σ Cᵀλ| over all bodies, of Σ |Cᵀλ|: contact forces come in pairs.
-    pub action_reaction: f64,
-    /// |Σ reactions + Σ loads| over the sum of their magnitudes.
-    pub balance: f64,
-    /// The smallest volume ratio, infinite for small-strain laws.
-    pub min_j: f64,
-    /// Contact nodes that had no row; of method (39), whose rows are points, those that have none at
-    /// the state.
-    pub dropped: usize,
-    /// Rows that the state does have, the solver did not, and that are not open by more than the
-    /// default limit of the weak penetration. Where points have no lasting names, which is method (39)
-    /// with exact integration: passes whose points covered a ten thousandth less of what is closed.
-    pub closed: usize,
-    /// What round-off leaves of forces at strains as small as the scene's, of
-    /// [`Scale::roundoff`](contact_core::Scale): no limit is asked for that is below ten times that.
-    pub roundoff: f64,
+    /// What is left of each condition; nothing of one that does not apply.
+    left: [Option<f64>; TABLE.len()],
+    /// Round-off in forces at strains as small as the scene's, of [`Scale::roundoff`](contact_core::Scale).
+    roundoff: f64,
 }
 
-/// What a certificate must keep to hold.
+/// What may be left of each condition if a certificate is to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// For [`Certificate::nodal_penetration`].
-    pub nodal_penetration: f64,
-    /// For [`Certificate::weak_penetration`].
-    pub weak_penetration: f64,
-    /// For [`Certificate::adhesion`].
-    pub adhesion: f64,
-    /// For [`Certificate::complementarity`].
-    pub complementarity: f64,
-    /// For [`Certificate::stationarity`].
-    pub stationarity: f64,
-    /// For [`Certificate::drift`].
-    pub drift: f64,
-    /// For [`Certificate::action_reaction`].
-    pub action_reaction: f64,
-    /// For [`Certificate::balance`].
-    pub balance: f64,
-}
+pub struct Limits([f64; TABLE.len()]);
 
 impl Default for Limits {
-    /// For the default tolerance of the fixed point, 1e-6, and twice what penalties leave by default.
     fn default() -> Self {
-        Limits {
-            nodal_penetration: 0.2,
-            weak_penetration: 2e-3,
-            adhesion: 1e-9,
-            complementarity: 2e-3,
-            stationarity: 1e-6,
-            drift: 1e-4,
-            action_reaction: 1e-9,
-            balance: 1e-6,
-        }
+        Limits(std::array::from_fn(|k| TABLE[k].limit))
+    }
+}
+
+impl Limits {
+    /// The limit of a condition, infinite for none.
+    pub fn of(&self, condition: Condition) -> f64 {
+        self.0[condition as usize]
+    }
+
+    /// The same limits but for one.
+    #[must_use]
+    pub fn with(mut self, condition: Condition, limit: f64) -> Self {
+        self.0[condition as usize] = limit;
+        self
     }
 }
 
 /// One line of a certificate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// Its name, as in [`Certificate`].
+    /// The condition's name.
     pub name: &'static str,
-    /// What was found, or nothing if it does not apply.
+    /// What is left of it, or nothing if it does not apply.
     pub value: Option<f64>,
-    /// What it may be at most.
+    /// What may be left at most.
     pub limit: f64,
 }
 
@@ -105,141 +150,134 @@ impl Entry {
 }
 
 impl Certificate {
-    /// Nothing is left of anything.
-    #[cfg(test)]
-    pub(crate) fn flawless() -> Self {
+    /// With the same left of every condition.
+    pub(crate) fn uniform(left: f64, roundoff: f64) -> Self {
         Certificate {
-            nodal_penetration: 0.0,
-            weak_penetration: 0.0,
-            other_side: None,
-            adhesion: 0.0,
-            complementarity: 0.0,
-            stationarity: 0.0,
-            drift: None,
-            action_reaction: 0.0,
-            balance: 0.0,
-            min_j: 1.0,
-            dropped: 0,
-            closed: 0,
-            roundoff: 0.0,
+            left: [Some(left); TABLE.len()],
+            roundoff,
         }
     }
 
-    /// Of something that is no state at all, with a NaN or an infinite value: nothing holds.
-    fn of_no_state() -> Self {
-        Certificate {
-            nodal_penetration: f64::NAN,
-            weak_penetration: f64::NAN,
-            other_side: None,
-            adhesion: f64::NAN,
-            complementarity: f64::NAN,
-            stationarity: f64::NAN,
-            drift: Some(f64::NAN),
-            action_reaction: f64::NAN,
-            balance: f64::NAN,
-            min_j: f64::NAN,
-            dropped: 0,
-            closed: 0,
-            roundoff: 0.0,
-        }
+    /// The same but for one condition.
+    #[must_use]
+    pub(crate) fn with(mut self, condition: Condition, left: Option<f64>) -> Self {
+        self.left[condition as usize] = left;
+        self
     }
 
-    /// Every value that has a limit, beside it.
-    pub fn entries(&self, limits: &Limits) -> [Entry; 10] {
-        let attainable = |limit: f64| limit.max(10.0 * self.roundoff);
-        let inverted = self.min_j <= 0.0 || self.min_j.is_nan();
-        let entry = |name, value, limit| Entry {
-            name,
-            value: Some(value),
-            limit,
-        };
-        [
-            entry(
-                "nodal_penetration",
-                self.nodal_penetration,
-                limits.nodal_penetration,
-            ),
-            entry(
-                "weak_penetration",
-                self.weak_penetration,
-                limits.weak_penetration,
-            ),
-            entry("adhesion", self.adhesion, limits.adhesion),
-            entry(
-                "complementarity",
-                self.complementarity,
-                limits.complementarity,
-            ),
-            entry(
-                "stationarity",
-                self.stationarity,
-                attainable(limits.stationarity),
-            ),
-            Entry {
-                name: "drift",
-                value: self.drift,
-                limit: attainable(limits.drift),
+    /// What is left of a condition, or nothing if it does not apply.
+    pub fn left(&self, condition: Condition) -> Option<f64> {
+        self.left[condition as usize]
+    }
+
+    /// Round-off in forces at strains as small as the scene's: no limit below ten times that is asked for.
+    pub fn roundoff(&self) -> f64 {
+        self.roundoff
+    }
+
+    /// What is left of every condition, beside its limit.
+    pub fn entries(&self, limits: &Limits) -> impl ExactSizeIterator<Item = Entry> + use<> {
+        let attainable = 10.0 * self.roundoff;
+        let lines = TABLE.iter().zip(self.left).zip(limits.0);
+        lines.map(move |((line, value), limit)| Entry {
+            name: line.name,
+            value,
+            limit: match line.sees_roundoff {
+                true => limit.max(attainable),
+                false => limit,
             },
-            entry(
-                "action_reaction",
-                self.action_reaction,
-                limits.action_reaction,
-            ),
-            entry("balance", self.balance, attainable(limits.balance)),
-            entry("inverted", f64::from(u8::from(inverted)), 0.0),
-            entry("closed", self.closed as f64, 0.0),
-        ]
+        })
     }
 
-    /// Whether every value keeps its limit.
+    /// Whether every condition is kept to its limit.
     pub fn holds(&self, limits: &Limits) -> bool {
-        self.entries(limits).iter().all(Entry::holds)
+        self.entries(limits).all(|entry| entry.holds())
     }
 
-    /// Value by value the worse of two, for a run of many steps.
+    /// Condition by condition the worse of two, for a run of many steps.
     #[must_use]
     pub fn or_worse(self, other: Self) -> Self {
         // a NaN is worse than any number
         let worse = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
-        let or_worse = |a: Option<f64>, b: Option<f64>| match (a, b) {
-            (Some(a), Some(b)) => Some(worse(a, b)),
-            _ => a.or(b),
-        };
         Certificate {
-            nodal_penetration: worse(self.nodal_penetration, other.nodal_penetration),
-            weak_penetration: worse(self.weak_penetration, other.weak_penetration),
-            other_side: or_worse(self.other_side, other.other_side),
-            adhesion: worse(self.adhesion, other.adhesion),
-            complementarity: worse(self.complementarity, other.complementarity),
-            stationarity: worse(self.stationarity, other.stationarity),
-            drift: or_worse(self.drift, other.drift),
-            action_reaction: worse(self.action_reaction, other.action_reaction),
-            balance: worse(self.balance, other.balance),
-            min_j: -worse(-self.min_j, -other.min_j),
-            dropped: self.dropped.max(other.dropped),
-            closed: self.closed.max(other.closed),
+            left: std::array::from_fn(|k| match (self.left[k], other.left[k]) {
+                (Some(a), Some(b)) => Some(worse(a, b)),
+                (a, b) => a.or(b),
+            }),
             roundoff: worse(self.roundoff, other.roundoff),
         }
     }
 }
 
-/// A line a value that has a limit, those beyond it marked, under a line that says whether all hold.
-impl std::fmt::Display for Certificate {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+/// A line a condition, those beyond their limits marked, under a line that says whether all hold.
+impl fmt::Display for Certificate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let limits = Limits::default();
         let holds = self.holds(&limits);
         write!(f, "{}", if holds { "holds" } else { "DOES NOT HOLD" })?;
         for entry in self.entries(&limits) {
-            let value = entry
-                .value
-                .map_or("-".into(), |value| format!("{value:.1e}"));
-            let mark = if entry.holds() { "" } else { "  <- too large" };
-            let Entry { name, limit, .. } = entry;
-            write!(f, "\n    {name:<18} {value:>8} of {limit:>7.1e}{mark}")?;
+            let Entry { name, value, limit } = entry;
+            match value {
+                _ if limit == f64::INFINITY => {
+                    let Some(value) = value else { continue };
+                    write!(f, "\n    {name:<18} {value:>8.1e} without limit")?;
+                }
+                Some(value) => {
+                    let mark = if entry.holds() { "" } else { "  <- too large" };
+                    write!(f, "\n    {name:<18} {value:>8.1e} of {limit:>7.1e}{mark}")?;
+                }
+                None => write!(f, "\n    {name:<18} {:>8} of {limit:>7.1e}", "-")?,
+            }
         }
-        if let Some(depth) = self.other_side {
-            write!(f, "\n    {:<18} {depth:>8.1e} without limit", "other side")?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_conditions() {
+        for (k, line) in TABLE.iter().enumerate() {
+            assert_eq!(line.condition as usize, k, "{}", line.name);
         }
-        write!(f, "\n    {:<18} {:>8}", "rows dropped", self.dropped)
+    }
+
+    /// Whatever is left of any one condition beyond its limit, the certificate does not hold; nor with a NaN.
+    #[test]
+    fn every_limit_counts() {
+        let (limits, flawless) = (Limits::default(), Certificate::uniform(0.0, 0.0));
+        assert!(flawless.holds(&limits));
+        for condition in Condition::all().filter(|c| limits.of(*c).is_finite()) {
+            let limit = limits.of(condition);
+            let at = |left| flawless.with(condition, Some(left)).holds(&limits);
+            assert!(
+                at(limit) && !at(limit + 1e-9) && !at(f64::NAN),
+                "{condition:?}"
+            );
+            let wider = limits.with(condition, 2.0);
+            assert!(flawless.with(condition, Some(2.0)).holds(&wider));
+        }
+    }
+
+    /// Of two certificates the worse value counts, whichever comes first, and a NaN stays.
+    #[test]
+    fn the_worse_of_two() {
+        let flawless = Certificate::uniform(0.0, 0.0);
+        for condition in Condition::all() {
+            for bad in [0.5, f64::NAN] {
+                let worse = flawless.with(condition, Some(bad));
+                for both in [worse.or_worse(flawless), flawless.or_worse(worse)] {
+                    let left = both.left(condition).expect("kept");
+                    assert!(
+                        left == bad || bad.is_nan() && left.is_nan(),
+                        "{condition:?}"
+                    );
+                }
+            }
+            let absent = flawless.with(condition, None);
+            assert_eq!(absent.or_worse(flawless).left(condition), Some(0.0));
+        }
     }
 }

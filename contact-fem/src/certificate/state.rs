@@ -6,7 +6,7 @@ use contact_core::equilibrium::Solution;
 use contact_core::gaps::Sampling;
 use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 
-use super::{Certificate, Limits};
+use super::{Certificate, Condition, Limits};
 use crate::contact::Pass;
 use crate::model::Problem;
 use crate::tensor::Vector;
@@ -17,7 +17,7 @@ impl Certificate {
         let u = &solution.state.u;
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
         if !u.iter().chain(lambda).all(|value| value.is_finite()) {
-            return Self::of_no_state();
+            return Certificate::uniform(f64::NAN, 0.0);
         }
         let multipliers = Multipliers::new(gaps, lambda);
         let units = Units::new(problem);
@@ -46,45 +46,52 @@ impl Certificate {
         };
         let pulls = gaps.keys().iter().zip(lambda);
         let pulls = pulls.map(|(key, l)| over(-l, force(key)));
-        Certificate {
-            nodal_penetration: problem.relative_penetration(u),
-            weak_penetration: deepest(&relative),
-            other_side: units.other_side(problem, u),
-            adhesion: pulls.fold(0.0, f64::max),
-            complementarity: {
-                let c = values(same, u);
-                let products = same.keys().iter().zip(&c).map(|(key, c)| {
-                    let product = (multipliers.of(*key) * c).abs();
-                    over(product, force(key) * problem.scale().resolution)
-                });
-                products.fold(0.0, f64::max)
-            },
-            stationarity: residual.free,
-            drift: has_names.then(|| {
-                let lambda: Vec<f64> = same.keys().iter().map(|&k| multipliers.of(k)).collect();
-                let now = problem.contact_forces(same, &lambda);
-                let bodies = 0..problem.scene().bodies().len();
-                let nodes = bodies.flat_map(|b| problem.nodes(b).map(move |a| (a, b)));
-                let change = nodes.map(|(a, b)| over((forces[a] - now[a]).amax(), force_of(b)));
-                change.fold(0.0, f64::max)
-            }),
-            action_reaction: {
-                let all: Vector<D> = forces.iter().sum();
-                let magnitude: f64 = forces.iter().map(Vector::norm).sum();
-                over(all.norm(), magnitude.max(any_force))
-            },
-            balance: over(residual.sum, residual.magnitude.max(any_force)),
-            min_j: problem.min_j(u),
-            dropped: problem.contact_nodes().saturating_sub(present),
-            closed: match has_names {
-                true => closed(same, &relative_same, gaps),
-                false => {
-                    let solver = units.relative(gaps, u, passes);
-                    uncovered(passes.len(), (same, &relative_same), (gaps, &solver))
-                }
-            },
-            roundoff: problem.scale().roundoff,
-        }
+        let complementarity = {
+            let c = values(same, u);
+            let products = same.keys().iter().zip(&c).map(|(key, c)| {
+                let product = (multipliers.of(*key) * c).abs();
+                over(product, force(key) * problem.scale().resolution)
+            });
+            products.fold(0.0, f64::max)
+        };
+        let drift = || {
+            let lambda: Vec<f64> = same.keys().iter().map(|&k| multipliers.of(k)).collect();
+            let now = problem.contact_forces(same, &lambda);
+            let bodies = 0..problem.scene().bodies().len();
+            let nodes = bodies.flat_map(|b| problem.nodes(b).map(move |a| (a, b)));
+            let change = nodes.map(|(a, b)| over((forces[a] - now[a]).amax(), force_of(b)));
+            change.fold(0.0, f64::max)
+        };
+        let action_reaction = {
+            let all: Vector<D> = forces.iter().sum();
+            let magnitude: f64 = forces.iter().map(Vector::norm).sum();
+            over(all.norm(), magnitude.max(any_force))
+        };
+        let closed = match has_names {
+            true => closed(same, &relative_same, gaps),
+            false => {
+                let solver = units.relative(gaps, u, passes);
+                uncovered(passes.len(), (same, &relative_same), (gaps, &solver))
+            }
+        };
+        let dropped = problem.contact_nodes().saturating_sub(present);
+        let balance = over(residual.sum, residual.magnitude.max(any_force));
+        let left = |condition| match condition {
+            Condition::NodalPenetration => Some(problem.relative_penetration(u)),
+            Condition::WeakPenetration => Some(deepest(&relative)),
+            Condition::Adhesion => Some(pulls.clone().fold(0.0, f64::max)),
+            Condition::Complementarity => Some(complementarity),
+            Condition::Stationarity => Some(residual.free),
+            Condition::Drift => has_names.then(drift),
+            Condition::ActionReaction => Some(action_reaction),
+            Condition::Balance => Some(balance),
+            Condition::Inverted => Some(problem.inverted(u) as f64),
+            Condition::Closed => Some(closed as f64),
+            Condition::OtherSide => units.other_side(problem, u),
+            Condition::Dropped => Some(dropped as f64),
+        };
+        let blank = Certificate::uniform(0.0, problem.scale().roundoff);
+        Condition::all().fold(blank, |all, condition| all.with(condition, left(condition)))
     }
 }
 
@@ -171,7 +178,7 @@ fn deepest(gaps: &[f64]) -> f64 {
 /// those of the solver.
 fn closed(rows: &LinearGaps, relative: &[f64], solver: &LinearGaps) -> usize {
     let named: HashSet<&RowKey> = solver.keys().iter().collect();
-    let limit = Limits::default().weak_penetration;
+    let limit = Limits::default().of(Condition::WeakPenetration);
     let gaps = rows.keys().iter().zip(relative);
     gaps.filter(|(key, c)| **c < limit && !named.contains(key))
         .count()
@@ -181,7 +188,7 @@ fn closed(rows: &LinearGaps, relative: &[f64], solver: &LinearGaps) -> usize {
 /// at the state do. A point that is all but open by one is given to the solver.
 fn uncovered(passes: usize, state: (&LinearGaps, &[f64]), solver: (&LinearGaps, &[f64])) -> usize {
     const MISSING: f64 = 1e-4;
-    let limit = Limits::default().weak_penetration;
+    let limit = Limits::default().of(Condition::WeakPenetration);
     let areas = |(rows, relative): (&LinearGaps, &[f64]), limit: f64| {
         let mut areas = vec![0.0; passes];
         let all = rows.keys().iter().zip(rows.weights()).zip(relative);

@@ -37,10 +37,12 @@
 //! the foot jumps to another facet; where it moves on to a neighbour over their common side, ∇g jumps.
 //! Where exact integration cuts the slave's facets, ξ and the weight move, too; that is not part of ∇g.
 
-use super::moving::Moving;
-use super::normals::Direction;
+mod foot;
+
+use foot::Foot;
+
 use super::stencil::Stencil;
-use crate::element::{Facet, FacetShapes, MAX_FACET_NODES, facet_shapes, facet_slopes};
+use crate::element::{FacetShapes, MAX_FACET_NODES, facet_slopes};
 use crate::tensor::{Matrix, Vector};
 
 /// g of one integration point after the other, as a function of the positions of the nodes that it
@@ -55,6 +57,8 @@ pub struct MovingGap<const D: usize> {
     forms: Vec<Forms<D>>,
     /// ∂s_b/∂x_l of the normals' sums, for every node b of the master's facet and all l.
     sums: Vec<Matrix<D>>,
+    /// How many nodes, the first, are on the two facets. The others only turn normals.
+    near: usize,
     n: Vector<D>,
 }
 
@@ -75,90 +79,6 @@ struct Forms<const D: usize> {
     lambda: Matrix<D>,
     /// What δλ_j is multiplied with in δ²g, by j.
     c: Matrix<D>,
-}
-
-/// What all nodes of a point have in common.
-struct Foot<'a, const D: usize> {
-    master: &'a Moving<D>,
-    /// The facet's nodes as positions in the surface's.
-    nodes: &'a [usize],
-    x: Facet<D>,
-    normals: Facet<D>,
-    N: FacetShapes,
-    slopes: [FacetShapes; D],
-    p: Vector<D>,
-    m: Direction<D>,
-    /// t_k and m,k as columns.
-    t: Matrix<D>,
-    m_slopes: Matrix<D>,
-    K: Matrix<D>,
-    mu: Vector<D>,
-    q: Vector<D>,
-    w: Vector<D>,
-}
-
-impl<'a, const D: usize> Foot<'a, D> {
-    fn new(stencil: &Stencil<'a, D>) -> Self {
-        let (master, lambda) = (stencil.master(), &stencil.projection().lambda);
-        let (surface, order) = (master.surface(), master.surface().order());
-        let nodes = surface.facet(stencil.projection().facet);
-        let x = Facet::gather(order, nodes, master.positions());
-        let normals = Facet::gather(order, nodes, master.normals());
-        let slopes = facet_slopes(order, lambda);
-        let (t, m_slopes) = (combine(&slopes, &x), combine(&slopes, &normals));
-        let p = stencil.point() - x.point(lambda);
-        let m = Direction::of(normals.point(lambda));
-        let w = m.slope() * p;
-        let K = inverse_within(&(t.tr_mul(&t) - x.curvature(&p)), lambda);
-        let mu = K * (m_slopes.tr_mul(&w) - t.tr_mul(&m.n));
-        Foot {
-            master,
-            nodes,
-            x,
-            normals,
-            N: facet_shapes(order, lambda),
-            slopes,
-            p,
-            q: m.n + t * mu,
-            m,
-            t,
-            m_slopes,
-            K,
-            mu,
-            w,
-        }
-    }
-}
-
-/// Σ_b slopes_kb value_b, as columns k.
-fn combine<const D: usize>(slopes: &[FacetShapes; D], values: &Facet<D>) -> Matrix<D> {
-    let mut columns = Matrix::<D>::zeros();
-    for (mut column, slopes) in columns.column_iter_mut().zip(slopes) {
-        for (slope, value) in slopes.iter().zip(values.nodes()) {
-            column.axpy(*slope, value, 1.0);
-        }
-    }
-    columns
-}
-
-/// K = V (VᵀHV)⁻¹ Vᵀ for the directions V in which λ may move, by making them conjugate one after the
-/// other. A foot that is no minimum in one of them is held there.
-fn inverse_within<const D: usize>(H: &Matrix<D>, lambda: &Vector<D>) -> Matrix<D> {
-    let mut K = Matrix::<D>::zeros();
-    let mut free = (0..D).filter(|&k| lambda[k] != 0.0);
-    let Some(first) = free.next() else {
-        return K;
-    };
-    for k in free {
-        let mut v = Vector::<D>::zeros();
-        (v[first], v[k]) = (-1.0, 1.0);
-        v -= K * (H * v);
-        let curvature = v.dot(&(H * v));
-        if curvature > 0.0 {
-            K += v * v.transpose() / curvature;
-        }
-    }
-    K
 }
 
 impl<const D: usize> MovingGap<D> {
@@ -207,7 +127,7 @@ impl<const D: usize> MovingGap<D> {
             let mut gradient = foot.q * forms.shape + foot.p * forms.slopes.dot(&foot.mu);
             let sums = self.sums[l..].iter().step_by(self.nodes.len());
             for (b, sum) in sums.enumerate() {
-                let n_b = foot.master.normal(foot.nodes[b]).slope() * sum;
+                let n_b = foot.normal_slopes[b] * sum;
                 forms.m += n_b * foot.N[b];
                 let w_n = n_b.tr_mul(&foot.w);
                 gradient += w_n * foot.N[b];
@@ -253,6 +173,7 @@ impl<const D: usize> MovingGap<D> {
             let l = self.place(a);
             self.forms[l].shape += N;
         }
+        self.near = self.nodes.len();
         for &b in foot.nodes {
             for (f, _) in surface.facets_around(b) {
                 for &c in surface.facet(f) {
@@ -274,7 +195,7 @@ impl<const D: usize> MovingGap<D> {
         }
         for (b, &node) in foot.nodes.iter().enumerate() {
             let normal = foot.master.normal(node);
-            let v = normal.slope() * foot.w * foot.N[b];
+            let v = foot.normal_slopes[b] * foot.w * foot.N[b];
             for (f, addend) in foot.master.addends(node) {
                 let mut places = [0; MAX_FACET_NODES];
                 for (place, &c) in places.iter_mut().zip(surface.facet(f)) {
@@ -353,8 +274,13 @@ impl<const D: usize> MovingGap<D> {
         for (l, a) in self.forms.iter().enumerate() {
             for (m, b) in self.forms[..=l].iter().enumerate() {
                 let mut h = a.s.tr_mul(&b.m);
-                h += a.p.tr_mul(&b.r) + a.r.tr_mul(&b.p);
-                h += a.lambda.tr_mul(&b.c) + a.c.tr_mul(&b.lambda);
+                // δp and δλ are 0 for nodes that are not near
+                if m < self.near {
+                    h += a.r.tr_mul(&b.p) + a.c.tr_mul(&b.lambda);
+                }
+                if l < self.near {
+                    h += a.p.tr_mul(&b.r) + a.lambda.tr_mul(&b.c);
+                }
                 self.hessian[block(l, m)] += h;
             }
         }
@@ -369,6 +295,7 @@ impl<const D: usize> Default for MovingGap<D> {
             hessian: Vec::new(),
             forms: Vec::new(),
             sums: Vec::new(),
+            near: 0,
             n: Vector::zeros(),
         }
     }
@@ -399,3 +326,7 @@ fn block(l: usize, m: usize) -> usize {
 
 #[cfg(test)]
 mod battery;
+#[cfg(test)]
+mod definition;
+#[cfg(test)]
+mod weak;

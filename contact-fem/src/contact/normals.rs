@@ -5,6 +5,8 @@
 //! ∂y_j/∂x_b = ∂N_b/∂λ_j up to what is common to all j and moves the facet without turning it. In space
 //! θ is the facet's angle at a corner, else 1. With edges e, e' from the corner, θ = atan2(2|c|, e·e').
 
+use std::array::from_fn;
+
 use super::surface::Surface;
 use crate::element::{Facet, FacetShapes, facet_edge, facet_slopes};
 use crate::tensor::{Matrix, Vector, facet_normal};
@@ -133,7 +135,7 @@ impl<const D: usize> Addend<D> {
     pub fn jacobian(&self) -> [Matrix<D>; D] {
         let (n, angle) = (self.c.n, &self.angle);
         let by_c = self.c.slope() * angle.value + n * n.transpose() * (2.0 * angle.by_s);
-        std::array::from_fn(|j| by_c * self.c_y[j] + n * angle.d_y[j].transpose() * angle.by_d)
+        from_fn(|j| by_c * self.c_y[j] + n * angle.d_y[j].transpose() * angle.by_d)
     }
 
     /// The second derivatives of its product with `v`, by y_i and y_j: those of h(c, d) by the chain
@@ -151,26 +153,27 @@ impl<const D: usize> Addend<D> {
         let by_cd = n * (2.0 * angle.by_sd * along) + across * angle.by_d;
         let by_dd = -angle.by_ss * along; // θ is harmonic in (s, d)
         let twist = normal_curvature(&by_c);
-        let c_y_by_cd = self.c_y.map(|c_y| c_y.tr_mul(&by_cd));
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                let [d_i, d_j] = [angle.d_y[i], angle.d_y[j]];
-                let mut h = self.c_y[i].tr_mul(&(by_cc * self.c_y[j]));
-                h += c_y_by_cd[i] * d_j.transpose() + d_i * c_y_by_cd[j].transpose();
-                h += d_i * d_j.transpose() * by_dd;
-                // by the second derivatives of c and d
-                if D == 3 && i != j {
-                    h += if j == (i + 1) % D { twist } else { -twist };
-                }
-                let d_yy = match (i == self.k, j == self.k) {
-                    (true, true) => 2.0,
-                    (false, false) if i == j => 0.0,
-                    (false, false) => 1.0,
-                    _ => -1.0,
-                };
-                h + Matrix::identity() * (d_yy * by_d)
-            })
-        })
+        let d_y = &angle.d_y;
+        let by_c_y = |j: usize| by_cc * self.c_y[j] + by_cd * d_y[j].transpose();
+        let by_d_y = |j: usize| self.c_y[j].tr_mul(&by_cd) + d_y[j] * by_dd;
+        let (by_c_y, by_d_y): ([_; D], [_; D]) = (from_fn(by_c_y), from_fn(by_d_y));
+        let mut hessian = [[Matrix::zeros(); D]; D];
+        for (i, j) in (0..D).flat_map(|j| (0..=j).map(move |i| (i, j))) {
+            let mut h = self.c_y[i].tr_mul(&by_c_y[j]) + d_y[i] * by_d_y[j].transpose();
+            // by the second derivatives of c and d
+            if i != j {
+                h += if j == i + 1 { twist } else { -twist };
+            }
+            let d_yy = match (i == self.k, j == self.k) {
+                (true, true) => 2.0,
+                (false, false) if i == j => 0.0,
+                (false, false) => 1.0,
+                _ => -1.0,
+            };
+            h += Matrix::identity() * (d_yy * by_d);
+            (hessian[i][j], hessian[j][i]) = (h, h.transpose());
+        }
+        hessian
     }
 }
 
@@ -206,7 +209,7 @@ impl<const D: usize> Angle<D> {
 /// ∂c/∂y_j of c = [`facet_normal`]: in the plane a turn by a right angle, in space
 /// ½ (y_{j+2} − y_{j+1}) ×.
 fn normal_slopes<const D: usize>(y: &[Vector<D>; D]) -> [Matrix<D>; D] {
-    std::array::from_fn(|j| {
+    from_fn(|j| {
         if D == 3 {
             return cross(&((y[(j + 2) % D] - y[(j + 1) % D]) * 0.5));
         }

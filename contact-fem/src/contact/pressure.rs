@@ -1,8 +1,8 @@
 //! The contact pressure, recovered from nodal contact forces.
 
-use faer::prelude::Solve;
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
+use contact_core::linear::{
+    Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern,
+};
 
 use super::surface::Surface;
 use crate::element::{FacetRule, facet_edge};
@@ -36,9 +36,9 @@ pub fn tractions<const D: usize>(
         for (w, lambda) in rule.points() {
             let w = w * reference.normal(lambda).norm();
             let phi = surface.test_functions(lambda);
-            for (&row, phi_i) in numbers.iter().zip(phi) {
-                for (&col, phi_j) in numbers.iter().zip(phi) {
-                    mass.push(Triplet::new(row, col, w * phi_i * phi_j));
+            for (k, &row) in numbers.iter().enumerate() {
+                for (l, &col) in numbers[..=k].iter().enumerate() {
+                    mass.push((row, col, w * phi[k] * phi[l]));
                 }
             }
         }
@@ -48,24 +48,29 @@ pub fn tractions<const D: usize>(
         value: 0.0,
         remedy: "the contact surface has facets without measure",
     };
-    let mass = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &mass);
-    let mass = mass.map_err(|_| singular(()))?;
-    let factor = mass.sp_cholesky(Side::Lower).map_err(|_| singular(()))?;
-    let mut rhs = Mat::<f64>::zeros(n, D);
+    let mut t = vec![0.0; D * n]; // component by component
     for (a, force) in forces.iter().enumerate() {
         for (row, share) in shares(&tests, &ends, a) {
-            (0..D).for_each(|i| rhs[(row, i)] += share * force[i]);
+            (0..D).for_each(|i| t[n * i + row] += share * force[i]);
         }
     }
-    let t = factor.solve(&rhs);
+    solve_mass(n, &mass, &mut t).map_err(singular)?;
     let at_node = |a: usize| {
         let mut traction = Vector::zeros();
         for (row, share) in shares(&tests, &ends, a) {
-            (0..D).for_each(|i| traction[i] += share * t[(row, i)]);
+            (0..D).for_each(|i| traction[i] += share * t[n * i + row]);
         }
         traction
     };
     Ok((0..forces.len()).map(at_node).collect())
+}
+
+/// Solves with the matrix of these entries, right-hand sides one after the other.
+fn solve_mass(n: usize, mass: &[(usize, usize, f64)], b: &mut [f64]) -> Result<(), FactorError> {
+    let (pattern, mass) = SymmetricPattern::from_sums(n, mass).expect("numbered so");
+    let mut factor = Cholesky::new(&Analysis::new(&pattern, &Ordering::Automatic)?, Kind::Llt)?;
+    factor.refactor(&mass)?;
+    factor.solve(b)
 }
 
 /// The number of each node's test function, if it has one, and for those without the nodes at the

@@ -1,6 +1,6 @@
 //! Hooke's law for small strains.
 
-use super::{Lame, Material};
+use super::{Deformation, Lame, Material};
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector};
 
@@ -32,17 +32,17 @@ impl<const D: usize> Material<D> for LinearElastic {
     const QUADRATIC: bool = true;
     const NEEDS_POSITIVE_J: bool = false;
 
-    fn energy_density(&self, F: &Matrix<D>) -> f64 {
-        let epsilon = strain(F);
+    fn energy_density(&self, at: &Deformation<D>) -> f64 {
+        let epsilon = strain(&at.F);
         self.lame.mu * epsilon.norm_squared() + 0.5 * self.lame.lambda * epsilon.trace().powi(2)
     }
 
-    fn stress(&self, F: &Matrix<D>) -> Matrix<D> {
-        let epsilon = strain(F);
+    fn stress(&self, at: &Deformation<D>) -> Matrix<D> {
+        let epsilon = strain(&at.F);
         2.0 * self.lame.mu * epsilon + Matrix::identity() * (self.lame.lambda * epsilon.trace())
     }
 
-    fn contraction(&self, _F: &Matrix<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D> {
+    fn contraction(&self, _at: &Deformation<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D> {
         let Lame { lambda, mu } = self.lame;
         move |a, b| {
             Matrix::identity() * (mu * a.dot(b))
@@ -51,8 +51,8 @@ impl<const D: usize> Material<D> for LinearElastic {
         }
     }
 
-    fn cauchy_stress(&self, F: &Matrix<D>) -> (Matrix<D>, f64) {
-        let out_of_plane = self.lame.lambda * strain(F).trace();
-        (self.stress(F), if D == 2 { out_of_plane } else { 0.0 })
+    fn cauchy_stress(&self, at: &Deformation<D>) -> (Matrix<D>, f64) {
+        let out_of_plane = self.lame.lambda * strain(&at.F).trace();
+        (self.stress(at), if D == 2 { out_of_plane } else { 0.0 })
     }
 }

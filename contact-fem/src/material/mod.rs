@@ -1,10 +1,14 @@
-//! Hyperelastic laws, one a file, all under one battery of tests.
+//! Hyperelastic laws, one a file, all under one battery of tests, of which [`conformance`] is the
+//! part for any law.
 
 #[cfg(test)]
 mod battery;
+pub mod conformance;
+mod deformation;
 mod linear_elastic;
 mod neo_hookean;
 
+pub use deformation::Deformation;
 pub use linear_elastic::LinearElastic;
 pub use neo_hookean::NeoHookean;
 
@@ -15,20 +19,66 @@ use crate::tensor::{Matrix, Vector};
 ///
 /// Instead of the fourth-order tensor A = ∂²ψ/∂F², a law gives its contraction with two vectors,
 /// which is what a pair of nodes needs: D² numbers, K_ab = ∫ A : (∇N_a ⊗ ∇N_b).
+/// [`conformance::check`] finds what is wrong with a law of your own:
+///
+/// ```
+/// use contact_fem::material::{Deformation, Lame, Material, conformance};
+/// use contact_fem::tensor::{Matrix, Vector};
+///
+/// /// St. Venant–Kirchhoff: ψ = λ/2 (tr E)² + μ E:E with E = ½ (FᵀF − I).
+/// #[derive(Clone)]
+/// struct StVenantKirchhoff(Lame);
+///
+/// fn strain<const D: usize>(F: &Matrix<D>) -> Matrix<D> {
+///     0.5 * (F.transpose() * F - Matrix::identity())
+/// }
+///
+/// impl<const D: usize> Material<D> for StVenantKirchhoff {
+///     const QUADRATIC: bool = false;
+///     const NEEDS_POSITIVE_J: bool = false;
+///
+///     fn energy_density(&self, at: &Deformation<D>) -> f64 {
+///         let E = strain(&at.F);
+///         0.5 * self.0.lambda * E.trace().powi(2) + self.0.mu * E.norm_squared()
+///     }
+///     fn stress(&self, at: &Deformation<D>) -> Matrix<D> {
+///         let E = strain(&at.F);
+///         at.F * (Matrix::identity() * (self.0.lambda * E.trace()) + 2.0 * self.0.mu * E)
+///     }
+///     fn contraction(&self, at: &Deformation<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D> {
+///         let (Lame { lambda, mu }, F) = (self.0, at.F);
+///         let S = at.F_inv_T.transpose() * self.stress(at);
+///         move |a, b| {
+///             Matrix::identity() * a.dot(&(S * b))
+///                 + lambda * (F * a) * (F * b).transpose()
+///                 + mu * ((F * b) * (F * a).transpose() + F * F.transpose() * a.dot(b))
+///         }
+///     }
+///     fn cauchy_stress(&self, at: &Deformation<D>) -> (Matrix<D>, f64) {
+///         let out_of_plane = self.0.lambda * strain(&at.F).trace() / at.J;
+///         let sigma = self.stress(at) * at.F.transpose() / at.J;
+///         (sigma, if D == 2 { out_of_plane } else { 0.0 })
+///     }
+/// }
+///
+/// let report = conformance::check::<3>(&StVenantKirchhoff(Lame::new(210.0, 0.3)?));
+/// assert!(report.holds(), "{report}");
+/// # Ok::<(), contact_fem::Error>(())
+/// ```
 pub trait Material<const D: usize>: Clone + Send + Sync + 'static {
     /// ψ(F) (UF/UL²), `+∞` outside the law's domain.
-    fn energy_density(&self, F: &Matrix<D>) -> f64;
+    fn energy_density(&self, at: &Deformation<D>) -> f64;
     /// P = ∂ψ/∂F, first Piola–Kirchhoff stress (UF/UL²).
-    fn stress(&self, F: &Matrix<D>) -> Matrix<D>;
+    fn stress(&self, at: &Deformation<D>) -> Matrix<D>;
     /// (a, b) ↦ M with M_ik = A_iJkL a_J b_L (UF/UL² times the units of a and b).
-    fn contraction(&self, F: &Matrix<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D>;
+    fn contraction(&self, at: &Deformation<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D>;
     /// Whether ψ is quadratic in ∇u, so that A does not depend on F.
     const QUADRATIC: bool;
     /// Whether ψ = +∞ for J ≤ 0.
     const NEEDS_POSITIVE_J: bool;
     /// Cauchy stress σ at F (UF/UL²) with its out-of-plane component σ_zz in the plane; in space
     /// the second value is zero and meaningless.
-    fn cauchy_stress(&self, F: &Matrix<D>) -> (Matrix<D>, f64);
+    fn cauchy_stress(&self, at: &Deformation<D>) -> (Matrix<D>, f64);
 }
 
 /// Lamé's constants (UF/UL²).

@@ -1,7 +1,7 @@
 //! Which surfaces may touch, in which roles, and how they find each other.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use contact_core::gaps::{LinearGaps, Sampling};
 
@@ -18,12 +18,13 @@ const REACH: f64 = 0.1;
 
 /// The contact surfaces and passes of a scene.
 pub(super) struct ContactSet<const D: usize> {
-    surfaces: Vec<Arc<Surface<D>>>,
-    passes: Vec<Pass>,
+    pub surfaces: Vec<Arc<Surface<D>>>,
+    pub passes: Vec<Pass>,
     /// For each pass, whether its roles are the reversed ones of its pair.
     reversed: Vec<bool>,
     geometry: Geometry,
     integration: Integration,
+    /// How far a point looks for another surface (UL).
     reach: f64,
     /// The last positions asked about, and how many there were.
     located: Mutex<Option<Arc<Located<D>>>>,
@@ -36,6 +37,8 @@ pub(super) struct Located<const D: usize> {
     pub x: Vec<Vector<D>>,
     /// In the order of the surfaces.
     pub masters: Vec<Master<D>>,
+    /// What [`nodes_inside`] finds between these positions, pass by pass.
+    inside: OnceLock<Vec<Vec<(usize, f64)>>>,
 }
 
 impl<const D: usize> ContactSet<D> {
@@ -52,7 +55,7 @@ impl<const D: usize> ContactSet<D> {
             let facet = |nodes: &[usize]| nodes.iter().map(|a| a + offset).collect();
             let facets: Vec<Vec<usize>> = facets.into_iter().map(facet).collect();
             let facets = facets.iter().map(Vec::as_slice);
-            let surface = Surface::new(body, mesh.order(), facets, kinematics.reference());
+            let surface = Surface::new(body, mesh.order(), facets, &kinematics.X);
             Arc::new(surface)
         };
         ContactSet {
@@ -69,19 +72,6 @@ impl<const D: usize> ContactSet<D> {
             located: Mutex::new(None),
             built: AtomicUsize::new(0),
         }
-    }
-
-    pub fn surfaces(&self) -> &[Arc<Surface<D>>] {
-        &self.surfaces
-    }
-
-    pub fn passes(&self) -> &[Pass] {
-        &self.passes
-    }
-
-    /// How far a point looks for another surface (UL).
-    pub fn reach(&self) -> f64 {
-        self.reach
     }
 
     /// Whether rows do not depend on the state that they are linearised at.
@@ -116,7 +106,7 @@ impl<const D: usize> ContactSet<D> {
     /// shares them; in the reference geometry, everything asked at all.
     pub fn located(&self, kinematics: &Kinematics<D>, u: &[f64]) -> Arc<Located<D>> {
         match self.geometry {
-            Geometry::Reference => self.located_at(kinematics.reference()),
+            Geometry::Reference => self.located_at(&kinematics.X),
             Geometry::Current => self.located_at(&kinematics.positions(u)),
         }
     }
@@ -132,6 +122,7 @@ impl<const D: usize> ContactSet<D> {
         let located = Arc::new(Located {
             x: x.to_vec(),
             masters: surfaces.map(|s| Master::new(s, x)).collect(),
+            inside: OnceLock::new(),
         });
         *last = Some(Arc::clone(&located));
         located
@@ -158,16 +149,16 @@ impl<const D: usize> ContactSet<D> {
         }
         let located = self.located(kinematics, u);
         let unknowns = Unknowns {
-            dofs: kinematics.dofs(),
-            supports: kinematics.dofs(),
-            prescribed: kinematics.prescribed(),
+            dofs: &kinematics.dofs,
+            supports: &kinematics.dofs,
+            prescribed: &kinematics.prescribed,
         };
         for (k, pass) in passes {
             let slave = &self.surfaces[pass.slave];
             let master = &located.masters[pass.master];
             let (integration, reach) = (self.integration, self.reach);
             let rows = PassRows::new(slave, master, &located.x, integration, reach, sampling);
-            rows.append(k as u32, kinematics.reference(), &unknowns, &mut gaps);
+            rows.append(k as u32, &kinematics.X, &unknowns, &mut gaps);
         }
         gaps
     }
@@ -177,29 +168,46 @@ impl<const D: usize> ContactSet<D> {
         self.deepest(kinematics, u, |surface| vec![1.0; surface.nodes().len()])
     }
 
-    /// As [`ContactSet::penetration`], with every depth over the facet size around its node.
-    pub fn relative_penetration(&self, kinematics: &Kinematics<D>, u: &[f64]) -> f64 {
-        self.deepest(kinematics, u, Surface::node_sizes)
-    }
-
-    fn deepest(
+    /// The deepest that any contact node is inside another surface at `u`, over the length that
+    /// `units` has for each node of its surface; at least 0.
+    pub fn deepest(
         &self,
         kinematics: &Kinematics<D>,
         u: &[f64],
         units: impl Fn(&Surface<D>) -> Vec<f64>,
     ) -> f64 {
-        let now = kinematics.positions(u);
         let located = self.located(kinematics, u);
-        let depth = |pass: &Pass| {
-            let normals = located.masters[pass.slave].normals();
-            let slave = &self.surfaces[pass.slave];
-            let master = &located.masters[pass.master];
-            let inside = nodes_inside(slave, normals, master, &located.x, &now, self.reach);
-            let units = units(slave);
+        let then;
+        let inside = match self.geometry {
+            Geometry::Reference => {
+                then = self.inside(&located, &kinematics.positions(u));
+                &then
+            }
+            Geometry::Current => {
+                let now = || self.inside(&located, &located.x);
+                located.inside.get_or_init(now)
+            }
+        };
+        let depth = |(pass, inside): (&Pass, &Vec<(usize, f64)>)| {
+            let units = units(&self.surfaces[pass.slave]);
             let depths = inside.iter().map(|(k, gap)| -gap / units[*k]);
             depths.fold(0.0, f64::max)
         };
-        self.passes.iter().map(depth).fold(0.0, f64::max)
+        self.passes
+            .iter()
+            .zip(inside)
+            .map(depth)
+            .fold(0.0, f64::max)
+    }
+
+    /// Pass by pass, what [`nodes_inside`] finds between positions `now`.
+    pub fn inside(&self, located: &Located<D>, now: &[Vector<D>]) -> Vec<Vec<(usize, f64)>> {
+        let of_pass = |pass: &Pass| {
+            let [own, master] = [pass.slave, pass.master].map(|k| &located.masters[k]);
+            let slave = &self.surfaces[pass.slave];
+            nodes_inside(slave, own.normals(), master, &located.x, now, self.reach)
+        };
+        self.passes.iter().map(of_pass).collect()
     }
 
     /// How far bodies have gone through each other (UL), if they have: by more than a facet or the

@@ -11,13 +11,15 @@ use crate::tensor::Vector;
 /// The nodes and dofs of all bodies, one body after the other, at one load.
 pub(super) struct Kinematics<const D: usize> {
     /// X of all nodes (UL), and where each body's nodes start; one past the end last.
-    X: Vec<Vector<D>>,
+    pub X: Vec<Vector<D>>,
     first_node: Vec<usize>,
-    dofs: DofMap,
+    /// Free and prescribed dofs.
+    pub dofs: DofMap,
     /// The prescribed displacements (UL) at full load and now.
     full: Vec<f64>,
-    prescribed: Vec<f64>,
-    factor: f64,
+    pub prescribed: Vec<f64>,
+    /// The present load factor.
+    pub factor: f64,
 }
 
 impl<const D: usize> Kinematics<D> {
@@ -51,16 +53,6 @@ impl<const D: usize> Kinematics<D> {
         self.full.iter().map(|value| factor * value).collect()
     }
 
-    /// The present load factor.
-    pub fn load(&self) -> f64 {
-        self.factor
-    }
-
-    /// X of all nodes (UL).
-    pub fn reference(&self) -> &[Vector<D>] {
-        &self.X
-    }
-
     /// The diagonal of the box around all bodies in the reference configuration (UL).
     pub fn diagonal(&self) -> f64 {
         let low = self.X.iter().fold(self.X[0], |m, x| m.inf(x));
@@ -71,16 +63,6 @@ impl<const D: usize> Kinematics<D> {
     /// The nodes of a body.
     pub fn nodes(&self, body: usize) -> Range<usize> {
         self.first_node[body]..self.first_node[body + 1]
-    }
-
-    /// Free and prescribed dofs.
-    pub fn dofs(&self) -> &DofMap {
-        &self.dofs
-    }
-
-    /// The prescribed displacements at the present load (UL).
-    pub fn prescribed(&self) -> &[f64] {
-        &self.prescribed
     }
 
     /// One vector a node from its free components and the prescribed ones.
@@ -151,7 +133,7 @@ mod tests {
     fn displacements_of_free_and_prescribed_dofs() {
         let mut squares = squares();
         assert_eq!((squares.nodes(0), squares.nodes(1)), (0..4, 4..8));
-        let dofs = squares.dofs();
+        let dofs = &squares.dofs;
         assert_eq!((dofs.free(), dofs.prescribed()), (16 - 4 - 2, 4 + 2));
         assert_eq!(squares.diagonal(), 5.0_f64.sqrt());
         squares.set_load(0.5);

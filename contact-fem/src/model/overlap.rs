@@ -9,7 +9,6 @@ use rstar::{
 
 use super::Problem;
 use crate::contact::projection::closest;
-use crate::contact::search;
 use crate::contact::{Master, Surface};
 use crate::element::Facet;
 use crate::error::Error;
@@ -33,12 +32,10 @@ fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     let name = |body: usize| problem.scene().names()[body].clone();
     let x = problem.reference();
     let located = problem.contact.located_at(x);
-    for pass in problem.passes() {
+    let inside = problem.contact.inside(&located, x);
+    for (pass, facing) in problem.passes().iter().zip(inside) {
         let slave = &problem.surfaces()[pass.slave];
         let master = &located.masters[pass.master];
-        let normals = located.masters[pass.slave].normals();
-        let reach = problem.contact.reach();
-        let facing = search::nodes_inside(slave, normals, master, x, x, reach);
         let facing = facing.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let facing = facing.map(|(k, gap)| (slave.nodes()[k], gap));
         let other = master.surface().body();

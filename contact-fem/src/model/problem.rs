@@ -56,12 +56,12 @@ impl<const D: usize> Problem<D> {
 
     /// The present load factor.
     pub fn load(&self) -> f64 {
-        self.kinematics.load()
+        self.kinematics.factor
     }
 
     /// Reference positions X of all nodes (UL).
     pub fn reference(&self) -> &[Vector<D>] {
-        self.kinematics.reference()
+        &self.kinematics.X
     }
 
     /// The number of the first node of a body.
@@ -76,7 +76,7 @@ impl<const D: usize> Problem<D> {
 
     /// Free and prescribed dofs of all bodies.
     pub fn dofs(&self) -> &DofMap {
-        self.kinematics.dofs()
+        &self.kinematics.dofs
     }
 
     /// The displacements of all nodes (UL) from the free unknowns, at the present load.
@@ -91,12 +91,12 @@ impl<const D: usize> Problem<D> {
 
     /// The contact surfaces.
     pub fn surfaces(&self) -> &[Arc<Surface<D>>] {
-        self.contact.surfaces()
+        &self.contact.surfaces
     }
 
     /// The passes: every pair once or in both roles.
     pub fn passes(&self) -> &[Pass] {
-        self.contact.passes()
+        &self.contact.passes
     }
 
     /// How many nodes of slave surfaces may have a row, over all passes.
@@ -147,7 +147,7 @@ impl<const D: usize> ContactProblem for Problem<D> {
     }
 
     fn prescribed_magnitude(&self) -> f64 {
-        let prescribed = self.kinematics.prescribed().iter();
+        let prescribed = self.kinematics.prescribed.iter();
         prescribed.fold(0.0, |m, v| m.max(v.abs()))
     }
 

@@ -79,13 +79,14 @@ impl<const D: usize> Problem<D> {
 
     /// As [`Problem::penetration`], with every depth over the facet size around its node.
     pub fn relative_penetration(&self, u: &[f64]) -> f64 {
-        self.contact.relative_penetration(&self.kinematics, u)
+        self.contact
+            .deepest(&self.kinematics, u, Surface::node_sizes)
     }
 
-    /// The smallest volume ratio of all assembled cells; infinite for small-strain laws.
-    pub fn min_j(&self, u: &[f64]) -> f64 {
+    /// How many quadrature points of the assembled cells have no J > 0; laws for small strains have none.
+    pub fn inverted(&self, u: &[f64]) -> usize {
         let mut J = vec![0.0; self.energy.domain_len()];
         self.energy.domain(u, &mut J);
-        J.into_iter().fold(f64::INFINITY, f64::min)
+        J.into_iter().filter(|J| J.is_nan() || *J <= 0.0).count()
     }
 }

@@ -7,7 +7,7 @@ use contact_core::load_steps::Attempt;
 use contact_core::{Cost, Outcome};
 
 use super::file;
-use crate::certificate::{Certificate, Limits};
+use crate::certificate::{Certificate, Condition, Limits};
 use crate::error::Error;
 use crate::simulation::{History, StepRecord};
 
@@ -101,23 +101,12 @@ const COST_COLUMNS: [&str; 13] = [
     "predicted",
 ];
 
-/// What a converged step is worth, see [`Certificate`](crate::Certificate).
-const CERTIFICATE_COLUMNS: [&str; 14] = [
-    "nodal_penetration",
-    "weak_penetration",
-    "adhesion",
-    "complementarity",
-    "stationarity",
-    "drift",
-    "action_reaction",
-    "balance",
-    "inverted",
-    "closed",
-    "other_side",
-    "dropped",
-    "roundoff",
-    "holds",
-];
+/// What a converged step is worth, see [`Certificate`].
+fn certificate_columns() -> impl Iterator<Item = String> {
+    let names = Condition::all().map(Condition::name);
+    let names = names.chain(["roundoff", "holds"]);
+    names.map(|name| format!("certificate_{name}"))
+}
 
 const ITERATION_COLUMNS: [&str; 16] = [
     "increment",
@@ -153,11 +142,7 @@ fn step_columns<const D: usize>(bodies: usize) -> Vec<String> {
         "weak_penetration",
     ]));
     columns.extend(strings(&COST_COLUMNS));
-    columns.extend(
-        CERTIFICATE_COLUMNS
-            .iter()
-            .map(|name| format!("certificate_{name}")),
-    );
+    columns.extend(certificate_columns());
     columns
 }
 
@@ -194,18 +179,16 @@ fn step_line<const D: usize>(
     line.push(attempt.predicted.to_string());
     match record {
         Some(record) => line.extend(certificate(&record.certificate)),
-        None => line.extend(CERTIFICATE_COLUMNS.map(|_| String::new())),
+        None => line.extend(certificate_columns().map(|_| String::new())),
     }
     line
 }
 
 fn certificate(certificate: &Certificate) -> Vec<String> {
     let limits = Limits::default();
-    let entries = certificate.entries(&limits).map(|entry| entry.value);
-    let values = entries.into_iter().chain([certificate.other_side]);
+    let values = certificate.entries(&limits).map(|entry| entry.value);
     let mut line: Vec<String> = values.map(|v| v.map_or_else(String::new, number)).collect();
-    line.push(certificate.dropped.to_string());
-    line.push(number(certificate.roundoff));
+    line.push(number(certificate.roundoff()));
     line.push(certificate.holds(&limits).to_string());
     line
 }
@@ -356,13 +339,10 @@ mod tests {
             rows: 7,
             penetration: 0.0,
             weak_penetration: 1e-12,
-            certificate: Certificate {
-                weak_penetration: 0.5,
-                stationarity: 1e-9,
-                min_j: 0.75,
-                dropped: 3,
-                ..Certificate::flawless()
-            },
+            certificate: Certificate::uniform(0.0, 0.0)
+                .with(Condition::WeakPenetration, Some(0.5))
+                .with(Condition::Stationarity, Some(1e-9))
+                .with(Condition::Dropped, Some(3.0)),
             attempt: attempt(to, Outcome::Converged),
         }
     }

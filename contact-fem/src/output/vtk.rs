@@ -141,11 +141,7 @@ fn metadata(certificate: &Certificate) -> String {
             array(entry.name, value);
         }
     }
-    if let Some(depth) = certificate.other_side {
-        array("other_side", depth);
-    }
-    array("dropped", certificate.dropped as f64);
-    array("roundoff", certificate.roundoff);
+    array("roundoff", certificate.roundoff());
     array("holds", f64::from(u8::from(certificate.holds(&limits))));
     text + "\n</FieldData>"
 }
@@ -242,6 +238,7 @@ fn symmetric_components<const D: usize>(cell: &CellState<D>) -> [f64; 6] {
 mod tests {
     use super::super::snapshot::tests::{displaced, squares, tetrahedron};
     use super::*;
+    use crate::certificate::Condition;
 
     fn folder(name: &str) -> PathBuf {
         std::env::temp_dir().join(format!("contact-fem-{name}-{}", std::process::id()))
@@ -276,10 +273,7 @@ mod tests {
     #[test]
     fn what_is_written_reads_back() {
         let plane = squares();
-        let certificate = Certificate {
-            drift: Some(0.25),
-            ..Certificate::flawless()
-        };
+        let certificate = Certificate::uniform(0.0, 0.0).with(Condition::Drift, Some(0.25));
         let mut snapshot = displaced(&plane);
         snapshot.certificate = Some(certificate);
         round_trip("plane", &plane, &snapshot);

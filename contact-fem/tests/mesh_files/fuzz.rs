@@ -48,16 +48,8 @@ fn watch(current: Current) {
 
 /// What is wrong, without numbers and what stands in quotes, for files that differ here are worth keeping.
 fn outline(error: &contact_fem::Error) -> String {
-    let mut text = format!("{error:?}");
-    let quoted = [
-        "found", "start", "name", "body", "kind", "first", "boundary",
-    ];
-    let marks = quoted.map(|field| format!("{field}: \""));
-    for mark in marks.iter().map(String::as_str).chain(["$End"]) {
-        if let Some(at) = text.find(mark) {
-            text.truncate(at);
-        }
-    }
+    let text = error.to_string();
+    let mut text: String = text.split(['`', '"']).step_by(2).collect();
     text.retain(|c| c.is_ascii_alphabetic() || c == ' ');
     text.truncate(200);
     text

@@ -9,7 +9,14 @@ use Problem::*;
 
 /// A piece of a good file, what it is replaced by, the line of the problem, its kind, and what the
 /// message has to contain.
-type Case<'a> = (&'a str, &'a str, usize, &'a str, &'a str);
+type Case<'a> = (&'a str, &'a str, usize, fn(&Problem) -> bool, &'a str);
+
+/// Whether a problem is of this kind.
+macro_rules! is {
+    ($kind:ident) => {
+        |problem| matches!(problem, Problem::$kind { .. })
+    };
+}
 
 fn refusal(bytes: &[u8]) -> (Place, Problem) {
     match MeshFile::parse(bytes) {
@@ -20,13 +27,13 @@ fn refusal(bytes: &[u8]) -> (Place, Problem) {
 
 fn check(good: &str, cases: &[Case]) {
     MeshFile::parse(good.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{good}"));
-    for (piece, replacement, line, kind, part) in cases {
+    for (piece, replacement, line, is_kind, part) in cases {
         assert!(good.contains(piece), "{piece}");
         let bad = good.replacen(piece, replacement, 1);
         let (place, problem) = refusal(bad.as_bytes());
         let what = format!("{piece:?} -> {replacement:?}: {place:?} {problem}");
         assert_eq!(place, Line(*line), "{what}");
-        assert!(format!("{problem:?}").starts_with(kind), "{what}");
+        assert!(is_kind(&problem), "{what}");
         assert!(problem.to_string().contains(part), "{what}");
     }
 }
@@ -38,45 +45,45 @@ fn gmsh_2_2() {
         1 2 2 7 1 1 2 30\n$EndElements\n";
     #[rustfmt::skip]
     let cases: &[Case] = &[
-        ("2.2 0", "2.1 0", 2, "Unsupported", ""),
-        ("2.2 0", "5 0", 2, "Unsupported", ""),
-        ("2.2 0", "two 0", 2, "Expected", ""),
-        ("2.2 0", "2.2 2", 2, "Expected", ""),
-        ("$EndMeshFormat", "$Nodes", 3, "Expected", "found `$Nodes`"),
-        ("$MeshFormat", "$NOD", 1, "Unsupported", ""),
-        ("$MeshFormat", "$Format", 1, "Truncated", ""),
-        ("\n1\n2 7", "\n2\n2 7", 7, "Expected", ""),
-        ("\n1\n2 7", "\n0\n2 7", 6, "Expected", ""),
-        ("2 7 \"pl", "4 7 \"pl", 6, "Expected", ""),
-        ("\"plate\"", "plate", 6, "Expected", ""),
-        ("\"plate\"", "\"plate", 6, "Expected", ""),
-        ("\n3\n1", "\n2\n1", 12, "Expected", "expected `$EndNodes`"),
-        ("\n3\n1", "\n4\n1", 13, "Expected", "found `$EndNodes`"),
-        ("\n3\n1", "\n4000000000\n1", 9, "Count", "announces 4000000000"),
-        ("\n3\n1", "\n18446744073709551615\n1", 9, "Count", ""),
-        ("\n3\n1", "\n18446744073709551616\n1", 9, "Expected", ""),
-        ("\n3\n1", "\n-3\n1", 9, "Expected", ""),
-        ("2 1 0 0", "1 1 0 0", 11, "RepeatedNode", "node 1 "),
-        ("2 1 0 0", "-2 1 0 0", 11, "Expected", ""),
-        ("2 1 0 0", "2 nan 0 0", 11, "NotFinite", "node 2 "),
-        ("2 1 0 0", "2 1 0 1e999", 11, "NotFinite", "node 2 "),
-        ("2 1 0 0", "2 1 0 1d0", 11, "Expected", ""),
-        ("2 1 0 0", "2 1 0", 13, "Expected", ""),
-        ("$EndNodes\n", "", 13, "Expected", ""),
-        ("1\n1 2 2", "2\n1 2 2", 17, "Expected", ""),
-        ("1\n1 2 2", "900\n1 2 2", 15, "Count", ""),
-        ("1 2 2 7", "1 3 2 7", 16, "UnsupportedElement", "4-node quad"),
-        ("1 2 2 7", "1 16 2 7", 16, "UnsupportedElement", "8-node quad"),
-        ("1 2 2 7", "1 21 2 7", 16, "UnsupportedElement", ""),
-        ("1 2 2 7", "1 999 2 7", 16, "UnsupportedElement", ""),
-        ("1 2 2 7", "1 4 2 7", 17, "Expected", ""),
-        ("1 2 2 7", "1 2 4 7 1 1", 16, "Partitioned", ""),
-        ("1 2 2 7 1 1", "1 2 9999999999999 7 1 0", 17, "Expected", "a tag"),
-        ("1 2 30\n$", "1 2 3\n$", 16, "UnknownNode", "node 3"),
-        ("1 2 30\n$", "1 2 -3\n$", 16, "Expected", ""),
-        ("$EndElements", "", 18, "Truncated", ""),
-        ("$EndElements", "$End", 17, "Expected", ""),
-        ("$Elements", "$Comments", 14, "Truncated", ""),
+        ("2.2 0", "2.1 0", 2, is!(Unsupported), ""),
+        ("2.2 0", "5 0", 2, is!(Unsupported), ""),
+        ("2.2 0", "two 0", 2, is!(Expected), ""),
+        ("2.2 0", "2.2 2", 2, is!(Expected), ""),
+        ("$EndMeshFormat", "$Nodes", 3, is!(Expected), "found `$Nodes`"),
+        ("$MeshFormat", "$NOD", 1, is!(Unsupported), ""),
+        ("$MeshFormat", "$Format", 1, is!(Truncated), ""),
+        ("\n1\n2 7", "\n2\n2 7", 7, is!(Expected), ""),
+        ("\n1\n2 7", "\n0\n2 7", 6, is!(Expected), ""),
+        ("2 7 \"pl", "4 7 \"pl", 6, is!(Expected), ""),
+        ("\"plate\"", "plate", 6, is!(Expected), ""),
+        ("\"plate\"", "\"plate", 6, is!(Expected), ""),
+        ("\n3\n1", "\n2\n1", 12, is!(Expected), "expected `$EndNodes`"),
+        ("\n3\n1", "\n4\n1", 13, is!(Expected), "found `$EndNodes`"),
+        ("\n3\n1", "\n4000000000\n1", 9, is!(Count), "announces 4000000000"),
+        ("\n3\n1", "\n18446744073709551615\n1", 9, is!(Count), ""),
+        ("\n3\n1", "\n18446744073709551616\n1", 9, is!(Expected), ""),
+        ("\n3\n1", "\n-3\n1", 9, is!(Expected), ""),
+        ("2 1 0 0", "1 1 0 0", 11, is!(RepeatedNode), "node 1 "),
+        ("2 1 0 0", "-2 1 0 0", 11, is!(Expected), ""),
+        ("2 1 0 0", "2 nan 0 0", 11, is!(NotFinite), "node 2 "),
+        ("2 1 0 0", "2 1 0 1e999", 11, is!(NotFinite), "node 2 "),
+        ("2 1 0 0", "2 1 0 1d0", 11, is!(Expected), ""),
+        ("2 1 0 0", "2 1 0", 13, is!(Expected), ""),
+        ("$EndNodes\n", "", 13, is!(Expected), ""),
+        ("1\n1 2 2", "2\n1 2 2", 17, is!(Expected), ""),
+        ("1\n1 2 2", "900\n1 2 2", 15, is!(Count), ""),
+        ("1 2 2 7", "1 3 2 7", 16, is!(UnsupportedElement), "4-node quad"),
+        ("1 2 2 7", "1 16 2 7", 16, is!(UnsupportedElement), "8-node quad"),
+        ("1 2 2 7", "1 21 2 7", 16, is!(UnsupportedElement), ""),
+        ("1 2 2 7", "1 999 2 7", 16, is!(UnsupportedElement), ""),
+        ("1 2 2 7", "1 4 2 7", 17, is!(Expected), ""),
+        ("1 2 2 7", "1 2 4 7 1 1", 16, is!(Partitioned), ""),
+        ("1 2 2 7 1 1", "1 2 9999999999999 7 1 0", 17, is!(Expected), "a tag"),
+        ("1 2 30\n$", "1 2 3\n$", 16, is!(UnknownNode), "node 3"),
+        ("1 2 30\n$", "1 2 -3\n$", 16, is!(Expected), ""),
+        ("$EndElements", "", 18, is!(Truncated), ""),
+        ("$EndElements", "$End", 17, is!(Expected), ""),
+        ("$Elements", "$Comments", 14, is!(Truncated), ""),
     ];
     check(good, cases);
     let (place, problem) = refusal(&good.as_bytes()[..good.find("$Elements").expect("there")]);
@@ -101,33 +108,33 @@ fn gmsh_4_1() {
     let groups = format!("0 65{groups} 0\n$End");
     #[rustfmt::skip]
     let cases: &[Case] = &[
-        ("4.1 0", "4 0", 2, "Unsupported", "version 4"),
-        ("4.1 0", "4.0 0", 2, "Unsupported", ""),
-        ("4.1 0", "4.2 0", 2, "Unsupported", ""),
-        ("4.1 0", "3 0", 2, "Unsupported", ""),
-        ("4.1 0", "nan 0", 2, "Unsupported", ""),
-        ("0 0 1 0\n", "0 0 2 0\n", 7, "Expected", ""),
-        ("0 0 1 0\n", "0 0 0 1\n", 20, "UnknownEntity", ""),
-        ("0 0 1 0\n", "0 0 18446744073709551615 0\n", 7, "Expected", ""),
-        ("0 1 7 0\n", "0 18446744073709551615 7 0\n", 7, "Expected", ""),
-        ("0 1 7 0\n$End", &groups, 6, "Groups", ""),
-        ("$Entities", "$PartitionedEntities", 4, "Partitioned", ""),
-        ("1 3 1 30", "2 3 1 30", 17, "Expected", ""),
-        ("1 3 1 30", "1 4 1 30", 17, "Total", ""),
-        ("1 3 1 30", "1 99999999 1 30", 9, "Count", "announces 99999999"),
-        ("2 3 0 3", "2 3 0 4", 17, "Expected", "found `$EndNodes`"),
-        ("2 3 0 3", "2 3 0 18446744073709551615", 10, "Count", ""),
-        ("2 3 0 3", "2 3 1 3", 17, "Expected", ""),
-        ("\n2\n30\n", "\n2\n2\n", 16, "RepeatedNode", "node 2 "),
-        ("1 0 0\n", "1 0 inf\n", 15, "NotFinite", "node 2 "),
-        ("1 1 1 1", "0 1 1 1", 20, "Expected", ""),
-        ("1 1 1 1", "1 0 1 1", 22, "Total", ""),
-        ("2 3 2 1", "3 3 2 1", 20, "Expected", "found `3-node triangle`"),
-        ("2 3 2 1", "2 4 2 1", 20, "UnknownEntity", ""),
-        ("2 3 2 1", "2 3 3 1", 20, "UnsupportedElement", ""),
-        ("2 3 2 1", "2 3 2 10000", 20, "Count", "announces 10000"),
-        ("1 1 2 30", "1 1 2 31", 21, "UnknownNode", ""),
-        ("1 1 2 30", "1 1 2", 22, "Expected", ""),
+        ("4.1 0", "4 0", 2, is!(Unsupported), "version 4"),
+        ("4.1 0", "4.0 0", 2, is!(Unsupported), ""),
+        ("4.1 0", "4.2 0", 2, is!(Unsupported), ""),
+        ("4.1 0", "3 0", 2, is!(Unsupported), ""),
+        ("4.1 0", "nan 0", 2, is!(Unsupported), ""),
+        ("0 0 1 0\n", "0 0 2 0\n", 7, is!(Expected), ""),
+        ("0 0 1 0\n", "0 0 0 1\n", 20, is!(UnknownEntity), ""),
+        ("0 0 1 0\n", "0 0 18446744073709551615 0\n", 7, is!(Expected), ""),
+        ("0 1 7 0\n", "0 18446744073709551615 7 0\n", 7, is!(Expected), ""),
+        ("0 1 7 0\n$End", &groups, 6, is!(Groups), ""),
+        ("$Entities", "$PartitionedEntities", 4, is!(Partitioned), ""),
+        ("1 3 1 30", "2 3 1 30", 17, is!(Expected), ""),
+        ("1 3 1 30", "1 4 1 30", 17, is!(Total), ""),
+        ("1 3 1 30", "1 99999999 1 30", 9, is!(Count), "announces 99999999"),
+        ("2 3 0 3", "2 3 0 4", 17, is!(Expected), "found `$EndNodes`"),
+        ("2 3 0 3", "2 3 0 18446744073709551615", 10, is!(Count), ""),
+        ("2 3 0 3", "2 3 1 3", 17, is!(Expected), ""),
+        ("\n2\n30\n", "\n2\n2\n", 16, is!(RepeatedNode), "node 2 "),
+        ("1 0 0\n", "1 0 inf\n", 15, is!(NotFinite), "node 2 "),
+        ("1 1 1 1", "0 1 1 1", 20, is!(Expected), ""),
+        ("1 1 1 1", "1 0 1 1", 22, is!(Total), ""),
+        ("2 3 2 1", "3 3 2 1", 20, is!(Expected), "found `3-node triangle`"),
+        ("2 3 2 1", "2 4 2 1", 20, is!(UnknownEntity), ""),
+        ("2 3 2 1", "2 3 3 1", 20, is!(UnsupportedElement), ""),
+        ("2 3 2 1", "2 3 2 10000", 20, is!(Count), "announces 10000"),
+        ("1 1 2 30", "1 1 2 31", 21, is!(UnknownNode), ""),
+        ("1 1 2 30", "1 1 2", 22, is!(Expected), ""),
     ];
     check(good, cases);
     let (_, problem) = refusal(&good.as_bytes()[..good.find("$Nodes").expect("there")]);
@@ -149,24 +156,24 @@ fn medit() {
         Edges 1\n1 2 4\nCorners\n2\n1 2\nAngleOfCornerBound 1e-3\nTriangles\n1\n1 2 3 7\nEnd\n";
     #[rustfmt::skip]
     let cases: &[Case] = &[
-        ("Formatted 2", "Formatted 7", 1, "Unsupported", ""),
-        ("Dimension 2", "Dimension 4", 2, "Expected", ""),
-        ("Dimension 2", "Identifier \"Dimension 2\"", 3, "Order", ""),
-        ("Vertices 3", "Vertices 4", 7, "Expected", "found `Edges`"),
-        ("Vertices 3", "Vertices 2", 6, "Expected", "found `0`"),
-        ("Vertices 3", "Vertices 5000000000", 3, "Count", "announces 5000000000"),
-        ("Vertices 3", "Points 3", 7, "Order", "`Edges`"),
-        ("1 0 0", "1 inf 0", 5, "NotFinite", "node 2 "),
-        (EDGES, "Vertices 1\n1 2 4", 7, "Order", ""),
-        (EDGES, "Edges 1\n1 2", 9, "Expected", ""),
-        (EDGES, "EdgesP3 1\n1 2 4", 7, "UnsupportedElement", ""),
-        (EDGES, "Quadrilaterals 1\n1 2 3 4 5", 7, "UnsupportedElement", ""),
-        (EDGES, "Edges 1\n0 2 4", 8, "UnknownNode", "node 0"),
-        (EDGES, "Edges 1\n1 -9223372036854775808 4", 8, "UnknownNode", ""),
-        ("1 2 3 7", "1 2 4 7", 15, "UnknownNode", "node 4"),
-        ("1 2 3 7", "1 2 3 7 7", 15, "Expected", ""),
-        ("1 2 3 7", "1 2 3", 16, "Expected", "found `End`"),
-        ("1 2 3 7\nEnd\n", "1 2  3 ", 15, "Truncated", "a label"),
+        ("Formatted 2", "Formatted 7", 1, is!(Unsupported), ""),
+        ("Dimension 2", "Dimension 4", 2, is!(Expected), ""),
+        ("Dimension 2", "Identifier \"Dimension 2\"", 3, is!(Order), ""),
+        ("Vertices 3", "Vertices 4", 7, is!(Expected), "found `Edges`"),
+        ("Vertices 3", "Vertices 2", 6, is!(Expected), "found `0`"),
+        ("Vertices 3", "Vertices 5000000000", 3, is!(Count), "announces 5000000000"),
+        ("Vertices 3", "Points 3", 7, is!(Order), "`Edges`"),
+        ("1 0 0", "1 inf 0", 5, is!(NotFinite), "node 2 "),
+        (EDGES, "Vertices 1\n1 2 4", 7, is!(Order), ""),
+        (EDGES, "Edges 1\n1 2", 9, is!(Expected), ""),
+        (EDGES, "EdgesP3 1\n1 2 4", 7, is!(UnsupportedElement), ""),
+        (EDGES, "Quadrilaterals 1\n1 2 3 4 5", 7, is!(UnsupportedElement), ""),
+        (EDGES, "Edges 1\n0 2 4", 8, is!(UnknownNode), "node 0"),
+        (EDGES, "Edges 1\n1 -9223372036854775808 4", 8, is!(UnknownNode), ""),
+        ("1 2 3 7", "1 2 4 7", 15, is!(UnknownNode), "node 4"),
+        ("1 2 3 7", "1 2 3 7 7", 15, is!(Expected), ""),
+        ("1 2 3 7", "1 2 3", 16, is!(Expected), "found `End`"),
+        ("1 2 3 7\nEnd\n", "1 2  3 ", 15, is!(Truncated), "a label"),
     ];
     check(good, cases);
     let none = good.replace(EDGES, "Hexahedra 0 Tetrahedra 0");
@@ -182,16 +189,16 @@ fn freefem() {
     let good = "3 1 1\n0 0 1\n1 0 1\n0 1 1\n1 2 3 5\n1 2 9\n";
     #[rustfmt::skip]
     let cases: &[Case] = &[
-        ("3 1 1\n0", "4 1 1\n0", 5, "UnknownNode", "node 5"),
-        ("3 1 1\n0", "3 0 1\n0", 5, "Expected", "found `5`"),
-        ("3 1 1\n0", "3 1 0\n0", 6, "Expected", ""),
-        ("3 1 1\n0", "3 99999999999 1\n0", 4, "Count", ""),
-        ("3 1 1\n0", "18446744073709551615 1 1\n0", 1, "Count", ""),
-        ("3 1 1\n0", "18446744073709551616 1 1\n0", 1, "Expected", ""),
-        ("1 0 1\n", "nan 0 1\n", 3, "NotFinite", "node 2 "),
-        ("1 2 3 5", "1 2 4 5", 5, "UnknownNode", ""),
-        ("1 2 9", "0 2 9", 6, "UnknownNode", ""),
-        ("1 2 9", "1 2 nine", 6, "Expected", ""),
+        ("3 1 1\n0", "4 1 1\n0", 5, is!(UnknownNode), "node 5"),
+        ("3 1 1\n0", "3 0 1\n0", 5, is!(Expected), "found `5`"),
+        ("3 1 1\n0", "3 1 0\n0", 6, is!(Expected), ""),
+        ("3 1 1\n0", "3 99999999999 1\n0", 4, is!(Count), ""),
+        ("3 1 1\n0", "18446744073709551615 1 1\n0", 1, is!(Count), ""),
+        ("3 1 1\n0", "18446744073709551616 1 1\n0", 1, is!(Expected), ""),
+        ("1 0 1\n", "nan 0 1\n", 3, is!(NotFinite), "node 2 "),
+        ("1 2 3 5", "1 2 4 5", 5, is!(UnknownNode), ""),
+        ("1 2 9", "0 2 9", 6, is!(UnknownNode), ""),
+        ("1 2 9", "1 2 nine", 6, is!(Expected), ""),
     ];
     check(good, cases);
     let (_, problem) = refusal(b"0 0 0");

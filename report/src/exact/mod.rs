@@ -9,7 +9,7 @@ pub use waves::Waves;
 pub use zone_end::ZoneEnd;
 
 use ipopt_contact::contact_fem::Error;
-use ipopt_contact::contact_fem::material::Material;
+use ipopt_contact::contact_fem::material::{Deformation, Material};
 use ipopt_contact::contact_fem::tensor::{Matrix, Vector};
 use ipopt_contact::prelude::*;
 
@@ -39,7 +39,7 @@ pub trait Field<const D: usize>: Sync {
 
     /// σ at X.
     fn stress(&self, law: &LinearElastic, X: &Vector<D>) -> Matrix<D> {
-        Material::<D>::stress(law, &(Matrix::identity() + self.jet(X).1))
+        Material::<D>::stress(law, &Deformation::new(Matrix::identity() + self.jet(X).1))
     }
 }
 

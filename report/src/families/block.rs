@@ -1,7 +1,7 @@
 //! A neo-Hookean block under a rigid plate.
 
 use ipopt_contact::contact_fem::Error;
-use ipopt_contact::contact_fem::material::Material;
+use ipopt_contact::contact_fem::material::{Deformation, Material};
 use ipopt_contact::contact_fem::tensor::{Matrix, Vector};
 use ipopt_contact::prelude::*;
 
@@ -36,14 +36,14 @@ impl Homogeneous {
         let (mut low, mut high) = (1.0, 2.0);
         for _ in 0..100 {
             let middle = 0.5 * (low + high);
-            match law.stress(&F(middle))[(0, 0)] < 0.0 {
+            match law.stress(&Deformation::new(F(middle)))[(0, 0)] < 0.0 {
                 true => low = middle,
                 false => high = middle,
             }
         }
         Ok(Homogeneous {
             F: F(low),
-            pressure: -law.stress(&F(low))[(1, 1)],
+            pressure: -law.stress(&Deformation::new(F(low)))[(1, 1)],
         })
     }
 

@@ -67,7 +67,7 @@ impl fmt::Display for OptionValue {
 }
 
 /// An option Ipopt would not take.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum OptionError {
     /// No such name, or one with a prefix that Ipopt looks for nowhere.

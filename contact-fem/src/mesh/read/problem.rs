@@ -30,7 +30,7 @@ impl fmt::Display for Place {
 ///
 /// Vertices are counted from 0 in the order of the file, bodies and boundaries are called by the
 /// names of their groups.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
     /// No byte but white space.
@@ -255,6 +255,13 @@ pub enum Problem {
         /// Why.
         source: Box<Error>,
     },
+}
+
+/// The message, since that is what `main` and `unwrap` show of an error.
+impl fmt::Debug for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }
 
 /// A problem and its place, before the file's path is known.

@@ -171,11 +171,9 @@ fn values(certificate: Certificate) -> Value {
     let limits = Limits::default();
     let entries = certificate.entries(&limits);
     let mut values: Map<String, Value> = entries
-        .iter()
         .map(|e| (e.name.to_string(), json!(e.value)))
         .collect();
     values.insert("holds".into(), json!(certificate.holds(&limits)));
-    values.insert("dropped".into(), json!(certificate.dropped));
     Value::Object(values)
 }
 

@@ -1,0 +1,347 @@
+//! Sparse LLᵀ and LDLᵀ by faer.
+
+use std::sync::Arc;
+
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::ldlt::factor::LdltError;
+use faer::linalg::cholesky::llt::factor::LltError;
+use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
+    SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+use super::ordering::{inverse, nested_dissection};
+use super::{Factor, FactorError, Inertia, Ordering, SymmetricPattern};
+
+/// What the factors of all matrices of one pattern share: the order of elimination and the places of their entries. A
+/// clone shares it.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    pattern: SymmetricPattern,
+    symbolic: Arc<SymbolicCholesky<usize>>,
+}
+
+impl Analysis {
+    /// Analyses the pattern.
+    ///
+    /// # Errors
+    /// An order that is none, a pattern too large.
+    pub fn new(pattern: &SymmetricPattern, ordering: &Ordering) -> Result<Self, FactorError> {
+        let n = pattern.dim();
+        let order = match ordering {
+            Ordering::MinimumDegree => None,
+            Ordering::Automatic if !pays(pattern) => None,
+            Ordering::Automatic | Ordering::NestedDissection => nested_dissection(pattern),
+            // faer takes the lower triangle for the upper one where it is not to permute
+            Ordering::Natural => Some((0..n).collect()),
+            Ordering::Given(order) if order.len() != n => return Err(FactorError::Order { n }),
+            Ordering::Given(order) => Some(order.clone()),
+        };
+        let step = order.as_deref().map(inverse).transpose()?;
+        let ordering = match (&order, &step) {
+            (Some(order), Some(step)) => {
+                SymmetricOrdering::Custom(PermRef::new_checked(order, step, n))
+            }
+            _ => SymmetricOrdering::Amd,
+        };
+        let lower = symbolic(pattern);
+        let params = CholeskySymbolicParams::default();
+        let symbolic = factorize_symbolic_cholesky(lower, Side::Lower, ordering, params);
+        Ok(Analysis {
+            symbolic: Arc::new(symbolic.map_err(|e| too_large(pattern, e))?),
+            pattern: pattern.clone(),
+        })
+    }
+
+    /// The pattern.
+    pub fn pattern(&self) -> &SymmetricPattern {
+        &self.pattern
+    }
+
+    /// Entries of the factor L, with the zeros that its dense blocks hold.
+    pub fn fill(&self) -> usize {
+        self.symbolic.len_val()
+    }
+
+    /// The unknown eliminated at step `k`.
+    pub fn unknown(&self, k: usize) -> usize {
+        self.symbolic.perm().map_or(k, |perm| perm.arrays().0[k])
+    }
+}
+
+/// Whether nested dissection pays.
+fn pays(pattern: &SymmetricPattern) -> bool {
+    let _ = pattern;
+    false
+}
+
+fn too_large(pattern: &SymmetricPattern, reason: impl std::fmt::Debug) -> FactorError {
+    FactorError::TooLarge {
+        n: pattern.dim(),
+        entries: pattern.len(),
+        reason: format!("{reason:?}"),
+    }
+}
+
+fn symbolic(pattern: &SymmetricPattern) -> SymbolicSparseColMatRef<'_, usize> {
+    let n = pattern.dim();
+    SymbolicSparseColMatRef::new_checked(n, n, pattern.starts(), None, pattern.rows())
+}
+
+/// What is factored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A = LLᵀ: positive definite matrices only, backward stable.
+    Llt,
+    /// A = LDLᵀ with a diagonal D, whose signs are the inertia, and no pivoting. Indefinite matrices may need
+    /// pivoting; then there is an error, or a solution less accurate than its residual would have to be.
+    Ldlt,
+}
+
+/// A Cholesky factor, with the memory to refactor it and to solve with it.
+pub struct Cholesky {
+    analysis: Analysis,
+    kind: Kind,
+    values: Vec<f64>,
+    is_factored: bool,
+    /// Σ_k l_ik² |d_k| of each row of L, by step.
+    scales: Vec<f64>,
+    memory: MemBuffer,
+    /// How many right-hand sides at once `memory` suffices for.
+    columns: usize,
+}
+
+/// Columns of L that share their entries below the diagonal block: `values` holds the diagonal block, `size` ×
+/// `size`, and below it the rows `below`, column by column. For LDLᵀ the diagonal is that of D; above it is nothing
+/// of meaning.
+#[derive(Clone, Copy, Debug)]
+pub struct Panel<'a> {
+    /// The step that eliminates the first column.
+    pub start: usize,
+    /// Number of columns.
+    pub size: usize,
+    /// The steps of the rows below, ascending.
+    pub below: &'a [usize],
+    /// (size + below) × size.
+    pub values: &'a [f64],
+}
+
+impl Panel<'_> {
+    /// Row (step) and value of the entries of its column `j`, the diagonal one first.
+    pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, f64)> {
+        let height = self.size + self.below.len();
+        let steps = (self.start..self.start + self.size).chain(self.below.iter().copied());
+        let values = &self.values[j * height..(j + 1) * height];
+        steps.zip(values.iter().copied()).skip(j)
+    }
+}
+
+/// So many right-hand sides are solved at once: enough for dense blocks, few enough for the caches.
+const COLUMNS: usize = 64;
+
+impl Cholesky {
+    /// A factor of no matrix yet, with the memory that one needs.
+    ///
+    /// # Errors
+    /// Too little memory.
+    pub fn new(analysis: &Analysis, kind: Kind) -> Result<Self, FactorError> {
+        Ok(Cholesky {
+            kind,
+            values: vec![0.0; analysis.fill()],
+            is_factored: false,
+            scales: vec![0.0; analysis.pattern.dim()],
+            memory: memory(analysis, kind, 1)?,
+            columns: 1,
+            analysis: analysis.clone(),
+        })
+    }
+
+    /// The analysis that it follows.
+    pub fn analysis(&self) -> &Analysis {
+        &self.analysis
+    }
+
+    /// The columns of L in the order of elimination; of no meaning where no matrix is factored.
+    pub fn panels(&self) -> impl Iterator<Item = Panel<'_>> {
+        let raw = self.analysis.symbolic.raw();
+        let count = match raw {
+            SymbolicCholeskyRaw::Simplicial(all) => all.ncols(),
+            SymbolicCholeskyRaw::Supernodal(all) => all.n_supernodes(),
+        };
+        (0..count).map(move |s| match raw {
+            SymbolicCholeskyRaw::Simplicial(all) => {
+                let entries = all.col_ptr()[s]..all.col_ptr()[s + 1];
+                Panel {
+                    start: s,
+                    size: 1,
+                    below: &all.row_idx()[entries.start + 1..entries.end],
+                    values: &self.values[entries],
+                }
+            }
+            SymbolicCholeskyRaw::Supernodal(all) => {
+                let (start, end) = (all.supernode_begin()[s], all.supernode_end()[s]);
+                let below = all.col_ptr_for_row_idx()[s];
+                let values = all.col_ptr_for_val()[s]..all.col_ptr_for_val()[s + 1];
+                Panel {
+                    start,
+                    size: end - start,
+                    below: &all.row_idx()[below..below + all.nnz_per_super()[s]],
+                    values: &self.values[values],
+                }
+            }
+        })
+    }
+
+    /// Computes L; at failure the step whose pivot is bad.
+    fn factor(&mut self, values: &[f64]) -> Result<(), usize> {
+        let lower = SparseColMatRef::new(symbolic(&self.analysis.pattern), values);
+        let (symbolic, memory) = (&self.analysis.symbolic, MemStack::new(&mut self.memory));
+        let (into, side, par) = (&mut self.values, Side::Lower, Par::Seq);
+        let failed = match self.kind {
+            Kind::Llt => {
+                let (plain, params) = Default::default();
+                let factor =
+                    symbolic.factorize_numeric_llt(into, lower, side, plain, par, memory, params);
+                factor
+                    .err()
+                    .map(|LltError::NonPositivePivot { index }| index)
+            }
+            Kind::Ldlt => {
+                let (plain, params) = Default::default();
+                let factor =
+                    symbolic.factorize_numeric_ldlt(into, lower, side, plain, par, memory, params);
+                factor.err().map(|LdltError::ZeroPivot { index }| index)
+            }
+        };
+        match (failed, symbolic.raw()) {
+            (None, _) => Ok(()),
+            (Some(index), SymbolicCholeskyRaw::Simplicial(_)) => Err(index - 1), // counted from 1
+            (Some(index), SymbolicCholeskyRaw::Supernodal(_)) => Err(index),
+        }
+    }
+
+    /// The signs of the pivots; at failure the first step whose pivot is zero to working precision.
+    ///
+    /// The pivot d_i = a_ii − Σ_k<i l_ik² d_k carries the round-off of its terms. Where they are so large that the
+    /// entries of A drown in it, the factor is of no use either.
+    fn inertia(&mut self, largest: f64) -> Result<Inertia, usize> {
+        let n = self.scales.len();
+        let mut inertia = Inertia {
+            positive: 0,
+            negative: 0,
+        };
+        let mut scales = std::mem::take(&mut self.scales);
+        scales.fill(0.0);
+        let (roundoff, growth) = (n as f64 * f64::EPSILON, largest / f64::EPSILON);
+        let mut bad = None;
+        for panel in self.panels() {
+            for j in 0..panel.size {
+                let mut column = panel.column(j);
+                let (step, diagonal) = column.next().unwrap_or_default();
+                let (pivot, weight) = match self.kind {
+                    Kind::Llt => (diagonal * diagonal, 1.0),
+                    Kind::Ldlt => (diagonal, diagonal.abs()),
+                };
+                let scale = scales[step] + pivot.abs();
+                let is_sound = pivot.abs() > roundoff * scale && scale < growth;
+                bad = bad.or((!is_sound).then_some(step));
+                column.for_each(|(row, l)| scales[row] += l * l * weight);
+                match pivot > 0.0 {
+                    true => inertia.positive += 1,
+                    false => inertia.negative += 1,
+                }
+            }
+        }
+        self.scales = scales;
+        bad.map_or(Ok(inertia), Err)
+    }
+}
+
+/// What factoring and solving with `columns` right-hand sides need.
+fn memory(analysis: &Analysis, kind: Kind, columns: usize) -> Result<MemBuffer, FactorError> {
+    let (symbolic, par) = (&analysis.symbolic, Par::Seq);
+    let factor = match kind {
+        Kind::Llt => symbolic.factorize_numeric_llt_scratch::<f64>(par, Default::default()),
+        Kind::Ldlt => symbolic.factorize_numeric_ldlt_scratch::<f64>(par, Default::default()),
+    };
+    let solve = symbolic.solve_in_place_scratch::<f64>(columns, par);
+    MemBuffer::try_new(StackReq::or(factor, solve)).map_err(|e| too_large(&analysis.pattern, e))
+}
+
+impl Factor for Cholesky {
+    fn dim(&self) -> usize {
+        self.analysis.pattern.dim()
+    }
+
+    fn refactor(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
+        self.is_factored = false;
+        let pattern = &self.analysis.pattern;
+        if values.len() != pattern.len() {
+            return Err(FactorError::Length {
+                what: "the matrix",
+                found: values.len(),
+                expected: pattern.len(),
+            });
+        }
+        if let Some(slot) = values.iter().position(|v| !v.is_finite()) {
+            let (row, col, value) = (pattern.rows()[slot], pattern.cols()[slot], values[slot]);
+            return Err(FactorError::NotFinite { row, col, value });
+        }
+        let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let inertia = self.factor(values).and_then(|()| self.inertia(largest));
+        self.is_factored = inertia.is_ok();
+        inertia.map_err(|step| {
+            let unknown = self.analysis.unknown(step);
+            match self.kind {
+                Kind::Llt => FactorError::NotPositiveDefinite { unknown },
+                Kind::Ldlt => FactorError::Singular { unknown },
+            }
+        })
+    }
+
+    fn solve(&mut self, b: &mut [f64]) -> Result<(), FactorError> {
+        let n = self.dim();
+        if !self.is_factored {
+            return Err(FactorError::NotFactored);
+        }
+        if n == 0 && b.is_empty() {
+            return Ok(());
+        }
+        if n == 0 || b.len() % n != 0 {
+            return Err(FactorError::Length {
+                what: "the right-hand side",
+                found: b.len(),
+                expected: n,
+            });
+        }
+        let columns = (b.len() / n).min(COLUMNS);
+        if columns > self.columns {
+            self.memory = memory(&self.analysis, self.kind, columns)?;
+            self.columns = columns;
+        }
+        let (symbolic, values) = (&*self.analysis.symbolic, &self.values[..]);
+        for block in b.chunks_mut(n * COLUMNS) {
+            let columns = block.len() / n;
+            let block = MatMut::from_column_major_slice_mut(block, n, columns);
+            let (par, memory) = (Par::Seq, MemStack::new(&mut self.memory));
+            match self.kind {
+                Kind::Llt => LltRef::new(symbolic, values).solve_in_place_with_conj(
+                    Conj::No,
+                    block,
+                    par,
+                    memory,
+                ),
+                Kind::Ldlt => LdltRef::new(symbolic, values).solve_in_place_with_conj(
+                    Conj::No,
+                    block,
+                    par,
+                    memory,
+                ),
+            }
+        }
+        Ok(())
+    }
+}

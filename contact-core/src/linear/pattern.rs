@@ -1,0 +1,255 @@
+//! Where a symmetric sparse matrix has entries.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::nlp::NlpError;
+
+/// The lower triangle of a symmetric n × n matrix in compressed columns: sorted by column, then by row, each place once.
+/// Read by rows, it is the upper triangle.
+///
+/// An entry's place in this order is its slot; the values of a matrix are one slice, a value a slot. A clone shares the
+/// pattern.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SymmetricPattern(Arc<Columns>);
+
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Columns {
+    /// The first slot of each column, and the number of slots.
+    starts: Vec<usize>,
+    rows: Vec<usize>,
+    cols: Vec<usize>,
+}
+
+impl SymmetricPattern {
+    /// The pattern of `entries` (row, column) of a matrix of `n` unknowns, and the slot of each. An entry above the
+    /// diagonal means its mirror image; entries at the same place share a slot.
+    ///
+    /// # Errors
+    /// An entry outside n × n.
+    pub fn from_entries(
+        n: usize,
+        entries: &[(usize, usize)],
+    ) -> Result<(Self, Vec<usize>), NlpError> {
+        if let Some(entry) = entries.iter().position(|&(i, j)| i.max(j) >= n) {
+            let (row, col) = entries[entry];
+            return Err(NlpError::OutOfRange {
+                pattern: "symmetric matrix",
+                entry,
+                row,
+                col,
+                rows: n,
+                cols: n,
+            });
+        }
+        let lower = |k: usize| {
+            (
+                entries[k].0.max(entries[k].1),
+                entries[k].0.min(entries[k].1),
+            )
+        };
+        // sorted by row, then, keeping that order within, by column
+        let by_row = counting_sort(n, (0..entries.len()).collect(), |k| lower(k).0);
+        let sorted = counting_sort(n, by_row, |k| lower(k).1);
+        let mut slots = vec![0; entries.len()];
+        let mut columns = Columns::default();
+        let mut last = None;
+        for k in sorted {
+            if last != Some(lower(k)) {
+                let (row, col) = lower(k);
+                columns.rows.push(row);
+                columns.cols.push(col);
+                last = Some((row, col));
+            }
+            slots[k] = columns.rows.len() - 1;
+        }
+        columns.starts = vec![0; n + 1];
+        for &col in &columns.cols {
+            columns.starts[col + 1] += 1;
+        }
+        for col in 0..n {
+            columns.starts[col + 1] += columns.starts[col];
+        }
+        Ok((SymmetricPattern(Arc::new(columns)), slots))
+    }
+
+    /// As [`SymmetricPattern::from_entries`] for entries with values, those at the same place added up: the pattern and
+    /// a value a slot.
+    ///
+    /// # Errors
+    /// An entry outside n × n.
+    pub fn from_sums(
+        n: usize,
+        entries: &[(usize, usize, f64)],
+    ) -> Result<(Self, Vec<f64>), NlpError> {
+        let places: Vec<_> = entries.iter().map(|&(i, j, _)| (i, j)).collect();
+        let (pattern, slots) = Self::from_entries(n, &places)?;
+        let mut values = vec![0.0; pattern.len()];
+        let entries = slots.into_iter().zip(entries);
+        entries.for_each(|(slot, (_, _, a))| values[slot] += a);
+        Ok((pattern, values))
+    }
+
+    /// The block diagonal pattern with these blocks, whose slots follow each other.
+    pub fn direct_sum<'a>(blocks: impl IntoIterator<Item = &'a SymmetricPattern>) -> Self {
+        let mut sum = Columns {
+            starts: vec![0],
+            ..Columns::default()
+        };
+        for block in blocks {
+            let (n, slots) = (sum.starts.len() - 1, sum.rows.len());
+            sum.starts
+                .extend(block.starts()[1..].iter().map(|s| slots + s));
+            sum.rows.extend(block.rows().iter().map(|i| n + i));
+            sum.cols.extend(block.cols().iter().map(|j| n + j));
+        }
+        SymmetricPattern(Arc::new(sum))
+    }
+
+    /// n, the number of unknowns.
+    pub fn dim(&self) -> usize {
+        self.0.starts.len().saturating_sub(1)
+    }
+
+    /// Number of slots.
+    pub fn len(&self) -> usize {
+        self.0.rows.len()
+    }
+
+    /// Whether it has no slots.
+    pub fn is_empty(&self) -> bool {
+        self.0.rows.is_empty()
+    }
+
+    /// The row of each slot; it is not above the diagonal.
+    pub fn rows(&self) -> &[usize] {
+        &self.0.rows
+    }
+
+    /// The column of each slot.
+    pub fn cols(&self) -> &[usize] {
+        &self.0.cols
+    }
+
+    /// The first slot of each column and, last, the number of slots: n + 1 in all.
+    pub fn starts(&self) -> &[usize] {
+        match self.0.starts.is_empty() {
+            true => &[0],
+            false => &self.0.starts,
+        }
+    }
+
+    /// The slots of a column.
+    pub fn column(&self, col: usize) -> Range<usize> {
+        self.0.starts[col]..self.0.starts[col + 1]
+    }
+
+    /// Row and column of each slot.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
+        self.rows().iter().copied().zip(self.cols().iter().copied())
+    }
+
+    /// The slot of the entry (i, j), which is that of (j, i).
+    pub fn slot(&self, i: usize, j: usize) -> Option<usize> {
+        let slots = self.column(i.min(j));
+        let rows = &self.rows()[slots.clone()];
+        rows.binary_search(&i.max(j)).ok().map(|k| slots.start + k)
+    }
+
+    /// y = A x of the symmetric matrix A with these `values`.
+    pub fn product(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for j in 0..self.dim() {
+            let mut sum = 0.0;
+            for slot in self.column(j) {
+                let (i, a) = (self.0.rows[slot], values[slot]);
+                sum += a * x[i];
+                if i != j {
+                    y[i] += a * x[j];
+                }
+            }
+            y[j] += sum;
+        }
+    }
+}
+
+/// `items` in ascending order of `key` < `n`; those with equal keys keep their order.
+fn counting_sort(n: usize, items: Vec<usize>, key: impl Fn(usize) -> usize) -> Vec<usize> {
+    let mut next = vec![0; n + 1];
+    items.iter().for_each(|&k| next[key(k) + 1] += 1);
+    (0..n).for_each(|k| next[k + 1] += next[k]);
+    let mut sorted = vec![0; items.len()];
+    for k in items {
+        sorted[next[key(k)]] = k;
+        next[key(k)] += 1;
+    }
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_mirrored_sorted_and_merged() {
+        let entries = [(2, 0), (1, 1), (0, 2), (0, 0), (3, 1), (2, 2), (1, 1)];
+        let (pattern, slots) = SymmetricPattern::from_entries(4, &entries).expect("in range");
+        let expected = [(0, 0), (2, 0), (1, 1), (3, 1), (2, 2)];
+        assert!(pattern.iter().eq(expected));
+        assert_eq!(slots, [1, 2, 1, 0, 3, 4, 2]);
+        assert_eq!(pattern.starts(), [0, 2, 4, 5, 5]);
+        for (slot, (i, j)) in expected.into_iter().enumerate() {
+            assert_eq!(pattern.slot(i, j), Some(slot));
+            assert_eq!(pattern.slot(j, i), Some(slot));
+        }
+        assert_eq!((pattern.slot(3, 3), pattern.slot(1, 0)), (None, None));
+    }
+
+    #[test]
+    fn entries_out_of_range_are_named() {
+        let error = SymmetricPattern::from_entries(2, &[(0, 0), (1, 2)]).expect_err("2 × 2");
+        assert!(matches!(
+            error,
+            NlpError::OutOfRange {
+                entry: 1,
+                col: 2,
+                ..
+            }
+        ));
+    }
+
+    #[test]
+    fn nothing_is_a_pattern() {
+        let (none, slots) = SymmetricPattern::from_entries(0, &[]).expect("nothing to refuse");
+        assert_eq!((none.dim(), none.len(), slots.len()), (0, 0, 0));
+        assert_eq!(none.starts(), [0]);
+        assert_eq!(SymmetricPattern::default().starts(), [0]);
+        none.product(&[], &[], &mut []);
+    }
+
+    #[test]
+    fn a_sum_of_blocks_is_the_pattern_of_all_entries() {
+        let first = [(0, 0), (1, 0), (1, 1)];
+        let second = [(0, 0), (2, 1)];
+        let shifted = second.map(|(i, j)| (i + 2, j + 2));
+        let of = |n, entries: &[_]| SymmetricPattern::from_entries(n, entries).expect("fits").0;
+        let (empty, blocks) = (of(0, &[]), [of(2, &first), of(3, &second)]);
+        let sum = SymmetricPattern::direct_sum([&blocks[0], &empty, &blocks[1]]);
+        assert_eq!(sum, of(5, &[&first[..], &shifted[..]].concat()));
+    }
+
+    #[test]
+    fn the_product_is_that_of_both_triangles() {
+        let dense = [[2.0, -1.0, 0.5], [-1.0, 3.0, 0.0], [0.5, 0.0, 0.0]];
+        let (pattern, _) =
+            SymmetricPattern::from_entries(3, &[(0, 0), (1, 0), (2, 0), (1, 1)]).expect("fits");
+        let values: Vec<f64> = pattern.iter().map(|(i, j)| dense[i][j]).collect();
+        let x = [1.0, 2.0, -4.0];
+        let mut y = [f64::NAN; 3];
+        pattern.product(&values, &x, &mut y);
+        assert_eq!(
+            y,
+            dense.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])
+        );
+    }
+}

@@ -1,0 +1,185 @@
+//! Energies of meshes: what is kept between evaluations changes none of them.
+
+use super::*;
+use crate::element::{Element, P1, P2};
+use crate::material::{Deformation, LinearElastic, Material, NeoHookean};
+use crate::mesh::generators::{Diagonals, linspace, rectangle};
+
+fn square(n: usize) -> Mesh<2> {
+    let xs = linspace(0.0, 1.0, n + 1);
+    rectangle(&xs, &xs, Diagonals::Alternating).expect("valid")
+}
+
+/// A square held on the left and pulled down on the right, at full load.
+fn cantilever<E: Element<2>, M: Material<2>>(mesh: &Mesh<2>, law: M) -> StrainEnergy<2, E, M> {
+    let dofs = 2 * mesh.nodes().len();
+    let (mut held, mut forces) = (vec![false; dofs], vec![0.0; dofs]);
+    for a in mesh.boundary_nodes("left").expect("named") {
+        (held[2 * a], held[2 * a + 1]) = (true, true);
+    }
+    for a in mesh.boundary_nodes("right").expect("named") {
+        forces[2 * a + 1] = -3.0;
+    }
+    let dofs = DofMap::new(&held);
+    let prescribed = (0..dofs.prescribed()).map(|k| 0.001 * k as f64).collect();
+    let mut energy = StrainEnergy::new(mesh, law, dofs, prescribed, forces);
+    energy.set_load(1.0);
+    energy
+}
+
+fn waves(n: usize, size: f64) -> Vec<f64> {
+    (0..n).map(|k| size * (1.0 + k as f64).sin()).collect()
+}
+
+/// Domain, value, gradient and Hessian in one vector.
+fn all(energy: &dyn Energy, u: &[f64]) -> Vec<f64> {
+    let (mut d, mut g) = (vec![0.0; energy.domain_len()], vec![0.0; energy.dofs()]);
+    let mut values = vec![0.0; energy.hessian_pattern().len()];
+    energy.domain(u, &mut d);
+    energy.gradient(u, &mut g);
+    energy.hessian(u, &mut values);
+    [d, g, values, vec![energy.value(u)]].concat()
+}
+
+/// What was evaluated before has no bearing: other u, other loads, an inadmissible u.
+#[test]
+fn evaluations_depend_on_nothing_before() {
+    let mesh = square(3).quadratic();
+    let law = NeoHookean::new(1000.0, 0.3).expect("valid");
+    let fresh = || cantilever::<P2, _>(&mesh, law);
+    let mut energy = fresh();
+    let n = energy.dofs();
+    let [u, v, folded] = [0.004, 0.008, 3.0].map(|size| waves(n, size));
+    let (at_u, at_v) = (all(&fresh(), &u), all(&fresh(), &v));
+    assert!(at_u.iter().chain(&at_v).all(|value| value.is_finite()));
+    assert!(all(&energy, &u) == at_u);
+    assert!(all(&energy, &v) == at_v);
+    assert_eq!(energy.value(&folded), f64::INFINITY);
+    assert_eq!(energy.value(&u), at_u[at_u.len() - 1]);
+    energy.set_load(0.5);
+    let mut half = fresh();
+    half.set_load(0.5);
+    let at_half = all(&energy, &u);
+    assert!(at_half == all(&half, &u) && at_half != at_u);
+    assert_eq!(energy.value(&vec![f64::NAN; n]), f64::INFINITY);
+    energy.set_load(1.0);
+    assert!(all(&energy, &u) == at_u);
+}
+
+/// A law that panics at a stretch of its first component.
+#[derive(Clone)]
+struct Panics(NeoHookean);
+
+impl Material<2> for Panics {
+    const QUADRATIC: bool = false;
+    const NEEDS_POSITIVE_J: bool = true;
+    fn energy_density(&self, at: &Deformation<2>) -> f64 {
+        assert!(at.F[(0, 0)] < 1.5, "out of the law's range");
+        self.0.energy_density(at)
+    }
+    fn stress(&self, at: &Deformation<2>) -> Matrix<2> {
+        self.0.stress(at)
+    }
+    fn contraction(&self, at: &Deformation<2>) -> impl Fn(&Vector<2>, &Vector<2>) -> Matrix<2> {
+        self.0.contraction(at)
+    }
+    fn cauchy_stress(&self, at: &Deformation<2>) -> (Matrix<2>, f64) {
+        self.0.cauchy_stress(at)
+    }
+}
+
+#[test]
+fn a_law_that_panics_leaves_a_usable_energy() {
+    let law = NeoHookean::new(1000.0, 0.3).expect("valid");
+    let energy = cantilever::<P1, _>(&square(3), Panics(law));
+    let [u, stretched] = [0.004, 3.0].map(|size| waves(energy.dofs(), size));
+    let panicked =
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| energy.value(&stretched)));
+    assert!(panicked.is_err());
+    let expected = all(&cantilever::<P1, _>(&square(3), law), &u);
+    assert!(all(&energy, &u) == expected);
+}
+
+#[test]
+fn a_quadratic_energy_is_its_strain_energy() {
+    let mesh = square(4);
+    let law = LinearElastic::new(1000.0, 0.3).expect("valid");
+    let elastic = cantilever::<P1, _>(&mesh, law);
+    let mut quadratic = QuadraticEnergy::new(cantilever::<P1, _>(&mesh, law));
+    quadratic.set_load(1.0);
+    let u = waves(elastic.dofs(), 0.1);
+    let (expected, found) = (all(&elastic, &u), all(&quadratic, &u));
+    let size = expected.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    assert_eq!(expected.len(), found.len());
+    assert!(
+        expected
+            .iter()
+            .zip(found)
+            .all(|(a, b)| (a - b).abs() < 1e-13 * size)
+    );
+}
+
+/// Which dofs of a square the supports take: x on all of its boundary, y on the left and the right.
+fn supports(mesh: &Mesh<2>) -> DofMap {
+    let mut taken = vec![false; 2 * mesh.nodes().len()];
+    for (side, both) in [
+        ("left", true),
+        ("right", true),
+        ("bottom", false),
+        ("top", false),
+    ] {
+        for a in mesh.boundary_nodes(side).expect("named") {
+            taken[2 * a] = true;
+            taken[2 * a + 1] |= both;
+        }
+    }
+    DofMap::new(&taken)
+}
+
+/// The values at the supports of a field on the nodes.
+fn at_supports(supports: &DofMap, field: &[f64]) -> Vec<f64> {
+    let prescribed = |dof: &usize| matches!(supports.get(*dof), Dof::Prescribed(_));
+    (0..field.len())
+        .filter(prescribed)
+        .map(|dof| field[dof])
+        .collect()
+}
+
+/// v_x = 1 + 2x − y, given all around, and v_y = 3x − 1, whose flux through bottom and top is zero, are harmonic.
+#[test]
+fn harmonic_fields_are_their_own_extension() {
+    let law = NeoHookean::new(1.0, 0.0).expect("valid");
+    for mesh in [square(5), square(3).quadratic()] {
+        let energy: Box<dyn BodyEnergy<2>> = match mesh.order() {
+            crate::element::Order::Linear => Box::new(cantilever::<P1, _>(&mesh, law)),
+            crate::element::Order::Quadratic => Box::new(cantilever::<P2, _>(&mesh, law)),
+        };
+        let field = |x: &Vector<2>| [1.0 + 2.0 * x[0] - x[1], 3.0 * x[0] - 1.0];
+        let field: Vec<f64> = mesh.nodes().iter().flat_map(field).collect();
+        let supports = supports(&mesh);
+        // the factors of the first increment serve the others
+        for factor in [1.0, -0.5, 0.0, 1e-3] {
+            let values: Vec<f64> = at_supports(&supports, &field)
+                .iter()
+                .map(|v| factor * v)
+                .collect();
+            let extended = energy.extend(&supports, &values);
+            assert!(
+                extended
+                    .iter()
+                    .zip(&field)
+                    .all(|(v, f)| (v - factor * f).abs() < 1e-13)
+            );
+        }
+        // other supports: y is nowhere prescribed and stays, x as before
+        let mut taken = vec![false; field.len()];
+        (0..mesh.nodes().len())
+            .for_each(|a| taken[2 * a] = matches!(supports.get(2 * a), Dof::Prescribed(_)));
+        let others = DofMap::new(&taken);
+        let extended = energy.extend(&others, &at_supports(&others, &field));
+        for (k, (v, f)) in extended.iter().zip(&field).enumerate() {
+            let expected = if k % 2 == 0 { *f } else { 0.0 };
+            assert!((v - expected).abs() < 1e-13);
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! What all evaluations at one trial u share.
+
+use crate::material::Deformation;
+use crate::tensor::Matrix;
+
+/// The deformation at every quadrature point at the u asked for last.
+///
+/// A solver asks for domain, value, gradient and Hessian at the same u one after the other.
+pub(super) struct Trial<const D: usize> {
+    u: Vec<f64>,
+    is_valid: bool,
+    points: Vec<Deformation<D>>,
+}
+
+impl<const D: usize> Default for Trial<D> {
+    fn default() -> Self {
+        Trial {
+            u: Vec::new(),
+            is_valid: false,
+            points: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize> Trial<D> {
+    /// The deformations at u; `compute` yields every F where they are not known.
+    pub fn at<I: Iterator<Item = Matrix<D>>>(
+        &mut self,
+        u: &[f64],
+        compute: impl FnOnce() -> I,
+    ) -> &[Deformation<D>] {
+        if !(self.is_valid && self.u == u) {
+            self.is_valid = false; // until all is there
+            self.points.clear();
+            self.points.extend(compute().map(Deformation::new));
+            self.u.clear();
+            self.u.extend_from_slice(u);
+            self.is_valid = true;
+        }
+        &self.points
+    }
+
+    /// Forgets u, for F depends on what is prescribed, too; the memory stays.
+    pub fn invalidate(&mut self) {
+        self.is_valid = false;
+    }
+}

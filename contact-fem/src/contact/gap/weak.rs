@@ -1,0 +1,243 @@
+//! Rows and the derivatives of weak gaps against their definition.
+
+use std::sync::Arc;
+
+use std::collections::BTreeMap;
+
+use contact_core::gaps::{LinearGaps, Sampling};
+
+use super::definition::{Case, DIFFERENCE, STEP, bump, master};
+use super::*;
+use crate::assembly::DofMap;
+use crate::contact::rows::{PassRows, Unknowns};
+use crate::contact::{Integration, Master, Surface};
+use crate::element::{FacetRule, Order, facet_shapes};
+
+/// Two bumpy surfaces with many points.
+struct Pair<const D: usize> {
+    case: Case<D>,
+    slave: Arc<Surface<D>>,
+    master: Arc<Surface<D>>,
+    X: Vec<Vector<D>>,
+}
+
+/// The number of a point, and the corners between which its foot is.
+type Feet = Vec<(usize, Vec<usize>)>;
+
+impl<const D: usize> Pair<D> {
+    /// A smaller copy of [`master`], turned over, above it.
+    fn new(order: Order) -> Self {
+        let (mut x, master) = master::<D>(order);
+        let (count, middle) = (x.len(), x.iter().sum::<Vector<D>>() / x.len() as f64);
+        let mut slave = master.clone();
+        for a in 0..count {
+            let mut copy = middle + (x[a] - middle) * 0.45;
+            copy[0] += if D == 2 { 1.6 } else { 1.0 }; // beyond the rim
+            copy[D - 1] = 0.27 - 0.2 * x[a][D - 1];
+            x.push(copy);
+        }
+        for facet in &mut slave {
+            facet.iter_mut().for_each(|a| *a += count);
+            facet[..D].swap(0, 1);
+            if D == 3 && order == Order::Quadratic {
+                facet.swap(4, 5); // of the sides between the corners
+            }
+        }
+        let mut X = x.clone();
+        X[count..].iter_mut().for_each(|X| X[D - 1] += 2.0);
+        let [own, other] = [(0, &slave), (1, &master)].map(|(body, facets)| {
+            Arc::new(Surface::new(
+                body,
+                order,
+                facets.iter().map(Vec::as_slice),
+                &X,
+            ))
+        });
+        let case = Case {
+            order,
+            x,
+            slave,
+            master,
+        };
+        Pair {
+            case,
+            slave: own,
+            master: other,
+            X,
+        }
+    }
+
+    /// The closest point by trying all facets, sides and corners: facet, λ and n; `None` at the rim.
+    fn closest(&self, x: &Vector<D>) -> Option<(usize, Vector<D>, Vector<D>)> {
+        let mut best = (f64::INFINITY, None);
+        for (index, facet) in self.case.master.iter().enumerate() {
+            for zeros in 0..(1usize << D) - 1 {
+                let mut start = Vector::<D>::from_fn(|k, _| f64::from(zeros >> k & 1 == 0));
+                start /= start.sum();
+                let (_, lambda, n) = self.case.gap(x, facet, &start);
+                let distance = (x - self.case.point(facet, &lambda)).norm();
+                if lambda.min() >= 0.0 && distance < best.0 - 1e-9 {
+                    best = (distance, Some((index, lambda, n)));
+                }
+            }
+        }
+        let (facet, lambda, n) = best.1?;
+        (!self.master.is_rim(facet, &lambda)).then_some((facet, lambda, n))
+    }
+
+    /// a_i and the coefficients of all nodes in a_i c_i.
+    fn rows(&self, points: usize) -> BTreeMap<usize, (f64, f64, Vec<Vector<D>>)> {
+        let Case { order, x, .. } = &self.case;
+        let tests = if D == 2 { *order } else { Order::Linear };
+        let mut rows = BTreeMap::new();
+        for facet in &self.case.slave {
+            for (weight, xi) in FacetRule::<D>::gauss(points).points() {
+                let at = self.case.point(facet, xi);
+                let Some((foot, lambda, n)) = self.closest(&at) else {
+                    continue;
+                };
+                let X = Case {
+                    x: self.X.clone(),
+                    slave: vec![],
+                    master: vec![],
+                    ..self.case
+                };
+                let w = weight * X.measure(facet, xi).norm();
+                let own = facet.iter().zip(facet_shapes(*order, xi));
+                let nodes = self.case.master[foot].iter();
+                let foot = nodes.zip(facet_shapes(*order, &lambda).map(|N| -N));
+                let terms = own.chain(foot);
+                for (&i, phi) in facet.iter().zip(facet_shapes(tests, xi)) {
+                    let row = rows.entry(i);
+                    let (a, magnitude, row) =
+                        row.or_insert((0.0, 0.0, vec![Vector::zeros(); x.len()]));
+                    *a += w * phi;
+                    *magnitude += (w * phi).abs();
+                    terms
+                        .clone()
+                        .for_each(|(&b, N)| row[b] += n * (N * w * phi));
+                }
+            }
+        }
+        rows.retain(|_, (a, magnitude, _)| *a > *magnitude / 3.0);
+        rows
+    }
+
+    fn are_rows(&self, points: usize) -> f64 {
+        let master = Master::new(&self.master, &self.case.x);
+        let x = &self.case.x;
+        let integration = Integration::Gauss(points);
+        let rows = PassRows::new(&self.slave, &master, x, integration, 1.0, Sampling::Nodes);
+        let all_free = DofMap::new(&vec![false; D * x.len()]);
+        let unknowns = Unknowns {
+            dofs: &all_free,
+            supports: &all_free,
+            prescribed: &[],
+        };
+        let mut gaps = LinearGaps::new(false);
+        // over X = 0, unknowns are positions
+        rows.append(0, &vec![Vector::zeros(); x.len()], &unknowns, &mut gaps);
+        let expected = self.rows(points);
+        let counting = rows.stencils().count();
+        assert!(counting > 5 && counting < points.pow(D as u32 - 1) * self.slave.len());
+        let named: Vec<usize> = gaps.keys().iter().map(|key| key.node as usize).collect();
+        assert_eq!(named, expected.keys().copied().collect::<Vec<_>>());
+        let mut error = 0.0f64;
+        for (i, (area, _, coefficients)) in expected.values().enumerate() {
+            let row = gaps.row(i);
+            error = error.max((row.weight - area).abs());
+            let mut difference: Vec<f64> =
+                coefficients.iter().flatten().map(|c| c / area).collect();
+            row.free.iter().for_each(|&(j, c)| difference[j] -= c);
+            error = difference.iter().fold(error, |m, d| m.max(d.abs()));
+        }
+        error
+    }
+
+    /// Multipliers λ_i, the moving gaps' forces Σ_i λ_i ∇c_i, and with `along` their derivative along
+    /// that direction; and where the points project.
+    fn forces(&self, x: &[Vector<D>], along: Option<&[Vector<D>]>) -> (f64, Vec<Vector<D>>, Feet) {
+        let master = Master::new(&self.master, x);
+        let integration = Integration::Gauss(2);
+        let rows = PassRows::new(&self.slave, &master, x, integration, 1.0, Sampling::Nodes);
+        let multiplier = |node: usize| 1.0 + 0.7 * (node as f64).sin();
+        let mut forces = vec![Vector::zeros(); x.len()];
+        let (mut energy, mut feet) = (0.0, Vec::new());
+        let mut gap = MovingGap::default();
+        let case = Case {
+            x: x.to_vec(),
+            slave: vec![],
+            master: self.case.master.clone(),
+            ..self.case
+        };
+        for (stencil, shares) in rows.stencils() {
+            let force: f64 = shares.map(|(i, share)| multiplier(i) * share).sum();
+            let p = stencil.projection();
+            let facet = &case.master[p.facet];
+            let (g, foot, _) = case.gap(&stencil.point(), facet, &p.lambda);
+            energy += force * g;
+            let mut corners: Vec<usize> = (0..D)
+                .filter(|&k| p.lambda[k] != 0.0)
+                .map(|k| facet[k])
+                .collect();
+            corners.sort_unstable();
+            feet.push((stencil.number(), corners));
+            gap.second(&stencil.moved(stencil.master(), stencil.point(), foot));
+            for (l, &a) in gap.nodes().iter().enumerate() {
+                match along {
+                    None => forces[a] += gap.gradient()[l] * force,
+                    Some(along) => {
+                        let of_m = |(m, &b): (usize, &usize)| gap.hessian(l, m) * along[b];
+                        forces[a] +=
+                            gap.nodes().iter().enumerate().map(of_m).sum::<Vector<D>>() * force;
+                    }
+                }
+            }
+        }
+        (energy, forces, feet)
+    }
+
+    fn are_derivatives(&self) {
+        let x = &self.case.x;
+        let along: Vec<_> = (0..x.len())
+            .map(|a| Vector::from_fn(|i, _| bump(3 * a + i, 0.25)))
+            .collect();
+        let (_, gradient, feet) = self.forces(x, None);
+        let (_, second, _) = self.forces(x, Some(&along));
+        assert!(feet.len() > 5, "{feet:?}");
+        let (mut slope, mut difference) = (0.0, vec![Vector::zeros(); x.len()]);
+        for (coefficient, steps) in DIFFERENCE {
+            let moved = x.iter().zip(&along).map(|(x, d)| x + d * (steps * STEP));
+            let (energy, forces, others) = self.forces(&moved.collect::<Vec<_>>(), None);
+            assert_eq!(others, feet, "the same side of every kink");
+            slope += energy * coefficient / STEP;
+            let all = difference.iter_mut().zip(&forces);
+            all.for_each(|(sum, force)| *sum += force * (coefficient / STEP));
+        }
+        let products = gradient.iter().zip(&along).map(|(f, d)| f.dot(d));
+        let error = (products.sum::<f64>() - slope).abs();
+        let errors = second.iter().zip(&difference).map(|(a, b)| (a - b).amax());
+        let second_error = errors.fold(0.0, f64::max);
+        println!(
+            "{:?} {D}: weak gaps {error:e}, their forces {second_error:e}",
+            self.case.order
+        );
+        assert!(
+            error < 1e-9 && second_error < 1e-8,
+            "{error:e} {second_error:e}"
+        );
+    }
+}
+
+/// To round-off on flat facets, on curved ones as far as feet are found.
+#[test]
+fn rows_and_their_forces() {
+    for (order, most) in [(Order::Linear, 1e-14), (Order::Quadratic, 1e-8)] {
+        let (plane, space) = (Pair::<2>::new(order), Pair::<3>::new(order));
+        let errors = [plane.are_rows(4), space.are_rows(2)];
+        println!("{order:?}: rows {errors:?}");
+        assert!(errors.iter().all(|e| *e < most), "{errors:?}");
+        plane.are_derivatives();
+        space.are_derivatives();
+    }
+}
