@@ -100,7 +100,7 @@ where
         let mesh = self.problem.scene().bodies()[body].mesh();
         let u = &self.u[self.problem.nodes(body)];
         let point: [f64; D] = (*X).into();
-        let candidates = self.cells[body].locate_all_at_point(&point);
+        let candidates = self.cells[body].locate_all_at_point(point);
         let found = candidates.map(|cell| {
             let nodes = mesh.cell(cell.data);
             match mesh.order() {

@@ -54,7 +54,7 @@ impl<const D: usize> Motion<'_, D> {
         let tree = RTree::bulk_load(self.swept_facets(master));
         let ways = slave.nodes().iter().enumerate().map(|(k, &node)| {
             let path = AABB::from_corners(self.before[node].into(), self.after[node].into());
-            let near = tree.locate_in_envelope_intersecting(&path);
+            let near = tree.locate_in_envelope_intersecting(path);
             let facets = near.map(|facet| self.corners(master, facet.data));
             let others = facets.filter(|corners| !corners.contains(&node));
             let crossings = others.filter_map(|corners| self.crossing(node, &corners));

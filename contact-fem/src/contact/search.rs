@@ -117,7 +117,7 @@ impl<const D: usize> Master<D> {
 
     /// The closest point to `x`, or `None` if the surface has no facet.
     pub fn project(&self, x: &Vector<D>) -> Option<Projection<D>> {
-        let leaf = self.tree().nearest_neighbor(&(*x).into())?;
+        let leaf = self.tree().nearest_neighbor((*x).into())?;
         Some(self.project_on(leaf, x))
     }
 
@@ -145,7 +145,7 @@ impl<const D: usize> Master<D> {
             let nodes = self.surface().facet(facet).iter();
             nodes.map(|&b| self.surface().nodes()[b]).any(is_own)
         };
-        let nearest = self.tree().nearest_neighbor_iter_with_distance_2(&x);
+        let nearest = self.tree().nearest_neighbor_iter_with_distance_2(x);
         nearest
             .take_while(|(_, distance_2)| *distance_2 <= reach_2)
             .filter(|(leaf, _)| !neighbour(leaf.index))
@@ -192,7 +192,7 @@ impl<const D: usize> Master<D> {
         let closer = (p.distance * (1.0 - Self::OFF_THE_END)).powi(2);
         let mut others = self
             .tree()
-            .locate_in_envelope_intersecting(&at_foot)
+            .locate_in_envelope_intersecting(at_foot)
             .filter(meets);
         !others.any(|leaf| leaf.distance_2(&x) < closer)
     }

@@ -106,7 +106,7 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
         let edges = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
         for (i, j) in edges {
             let edge = [x[i], x[j]];
-            for other in tree.locate_in_envelope_intersecting(&bounding_box(&edge)) {
+            for other in tree.locate_in_envelope_intersecting(bounding_box(&edge)) {
                 let (other_nodes, other) = &other.data;
                 if neighbours(nodes, other_nodes) {
                     continue;
@@ -155,7 +155,7 @@ fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Resul
             let neighbour = a == b && cell.iter().any(|node| cells[owner].contains(node));
             !neighbour && lambda.iter().all(|&l| l >= 0.0) && lambda.sum() <= 1.0
         };
-        let mut near = tree.locate_all_at_point(&centroid.into());
+        let mut near = tree.locate_all_at_point(centroid.into());
         let Some(found) = near.find(|cell| holds(cell.data)) else {
             continue;
         };
