@@ -90,3 +90,53 @@ impl<const D: usize> Problem<D> {
         J.into_iter().filter(|J| J.is_nan() || *J <= 0.0).count()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use contact_core::LoadStepped;
+    use contact_core::gaps::Sampling;
+
+    use crate::mesh::generators::{Diagonals, rectangle};
+    use crate::{Body, NeoHookean, Scene};
+
+    /// A square of weight 5, hung up on top, on one that does not move at all.
+    #[test]
+    fn supports_carry_contact_and_weight() {
+        let square = |y: f64| {
+            let mesh = rectangle(&[0.0, 0.5, 1.0], &[y, y + 1.0], Diagonals::Rising);
+            Body::new(mesh.expect("mesh"), NeoHookean::new(1.0, 0.3).expect("law"))
+        };
+        let (mut lower, mut upper) = (square(0.0), square(1.0));
+        lower.prescribe_all([Some(0.0); 2]).expect("support");
+        upper.prescribe("top", [Some(0.0); 2]).expect("support");
+        upper.body_force([0.0, -5.0]).expect("load");
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", lower);
+        let upper = scene.add("upper", upper);
+        scene
+            .contact(lower.on("top"), upper.on("bottom"))
+            .expect("a pair");
+        let mut problem = scene.problem().expect("a problem");
+        problem.set_load(1.0).expect("load");
+        let u = vec![0.0; problem.dofs().free()];
+        let gaps = problem.rows(&u, Sampling::Nodes);
+        assert_eq!(gaps.len(), 6);
+
+        // where nothing is strained, the residual is minus the load
+        let residual = problem.residual(upper, &u);
+        assert!((residual.iter().sum::<f64>() - 5.0).abs() < 1e-14);
+        let forces = problem.contact_forces(&gaps, &[2.0; 6]);
+        let reactions = problem.reactions(&u, &forces);
+        let expected = [2.0 * 6.0, 5.0 / 2.0];
+        for (reaction, force) in reactions.iter().zip(expected) {
+            assert!(reaction[0].abs() < 1e-14 && (reaction[1] - force).abs() < 1e-14);
+        }
+        // both sides carry the same force on an area of 1, the middle node's share is the half
+        for pressure in problem.pressures(&u, &gaps, &[2.0; 6]).expect("pressures") {
+            let resultant = (pressure[0] + 2.0 * pressure[1] + pressure[2]) / 4.0;
+            assert!((resultant - 12.0).abs() < 1e-12, "{pressure:?}");
+        }
+        assert_eq!(problem.min_j(&u), 1.0);
+        assert_eq!(problem.penetration(&u), 0.0);
+    }
+}
