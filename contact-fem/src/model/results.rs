@@ -136,7 +136,7 @@ mod tests {
             let resultant = (pressure[0] + 2.0 * pressure[1] + pressure[2]) / 4.0;
             assert!((resultant - 12.0).abs() < 1e-12, "{pressure:?}");
         }
-        assert_eq!(problem.min_j(&u), 1.0);
+        assert_eq!(problem.inverted(&u), 0);
         assert_eq!(problem.penetration(&u), 0.0);
     }
 }
