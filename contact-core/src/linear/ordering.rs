@@ -6,7 +6,7 @@ use super::{FactorError, SymmetricPattern};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Ordering {
-    /// Nested dissection where it was measured to pay, minimum degree elsewhere.
+    /// Minimum degree, or nested dissection where the factor is large for its unknowns and that makes it smaller.
     #[default]
     Automatic,
     /// As the unknowns are numbered.
@@ -185,6 +185,33 @@ mod tests {
             elimination_tree(&pattern, &post).expect("a permutation"),
             [6, 2, 5, 4, 5, 6]
         );
+    }
+
+    /// The middle line of a grid separates its halves: METIS eliminates about so many unknowns last, and every one once.
+    #[cfg(feature = "metis")]
+    #[test]
+    fn metis_dissects_a_grid() {
+        let (width, height) = (9, 41);
+        let mut edges = Vec::new();
+        for k in 0..width * height {
+            edges.extend((k % width > 0).then(|| (k, k - 1)));
+            edges.extend((k >= width).then(|| (k, k - width)));
+        }
+        let (pattern, _) =
+            SymmetricPattern::from_entries(width * height, &edges).expect("in range");
+        let order = nested_dissection(&pattern).expect("METIS is there");
+        assert!(inverse(&order).is_ok());
+        assert_eq!(postordered(&pattern, &order).expect("a permutation"), order);
+        let separator = order[order.len() - width..].iter().map(|k| k / width);
+        assert!(
+            separator
+                .clone()
+                .all(|row| row.abs_diff(height / 2) < height / 4)
+        );
+        let none = SymmetricPattern::from_entries(3, &[(1, 1)])
+            .expect("in range")
+            .0;
+        assert_eq!(nested_dissection(&none), Some(vec![0, 1, 2]));
     }
 
     #[test]

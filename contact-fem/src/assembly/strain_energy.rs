@@ -154,11 +154,15 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         mut visit: impl FnMut(&E::PerNode<usize>, &[Point<D, E>], &[Deformation<D>]),
     ) {
         let mut trial = lock(&self.trial);
-        let points = trial.at(u, || {
-            self.assembled().flat_map(|(cell, points)| {
+        let points = trial.at(u, |deformations| {
+            deformations.reserve_exact(self.points.len());
+            for (cell, points) in self.assembled() {
                 let local = self.gather(cell, u);
-                points.iter().map(move |point| point.deformation(&local))
-            })
+                let at = points
+                    .iter()
+                    .map(|point| Deformation::new(point.deformation(&local)));
+                deformations.extend(at);
+            }
         });
         let cells = points.chunks_exact(E::QUADRATURE.len());
         for ((cell, points), at) in self.assembled().zip(cells) {

@@ -1,7 +1,6 @@
 //! What all evaluations at one trial u share.
 
 use crate::material::Deformation;
-use crate::tensor::Matrix;
 
 /// The deformation at every quadrature point at the u asked for last.
 ///
@@ -23,16 +22,16 @@ impl<const D: usize> Default for Trial<D> {
 }
 
 impl<const D: usize> Trial<D> {
-    /// The deformations at u; `compute` yields every F where they are not known.
-    pub fn at<I: Iterator<Item = Matrix<D>>>(
+    /// The deformations at u; `push` is to append each where they are not known.
+    pub fn at(
         &mut self,
         u: &[f64],
-        compute: impl FnOnce() -> I,
+        push: impl FnOnce(&mut Vec<Deformation<D>>),
     ) -> &[Deformation<D>] {
         if !(self.is_valid && self.u == u) {
             self.is_valid = false; // until all is there
             self.points.clear();
-            self.points.extend(compute().map(Deformation::new));
+            push(&mut self.points);
             self.u.clear();
             self.u.extend_from_slice(u);
             self.is_valid = true;
