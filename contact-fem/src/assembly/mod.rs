@@ -38,8 +38,6 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     fn assembled_cells(&self) -> usize;
     /// The median of the Hessian's diagonal (UF/UL) at no displacement.
     fn typical_stiffness(&self) -> f64;
-    /// Whether the law is meant for small strains with geometry frozen at X.
-    fn is_small_strain(&self) -> bool;
 }
 
 /// Stress and volume change in one cell.

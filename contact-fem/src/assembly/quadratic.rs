@@ -104,8 +104,4 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticE
     fn typical_stiffness(&self) -> f64 {
         self.elastic.typical_stiffness()
     }
-
-    fn is_small_strain(&self) -> bool {
-        true
-    }
 }

@@ -43,7 +43,6 @@ pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     extension: Mutex<Option<Extension<D>>>,
     trial: Mutex<Trial<D>>,
     typical_stiffness: f64,
-    hessian_is_constant: bool,
 }
 
 impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
@@ -78,18 +77,9 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             trial: Mutex::default(),
             dofs,
             typical_stiffness: 0.0,
-            hessian_is_constant: M::QUADRATIC,
         };
         energy.typical_stiffness = energy.median_diagonal();
         energy
-    }
-
-    /// The same energy, which does not tell that its Hessian is constant if it is.
-    pub fn with_changing_hessian(self) -> Self {
-        StrainEnergy {
-            hessian_is_constant: false,
-            ..self
-        }
     }
 
     /// The median of the Hessian's diagonal at u = 0 and the present load; 0 without free dofs.
@@ -309,7 +299,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     }
 
     fn is_quadratic(&self) -> bool {
-        self.hessian_is_constant
+        M::QUADRATIC
     }
 
     fn domain_len(&self) -> usize {
@@ -391,9 +381,5 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
 
     fn typical_stiffness(&self) -> f64 {
         self.typical_stiffness
-    }
-
-    fn is_small_strain(&self) -> bool {
-        M::QUADRATIC
     }
 }
