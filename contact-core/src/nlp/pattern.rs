@@ -40,7 +40,8 @@ impl Entries {
 }
 
 impl Pattern {
-    /// The entries (`rows[k]`, `cols[k]`). That there are as many rows as columns is for [`Structure::new`] to check.
+    /// The entries (`rows[k]`, `cols[k]`). That there are as many rows as columns is for
+    /// [`Structure::new`](super::Structure::new) to check.
     pub fn new(rows: Vec<usize>, cols: Vec<usize>) -> Self {
         Self(Arc::new(Entries::new(rows, cols)))
     }
