@@ -66,7 +66,7 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
 
     fn validate(&self) -> Result<(), Error> {
         let is_share = self.tolerance > 0.0 && self.tolerance < 1.0;
-        let remedy = "choose it between 0 and 1, 1e-6 by default";
+        let remedy = "choose a value between 0 and 1; the default is 1e-6";
         Error::check_setting(is_share, "tolerance", self.tolerance, remedy)?;
         if self.max_iterations == 0 {
             return Err(Error::Setting {
