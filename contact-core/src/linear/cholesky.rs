@@ -16,8 +16,12 @@ use faer::{Conj, MatMut, Par, Side};
 use super::ordering::{inverse, nested_dissection};
 use super::{Factor, FactorError, Inertia, Ordering, SymmetricPattern};
 
-/// What the factors of all matrices of one pattern share: the order of elimination and the places of their entries. A
-/// clone shares it.
+/// The number of right-hand sides solved at once: enough for dense blocks, few enough for the caches. The memory of a
+/// solve grows with it.
+const COLUMNS: usize = 64;
+
+/// The symbolic analysis of a pattern: the elimination order and the pattern of the factor, common to all matrices of
+/// that pattern. Clones share it.
 #[derive(Clone, Debug)]
 pub struct Analysis {
     pattern: SymmetricPattern,
@@ -28,14 +32,14 @@ impl Analysis {
     /// Analyses the pattern.
     ///
     /// # Errors
-    /// An order that is none, a pattern too large.
+    /// An elimination order that is not a permutation, or a pattern that is too large.
     pub fn new(pattern: &SymmetricPattern, ordering: &Ordering) -> Result<Self, FactorError> {
         let n = pattern.dim();
         let order = match ordering {
             Ordering::MinimumDegree => None,
             Ordering::Automatic if !pays(pattern) => None,
             Ordering::Automatic | Ordering::NestedDissection => nested_dissection(pattern),
-            // faer takes the lower triangle for the upper one where it is not to permute
+            // without a permutation faer reads the lower triangle as the upper one
             Ordering::Natural => Some((0..n).collect()),
             Ordering::Given(order) if order.len() != n => return Err(FactorError::Order { n }),
             Ordering::Given(order) => Some(order.clone()),
@@ -61,7 +65,7 @@ impl Analysis {
         &self.pattern
     }
 
-    /// Entries of the factor L, with the zeros that its dense blocks hold.
+    /// The number of stored entries of the factor L, including zeros in its dense blocks.
     pub fn fill(&self) -> usize {
         self.symbolic.len_val()
     }
@@ -72,7 +76,7 @@ impl Analysis {
     }
 }
 
-/// Whether nested dissection pays.
+/// Whether nested dissection is faster for this pattern.
 fn pays(pattern: &SymmetricPattern) -> bool {
     let _ = pattern;
     false
@@ -91,13 +95,13 @@ fn symbolic(pattern: &SymmetricPattern) -> SymbolicSparseColMatRef<'_, usize> {
     SymbolicSparseColMatRef::new_checked(n, n, pattern.starts(), None, pattern.rows())
 }
 
-/// What is factored.
+/// The kind of factorisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A = LLᵀ: positive definite matrices only, backward stable.
     Llt,
-    /// A = LDLᵀ with a diagonal D, whose signs are the inertia, and no pivoting. Indefinite matrices may need
-    /// pivoting; then there is an error, or a solution less accurate than its residual would have to be.
+    /// A = LDLᵀ without pivoting, where the signs of the diagonal D are the inertia. An indefinite matrix that needs
+    /// pivoting gives an error or a solution with a large residual.
     Ldlt,
 }
 
@@ -110,7 +114,7 @@ pub struct Cholesky {
     /// Σ_k l_ik² |d_k| of each row of L, by step.
     scales: Vec<f64>,
     memory: MemBuffer,
-    /// How many right-hand sides at once `memory` suffices for.
+    /// The number of right-hand sides at once for which `memory` suffices.
     columns: usize,
 }
 
@@ -139,11 +143,8 @@ impl Panel<'_> {
     }
 }
 
-/// So many right-hand sides are solved at once: enough for dense blocks, few enough for the caches.
-const COLUMNS: usize = 64;
-
 impl Cholesky {
-    /// A factor of no matrix yet, with the memory that one needs.
+    /// Allocates the memory of a factor; no matrix is factored yet.
     ///
     /// # Errors
     /// Too little memory.
@@ -159,12 +160,12 @@ impl Cholesky {
         })
     }
 
-    /// The analysis that it follows.
+    /// The symbolic analysis.
     pub fn analysis(&self) -> &Analysis {
         &self.analysis
     }
 
-    /// The columns of L in the order of elimination; of no meaning where no matrix is factored.
+    /// The columns of L in the order of elimination; meaningless while no matrix is factored.
     pub fn panels(&self) -> impl Iterator<Item = Panel<'_>> {
         let raw = self.analysis.symbolic.raw();
         let count = match raw {
@@ -195,7 +196,7 @@ impl Cholesky {
         })
     }
 
-    /// Computes L; at failure the step whose pivot is bad.
+    /// Computes L; the error is the step of the pivot that failed.
     fn factor(&mut self, values: &[f64]) -> Result<(), usize> {
         let lower = SparseColMatRef::new(symbolic(&self.analysis.pattern), values);
         let (symbolic, memory) = (&self.analysis.symbolic, MemStack::new(&mut self.memory));
@@ -223,10 +224,10 @@ impl Cholesky {
         }
     }
 
-    /// The signs of the pivots; at failure the first step whose pivot is zero to working precision.
+    /// The signs of the pivots; the error is the first step whose pivot is zero to working precision.
     ///
-    /// The pivot d_i = a_ii − Σ_k<i l_ik² d_k carries the round-off of its terms. Where they are so large that the
-    /// entries of A drown in it, the factor is of no use either.
+    /// The pivot d_i = a_ii − Σ_k<i l_ik² d_k carries the round-off of its terms. It is also rejected if these terms
+    /// are so large that their round-off exceeds the entries of A.
     fn inertia(&mut self, largest: f64) -> Result<Inertia, usize> {
         let n = self.scales.len();
         let mut inertia = Inertia {
@@ -260,7 +261,7 @@ impl Cholesky {
     }
 }
 
-/// What factoring and solving with `columns` right-hand sides need.
+/// The memory for factoring and for solving with `columns` right-hand sides.
 fn memory(analysis: &Analysis, kind: Kind, columns: usize) -> Result<MemBuffer, FactorError> {
     let (symbolic, par) = (&analysis.symbolic, Par::Seq);
     let factor = match kind {

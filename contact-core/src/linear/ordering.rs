@@ -1,4 +1,4 @@
-//! In which order unknowns are eliminated.
+//! Elimination orders.
 
 use super::{FactorError, SymmetricPattern};
 
@@ -6,21 +6,21 @@ use super::{FactorError, SymmetricPattern};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Ordering {
-    /// Nested dissection where it was measured to pay, minimum degree elsewhere.
+    /// Nested dissection where it was measured to be faster, minimum degree elsewhere.
     #[default]
     Automatic,
-    /// As the unknowns are numbered.
+    /// The numbering of the unknowns.
     Natural,
     /// Approximate minimum degree (AMD).
     MinimumDegree,
     /// Nested dissection by METIS; minimum degree without the feature `metis`.
     NestedDissection,
-    /// The k-th unknown eliminated is the k-th of these.
+    /// The unknowns in the order of their elimination.
     Given(Vec<usize>),
 }
 
-/// The same elimination by a postorder of its tree: columns of the factor with the same entries then follow each
-/// other, and are computed as one dense block. The factor has as many entries as before.
+/// The postorder of the elimination tree of `order`. Columns of the factor with the same pattern are then adjacent and
+/// are computed as one dense block. The number of entries of the factor does not change.
 ///
 /// # Errors
 /// `order` does not name each unknown once.
@@ -98,18 +98,18 @@ fn elimination_tree(
     Ok(parents)
 }
 
-/// Nested dissection of the pattern's graph, postordered; nothing where METIS is not there or fails.
+/// `None`: nested dissection needs the feature `metis`.
 #[cfg(not(feature = "metis"))]
 pub(super) fn nested_dissection(_: &SymmetricPattern) -> Option<Vec<usize>> {
     None
 }
 
-/// Nested dissection of the pattern's graph, postordered; nothing where METIS is not there or fails.
+/// Nested dissection of the pattern's graph by METIS, postordered; `None` if METIS fails.
 #[cfg(feature = "metis")]
 pub(super) fn nested_dissection(pattern: &SymmetricPattern) -> Option<Vec<usize>> {
     use std::sync::Mutex;
 
-    /// METIS draws from the process's one source of random numbers, seeded at its start.
+    /// METIS seeds and uses the random number generator of the process, so that only one call may run at a time.
     static METIS: Mutex<()> = Mutex::new(());
 
     let mut n = metis_sys::idx_t::try_from(pattern.dim()).ok()?;
@@ -141,7 +141,7 @@ pub(super) fn nested_dissection(pattern: &SymmetricPattern) -> Option<Vec<usize>
     postordered(pattern, &order).ok()
 }
 
-/// The neighbours of each unknown, one after the other, and where they start; nothing if METIS cannot count them.
+/// The adjacency lists of all unknowns and the start of each; `None` if they exceed the indices of METIS.
 #[cfg(feature = "metis")]
 fn graph(pattern: &SymmetricPattern) -> Option<(Vec<metis_sys::idx_t>, Vec<metis_sys::idx_t>)> {
     let mut starts = vec![0usize; pattern.dim() + 2];
