@@ -1,26 +1,27 @@
-//! Conformance: do the derivatives of an [`Energy`] or an [`Nlp`](crate::nlp::Nlp) belong to its values?
+//! Conformance checks: the derivatives of an [`Energy`] or an [`Nlp`](crate::nlp::Nlp) against finite differences.
 
 mod derivatives;
 
 pub use self::derivatives::{Derivative, Differences, Finding, nlp};
 use crate::Energy;
 
-/// How far an energy's derivatives are from central differences of its lower derivatives, relative
-/// to the largest entry.
+/// Errors of an energy's derivatives against central differences of the derivatives one order lower,
+/// relative to the largest entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conformance {
     /// Gradient against differences of the value.
     pub gradient: f64,
     /// Hessian against differences of the gradient.
     pub hessian: f64,
-    /// Positions of the full Hessian that the pattern leaves out, largest difference there.
+    /// The largest difference at positions of the full Hessian that the pattern lacks.
     pub outside_pattern: f64,
 }
 
-/// Compares at `u` (n) with central differences of step `h` (UL) in every unknown: 4 n evaluations.
+/// Compares gradient and Hessian at `u` (n) with central differences of step `h` (UL) in every unknown, which takes
+/// 4 n evaluations.
 ///
 /// # Panics
-/// If `u` is not as long as the energy has unknowns.
+/// If `u` does not have [`Energy::dofs`] entries.
 pub fn energy(energy: &dyn Energy, u: &[f64], h: f64) -> Conformance {
     let n = energy.dofs();
     assert_eq!(u.len(), n, "check::energy: u has one entry per unknown");

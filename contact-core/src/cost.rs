@@ -1,17 +1,17 @@
-//! What solving costs: one additive account for subproblems, load steps and runs.
+//! Computational cost: one additive record for subproblems, load steps and runs.
 
 use std::iter::Sum;
 use std::ops::AddAssign;
 
-/// Counts, and seconds of wall time by phase. Costs add up: a load step's is the sum over its subproblems, a run's the
-/// sum over its load steps.
+/// Counts, and wall time by phase (s). Costs are additive: that of a load step is the sum over its subproblems, that of
+/// a run the sum over its load steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
     /// Iterations of the fixed point.
     pub fixed_point: usize,
-    /// Solves of the optimiser, cold retries included.
+    /// Solves by the optimiser, cold retries included.
     pub solves: usize,
-    /// Solves that were repeated cold because the warm start failed.
+    /// Solves repeated from a cold start because the warm start failed.
     pub cold_retries: usize,
     /// Iterations of the optimiser.
     pub iterations: usize,
@@ -29,9 +29,9 @@ pub struct Cost {
     pub callbacks: f64,
     /// Seconds inside the optimiser, callbacks excluded.
     pub optimizer: f64,
-    /// Seconds in all.
+    /// Seconds in total.
     pub wall: f64,
-    /// The largest factor, where the linear solver tells.
+    /// The largest factor, where the linear solver reports it.
     pub factor: Option<FactorSize>,
 }
 
@@ -40,16 +40,16 @@ pub struct Cost {
 pub struct FactorSize {
     /// The elimination order that the linear solver used.
     pub ordering: &'static str,
-    /// The bytes that the factor fills.
+    /// The size of the factor (bytes).
     pub bytes: u64,
-    /// The bytes that the linear solver allocated by its estimate, where the system tells.
+    /// The workspace that the linear solver allocated from its estimate (bytes), where the system reports it.
     pub workspace_bytes: Option<u64>,
-    /// How often the estimate was too small, in all solves.
+    /// How often the estimate was too small, summed over all solves.
     pub reallocations: usize,
 }
 
 impl FactorSize {
-    /// The larger one, with the reallocations of both.
+    /// The larger of the two, with the reallocations of both added.
     fn or_larger(self, other: Self) -> Self {
         let larger = if other.bytes > self.bytes {
             other

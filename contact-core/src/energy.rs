@@ -20,29 +20,29 @@ pub trait Energy {
     fn hessian_pattern(&self) -> &Pattern;
     /// ∇²E(u) into `values` (one per position); overwritten.
     fn hessian(&self, u: &[f64], values: &mut [f64]);
-    /// The unknowns of parts that the Hessian does not couple, ascending: the bodies.
+    /// Ranges of unknowns, ascending, that the Hessian does not couple with each other: one for each body.
     fn blocks(&self) -> Vec<Range<usize>> {
         std::iter::once(0..self.dofs()).collect()
     }
-    /// Whether E is quadratic, so that its Hessian need be evaluated only once.
+    /// Whether E is quadratic; its Hessian is then evaluated only once.
     fn is_quadratic(&self) -> bool {
         false
     }
-    /// How many functions d_k describe the domain { u : d_k(u) > 0 } on which E is finite.
+    /// The number of functions d_k that describe the domain { u : d_k(u) > 0 } on which E is finite.
     fn domain_len(&self) -> usize {
         0
     }
     /// The domain functions at u into `d`: in elasticity the volume ratios J.
     ///
-    /// A step that takes some d_k below a tenth of its last accepted value is refused by the
-    /// interior point method: elements that collapse within one line search never recover.
+    /// The interior point method refuses a step that takes some d_k below a tenth of its last
+    /// accepted value: elements that collapse within one line search never recover.
     fn domain(&self, _u: &[f64], _d: &mut [f64]) {}
 }
 
-/// E(u) = Σ_b E_b(u_b): bodies side by side, each with its own contiguous range of unknowns.
+/// E(u) = Σ_b E_b(u_b): independent bodies, each with its own contiguous range of unknowns.
 pub struct DirectSum<E> {
     parts: Vec<E>,
-    /// Where each part's unknowns, Hessian entries and domain functions start; one past the end last.
+    /// The first unknown, Hessian entry and domain function of each part, followed by their total number.
     dofs: Vec<usize>,
     entries: Vec<usize>,
     domains: Vec<usize>,
@@ -77,7 +77,7 @@ impl<E: Energy> DirectSum<E> {
         &self.parts
     }
 
-    /// The parts, to change their loads; their number of unknowns and patterns must stay.
+    /// The parts, to change their loads. Their numbers of unknowns and their patterns must not change.
     pub fn parts_mut(&mut self) -> &mut [E] {
         &mut self.parts
     }

@@ -1,7 +1,7 @@
-//! What can go wrong before or around a solve. An iteration limit is not an error: it is a status
-//! with its history, see [`Outcome`](crate::Outcome).
+//! Errors in the input to a solve, or reported by the problem or the optimiser. Failure to converge is not an error:
+//! it is a status with its history, see [`Outcome`](crate::Outcome).
 
-/// Errors of the optimisation layer. Each names the offending thing, its value and the remedy.
+/// Errors of the optimisation layer. Each names the offending quantity, its value and the remedy.
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -16,11 +16,11 @@ pub enum Error {
         expected: usize,
     },
     /// A number is NaN or infinite where a finite one is needed.
-    #[error("{what}[{index}] = {value} is not finite: check the input that it was made from")]
+    #[error("{what}[{index}] = {value} is not finite: check the input it was computed from")]
     NotFinite {
         /// Which argument.
         what: &'static str,
-        /// Where in it.
+        /// The index of the entry.
         index: usize,
         /// The value found.
         value: f64,
@@ -32,10 +32,10 @@ pub enum Error {
         name: &'static str,
         /// The value found.
         value: String,
-        /// What would be accepted.
+        /// The values that are accepted.
         remedy: &'static str,
     },
-    /// Bounds or patterns that cannot be.
+    /// Invalid bounds or sparsity patterns.
     #[error(transparent)]
     Nlp(#[from] crate::nlp::NlpError),
     /// The Ipopt driver refused the problem or an option.
@@ -47,7 +47,7 @@ pub enum Error {
     Problem(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// `Debug` is the message, since that is what `main` and `unwrap` show of an error.
+/// `Debug` prints the message, because `main` and `unwrap` show errors by their `Debug` form.
 macro_rules! debug_as_display {
     ($($error:ty),*) => {$(
         impl std::fmt::Debug for $error {
@@ -66,12 +66,12 @@ debug_as_display!(
 );
 
 impl Error {
-    /// Wraps an error of a [`ContactProblem`](crate::ContactProblem)'s own.
+    /// Wraps an error type that a [`ContactProblem`](crate::ContactProblem) defines itself.
     pub fn problem(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Error::Problem(Box::new(error))
     }
 
-    /// Checks a number among the settings.
+    /// [`Error::Setting`] unless the setting `is_valid`.
     pub(crate) fn check_setting(
         is_valid: bool,
         name: &'static str,

@@ -1,6 +1,6 @@
 //! The linearised weak non-penetration constraints c(u) = C u + c₀ ≥ 0.
 
-/// What a row of gaps speaks for.
+/// The part of a surface that a row of gaps stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
     /// A contact node: its mean gap, weighted with the node's test function.
@@ -9,27 +9,27 @@ pub enum Sampling {
     Points,
 }
 
-/// Which constraint a row is: the same key names the same contact node in the same role in every
-/// fixed-point iteration and load step, so that multipliers can be carried along.
+/// Identifies a constraint. A key denotes the same contact node in the same role in every fixed-point
+/// iteration and load step, so that multipliers can be carried over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RowKey {
-    /// The pass: one per ordered pair (slave surface, master surface).
+    /// The pass: one for each ordered pair (slave surface, master surface).
     pub pass: u32,
-    /// The slave node, or the number of the integration point in the pass.
+    /// The slave node, or the index of the integration point within the pass.
     pub node: u32,
 }
 
-/// One sparse row under construction or in transit: entries `(dof, coefficient)` over the FREE
-/// and over the PRESCRIBED unknowns, and the constant.
+/// One sparse row, to be appended to [`LinearGaps`] or copied from it: entries `(dof, coefficient)` of
+/// the FREE and of the PRESCRIBED unknowns, and the constant.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Coefficients of free unknowns, at most one entry per unknown.
     pub free: Vec<(usize, f64)>,
-    /// Coefficients of prescribed unknowns; their contribution is already part of `constant`.
+    /// Coefficients of prescribed unknowns; `constant` already contains their contribution.
     pub prescribed: Vec<(usize, f64)>,
     /// c₀ of this row (UL).
     pub constant: f64,
-    /// a_i, the reference measure of the surface that this row speaks for (UL in the plane, UL² in
+    /// a_i, the reference measure of the surface that this row stands for (UL in the plane, UL² in
     /// space); 1 where there is no surface.
     pub weight: f64,
 }
@@ -45,7 +45,7 @@ impl Default for Row {
     }
 }
 
-/// Rows of a sparse matrix, compressed.
+/// A sparse matrix in compressed rows.
 #[derive(Clone, Debug)]
 struct Rows {
     starts: Vec<usize>,
@@ -99,7 +99,7 @@ pub struct LinearGaps {
 }
 
 impl LinearGaps {
-    /// No rows yet. `exact` says that the constraints are linear by nature (small strain), so that
+    /// Constraints without rows. `exact` states that they are linear in u (small strain), so that
     /// one solve suffices.
     pub fn new(exact: bool) -> Self {
         LinearGaps {
@@ -113,8 +113,8 @@ impl LinearGaps {
         }
     }
 
-    /// These rows and `others`, pass after pass: what Algorithm 2 forms in step 4 of the rows of both
-    /// roles. Within a pass these come first, each kind in its order.
+    /// The union of these rows and `others`, merged pass by pass: step 4 of Algorithm 2, which joins the
+    /// rows of both roles. Within a pass these rows precede `others`; either keep their order.
     pub fn and(self, others: LinearGaps) -> LinearGaps {
         if others.is_empty() {
             return self;
@@ -145,7 +145,7 @@ impl LinearGaps {
         }
     }
 
-    /// Rows that speak for something else than contact nodes.
+    /// These constraints with another [`Sampling`]; the default is [`Sampling::Nodes`].
     pub fn sampled_at(self, sampling: Sampling) -> Self {
         LinearGaps { sampling, ..self }
     }
@@ -169,17 +169,17 @@ impl LinearGaps {
         self.keys.is_empty()
     }
 
-    /// Whether the rows hold for every u and not just near the point they were linearised at.
+    /// Whether the rows hold for every u, not only near the point of linearisation.
     pub fn is_exact(&self) -> bool {
         self.exact
     }
 
-    /// What the rows speak for.
+    /// The parts of the surface that the rows stand for.
     pub fn sampling(&self) -> Sampling {
         self.sampling
     }
 
-    /// The rows' names.
+    /// The key of each row (m).
     pub fn keys(&self) -> &[RowKey] {
         &self.keys
     }
@@ -189,7 +189,7 @@ impl LinearGaps {
         &self.constant
     }
 
-    /// a_i (m), the reference measure that each row speaks for.
+    /// a_i (m), the reference measure of each row.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
@@ -199,7 +199,7 @@ impl LinearGaps {
         (0..self.len()).flat_map(|i| self.free.row(i).map(move |(j, a)| (i, j, a)))
     }
 
-    /// The row at a position, to be appended elsewhere.
+    /// A copy of row `i`, to be appended elsewhere.
     pub fn row(&self, i: usize) -> Row {
         Row {
             free: self.free.row(i).collect(),

@@ -1,16 +1,16 @@
-//! Two things: a safe driver of Ipopt for problems of any kind, and contact as an optimisation problem in ℝⁿ, with no
-//! mesh and no space dimension in sight.
+//! This crate has two parts: a safe driver of Ipopt for nonlinear problems of any kind, and contact as an optimisation
+//! problem in ℝⁿ, which needs neither a mesh nor a space dimension.
 //!
 //! # Ipopt
-//! **To solve min f(x) subject to x_L ≤ x ≤ x_U and g_L ≤ g(x) ≤ g_U, go to [`ipopt`]**, which leads from zero to a
-//! first solution; [`nlp`] has the trait of a problem, and [`check::nlp`] compares its derivatives with differences.
-//! Nothing of the rest is needed for it.
+//! **To solve min f(x) subject to x_L ≤ x ≤ x_U and g_L ≤ g(x) ≤ g_U, start with [`ipopt`]**, which explains every step
+//! to a first solution. [`nlp`] defines the trait of a problem; [`check::nlp`] compares its derivatives with finite
+//! differences. This part does not depend on the other one.
 //!
 //! # Contact
 //! A [`Method`] minimises an [`Energy`] under linearised gap constraints [`LinearGaps`]. A [`FixedPoint`]
-//! repeats that with fresh constraints until the displacement stands still (Algorithm 2 of Houssein,
-//! Garnotel and Hecht); it is one [`Equilibrium`], a way to solve one load. [`LoadSteps`] walks the load
-//! up to its full value. Whoever states a [`ContactProblem`] gets the rest from here.
+//! linearises the constraints anew and minimises again until the displacement no longer changes (Algorithm 2
+//! of Houssein, Garnotel and Hecht). It implements [`Equilibrium`], which solves for one load. [`LoadSteps`]
+//! raises the load step by step to its full value. All of them work on any [`ContactProblem`].
 //!
 //! | level | result | how it ended |
 //! |---|---|---|
@@ -18,7 +18,7 @@
 //! | load step | [`Solution`](equilibrium::Solution) | [`Outcome`] |
 //! | run | [`Run`](load_steps::Run) | [`Ending`] |
 //!
-//! What each took is a [`Cost`], and costs add up.
+//! Each level reports a [`Cost`]; costs are additive.
 //!
 //! # Glossary
 //!
@@ -31,7 +31,7 @@
 //! | λ ≥ 0 | multipliers of the gaps, each a compressive force (UF): ∇E = Cᵀλ |
 //! | UF, UL | the user's units of force and length |
 #![allow(non_snake_case)]
-// The front page leads to the module of a feature.
+// The front page links to a module that exists with the feature `ipopt` only.
 #![cfg_attr(not(feature = "ipopt"), allow(rustdoc::broken_intra_doc_links))]
 
 pub mod check;

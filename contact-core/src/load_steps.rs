@@ -11,16 +11,16 @@ pub trait LoadStepped: ContactProblem {
     /// Sets loads and prescribed displacements to `factor` times their full value.
     fn set_load(&mut self, factor: f64) -> Result<(), Error>;
 
-    /// Whether the bodies have gone through each other at `u`, or on the way there from `last`,
-    /// converged at load factor `from`, and how far (UL): weak constraints leave a little, but what
-    /// exceeds a facet was missed by the search. By default nothing is known of that. A step that
-    /// tunnels is not accepted but cut.
+    /// The depth (UL) to which bodies penetrate or have passed through each other at `u`, or on the
+    /// way there from `last`, converged at load factor `from`; `None` if they have not. Weak
+    /// constraints leave a small penetration; one deeper than a facet was missed by the contact
+    /// search. A step that tunnels is rejected and cut back. The default does not check.
     fn tunnels(&self, _u: &[f64], _last: &[f64], _from: f64) -> Option<f64> {
         None
     }
 
-    /// Where to start towards the present load from `u`, converged at load factor `from`: the free
-    /// unknowns follow the prescribed ones. By default they stay behind.
+    /// The start for the present load, from `u` converged at load factor `from`, with the free
+    /// unknowns moved along with the prescribed ones. The default returns `u`.
     fn lift(&self, u: &[f64], _from: f64) -> Vec<f64> {
         u.to_vec()
     }
@@ -29,14 +29,14 @@ pub trait LoadStepped: ContactProblem {
 /// Settings of the load stepping.
 #[derive(Clone, Debug)]
 pub struct LoadSteps {
-    /// Equal increments from no load to full load.
+    /// The number of equal increments from zero to full load.
     pub increments: usize,
-    /// How often an increment may be halved before the run gives up, at most 16 times.
+    /// How often an increment may be halved before the run ends as not converged; at most 16.
     pub max_halvings: usize,
-    /// Start each increment from the line through the last two converged states, where that is
-    /// admissible.
+    /// Whether each increment starts from the linear extrapolation of the last two converged
+    /// states, where that is admissible.
     pub predictor: bool,
-    /// The request to stop, which the run looks at in every iteration.
+    /// The request to stop, checked in every iteration.
     pub stop: Stop,
 }
 
@@ -54,11 +54,11 @@ impl Default for LoadSteps {
 /// One attempt at a load step, converged or not.
 #[derive(Clone, Debug)]
 pub struct Attempt {
-    /// Load factor it started from.
+    /// The load factor of the start.
     pub from: f64,
-    /// Load factor it aimed at.
+    /// The load factor to reach.
     pub to: f64,
-    /// How the fixed point ended.
+    /// The outcome of the attempt.
     pub outcome: Outcome,
     /// Whether the start was extrapolated.
     pub predicted: bool,
@@ -66,13 +66,13 @@ pub struct Attempt {
     pub energy: f64,
     /// The smallest domain function (volume ratio J) at its end; `+∞` where there is none.
     pub min_domain: f64,
-    /// The iterations that it took.
+    /// The iterations of the attempt.
     pub iterations: Vec<Iteration>,
-    /// Their cost, and all seconds of the attempt.
+    /// Their cost; `wall` is the time of the whole attempt.
     pub cost: Cost,
 }
 
-/// A run's end and history.
+/// The ending and history of a run over all load steps.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// How it ended.
@@ -83,30 +83,30 @@ pub struct Run {
     pub state: State,
     /// The last converged solution with its rows and multipliers; `None` if no step converged.
     pub solution: Option<Solution>,
-    /// Every attempt in order; those that did not converge are followed by smaller ones.
+    /// Every attempt in order. One that did not converge is followed by a smaller step.
     pub attempts: Vec<Attempt>,
 }
 
 impl Run {
-    /// Attempts that did not converge and were cut.
+    /// The number of attempts that did not converge.
     pub fn cuts(&self) -> usize {
         let failed = |attempt: &&Attempt| attempt.outcome != Outcome::Converged;
         self.attempts.iter().filter(failed).count()
     }
 
-    /// What all attempts cost.
+    /// The cost of all attempts.
     pub fn cost(&self) -> Cost {
         self.attempts.iter().map(|attempt| attempt.cost).sum()
     }
 }
 
-/// What the observer of a run sees after every converged step.
+/// A converged step, as the observer of a run sees it.
 pub struct Step<'a, P: ?Sized> {
     /// The problem at this load.
     pub problem: &'a P,
     /// The load factor.
     pub factor: f64,
-    /// Which increment this step completes, or `None` within one that was cut.
+    /// The increment that this step completes, counted from 1; `None` within an increment that was cut.
     pub increment: Option<usize>,
     /// The converged solution.
     pub solution: &'a Solution,
@@ -122,11 +122,13 @@ struct Milestone {
 }
 
 impl LoadSteps {
-    /// Domain functions may shrink to this share of their value in one predictor step.
+    /// The predictor is rejected if it takes a domain function (J) below this share of its converged value.
     const GUARD: f64 = 0.1;
-    /// Load factors closer than this are the same.
+    /// Load factors (dimensionless, 1 at full load) that differ by less are equal.
     const CLOSE: f64 = 1e-12;
+    /// The largest number of increments accepted.
     const MOST_INCREMENTS: usize = 1_000_000;
+    /// The largest number of halvings accepted: smaller steps are lost in round-off.
     const MOST_HALVINGS: usize = 16;
 
     /// Checks the settings.
@@ -155,11 +157,11 @@ impl LoadSteps {
         Ok(())
     }
 
-    /// Walks from `start`, converged at no load, to full load, each step solved by `solver`;
+    /// Raises the load from zero, where `start` is converged, to full load. `solver` solves each step;
     /// `observe` sees every converged step and may stop the run.
     ///
     /// # Errors
-    /// Settings out of range and what problem or solver report. A run that does not converge is
+    /// Settings out of range, and errors of the problem or the solver. Whether the run converged is
     /// told by [`Run::ending`].
     pub fn run<P: LoadStepped>(
         &self,
@@ -193,7 +195,7 @@ impl LoadSteps {
     }
 }
 
-/// How far along the load a run has come.
+/// The state of a run: the last two converged states and all attempts.
 struct Path<'a> {
     settings: &'a LoadSteps,
     last: Milestone,
@@ -220,7 +222,7 @@ impl Path<'_> {
                 let solution = self.attempt(problem, solver, target)?;
                 match solution.outcome {
                     Outcome::Converged => {
-                        halvings = halvings.saturating_sub(1); // success grows back
+                        halvings = halvings.saturating_sub(1); // after success the step doubles
                     }
                     Outcome::Interrupted => {
                         return Ok(Ending::Interrupted {
@@ -255,7 +257,7 @@ impl Path<'_> {
         Ok(Ending::Complete)
     }
 
-    /// Tries to converge at load factor `target` and records how it went.
+    /// Solves at load factor `target` and records the attempt.
     fn attempt<P: LoadStepped>(
         &mut self,
         problem: &mut P,
@@ -300,8 +302,8 @@ impl Path<'_> {
         Ok(solution)
     }
 
-    /// The line through the last two converged states, if it keeps every domain function well
-    /// above zero.
+    /// The linear extrapolation of the last two converged states, unless it takes a domain function
+    /// below [`LoadSteps::GUARD`] of its value.
     fn prediction(&self, energy: &dyn Energy, target: f64) -> Option<State> {
         let before = self.before.as_ref().filter(|_| self.settings.predictor)?;
         let last = &self.last;
@@ -321,7 +323,7 @@ impl Path<'_> {
         })
     }
 
-    /// The last state with its free unknowns lifted after the prescribed ones, if that is admissible.
+    /// The last state, with its free unknowns moved along with the prescribed ones if that is admissible.
     fn lifted<P: LoadStepped>(&self, problem: &P) -> State {
         let mut state = self.last.state.clone();
         let lifted = problem.lift(&state.u, self.last.factor);

@@ -17,16 +17,16 @@ pub use self::iterate::{
 };
 pub use self::pattern::Pattern;
 
-/// Why a [`Structure`] was refused. Each names the culprit and the way out.
+/// The reason why a [`Structure`] was rejected. Each message names the offending value and the remedy.
 #[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NlpError {
-    /// There is nothing to optimise.
+    /// The problem has no variables.
     #[error(
-        "the problem has no variables: a solver needs at least one; leave out a solve with nothing free"
+        "the problem has no variables: a solver needs at least one; skip the solve if all unknowns are prescribed"
     )]
     NoVariables,
-    /// An array does not fit the others.
+    /// The length of an array does not match the problem.
     #[error("{what} has {found} entries and needs {expected}")]
     Length {
         /// Which array.
@@ -41,11 +41,11 @@ pub enum NlpError {
     Value {
         /// Which array.
         what: &'static str,
-        /// Where in it.
+        /// The index of the entry.
         index: usize,
-        /// What was found there.
+        /// The value found there.
         value: f64,
-        /// What may be there.
+        /// The values accepted there.
         needed: &'static str,
     },
     /// No value satisfies both bounds.
@@ -94,7 +94,7 @@ pub enum NlpError {
         /// Its column.
         col: usize,
     },
-    /// The Hessian names a place twice.
+    /// Two entries of the Hessian have the same row and column.
     #[error("entry {entry} of the Hessian repeats ({row}, {col}): add the values up in one entry")]
     Duplicate {
         /// The second entry.
@@ -104,17 +104,17 @@ pub enum NlpError {
         /// Its column.
         col: usize,
     },
-    /// More than solvers with 32-bit indices can count.
+    /// A size exceeds the 32-bit indices of solvers.
     #[error("{what}: {count} exceeds the 2³¹ − 1 a solver with 32-bit indices can address")]
     TooLarge {
-        /// What there is too much of.
+        /// The quantity.
         what: &'static str,
-        /// How many.
+        /// Its size.
         count: usize,
     },
 }
 
-/// Lower and upper bounds, ±∞ where there is none. Equal bounds fix a variable, or make an equality.
+/// Lower and upper bounds, ±∞ for no bound. Equal bounds fix a variable, or make a constraint an equality.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Bounds {
     /// Lower bounds, −∞ for none.
@@ -214,13 +214,13 @@ pub struct Structure {
 impl Structure {
     /// A problem with the bounds x_L, x_U of its n `variables` and g_L, g_U of its m `constraints` (m = 0 is fine).
     ///
-    /// `jacobian` is the pattern of ∂g/∂x, m × n; entries at one place add up (unless a solver finds it by
-    /// differences). `hessian` is the pattern of the lower triangle of ∂²L/∂x², n × n, each place once; `None` leaves
-    /// it to a limited-memory approximation.
+    /// `jacobian` is the pattern of ∂g/∂x, m × n; entries with the same row and column are added (they are not allowed
+    /// where a solver approximates the Jacobian by finite differences). `hessian` is the pattern of the lower triangle
+    /// of ∂²L/∂x², n × n, without repeated entries; `None` selects a limited-memory approximation.
     ///
     /// # Errors
-    /// [`NlpError`], with index, value and remedy, for sizes that do not fit, bounds that are NaN, crossed or infinite
-    /// to the wrong side, indices out of range, and Hessian entries that repeat or stand above the diagonal.
+    /// [`NlpError`], with index, value and remedy, for sizes that do not match, bounds that are NaN, crossed or
+    /// infinite with the wrong sign, indices out of range, and Hessian entries that repeat or lie above the diagonal.
     pub fn new(
         variables: Bounds,
         constraints: Bounds,
@@ -275,10 +275,10 @@ impl Structure {
         self
     }
 
-    /// Other bounds for the same problem.
+    /// Replaces the bounds.
     ///
     /// # Errors
-    /// As [`Structure::new`]; the bounds then stay as they were.
+    /// As [`Structure::new`]; the bounds are then unchanged.
     pub fn set_bounds(&mut self, variables: Bounds, constraints: Bounds) -> Result<(), NlpError> {
         let expect = |what, found: usize, expected: usize| {
             if found == expected {
@@ -324,7 +324,7 @@ impl Structure {
         &self.jacobian
     }
 
-    /// An entry of the Jacobian at a place that an earlier one has.
+    /// A Jacobian entry with the same row and column as an earlier one, if there is one.
     #[cfg(feature = "ipopt")]
     pub(crate) fn repeated_jacobian_entry(&self) -> Option<usize> {
         self.jacobian.repeated(self.constraints(), self.variables())
@@ -351,15 +351,15 @@ fn validate_bounds(variables: &Bounds, constraints: &Bounds) -> Result<(), NlpEr
     constraints.validate("constraint", "g_L", "g_U")
 }
 
-/// The functions of a problem; slices have the lengths its [`Structure`] says.
+/// The functions of a problem. The lengths of all slices are those of its [`Structure`].
 ///
-/// A **non-finite** objective or constraint means that this trial point is inadmissible: the line search shortens its
-/// step. There is no such way back from a non-finite derivative, which is asked for at accepted points only: the solve
-/// ends with an invalid number. `new_x` is false where `x` is the one of the call before, whichever function that was.
+/// A **non-finite** objective or constraint marks a trial point as inadmissible: the line search shortens its step.
+/// Derivatives are evaluated at accepted points only; a non-finite derivative ends the solve with an invalid number.
+/// `new_x` is false if `x` is the same as in the previous call of any of these functions.
 ///
-/// Slices to write to **arrive filled with zeros**: only what is not 0 need be written, and sums can be added up in
-/// place. What a problem has no use for can be left out: [`constraints`](Self::constraints) and
-/// [`jacobian`](Self::jacobian) without constraints, [`hessian`](Self::hessian) where it is approximated.
+/// Output slices **are filled with zeros**: only nonzero values need be written, and sums can be accumulated in place.
+/// A problem without constraints need not implement [`constraints`](Self::constraints) and
+/// [`jacobian`](Self::jacobian), one whose Hessian is approximated need not implement [`hessian`](Self::hessian).
 ///
 /// ```
 /// # use contact_core::nlp::Nlp;
@@ -376,7 +376,7 @@ fn validate_bounds(variables: &Bounds, constraints: &Bounds) -> Result<(), NlpEr
 /// }
 /// ```
 pub trait Nlp {
-    /// Called first in every solve, with the x it was given to start from.
+    /// Called once at the beginning of every solve, with the given starting point x.
     fn begin(&mut self, x: &[f64]) {
         let _ = x;
     }
@@ -422,7 +422,7 @@ pub trait Nlp {
         missing("hessian", "entries of the Hessian", values.len());
     }
 
-    /// Called once an iteration, the starting point (iteration 0) included. [`ControlFlow::Break`] ends the solve.
+    /// Called once per iteration, the starting point (iteration 0) included. [`ControlFlow::Break`] ends the solve.
     fn iterate(&mut self, iterate: &Iterate<'_>) -> ControlFlow<()> {
         let _ = iterate;
         ControlFlow::Continue(())

@@ -1,44 +1,44 @@
-//! How things end: a subproblem ([`Solved`]), a load step ([`Outcome`]), a run ([`Ending`]).
+//! Status of a subproblem ([`Solved`]), a load step ([`Outcome`]) and a run ([`Ending`]).
 //!
-//! None of these is an error: whoever stops short of a solution leaves its history and what was found before.
+//! None of these is an error: a solve that does not converge still returns its history and the last converged state.
 
 use std::fmt;
 
-/// How a method ended on its subproblem.
+/// The status of a method on its subproblem.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Solved {
-    /// To the tolerance asked.
+    /// Solved to the requested tolerance.
     Optimal,
     /// Stopped on request; the result is not a minimum.
     Interrupted,
-    /// Not solved, with the solver's own word for the reason; the result is not a minimum.
+    /// Not solved, with the reason as the solver states it; the result is not a minimum.
     Failed(String),
 }
 
-/// How the search for equilibrium at one load ended.
+/// The status of the search for equilibrium at one load.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Outcome {
     /// The relative change fell below the tolerance, and every subproblem on the way was solved.
     Converged,
-    /// The iterates repeat themselves with this period; `amplitude` is the relative change at which they do.
+    /// The iterates are periodic.
     Cycle {
-        /// The number of iterations in a round.
+        /// The number of iterations in a period.
         period: usize,
-        /// ‖U_n − U_{n−1}‖∞ over ‖U‖∞ within the cycle.
+        /// The relative change ‖U_n − U_{n−1}‖∞ / ‖U‖∞ within the cycle.
         amplitude: f64,
     },
     /// The iteration limit was reached.
     IterationLimit,
-    /// The method did not solve its subproblem; the solver's own word.
+    /// The method did not solve its subproblem, with the reason as the solver states it.
     SubproblemFailed(String),
-    /// Converged, but to a state in which bodies have gone through each other.
+    /// Converged to a state in which a body penetrates another by more than a facet, or has passed through it.
     Tunnelled {
-        /// How deep a node is inside another body, or how far it has gone through one (UL).
+        /// The depth of a node inside another body, or the distance by which it has passed through one (UL).
         depth: f64,
     },
-    /// The energy is infinite at the start (J ≤ 0 somewhere), so that no iteration can begin.
+    /// The energy is infinite at the start (J ≤ 0 somewhere), so that the iteration cannot start.
     InadmissibleStart,
     /// Stopped on request.
     Interrupted,
@@ -56,7 +56,7 @@ impl fmt::Display for Outcome {
             Outcome::SubproblemFailed(why) => write!(f, "subproblem not solved: {why}"),
             Outcome::Tunnelled { depth } => write!(
                 f,
-                "bodies have gone {depth:.2e} into or through each other: smaller steps or a longer reach"
+                "bodies penetrate or have passed through each other by {depth:.2e}: take smaller steps or a longer reach"
             ),
             Outcome::InadmissibleStart => write!(f, "inadmissible start (J ≤ 0)"),
             Outcome::Interrupted => write!(f, "interrupted"),
@@ -64,20 +64,20 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// How a run over all load steps ended.
+/// The status of a run over all load steps.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Ending {
-    /// Full load, every increment converged.
+    /// Every increment up to full load converged.
     Complete,
-    /// Stopped at this load factor, because the smallest step allowed did not converge either.
+    /// The smallest step allowed did not converge.
     NotConverged {
         /// The last converged load factor.
         at: f64,
-        /// How the last attempt ended.
+        /// The outcome of the last attempt.
         why: Outcome,
     },
-    /// Stopped on request at this load factor.
+    /// Stopped on request.
     Interrupted {
         /// The last converged load factor.
         at: f64,

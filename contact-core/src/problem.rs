@@ -1,19 +1,19 @@
-//! The seam between mechanics and optimisation: what a contact problem must offer.
+//! The interface between mechanics and optimisation: the trait of a contact problem, its scales and its state.
 
 use crate::gaps::Sampling;
 use crate::nlp::Bounds;
 use crate::{Energy, Error, LinearGaps, RowKey};
 
-/// The problem's own length and energy, by which everything is divided before Ipopt sees it.
+/// Characteristic quantities of the problem. Lengths and energies are divided by them before Ipopt sees them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// A length (UL) such that displacements over it are O(1) at most.
+    /// A length (UL) such that displacements divided by it are at most O(1).
     pub length: f64,
-    /// The smallest displacement (UL) that matters at contact: what is left of gap times force at
-    /// an active row is measured against it. It must shrink with the mesh, or contact pressures
-    /// would lose accuracy with every refinement.
+    /// The smallest displacement (UL) that matters at contact. The tolerance on complementarity
+    /// (gap times force at an active row) is relative to it. It must decrease with the mesh size;
+    /// otherwise contact pressures lose accuracy with every refinement.
     pub resolution: f64,
-    /// What round-off leaves of a gradient in these units: no tolerance below it can be met.
+    /// The round-off error of a gradient in these units; no smaller tolerance can be met.
     pub roundoff: f64,
     /// The reference measure (UL in the plane, UL² in space) of a contact facet.
     pub area: f64,
@@ -33,7 +33,7 @@ impl Default for Scale {
     }
 }
 
-/// Multipliers by row name, so that they survive a change of rows.
+/// Multipliers by row key, so that they can be carried over to other rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Multipliers(Vec<(RowKey, f64)>);
 
@@ -52,19 +52,19 @@ impl Multipliers {
         found.map_or(0.0, |k| self.0[k].1)
     }
 
-    /// Whether there is none at all.
+    /// Whether there are no multipliers.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The extrapolation λ + s (λ − λ_before), kept ≥ 0.
+    /// The extrapolation max(λ + s (λ − λ_before), 0).
     pub fn extrapolated(&self, before: &Multipliers, s: f64) -> Multipliers {
         let line = |&(key, l): &(RowKey, f64)| (key, (l + s * (l - before.of(key))).max(0.0));
         Multipliers(self.0.iter().map(line).collect())
     }
 }
 
-/// Where a solve starts from, and what a converged one leaves.
+/// The primal and dual unknowns: the start of a solve, and its result.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     /// The free unknowns (n, UL).
@@ -73,29 +73,30 @@ pub struct State {
     pub multipliers: Multipliers,
 }
 
-/// An energy and its linearisable gap constraints. Everything about space, meshes and materials
-/// stays behind this trait; a toy of two unknowns can stand in front of it just as well.
+/// An energy and its linearisable gap constraints. Space, meshes and materials are hidden behind this
+/// trait; a model problem with two unknowns can implement it, too.
 pub trait ContactProblem {
     /// E(u).
     fn energy(&self) -> &dyn Energy;
     /// Bounds on the free unknowns (n, UL), infinite where there is none.
     fn bounds(&self) -> &Bounds;
-    /// Steps 1 and 2 of Algorithm 2: the rows of the roles as they were declared, with projections
-    /// and normals frozen at `u`.
+    /// Steps 1 and 2 of Algorithm 2: the rows for the roles of slave and master as declared, with
+    /// projections and normals frozen at `u`.
     ///
-    /// [`Sampling::Nodes`] asks for one row a contact node; [`Sampling::Points`] for one row an
-    /// integration point, whose weight is its share of the integral over the surface, which is what
-    /// method (39) penalises. A problem without surfaces gives its rows in either case.
+    /// [`Sampling::Nodes`] asks for one row per contact node. [`Sampling::Points`] asks for one row
+    /// per integration point, weighted by its share of the surface integral, as method (39) needs
+    /// it. A problem without surfaces returns the same rows in either case.
     fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error>;
     /// Step 3: the rows of the reversed roles. By default there are none.
     fn linearize_reversed(&self, _u: &[f64], _sampling: Sampling) -> Result<LinearGaps, Error> {
         Ok(LinearGaps::new(true))
     }
-    /// Units in which numbers are O(1).
+    /// Units in which the problem's quantities are O(1).
     fn scale(&self) -> Scale {
         Scale::default()
     }
-    /// max |prescribed unknown| (UL): the fixed point's relative error counts ALL unknowns.
+    /// max |prescribed unknown| (UL). The relative change of the fixed point is taken over all
+    /// unknowns, prescribed ones included.
     fn prescribed_magnitude(&self) -> f64 {
         0.0
     }

@@ -1,15 +1,15 @@
-//! A request to stop, shared between a run and whoever may end it.
+//! A request to stop, shared between a run and the code that may end it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A request to stop. Clones share it: one is kept by a signal handler or another thread, one is given to a run, which
-/// looks at it in every iteration of the optimiser.
+/// A request to stop. Clones share it: keep one in a signal handler or another thread and give one to a run, which
+/// checks it in every iteration of the optimiser.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Nothing requested yet.
+    /// A token without a request.
     pub fn new() -> Self {
         Stop::default()
     }
@@ -19,7 +19,7 @@ impl Stop {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether somebody asked.
+    /// Whether a stop has been requested.
     pub fn is_requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

@@ -1,10 +1,10 @@
-//! Do the derivatives of an [`Nlp`] belong to its functions?
+//! The derivatives of an [`Nlp`] against finite differences of its functions.
 
 use std::fmt;
 
 use crate::nlp::{Nlp, NlpError, Structure};
 
-/// A derivative of a problem. Indices count from 0; `in_pattern` says whether the structure has the place.
+/// A derivative of a problem. Indices count from 0; `in_pattern` tells whether the structure has that entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Derivative {
     /// ∂f/∂xᵢ.
@@ -78,14 +78,14 @@ impl fmt::Display for Derivative {
     }
 }
 
-/// A derivative that is not what finite differences say.
+/// A derivative that disagrees with finite differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
     /// Which one.
     pub which: Derivative,
-    /// What the problem says; 0 where the pattern has no place.
+    /// The value that the problem returns; 0 where the pattern has no entry.
     pub given: f64,
-    /// What finite differences say.
+    /// The finite difference.
     pub estimated: f64,
     /// |given − estimated| / max(1, |estimated|).
     pub relative_error: f64,
@@ -103,7 +103,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// How derivatives are compared with finite differences.
+/// Settings of the comparison with finite differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Differences {
     /// Step in xᵢ, relative to max(1, |xᵢ|).
@@ -121,14 +121,14 @@ impl Default for Differences {
     }
 }
 
-/// σ and λᵢ in turn: not 1, so that it is found out who takes them for it.
+/// The value of σ and of each λᵢ in turn; not 1, so that a Hessian that ignores them is found.
 const FACTOR: f64 = 2.0;
 
-/// Compares all first and, where the structure has a Hessian, second derivatives at `x` (n) with central differences
-/// of the functions one order below: 2 n evaluations of each. Both triangles of a Hessian are compared, so that a
-/// wrong entry off the diagonal is found twice. Values that are not finite are findings.
+/// Compares the first derivatives and, where the structure has a Hessian, the second derivatives at `x` (n) with
+/// central differences of the functions one order lower: 2 n evaluations of each. Both triangles of a Hessian are
+/// compared, so that a wrong off-diagonal entry gives two findings. Values that are not finite are findings.
 ///
-/// For problems of test size: it takes n²(m + 1) operations and memory for 2 n gradients and Jacobians.
+/// It is meant for problems of test size: it takes n²(m + 1) operations and stores 2 n gradients and Jacobians.
 ///
 /// # Errors
 /// [`NlpError::Length`] if `x` does not have n values.

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use nalgebra::{DMatrix, DVector};
 
-/// How successive iterates are combined.
+/// How the next iterate is formed from the previous ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acceleration {
     /// The paper's plain iteration; it may fall into a cycle.
@@ -14,7 +14,8 @@ pub enum Acceleration {
 }
 
 impl Default for Acceleration {
-    /// Anderson's over 8 differences: on the disc-in-disc fewer take more iterations, and more do not take fewer.
+    /// Anderson acceleration of depth 8. On the disc-in-disc smaller depths take more iterations, and larger ones do
+    /// not take fewer.
     fn default() -> Self {
         Acceleration::Anderson(8)
     }
@@ -36,10 +37,11 @@ pub struct Anderson {
 }
 
 impl Anderson {
-    /// Differences whose singular value is below this share of the largest carry only noise.
+    /// Relative cut-off of the least-squares problem: singular values of ΔF below this share of the largest are treated
+    /// as zero, since their directions carry only noise.
     const NOISE: f64 = 1e-8;
 
-    /// As these settings say; the plain iteration has depth 0.
+    /// With the depth of this setting, 0 for the plain iteration.
     pub fn of(acceleration: Acceleration) -> Self {
         Anderson::new(match acceleration {
             Acceleration::Plain => 0,
@@ -47,7 +49,7 @@ impl Anderson {
         })
     }
 
-    /// Nothing remembered yet.
+    /// An empty memory of this depth.
     pub fn new(depth: usize) -> Self {
         Anderson {
             depth,
@@ -57,7 +59,7 @@ impl Anderson {
         }
     }
 
-    /// Forgets everything.
+    /// Clears the memory.
     pub fn restart(&mut self) {
         *self = Anderson::new(self.depth);
     }
@@ -85,7 +87,7 @@ impl Anderson {
         next.data.into()
     }
 
-    /// γ = argmin ‖f − ΔF γ‖₂, of minimal norm.
+    /// γ = argmin ‖f − ΔF γ‖₂, the solution of minimal norm; 0 if the decomposition fails.
     fn weights(&self, residual: &DVector<f64>) -> Vec<f64> {
         if self.residual_steps.is_empty() || residual.is_empty() {
             return Vec::new();

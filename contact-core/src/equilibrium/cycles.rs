@@ -1,29 +1,30 @@
-//! Iterates that come back to where they were.
+//! Detection of periodic iterates.
 
 use std::collections::VecDeque;
 
 use super::relative_change;
 
-/// Notices that the iterates come back to where they were while they keep moving.
+/// Detects iterates that repeat with a period of 2 to [`Self::LONGEST`] without converging.
 #[derive(Default)]
 pub(super) struct CycleDetector {
     /// The latest iterates, newest last.
     recent: VecDeque<Vec<f64>>,
-    /// For how many iterations in a row the same period has been seen.
+    /// The period seen last (0 for none), and in how many successive iterations.
     seen: (usize, usize),
 }
 
 impl CycleDetector {
+    /// The longest period detected (iterations).
     const LONGEST: usize = 4;
-    /// Coming back within this share of the step counts as coming back.
+    /// Two iterates are equal if their relative change is below this share of that of the current step.
     const CLOSE: f64 = 0.01;
-    /// Rounds to watch before it is called a cycle.
+    /// The number of periods observed before the iterates count as a cycle.
     const ROUNDS: usize = 3;
 
-    /// The period, once the iterates have gone round [`Self::ROUNDS`] times.
+    /// The period, once it has been observed [`Self::ROUNDS`] times.
     pub fn period(&mut self, u: &[f64], error: f64) -> Option<usize> {
         let returns = |old: &Vec<f64>| relative_change(u, old, 0.0) < Self::CLOSE * error;
-        // recent[len − p] is U_{n−p}; p = 1 is the ordinary step and no cycle
+        // recent[len − p] is U_{n−p}; p = 1 is convergence, not a cycle
         let mut back = self.recent.iter().rev().enumerate().skip(1);
         let period = back.find(|(_, old)| returns(old)).map_or(0, |(k, _)| k + 1);
         self.seen = match self.seen {

@@ -1,25 +1,25 @@
-//! Algorithm 2: the symmetric fixed point on projections and normals.
+//! Algorithm 2: the symmetric fixed-point iteration on projections and normals.
 
 use super::journal::Journal;
 use super::{Acceleration, Equilibrium, Solution, StepContext};
 use crate::method::Method;
 use crate::{ContactProblem, Error, State, Stop};
 
-/// Algorithm 2 of the paper around a [`Method`] for its step 5.
+/// Algorithm 2 of the paper, with a [`Method`] for its step 5.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FixedPoint<M> {
-    /// Step 5.
+    /// The method of step 5.
     pub method: M,
     /// TOLER: bound on the relative change of U, see [`relative_change`].
     pub tolerance: f64,
-    /// Iterations before it gives up.
+    /// The iteration limit.
     pub max_iterations: usize,
-    /// How the next iterate is found: plainly, as in the paper, or accelerated.
+    /// How the next iterate is formed: by the plain iteration of the paper, or by Anderson acceleration.
     pub acceleration: Acceleration,
 }
 
 impl<M> FixedPoint<M> {
-    /// All by default around `method`.
+    /// The default settings with this `method`.
     pub fn with(method: M) -> Self {
         FixedPoint {
             method,
@@ -66,7 +66,7 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
 
     fn validate(&self) -> Result<(), Error> {
         let is_share = self.tolerance > 0.0 && self.tolerance < 1.0;
-        let remedy = "choose it between 0 and 1, 1e-6 by default";
+        let remedy = "choose a value between 0 and 1; the default is 1e-6";
         Error::check_setting(is_share, "tolerance", self.tolerance, remedy)?;
         if self.max_iterations == 0 {
             return Err(Error::Setting {
@@ -80,7 +80,7 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
 }
 
 impl<M: Method> FixedPoint<M> {
-    /// Solves a problem that belongs to no run.
+    /// Solves a single problem, without load steps.
     ///
     /// # Errors
     /// As [`Equilibrium::solve`].
@@ -97,8 +97,8 @@ impl<M: Method> FixedPoint<M> {
 
 /// Step 6: ‖U_n − U_{n−1}‖∞ / max(‖U_{n−1}‖∞, ‖U_n‖∞, `least`) over all unknowns, zero if nothing moved.
 ///
-/// `least` is the largest prescribed displacement, or 1e-6 of the length scale if that is more, so that a solution
-/// without displacement is found to stand still.
+/// The denominator is at least `least`: the largest prescribed displacement, or 1e-6 of the length scale if that is
+/// larger. Without this bound an iteration whose solution is U = 0 would not converge.
 pub fn relative_change(u: &[f64], before: &[f64], least: f64) -> f64 {
     let change = max_norm(u.iter().zip(before).map(|(a, b)| a - b));
     let size = max_norm(u.iter().chain(before).copied()).max(least);

@@ -1,4 +1,4 @@
-//! What a fixed point has found so far, and whether it goes on.
+//! The state of a running fixed-point iteration: iterate, history, stopping criteria.
 
 use std::time::Instant;
 
@@ -9,11 +9,11 @@ use super::{FixedPoint, Iteration, Solution};
 use crate::method::{Minimum, Subproblem};
 use crate::{ContactProblem, Cost, Error, LinearGaps, Multipliers, Outcome, Solved, State, Stop};
 
-/// A fixed point under way.
+/// The state of a running fixed-point iteration.
 pub(super) struct Journal<'a> {
-    /// U_{n−1} and its multipliers: where the next iteration starts.
+    /// U_{n−1} and its multipliers, from which the next iteration starts.
     pub point: State,
-    /// The least denominator of the relative change (UL).
+    /// Lower bound on the denominator of the relative change (UL).
     pub least: f64,
     problem: &'a dyn ContactProblem,
     tolerance: f64,
@@ -23,19 +23,20 @@ pub(super) struct Journal<'a> {
     cycles: CycleDetector,
     solution: Solution,
     ended: Option<Outcome>,
-    /// When this iteration began, what its projections took (s), and the accuracy asked of its subproblem.
+    /// The start of this iteration, the time of its projections (s), and the accuracy asked of its subproblem.
     clock: Instant,
     projection: f64,
     asked: f64,
 }
 
 impl<'a> Journal<'a> {
-    /// Displacements below this share of [`Scale::length`](crate::Scale) are those of bodies that carry no load.
+    /// Displacements below this share of [`Scale::length`](crate::Scale) count as zero: bodies that carry no load. The
+    /// denominator of the relative change is at least this long, see [`relative_change`](super::relative_change).
     const NONE: f64 = 1e-6;
-    /// The relative change to expect of the first iteration.
+    /// The relative change expected of the first iteration.
     const GUESS: f64 = 1.0;
 
-    /// Nothing solved yet.
+    /// Before the first iteration.
     pub fn new<M>(
         settings: &FixedPoint<M>,
         problem: &'a dyn ContactProblem,
@@ -69,12 +70,12 @@ impl<'a> Journal<'a> {
         })
     }
 
-    /// Whether there is no reason yet to end.
+    /// Whether no stopping criterion has been met yet.
     pub fn goes_on(&self) -> bool {
         self.ended.is_none()
     }
 
-    /// Step 5's problem under these rows.
+    /// The problem of step 5 with these rows.
     pub fn subproblem<'b>(&mut self, gaps: &'b LinearGaps, stop: &'b Stop) -> Subproblem<'b>
     where
         'a: 'b,
@@ -94,7 +95,7 @@ impl<'a> Journal<'a> {
         }
     }
 
-    /// Takes U_n: records it, decides whether the iteration is over and, if not, where it goes on.
+    /// Records U_n, tests the stopping criteria and, unless one is met, forms the next iterate.
     pub fn accept(&mut self, gaps: LinearGaps, minimum: Minimum, error: f64) {
         let error = match minimum.solved {
             Solved::Optimal => error,
@@ -124,7 +125,7 @@ impl<'a> Journal<'a> {
         self.clock = Instant::now();
     }
 
-    /// The next point: Anderson's proposal, or the plain image where that is inadmissible.
+    /// The next iterate: the accelerated one, or the plain one if that is inadmissible.
     fn advance(&mut self) {
         let next = self.anderson.next(&self.point.u, &self.solution.state.u);
         self.point.clone_from(&self.solution.state);
@@ -135,7 +136,7 @@ impl<'a> Journal<'a> {
         }
     }
 
-    /// Whether the iteration is over, and why.
+    /// The stopping criterion that is met, if any.
     fn verdict(&mut self, minimum: &Minimum, error: f64, is_exact: bool) -> Option<Outcome> {
         match &minimum.solved {
             Solved::Failed(why) => return Some(Outcome::SubproblemFailed(why.clone())),
@@ -155,7 +156,7 @@ impl<'a> Journal<'a> {
         (self.solution.history.len() == self.max_iterations).then_some(Outcome::IterationLimit)
     }
 
-    /// Where it ended.
+    /// The last iterate, its outcome and the history.
     pub fn solution(self) -> Solution {
         Solution {
             outcome: self.ended.unwrap_or(Outcome::IterationLimit),

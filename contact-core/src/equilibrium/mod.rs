@@ -1,13 +1,14 @@
-//! How one load is solved: [`FixedPoint`] is Algorithm 2 of the paper, [`Retry`] tries it again where it wanders.
+//! Equilibrium at one load: [`FixedPoint`] is Algorithm 2 of the paper; [`Retry`] repeats it with other settings where
+//! it does not converge.
 //!
 //! | file | role |
 //! |---|---|
 //! | `fixed_point` | the paper's box, steps 1 to 6 |
-//! | `journal` | what the iteration has found so far, and whether it goes on |
-//! | `accuracy` | how accurately the next subproblem is solved |
-//! | `anderson` | where the next iterate is |
-//! | `cycles` | iterates that come back |
-//! | `retry` | the ladder of attempts around the fixed point |
+//! | `journal` | the iterate, the history and the stopping criteria |
+//! | `accuracy` | the accuracy asked of the next subproblem |
+//! | `anderson` | the next iterate |
+//! | `cycles` | detection of periodic iterates |
+//! | `retry` | further attempts where the fixed point does not converge |
 
 mod accuracy;
 pub mod anderson;
@@ -22,13 +23,13 @@ pub use retry::Retry;
 
 use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, State, Stop};
 
-/// Any way to find equilibrium at one load.
+/// A solver for equilibrium at one load.
 pub trait Equilibrium {
-    /// Solves `problem`, which is at the load to reach, from `start`.
+    /// Solves `problem`, whose load is already set to the target, from `start`.
     ///
     /// # Errors
-    /// Settings out of range, a start of the wrong length or with a NaN, and whatever the problem or the method report.
-    /// Not converging is an [`Outcome`].
+    /// Settings out of range, a start of the wrong length or with values that are not finite, and errors of the problem
+    /// or the method. Failure to converge is an [`Outcome`], not an error.
     fn solve(
         &mut self,
         problem: &dyn ContactProblem,
@@ -36,7 +37,7 @@ pub trait Equilibrium {
         context: &StepContext<'_>,
     ) -> Result<Solution, Error>;
 
-    /// Checks the settings, before a run does anything.
+    /// Checks the settings; called before a run starts.
     ///
     /// # Errors
     /// The first setting that is out of range.
@@ -79,18 +80,19 @@ impl<E: Equilibrium + ?Sized> Equilibrium for Box<E> {
 pub struct StepContext<'a> {
     /// The last converged state.
     pub last: &'a State,
-    /// The load factors of that state and of the load to reach.
+    /// The load factor of that state.
     pub from: f64,
-    /// See [`StepContext::from`].
+    /// The load factor to reach.
     pub to: f64,
-    /// A start that is not extrapolated: the last state, its free unknowns lifted after the prescribed ones.
+    /// A start that is not extrapolated: the last state, with its free unknowns moved along with the prescribed ones.
+    /// See [`LoadStepped::lift`](crate::LoadStepped::lift).
     pub lifted: &'a dyn Fn() -> State,
     /// The request to stop.
     pub stop: &'a Stop,
 }
 
 impl<'a> StepContext<'a> {
-    /// A single solve that belongs to no run: from `start` at load 0 to full load.
+    /// The context of a single solve without load steps: from `start` at load 0 to full load.
     pub fn single(start: &'a State, lifted: &'a dyn Fn() -> State, stop: &'a Stop) -> Self {
         StepContext {
             last: start,
@@ -105,20 +107,20 @@ impl<'a> StepContext<'a> {
 /// One iteration of Algorithm 2.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iteration {
-    /// Step 6, infinite if the subproblem was not solved.
+    /// The relative change of step 6; infinite if the subproblem was not solved.
     pub error: f64,
     /// The number of rows.
     pub rows: usize,
-    /// What it cost.
+    /// Its cost.
     pub cost: Cost,
 }
 
-/// Where the search for equilibrium ended, and how it got there.
+/// The last iterate of the search for equilibrium, its outcome and the history.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// How it ended; the rest is a solution only if it converged.
+    /// The outcome. The other fields describe an equilibrium only if it is [`Outcome::Converged`].
     pub outcome: Outcome,
-    /// The last minimum and its multipliers by row name.
+    /// The last minimum and its multipliers by row key.
     pub state: State,
     /// E(u) (UF·UL).
     pub energy: f64,
@@ -126,12 +128,12 @@ pub struct Solution {
     pub gaps: LinearGaps,
     /// Their multipliers λ ≥ 0 (UF).
     pub lambda: Vec<f64>,
-    /// One entry an iteration.
+    /// One entry per iteration.
     pub history: Vec<Iteration>,
 }
 
 impl Solution {
-    /// The sum over the history.
+    /// The sum of the costs in the history.
     pub fn cost(&self) -> Cost {
         self.history.iter().map(|iteration| iteration.cost).sum()
     }

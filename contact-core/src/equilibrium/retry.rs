@@ -1,13 +1,15 @@
-//! What is tried where the fixed point wanders about a kink of the projections.
+//! Further attempts where the fixed-point iteration cycles or reaches its limit, as it may near a kink of the
+//! projections.
 
 use super::{Acceleration, Equilibrium, FixedPoint, Solution, StepContext};
 use crate::method::Method;
 use crate::{ContactProblem, Error, Outcome, State};
 
-/// [`FixedPoint`], again and otherwise where it neither converges nor fails: plainly from the same start, then
-/// accelerated from a start that is not extrapolated. The histories of all attempts follow each other.
+/// A [`FixedPoint`] that is repeated where it cycles or reaches its iteration limit: first by the plain iteration from
+/// the same start, then accelerated from a start that is not extrapolated. The history has the iterations of all
+/// attempts.
 ///
-/// A plain iteration is what it is, and is not tried again.
+/// If [`FixedPoint::acceleration`] is [`Acceleration::Plain`], there is only one attempt.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Retry<M> {
     /// The first attempt.
@@ -15,7 +17,7 @@ pub struct Retry<M> {
 }
 
 impl<M> Retry<M> {
-    /// Around a fixed point by default with this method.
+    /// With the default [`FixedPoint`] and this method.
     pub fn with(method: M) -> Self {
         Retry {
             fixed_point: FixedPoint::with(method),

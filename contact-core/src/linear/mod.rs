@@ -1,8 +1,8 @@
 //! Symmetric sparse matrices and their factors.
 //!
-//! A [`SymmetricPattern`] says where a matrix has entries; a [`Factor`] solves with it. The feature `linear` brings
-//! [`Cholesky`], by the crate faer, over an [`Analysis`] of the pattern; without it, pattern and trait remain, for
-//! factors of your own.
+//! A [`SymmetricPattern`] lists the entries of a matrix; a [`Factor`] factors it and solves with it. The feature
+//! `linear` provides [`Cholesky`], based on the crate faer and an [`Analysis`] of the pattern. Without it, pattern and
+//! trait remain for other implementations.
 #![cfg_attr(not(feature = "linear"), allow(rustdoc::broken_intra_doc_links))]
 
 #[cfg(feature = "linear")]
@@ -19,29 +19,29 @@ pub use self::cholesky::{Analysis, Cholesky, Kind, Panel};
 pub use self::ordering::{Ordering, postordered};
 pub use self::pattern::SymmetricPattern;
 
-/// A factorisation of symmetric matrices of one pattern: made once, refactored for other values, solved again and again.
+/// A factorisation for symmetric matrices of one pattern: refactored for new values, and used for any number of solves.
 ///
-/// It owns all that it needs, and so outlives the step that made it.
+/// It owns its data and can be kept from one load step to the next.
 pub trait Factor: Send + Sync {
     /// n, the number of unknowns.
     fn dim(&self) -> usize;
 
-    /// Factors the matrix with `values` (one a slot) in the place of the one before.
+    /// Factors the matrix with `values` (one per slot), in place of the previous matrix.
     ///
     /// # Errors
-    /// A wrong number of values, a value that is not finite, a matrix that this kind of factor is not for. The factor
-    /// is then of no matrix.
+    /// A wrong number of values, a value that is not finite, a matrix unsuitable for this kind of factor. After an
+    /// error there is no factor to solve with.
     fn refactor(&mut self, values: &[f64]) -> Result<Inertia, FactorError>;
 
-    /// Overwrites right-hand sides with solutions of A x = b: `b` is n × k, column by column, for any k.
+    /// Overwrites the right-hand sides `b` with the solutions of A x = b; `b` is n × k, column by column, for any k.
     ///
     /// # Errors
-    /// A length that is no multiple of n; no matrix factored.
+    /// The length is not a multiple of n, or no matrix has been factored.
     fn solve(&mut self, b: &mut [f64]) -> Result<(), FactorError>;
 }
 
-/// How many eigenvalues of either sign a factored matrix has. It has no others: what is singular to working precision
-/// is an error, for its factor solves nothing.
+/// The numbers of positive and negative eigenvalues of a factored matrix. It has no zero eigenvalues: a matrix that is
+/// singular to working precision is an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Inertia {
     /// Eigenvalues above zero.
@@ -50,7 +50,7 @@ pub struct Inertia {
     pub negative: usize,
 }
 
-/// Why there is no factor or no solution.
+/// The reason why a matrix was not factored or a system not solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FactorError {
@@ -76,7 +76,7 @@ pub enum FactorError {
     },
     /// LLᵀ met a pivot that is not positive, or zero to working precision.
     #[error(
-        "the matrix is not positive definite to working precision, as its pivot at unknown {unknown} shows: \
+        "the matrix is not positive definite to working precision (pivot at unknown {unknown}): \
          factor it as indefinite, or shift its diagonal"
     )]
     NotPositiveDefinite {
@@ -85,14 +85,14 @@ pub enum FactorError {
     },
     /// LDLᵀ without pivoting met a pivot that is zero to working precision.
     #[error(
-        "the matrix is singular to working precision, or needs pivoting, which this factorisation does not do: \
-         its pivot at unknown {unknown} is the rest that larger terms leave"
+        "the matrix is singular to working precision, or needs pivoting, which this factorisation does not do \
+         (the pivot at unknown {unknown} is smaller than its round-off)"
     )]
     Singular {
         /// The unknown at whose pivot that shows.
         unknown: usize,
     },
-    /// No matrix has been factored, or the last one could not be.
+    /// No matrix has been factored, or the last factorisation failed.
     #[error("there is no factor to solve with: factor a matrix first")]
     NotFactored,
     /// The analysis needs more memory or larger indices than there are.
@@ -102,10 +102,10 @@ pub enum FactorError {
         n: usize,
         /// Entries of the lower triangle.
         entries: usize,
-        /// What there is too little of.
+        /// The limit that was exceeded.
         reason: String,
     },
-    /// An elimination order that is none.
+    /// The elimination order is not a permutation.
     #[error("the elimination order does not name each of the {n} unknowns once")]
     Order {
         /// Unknowns.

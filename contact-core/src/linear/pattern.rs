@@ -1,15 +1,15 @@
-//! Where a symmetric sparse matrix has entries.
+//! Sparsity patterns of symmetric matrices.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::nlp::NlpError;
 
-/// The lower triangle of a symmetric n × n matrix in compressed columns: sorted by column, then by row, each place once.
-/// Read by rows, it is the upper triangle.
+/// The lower triangle of a symmetric n × n matrix in compressed columns, sorted by column, then by row, with no entry
+/// repeated. Read as compressed rows, it is the upper triangle.
 ///
-/// An entry's place in this order is its slot; the values of a matrix are one slice, a value a slot. A clone shares the
-/// pattern.
+/// The index of an entry in this order is its slot; the values of a matrix are one slice with a value per slot. Clones
+/// share the pattern.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SymmetricPattern(Arc<Columns>);
 
@@ -22,8 +22,8 @@ struct Columns {
 }
 
 impl SymmetricPattern {
-    /// The pattern of `entries` (row, column) of a matrix of `n` unknowns, and the slot of each. An entry above the
-    /// diagonal means its mirror image; entries at the same place share a slot.
+    /// The pattern of `entries` (row, column) of a matrix of `n` unknowns, and the slot of each entry. An entry above
+    /// the diagonal stands for its transpose; entries with the same row and column share a slot.
     ///
     /// # Errors
     /// An entry outside n × n.
@@ -73,8 +73,8 @@ impl SymmetricPattern {
         Ok((SymmetricPattern(Arc::new(columns)), slots))
     }
 
-    /// As [`SymmetricPattern::from_entries`] for entries with values, those at the same place added up: the pattern and
-    /// a value a slot.
+    /// The pattern of entries with values, as [`SymmetricPattern::from_entries`], and the sum of the values in each
+    /// slot.
     ///
     /// # Errors
     /// An entry outside n × n.
@@ -90,7 +90,7 @@ impl SymmetricPattern {
         Ok((pattern, values))
     }
 
-    /// The block diagonal pattern with these blocks, whose slots follow each other.
+    /// The block diagonal pattern with these blocks; their slots are consecutive.
     pub fn direct_sum<'a>(blocks: impl IntoIterator<Item = &'a SymmetricPattern>) -> Self {
         let mut sum = Columns {
             starts: vec![0],
@@ -121,7 +121,7 @@ impl SymmetricPattern {
         self.0.rows.is_empty()
     }
 
-    /// The row of each slot; it is not above the diagonal.
+    /// The row of each slot, on or below the diagonal.
     pub fn rows(&self) -> &[usize] {
         &self.0.rows
     }
@@ -149,7 +149,7 @@ impl SymmetricPattern {
         self.rows().iter().copied().zip(self.cols().iter().copied())
     }
 
-    /// The slot of the entry (i, j), which is that of (j, i).
+    /// The slot of the entry (i, j), which it shares with (j, i).
     pub fn slot(&self, i: usize, j: usize) -> Option<usize> {
         let slots = self.column(i.min(j));
         let rows = &self.rows()[slots.clone()];

@@ -1,20 +1,20 @@
-//! How the penalty factor μ of methods (37) and (39) grows.
+//! Continuation in the penalty factor μ of methods (37) and (39).
 
 use crate::{Error, Scale};
 
-/// μ → ∞, as far as a scene needs: it grows until what bodies go into each other is small.
+/// Continuation μ → ∞: μ grows until the penetration is below its tolerance.
 ///
-/// All of it is dimensionless. Lengths are in units of [`Scale::length`], energies in units of
-/// [`Scale::energy`], integrals over surfaces in units of [`Scale::area`].
+/// All quantities are dimensionless: lengths in units of [`Scale::length`], energies of
+/// [`Scale::energy`], surface integrals of [`Scale::area`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Continuation {
     /// The first μ.
     pub start: f64,
-    /// Its growth from one solve to the next.
+    /// The factor on μ from one solve to the next.
     pub growth: f64,
-    /// The penetration at which it ends, max(−c), as a share of [`Scale::resolution`].
+    /// The tolerated penetration max(−c), as a share of [`Scale::resolution`].
     pub penetration: f64,
-    /// The last μ; a subproblem that needs a larger one counts as not solved.
+    /// The largest μ; a subproblem that needs a larger one counts as not solved.
     pub limit: f64,
 }
 
@@ -30,7 +30,7 @@ impl Default for Continuation {
 }
 
 impl Continuation {
-    /// One μ and no other, whatever it lets through; (37) fails where that is all of its bound.
+    /// A single μ with any penetration. Method (37) fails if a slack reaches its bound −ε.
     pub fn fixed(mu: f64) -> Self {
         Continuation {
             start: mu,
@@ -64,7 +64,7 @@ impl Continuation {
         )
     }
 
-    /// What may be left of penetration, over [`Scale::length`].
+    /// The tolerated penetration in units of [`Scale::length`].
     pub(super) fn allowed(&self, scale: &Scale) -> f64 {
         self.penetration * scale.resolution / scale.length
     }

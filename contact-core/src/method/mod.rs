@@ -1,4 +1,4 @@
-//! Step 5 of Algorithm 2: ways to minimise E(u) subject to C u + c₀ ≥ 0, one file a method.
+//! Step 5 of Algorithm 2: methods that minimise E(u) subject to C u + c₀ ≥ 0, one file per method.
 
 #[cfg(feature = "ipopt")]
 mod continuation;
@@ -26,7 +26,7 @@ use crate::gaps::Sampling;
 use crate::nlp::Bounds;
 use crate::{Cost, Energy, Error, LinearGaps, Scale, Solved, State, Stop};
 
-/// What a method is to minimise: E(u) over `bounds` and `gaps`, all frozen.
+/// The problem of a method: minimise E(u) subject to `bounds` and `gaps`, all frozen.
 #[derive(Clone, Copy)]
 pub struct Subproblem<'a> {
     /// E.
@@ -35,25 +35,25 @@ pub struct Subproblem<'a> {
     pub bounds: &'a Bounds,
     /// C u + c₀ ≥ 0.
     pub gaps: &'a LinearGaps,
-    /// Units in which numbers are O(1).
+    /// Units in which the problem's quantities are O(1).
     pub scale: Scale,
-    /// The relative change of u to expect: the last one, 1 where nothing is known of the start.
+    /// The expected relative change of u: that of the last iteration, or 1 in the first one.
     pub change: f64,
-    /// The accuracy, relative to the scales, beyond which nothing is gained; 0 for all that the
-    /// method is set to.
+    /// The accuracy, relative to the scales, that suffices for this solve; 0 asks for the method's
+    /// own tolerance.
     pub accuracy: f64,
-    /// The request to stop, to be looked at in every iteration.
+    /// The request to stop, to be checked in every iteration.
     pub stop: &'a Stop,
 }
 
-/// Step 5: any way to minimise E(u) subject to C u + c₀ ≥ 0.
+/// A method for step 5: it minimises E(u) subject to C u + c₀ ≥ 0.
 pub trait Method {
-    /// The rows that it wants: by default one a contact node.
+    /// The rows that the method needs; by default one per contact node.
     fn sampling(&self) -> Sampling {
         Sampling::Nodes
     }
 
-    /// Solves from `start`; a failure to converge is told by [`Minimum::solved`], not by `Err`.
+    /// Solves from `start`. Failure to converge is reported by [`Minimum::solved`], not by `Err`.
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error>;
 }
 
@@ -77,17 +77,17 @@ impl<M: Method + ?Sized> Method for Box<M> {
     }
 }
 
-/// What a method found.
+/// The result of a method.
 #[derive(Clone, Debug)]
 pub struct Minimum {
     /// The free unknowns (n, UL).
     pub u: Vec<f64>,
-    /// λ ≥ 0, one a row of the gaps (m, UF).
+    /// λ ≥ 0, one per row of the gaps (m, UF).
     pub lambda: Vec<f64>,
     /// E(u) (UF·UL).
     pub energy: f64,
-    /// Whether u is a minimum at all.
+    /// The status; u is a minimum only if it is [`Solved::Optimal`].
     pub solved: Solved,
-    /// What it cost.
+    /// The cost of the solve.
     pub cost: Cost,
 }

@@ -1,8 +1,7 @@
-//! What methods (37) and (39) share: min E(u) + μ Σ w_i η(s_i) subject to C u + c₀ − s = 0.
+//! The common part of methods (37) and (39): min E(u) + μ Σ w_i η(s_i) subject to C u + c₀ − s = 0.
 //!
-//! The slacks s are unknowns of their own also in (39), where they could be eliminated: the
-//! Hessian then stays as sparse as that of E, whatever the points that are projected on, and
-//! Newton's steps are the same.
+//! The slacks s are unknowns in (39), too, where they could be eliminated. The Hessian then keeps the
+//! sparsity of that of E, wherever points are projected, and the Newton steps are the same.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -25,7 +24,7 @@ pub fn eta(x: f64) -> [f64; 3] {
     }
 }
 
-/// The slack that pushes back with `force` ≥ 0: where the slope of η is −`force`.
+/// The slack in balance with `force` ≥ 0, where η'(s) = −`force`.
 fn slack(force: f64) -> f64 {
     if force <= 3.0 {
         -(force / 3.0).sqrt()
@@ -34,11 +33,11 @@ fn slack(force: f64) -> f64 {
     }
 }
 
-/// The slope of η' between the slack `s` and the one that pushes back with `force`.
+/// The secant slope of η' between the slack `s` and the slack in balance with `force`.
 ///
-/// In place of η'' it makes Newton's method primal-dual: with η'' alone a slack too deep comes back
-/// by half in each iteration and one that is about to touch meets nothing. Once slack and force are
-/// in balance the two are the same.
+/// Used in place of η'', it makes Newton's method primal–dual. With η'' a slack that is too negative
+/// halves in each iteration, and one that is about to close meets no resistance. Where slack and
+/// force are in balance, the secant slope equals η''.
 fn secant(s: f64, force: f64) -> f64 {
     let balanced = slack(force.max(0.0));
     let apart = s - balanced;
@@ -48,18 +47,18 @@ fn secant(s: f64, force: f64) -> f64 {
     (eta(s)[1] - eta(balanced)[1]) / apart
 }
 
-/// What methods (37) and (39) are told alike.
+/// The common settings of methods (37) and (39).
 #[derive(Clone, Debug)]
 pub struct Penalization {
     /// How μ grows.
     pub continuation: Continuation,
     /// Ipopt's `tol`, relative to the scales.
     pub tolerance: f64,
-    /// Iterations before a solve is given up.
+    /// The iteration limit of a solve.
     pub max_iterations: usize,
-    /// More options for Ipopt by name; they override everything set here.
+    /// Further options for Ipopt by name; they override all settings above.
     pub options: Options,
-    /// μ at the last solution; a warm start goes on from there.
+    /// μ at the last solution, with which a warm start continues.
     reached: f64,
 }
 
@@ -75,26 +74,27 @@ impl Default for Penalization {
     }
 }
 
-/// A subproblem with slacks that are penalised.
+/// A subproblem with penalised slacks.
 pub(super) struct Penalized<'a> {
     pub subproblem: &'a Subproblem<'a>,
-    /// w_i, one a row.
+    /// w_i, one per row.
     pub weights: Vec<f64>,
-    /// ε over [`Scale::length`](crate::Scale), infinite for none.
+    /// ε in units of [`Scale::length`](crate::Scale); infinite for no bound.
     pub slack_bound: f64,
     /// How far an unknown may move within one solve (UL).
     pub move_limit: Option<f64>,
 }
 
 impl Penalization {
-    /// By how much a move limit that holds something back grows, and how often it may: displacements
-    /// of slender bodies are many times what the scene's scale tells.
+    /// The factor by which an active move limit grows. Displacements of slender bodies are many times the scene's
+    /// length scale.
     const WIDER: f64 = 10.0;
+    /// How often a move limit may grow before the subproblem counts as not solved.
     const MOVES: usize = 30;
-    /// This share of a bound counts as being there.
+    /// A bound counts as active from this share of it on.
     const AT_BOUND: f64 = 0.999;
 
-    /// Solves for μ after μ, from where the last subproblem left off if `start` has multipliers.
+    /// Solves for increasing μ, beginning with the μ of the last solution if `start` has multipliers.
     pub(super) fn minimize(
         &mut self,
         problem: &Penalized<'_>,
@@ -120,7 +120,7 @@ impl Penalization {
         Ok(minimum)
     }
 
-    /// The continuation from μ on.
+    /// The continuation, beginning with `mu`.
     fn from(&mut self, mu: f64, problem: &Penalized<'_>, start: &State) -> Result<Minimum, Error> {
         let clock = Instant::now();
         let scale = problem.subproblem.scale;
@@ -148,7 +148,7 @@ impl Penalization {
                 if moves == Self::MOVES {
                     break (
                         run,
-                        Some(format!("still at its move limit after {moves} moves")),
+                        Some(format!("move limit still active after {moves} enlargements")),
                     );
                 }
                 moves += 1;
@@ -230,7 +230,7 @@ impl Penalized<'_> {
     }
 }
 
-/// The subproblem for one μ in Ipopt's numbers: x = (u, s)/L and f = E/E₀ + μ Σ w η(s).
+/// The scaled subproblem for one μ: x = (u, s)/L and f = E/E₀ + μ Σ w η(s).
 struct Lifted<'a> {
     scaled: Scaled<'a>,
     weights: &'a [f64],
@@ -238,8 +238,8 @@ struct Lifted<'a> {
 }
 
 impl Lifted<'_> {
-    /// u and its gaps, which may not be negative beyond the bound; where there are forces already,
-    /// slacks that push back with them, and these forces.
+    /// The start x and its multipliers. The slacks are the gaps at u, at least −ε; in a warm start
+    /// those with a contact force are in balance with it.
     fn start(&mut self, state: &State, slack_bound: f64) -> (Vec<f64>, Option<Multipliers>) {
         let mut x = self.scaled.displacements(state);
         let mut slacks = vec![0.0; self.weights.len()];
@@ -259,8 +259,8 @@ impl Lifted<'_> {
         slacks.zip(self.weights.iter().copied())
     }
 
-    /// Sets the slacks to those whose penalty is in balance with the contact forces, where there
-    /// are any. The equalities are linear: one Newton step brings displacements into line.
+    /// Sets each slack with a contact force to the value whose penalty is in balance with that force.
+    /// The equalities are linear: one Newton step then adapts the displacements.
     fn push_back(&self, forces: &Multipliers, x: &mut [f64]) {
         let slacks = x[self.scaled.dofs()..].iter_mut().zip(self.weights);
         for ((s, w), multiplier) in slacks.zip(&forces.constraints) {
@@ -270,7 +270,7 @@ impl Lifted<'_> {
         }
     }
 
-    /// Back in the user's units; E without the penalty.
+    /// The result in the user's units, with E without the penalty.
     fn minimum(&self, mut run: Run, cost: Cost) -> Minimum {
         run.solution.objective -= self.penalty(&run.solution.x);
         self.scaled.minimum(run, cost)
@@ -282,15 +282,15 @@ impl Lifted<'_> {
         self.mu * penalties.sum::<f64>()
     }
 
-    /// The derivatives of the penalty, one a slack.
+    /// The derivatives of the penalty by each slack.
     fn slopes(&self, x: &[f64], slopes: &mut [f64]) {
         for (slope, (s, w)) in slopes.iter_mut().zip(self.slacks(x)) {
             *slope = self.mu * w * eta(s)[1];
         }
     }
 
-    /// The penalty's curvatures, one a slack, as far as `multipliers` of the Lagrangian with this
-    /// share of the objective foretell forces.
+    /// The second derivatives of the penalty by each slack, times the objective factor `share`, with
+    /// [`secant`] in place of η''; the force of a slack is its multiplier.
     fn curvatures(&self, x: &[f64], share: f64, multipliers: &[f64], curvatures: &mut [f64]) {
         let all = curvatures.iter_mut().zip(self.slacks(x)).zip(multipliers);
         for ((curvature, (s, w)), multiplier) in all {

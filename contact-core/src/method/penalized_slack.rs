@@ -4,14 +4,14 @@ use super::penalized::{Penalization, Penalized};
 use super::{Continuation, Method, Minimum, Subproblem};
 use crate::{Error, State};
 
-/// The penalised slack (37): slacks may be negative, at the price μ η of (38).
+/// The penalised slack (37): slacks may be negative and are penalised by μ η of (38).
 ///
-/// What is left of penetration falls like μ^(−1/2), since 3 μ s² is to balance a contact force; the
-/// Hessian's entries grow like μ^(1/2) only. The bound −ε is far from what is left in the end; it
-/// keeps a body that nothing but contact holds from falling through while μ is small.
+/// The penetration falls like μ^(−1/2), since 3 μ s² balances a contact force; the Hessian's entries
+/// grow like μ^(1/2) only. The bound −ε is not active at the end of the continuation: while μ is
+/// small, it keeps a body that is held by contact alone from passing through the other one.
 #[derive(Clone, Debug)]
 pub struct PenalizedSlack {
-    /// How μ grows, and how every solve is done.
+    /// The continuation in μ and the settings of every solve.
     pub penalization: Penalization,
     /// ε in units of [`Scale::length`](crate::Scale).
     pub bound: f64,
@@ -27,7 +27,7 @@ impl Default for PenalizedSlack {
 }
 
 impl PenalizedSlack {
-    /// All by default but the continuation.
+    /// The default settings with this continuation.
     pub fn with(continuation: Continuation) -> Self {
         let mut method = PenalizedSlack::default();
         method.penalization.continuation = continuation;
@@ -37,7 +37,7 @@ impl PenalizedSlack {
 
 impl Method for PenalizedSlack {
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
-        let remedy = "a positive multiple of the scale of lengths, such as 1";
+        let remedy = "choose a positive multiple of the length scale, such as 1";
         Error::check_setting(self.bound > 0.0, "bound", self.bound, remedy)?;
         let problem = Penalized {
             subproblem,

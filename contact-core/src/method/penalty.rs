@@ -1,34 +1,35 @@
-//! Method (39): min E(u) + μ ∫ η(g) ds over the surfaces of all bodies, within bounds on u.
+//! Method (39): min E(u) + μ ∫ η(g) ds over the surfaces of all bodies, subject to bounds on u.
 
 use super::penalized::{Penalization, Penalized};
 use super::{Continuation, Method, Minimum, Subproblem};
 use crate::gaps::Sampling;
 use crate::{Error, State};
 
-/// The penalty (39) on the gaps of all integration points, with η of (38); no constraints.
+/// The penalty (39) on the gaps of all integration points, with η of (38) and without constraints.
 ///
-/// What is left of penetration falls like μ^(−1/2), since 3 μ g² is to balance a pressure.
+/// The penetration falls like μ^(−1/2), since 3 μ g² balances a contact pressure.
 ///
-/// Where nothing touches the penalty is zero and may hold nothing, so that displacements need a
-/// bound, which the paper calls not obvious. Here it is a move limit: within one solve no unknown
-/// leaves its start by more. If one gets there the solve is repeated around the new point with ten
-/// times the limit, so that no result depends on it.
+/// The penalty is zero where bodies do not touch, so that it may not hold a body that only contact
+/// supports. Displacements therefore need a bound, whose choice the paper calls not obvious. Here the
+/// bound is a move limit on the change of each unknown within one solve. If it is active at the
+/// solution, the solve is repeated around that solution with ten times the limit. The result
+/// therefore does not depend on it.
 #[derive(Clone, Debug, Default)]
 pub struct Penalty {
-    /// How μ grows, and how every solve is done.
+    /// The continuation in μ and the settings of every solve.
     pub penalization: Penalization,
-    /// How far an unknown may move in one solve (UL). By default as far as the largest gap in reach
-    /// is open, so that it may close, or [`Scale::length`](crate::Scale) if that is more, so that
-    /// bodies that touch already may deform.
+    /// The largest change of an unknown in one solve (UL). The default is the largest open gap in
+    /// reach, so that it may close, or [`Scale::length`](crate::Scale) if that is larger, so that
+    /// bodies already in contact may deform.
     pub move_limit: Option<f64>,
 }
 
 impl Penalty {
-    /// Of [`Scale::length`](crate::Scale): the interior point method stays away from bounds by what
-    /// would be all of a smaller move.
+    /// The smallest move limit accepted, in units of [`Scale::length`](crate::Scale): the interior
+    /// point method keeps a distance from bounds that would use up a smaller one.
     const LEAST_MOVE: f64 = 1e-6;
 
-    /// All by default but the continuation.
+    /// The default settings with this continuation.
     pub fn with(continuation: Continuation) -> Self {
         let mut method = Penalty::default();
         method.penalization.continuation = continuation;
@@ -39,7 +40,7 @@ impl Penalty {
     fn limit(&self, subproblem: &Subproblem<'_>, u: &[f64]) -> Result<f64, Error> {
         if let Some(limit) = self.move_limit {
             let is_seen = limit >= Self::LEAST_MOVE * subproblem.scale.length;
-            let remedy = "at least a millionth of the scale of lengths, or None for the default";
+            let remedy = "choose at least 1e-6 of the length scale, or None for the default";
             Error::check_setting(is_seen, "move_limit", limit, remedy)?;
             return Ok(limit);
         }

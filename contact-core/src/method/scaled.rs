@@ -1,4 +1,4 @@
-//! A subproblem in numbers that are O(1): x = u/L, f = E/E₀, g = c/L, and the way back.
+//! A subproblem scaled to O(1), x = u/L, f = E/E₀, g = c/L, and the transformation back.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -9,8 +9,13 @@ use crate::ipopt::{Options, Run, SequenceSettings, Totals};
 use crate::nlp::Multipliers;
 use crate::{Cost, Energy, Error, LinearGaps, Scale, Solved, State, Stop};
 
-/// A subproblem as Ipopt sees it, the guard of its domain, and what evaluating it has cost. The x of
-/// its functions may go on after the n displacements.
+/// A solve that can make no further progress counts as solved if its error is at most this multiple of the tolerance.
+const ATTAINABLE: f64 = 100.0;
+/// The smallest tolerance asked of Ipopt, as a multiple of [`Scale::roundoff`].
+const ABOVE_ROUNDOFF: f64 = 10.0;
+
+/// The scaled subproblem that Ipopt solves, with the guard of its domain and the cost of its
+/// evaluations. The x passed to its functions may have further entries after the n displacements.
 pub(super) struct Scaled<'a> {
     energy: &'a dyn Energy,
     gaps: &'a LinearGaps,
@@ -22,7 +27,7 @@ pub(super) struct Scaled<'a> {
     accepted: Vec<f64>,
     trial: Vec<f64>,
     stop: &'a Stop,
-    /// Evaluations, and seconds spent in here.
+    /// Numbers of evaluations, and seconds spent in them.
     values: usize,
     gradients: usize,
     hessians: usize,
@@ -30,8 +35,8 @@ pub(super) struct Scaled<'a> {
 }
 
 impl<'a> Scaled<'a> {
-    /// The J guard: a trial with a domain function below this share of its last accepted value is
-    /// inadmissible.
+    /// The J guard: a trial point with a domain function below this share of its last accepted value
+    /// is inadmissible. Without it J fell to 1e-9 after a cold first solve of an increment.
     const GUARD: f64 = 0.1;
 
     pub fn new(subproblem: &Subproblem<'a>) -> Self {
@@ -52,12 +57,12 @@ impl<'a> Scaled<'a> {
         }
     }
 
-    /// n.
+    /// n, the number of displacements.
     pub fn dofs(&self) -> usize {
         self.u.len()
     }
 
-    /// Whether Ipopt may go on.
+    /// `Break` once a stop has been requested.
     pub fn flow(&self) -> ControlFlow<()> {
         match self.stop.is_requested() {
             true => ControlFlow::Break(()),
@@ -70,7 +75,7 @@ impl<'a> Scaled<'a> {
         state.u.iter().map(|u| u / self.length).collect()
     }
 
-    /// The multipliers −λ L/E₀ of a state as Ipopt wants them, for that many variables.
+    /// The multipliers of a state in Ipopt's sign and scale, −λ L/E₀, with zeros for the bounds of all `variables`.
     pub fn multipliers(&self, state: &State, variables: usize) -> Multipliers {
         let scale = self.length / self.unit;
         let scaled = |&key| -state.multipliers.of(key) * scale;
@@ -81,7 +86,7 @@ impl<'a> Scaled<'a> {
         }
     }
 
-    /// Back in the user's units, λ kept ≥ 0.
+    /// The result in the user's units; negative λ are set to 0.
     pub fn minimum(&self, run: Run, cost: Cost) -> Minimum {
         let solved = self.solved(&run);
         let solution = run.solution;
@@ -99,7 +104,7 @@ impl<'a> Scaled<'a> {
         }
     }
 
-    /// Runs `f` on the subproblem and u = L x, and counts the time.
+    /// Calls `f` with u = L x and adds its time to `seconds`.
     fn timed<T>(&mut self, x: &[f64], f: impl FnOnce(&mut Self) -> T) -> T {
         let clock = Instant::now();
         for (u, x) in self.u.iter_mut().zip(x) {
@@ -110,12 +115,12 @@ impl<'a> Scaled<'a> {
         result
     }
 
-    /// Where a solve begins counts as accepted.
+    /// Takes the start of a solve as an accepted point.
     pub fn begin(&mut self, x: &[f64]) {
         self.timed(x, |this| this.energy.domain(&this.u, &mut this.accepted));
     }
 
-    /// f, infinite where the guard refuses x.
+    /// f, infinite where the guard rejects x.
     pub fn value(&mut self, x: &[f64]) -> f64 {
         self.values += 1;
         self.timed(x, |this| {
@@ -140,7 +145,7 @@ impl<'a> Scaled<'a> {
         });
     }
 
-    /// `factor` times ∇²f, one value a position of the energy's pattern.
+    /// `factor` times ∇²f, one value per position of the energy's pattern.
     pub fn hessian(&mut self, x: &[f64], factor: f64, values: &mut [f64]) {
         self.hessians += 1;
         self.timed(x, |this| {
@@ -166,7 +171,7 @@ impl<'a> Scaled<'a> {
         self.seconds += clock.elapsed().as_secs_f64();
     }
 
-    /// How a run ended.
+    /// The status of a run.
     pub fn solved(&self, run: &Run) -> Solved {
         match run.solution.status {
             _ if run.solved => Solved::Optimal,
@@ -175,7 +180,7 @@ impl<'a> Scaled<'a> {
         }
     }
 
-    /// What the solves cost, of `wall` seconds in all.
+    /// The cost of the solves, which took `wall` seconds in total.
     pub fn cost(&self, totals: &Totals, run: &Run, wall: f64) -> Cost {
         Cost {
             solves: totals.warm + totals.cold,
@@ -199,25 +204,20 @@ impl<'a> Scaled<'a> {
     }
 }
 
-/// A solve that cannot make progress any more counts as solved up to this many tolerances.
-const ATTAINABLE: f64 = 100.0;
-/// Tolerances closer to round-off than this are not asked for.
-const ABOVE_ROUNDOFF: f64 = 10.0;
-
 /// Checks a tolerance relative to the scales.
 pub(super) fn check_tolerance(name: &'static str, tolerance: f64) -> Result<(), Error> {
     let is_share = tolerance > 0.0 && tolerance < 1.0;
-    let remedy = "choose it between 0 and 1, see the default";
+    let remedy = "choose a value between 0 and 1; see the default";
     Error::check_setting(is_share, name, tolerance, remedy)
 }
 
-/// Ipopt's tolerance for a problem of this scale.
+/// The given tolerance, or the smallest one that is above round-off at this scale.
 pub(super) fn attainable(tolerance: f64, scale: &Scale) -> f64 {
     tolerance.max(ABOVE_ROUNDOFF * scale.roundoff)
 }
 
-/// How Ipopt is to solve subproblems in scaled numbers, to this tolerance and with this much left of
-/// complementarity. `warm` are options of warm solves, `given` those that override everything.
+/// The options of Ipopt for scaled subproblems with these tolerances on the optimality error and on
+/// complementarity. `warm` has the options of warm solves; `given` overrides all others.
 pub(super) fn settings(
     tolerance: f64,
     complementarity: f64,

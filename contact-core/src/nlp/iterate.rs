@@ -1,9 +1,9 @@
-//! What a solver shows of itself while it runs.
+//! The iterates of a running solve.
 
 use std::{cell::OnceCell, fmt};
 
-/// Lagrange multipliers in the signs of the [module](super), for a minimum of f. A solver told to maximise f by a
-/// negative scaling reverses them all.
+/// Lagrange multipliers of a minimum of f, with the signs defined in the [module](super). All signs are reversed if a
+/// negative scaling makes the solver maximise f.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Multipliers {
     /// λ, m of them: ≤ 0 where a constraint is at its lower bound, ≥ 0 at its upper.
@@ -14,11 +14,11 @@ pub struct Multipliers {
     pub upper: Vec<f64>,
 }
 
-/// How far an iterate is from its bounds, by a solver that keeps it inside of them: see [`Iterate::slacks`].
+/// The distances of an iterate from its bounds, in a solver that keeps it inside them: see [`Iterate::slacks`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Slacks {
-    /// s, m of them: what an interior-point method keeps inside the bounds of an inequality in place of g(x), so that
-    /// g(x) − s becomes 0 in the end only. The right-hand side for an equality.
+    /// s, m of them: the slack variables that an interior-point method keeps inside the bounds of the inequalities in
+    /// place of g(x); g(x) − s is 0 at the solution only. For an equality, its right-hand side.
     pub constraints: Vec<f64>,
     /// x − x_L, n of them.
     pub lower: Vec<f64>,
@@ -30,8 +30,8 @@ pub struct Slacks {
     pub constraint_upper: Vec<f64>,
 }
 
-/// What keeps an iterate from being a solution, one by one: see [`Iterate::violations`]. In the order and the numbering
-/// of the problem.
+/// The residuals of the optimality conditions at an iterate, by variable and constraint in the numbering of the
+/// problem: see [`Iterate::violations`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Violations {
     /// max(x_L − x, 0), n of them.
@@ -51,12 +51,12 @@ pub struct Violations {
     pub complementarity_constraints: Vec<f64>,
 }
 
-/// What a solver is doing in an iteration.
+/// The phase of the solver in an iteration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     /// Minimising f.
     Regular,
-    /// Looking for a less infeasible point, because the line search found no acceptable step.
+    /// Reducing the infeasibility, because the line search found no acceptable step.
     Restoration,
 }
 
@@ -74,7 +74,7 @@ impl fmt::Display for Phase {
 pub struct IterationRecord {
     /// Counted from 0, the starting point.
     pub iteration: usize,
-    /// In the restoration phase, some of the values below are those of its own problem.
+    /// The phase. In the restoration phase, some of the values below belong to the restoration problem.
     pub phase: Phase,
     /// f, unscaled.
     pub objective: f64,
@@ -86,7 +86,7 @@ pub struct IterationRecord {
     pub mu: f64,
     /// Max-norm of the step that led here (0 at the start).
     pub step_norm: f64,
-    /// Multiple of the identity added to the Hessian for a descent direction; 0 for none.
+    /// Multiple of the identity added to the Hessian to obtain a descent direction; 0 for none.
     pub regularization: f64,
     /// Step length in the dual variables.
     pub alpha_dual: f64,
@@ -96,7 +96,7 @@ pub struct IterationRecord {
     pub line_search_trials: usize,
 }
 
-/// Where an [`Iterate`] gets its vectors from, when it is asked. `None` where the solver has none.
+/// The source of an [`Iterate`]'s vectors, called on demand. `None` where the solver has no such vector.
 pub trait IterateSource {
     /// x.
     fn x(&self) -> Option<Vec<f64>>;
@@ -108,15 +108,15 @@ pub trait IterateSource {
     fn slacks(&self) -> Option<Slacks> {
         None
     }
-    /// What is not yet as it will be in a solution.
+    /// The residuals of the optimality conditions.
     fn violations(&self) -> Option<Violations> {
         None
     }
 }
 
-/// The iterate of a solve under way: its [`IterationRecord`], and its vectors for whoever asks.
+/// The current iterate of a running solve: its [`IterationRecord`], and its vectors on demand.
 ///
-/// Nothing is copied before it is asked for, and then once.
+/// A vector is copied at the first request only.
 pub struct Iterate<'a> {
     record: IterationRecord,
     source: &'a dyn IterateSource,
@@ -141,12 +141,12 @@ impl<'a> Iterate<'a> {
         }
     }
 
-    /// What the solver says of it.
+    /// The solver's record of this iteration.
     pub fn record(&self) -> &IterationRecord {
         &self.record
     }
 
-    /// x, fixed variables included; in the restoration phase, its present trial for x.
+    /// x, fixed variables included; in the restoration phase, the x of its current iterate.
     pub fn x(&self) -> Option<&[f64]> {
         self.x.get_or_init(|| self.source.x()).as_deref()
     }
@@ -158,7 +158,8 @@ impl<'a> Iterate<'a> {
             .as_deref()
     }
 
-    /// The multipliers, 0 for the bounds of fixed variables; `None` in the restoration phase, whose problem has others.
+    /// The multipliers, 0 for the bounds of fixed variables; `None` in the restoration phase, which solves another
+    /// problem.
     pub fn multipliers(&self) -> Option<&Multipliers> {
         self.multipliers
             .get_or_init(|| self.source.multipliers())
@@ -167,9 +168,9 @@ impl<'a> Iterate<'a> {
 
     /// The slack variables of inequalities and the distances from the bounds; `None` in the restoration phase.
     ///
-    /// These are the solver's own: from the bounds it works with, which Ipopt's `bound_relax_factor` moves; unscaled;
-    /// +∞ where there is no bound. 0 from the bounds of equalities and of fixed variables; where
-    /// `fixed_variable_treatment` makes equalities of those, they have no bounds.
+    /// These are the solver's own values, unscaled: distances from the bounds it works with, which Ipopt's
+    /// `bound_relax_factor` moves. They are +∞ where there is no bound, and 0 for equalities and fixed variables. Fixed
+    /// variables have no bounds where `fixed_variable_treatment` turns them into equalities.
     pub fn slacks(&self) -> Option<&Slacks> {
         self.slacks.get_or_init(|| self.source.slacks()).as_ref()
     }
@@ -177,8 +178,8 @@ impl<'a> Iterate<'a> {
     /// Violations of bounds and constraints, the gradient of the Lagrangian, and complementarity, unscaled; `None` in
     /// the restoration phase.
     ///
-    /// Violations are those of the bounds as given. In a fixed variable ∂L/∂x is 0, as multipliers of its bounds would
-    /// make it; where `fixed_variable_treatment` makes an equality of those, it is with that equality's multiplier.
+    /// Violations refer to the bounds as given. For a fixed variable ∂L/∂x is 0, as the multipliers of its bounds would
+    /// balance it; where `fixed_variable_treatment` turns it into an equality, the multiplier of that equality enters.
     pub fn violations(&self) -> Option<&Violations> {
         self.violations
             .get_or_init(|| self.source.violations())

@@ -1,13 +1,13 @@
-//! Where sparse matrices have entries.
+//! Sparsity patterns.
 
 use std::sync::{Arc, OnceLock};
 
 use super::NlpError;
 
-/// Where a sparse matrix has entries: one row and one column each, counted from 0, in the order of the values.
+/// The sparsity pattern of a matrix: row and column of each entry, counted from 0, in the order of the values.
 ///
-/// Clones share the entries, what is known of them, and the form that a solver takes them in: a pattern that many
-/// problems have is checked and converted once.
+/// Clones share the entries, the result of their check and their form for the solver: a pattern used by many problems
+/// is checked and converted once.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Pattern(Arc<Entries>);
 
@@ -15,7 +15,7 @@ pub struct Pattern(Arc<Entries>);
 struct Entries {
     rows: Vec<usize>,
     cols: Vec<usize>,
-    /// The n of the n × n matrix whose lower triangle these are, each place once.
+    /// n, if the entries have been checked to be in the lower triangle of an n × n matrix without repetition.
     is_lower_of: OnceLock<usize>,
     /// Rows and columns in 32 bits.
     narrow: OnceLock<(Vec<i32>, Vec<i32>)>,
@@ -40,8 +40,8 @@ impl Entries {
 }
 
 impl Pattern {
-    /// The entries (`rows[k]`, `cols[k]`). That there are as many rows as columns is for
-    /// [`Structure::new`](super::Structure::new) to check.
+    /// The entries (`rows[k]`, `cols[k]`). [`Structure::new`](super::Structure::new) checks that both have the same
+    /// length.
     pub fn new(rows: Vec<usize>, cols: Vec<usize>) -> Self {
         Self(Arc::new(Entries::new(rows, cols)))
     }
@@ -102,7 +102,7 @@ impl Pattern {
         entries.narrow = OnceLock::new();
     }
 
-    /// Rows and columns as a solver takes them, for a pattern whose indices fit.
+    /// Rows and columns as 32-bit integers, for a pattern whose indices fit.
     #[cfg(feature = "ipopt")]
     pub(crate) fn narrow(&self) -> &(Vec<i32>, Vec<i32>) {
         let narrow = |index: &usize| i32::try_from(*index).unwrap_or(i32::MAX);
@@ -144,7 +144,7 @@ impl Pattern {
         }
     }
 
-    /// The lower triangle of an n × n matrix, each place once.
+    /// Checks that the entries are in the lower triangle of an n × n matrix and do not repeat.
     pub(super) fn validate_lower_once(&self, n: usize) -> Result<(), NlpError> {
         if self.0.is_lower_of.get() == Some(&n) {
             return Ok(());
@@ -161,14 +161,14 @@ impl Pattern {
                 col: self.0.cols[entry],
             }),
             None => {
-                // where it was checked for another n, it is checked again each time
+                // one n is remembered; a check for another n is repeated each time
                 let _ = self.0.is_lower_of.set(n);
                 Ok(())
             }
         }
     }
 
-    /// An entry at a place that an earlier one has; every index has been checked.
+    /// An entry with the same row and column as an earlier one, if there is one. Indices must be in range.
     pub(super) fn repeated(&self, rows: usize, cols: usize) -> Option<usize> {
         // Entries sorted by row (counting), then one mark per column.
         let mut start = vec![0; rows + 1];
