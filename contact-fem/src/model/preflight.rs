@@ -6,6 +6,11 @@ use super::{Body, Integration, Scene};
 use crate::error::Error;
 use crate::tensor::Vector;
 
+/// The smallest singular value that counts of the rigid-body modes restricted to the prescribed dofs,
+/// as a share of the largest. Smaller ones are round-off of the coordinates, as where all supported
+/// nodes are on a line.
+const HOLDS: f64 = 1e-7;
+
 /// Checks that every body has a unique name.
 pub(super) fn names<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     for (body, name) in scene.names().iter().enumerate() {
@@ -101,10 +106,8 @@ pub(super) fn supports<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
 /// free: the rank deficiency of the modes restricted to these dofs.
 ///
 /// Lever arms are measured from the centroid of the supported nodes in units of their extent, so
-/// that the result does not depend on position and size. Pivots below [`HOLDS`] (no unit) count as
-/// zero: they are round-off of the coordinates, as where all supported nodes are on a line.
+/// that the result does not depend on position and size.
 fn free_rigid_modes<const D: usize>(body: &Body<D>, part: &[usize]) -> usize {
-    const HOLDS: f64 = 1e-7;
     let is_held = |&dof: &usize| body.prescribed()[dof].is_some();
     let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
     let held: Vec<usize> = dofs.filter(is_held).collect();
