@@ -1,10 +1,11 @@
-//! What is wrong with a scene, said before any solve.
+//! Errors of meshes, materials and scenes.
 
 use std::fmt;
 
 use crate::mesh::read::{Place, Problem};
 
-/// Errors of meshes, materials and scenes. Each names the thing, its value and the remedy.
+/// Errors of meshes, materials and scenes. Each contains the offending index or name, the value and
+/// the remedy.
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -31,7 +32,7 @@ pub enum Error {
         /// The length of its longest edge (UL).
         size: f64,
     },
-    /// A quadratic cell of positive orientation that its curved edges fold over.
+    /// A quadratic cell with positive corner orientation that its curved edges fold.
     #[error(
         "cell {cell} is folded by its middle nodes (tangent volume {volume:.3e}): move them towards \
          the middles of its edges or refine the mesh where it is curved"
@@ -42,18 +43,18 @@ pub enum Error {
         /// The smallest tangent volume of its nodes and quadrature points (UL²/UL³).
         volume: f64,
     },
-    /// A cell that was valid before its mesh was moved.
+    /// A cell that the map of its mesh's nodes has made invalid.
     #[error(
         "the map leaves cell {cell} with a volume of {volume:.3e}: it must not reflect, flatten or \
-         fold cells, nor move them so far that round-off does; bend finer meshes, shift less"
+         fold cells, nor move them so far that round-off does; refine the mesh or move it less"
     )]
     MappedCell {
         /// Which cell.
         cell: usize,
-        /// Its signed area or volume (UL²/UL³), of a curved one the smallest tangent volume.
+        /// Its signed area or volume (UL²/UL³); of a curved cell the smallest tangent volume.
         volume: f64,
     },
-    /// A cell whose volume is beyond the range of numbers.
+    /// A cell whose volume overflows or underflows.
     #[error(
         "the volume of cell {cell}, of size {size:.3e}, overflows or underflows: choose a unit of \
          length in which cells are neither so large nor so small"
@@ -75,12 +76,12 @@ pub enum Error {
         nodes: usize,
     },
     /// A node that belongs to no cell.
-    #[error("node {node} belongs to no cell: remove it, or it would float freely")]
+    #[error("node {node} belongs to no cell: remove it, since nothing would hold it")]
     OrphanNode {
         /// Which node.
         node: usize,
     },
-    /// A facet that more than two cells share.
+    /// A facet of more than two cells.
     #[error(
         "the facet with nodes {nodes:?} belongs to {cells} cells: a body's mesh must be a manifold"
     )]
@@ -90,7 +91,7 @@ pub enum Error {
         /// How many cells share it.
         cells: usize,
     },
-    /// A node in the middle of an edge that cannot be.
+    /// An inconsistent node in the middle of an edge.
     #[error(
         "cell {cell} has node {node} in the middle of the edge between nodes {edge:?}: the cells at \
          an edge must share its middle node, which is no corner and on no other edge"
@@ -115,53 +116,53 @@ pub enum Error {
     /// A mesh without cells.
     #[error("the mesh has no cells: a body needs at least one")]
     EmptyMesh,
-    /// A boundary name that the mesh does not have.
+    /// A boundary name that does not exist in the mesh.
     #[error("no boundary is called `{name}`; this mesh has {known:?}")]
     UnknownBoundary {
-        /// The name asked for.
+        /// The name that was given.
         name: String,
-        /// The names there are.
+        /// The names that exist.
         known: Vec<String>,
     },
-    /// A boundary name that is taken.
+    /// A boundary name that is in use.
     #[error("a boundary is called `{name}` already: choose another name")]
     BoundaryExists {
-        /// The name asked for.
+        /// The name.
         name: String,
     },
-    /// A body that the scene does not have.
+    /// A body that does not exist in the scene.
     #[error(
-        "the scene has {bodies} bodies, and the handle is of number {body}, counted from 0: use the \
+        "the scene has {bodies} bodies, and the handle names body number {body}, counted from 0: use the \
          handles that this scene's `add` returned"
     )]
     UnknownBody {
-        /// The index asked for.
+        /// The number of the handle.
         body: usize,
-        /// How many there are.
+        /// The number of bodies.
         bodies: usize,
     },
     /// A body with an empty name.
     #[error("body number {body}, counted from 0, has no name: give `Scene::add` one")]
     UnnamedBody {
-        /// Which one, in the order in which they were added.
+        /// Its number in the order of addition.
         body: usize,
     },
-    /// Two bodies of one name.
+    /// Two bodies with the same name.
     #[error(
         "two bodies are called `{name}`, numbers {bodies:?} counted from 0: rename one of them"
     )]
     BodyExists {
-        /// Their name.
+        /// The name.
         name: String,
-        /// Which ones, in the order in which they were added.
+        /// Their numbers in the order of addition.
         bodies: [usize; 2],
     },
     /// A NaN or an infinity in the input.
     #[error("{what} [{index}] = {value} is not finite: check where it comes from")]
     NotFinite {
-        /// Which input.
+        /// The name of the input.
         what: String,
-        /// Where in it.
+        /// The index in it.
         index: usize,
         /// The value.
         value: f64,
@@ -190,43 +191,43 @@ pub enum Error {
         /// Its boundary.
         boundary: String,
     },
-    /// Nothing is left to solve for.
+    /// A scene without free displacements.
     #[error("every displacement of every body is prescribed: leave something free to solve for")]
     NothingFree,
-    /// A body that nothing holds.
+    /// A body that can move rigidly.
     #[error(
         "body `{body}` can move rigidly ({free} of {modes} rigid motions of the part with node {node} \
-         are free) and touches no other body there: prescribe some of its displacements or declare \
+         are free) and has no contact pair there: prescribe some of its displacements or declare \
          a contact pair"
     )]
     Unsupported {
         /// Which body.
         body: String,
-        /// A node of its part that is not held; a body may consist of several.
+        /// A node of the part that can move; a body may consist of several parts.
         node: usize,
-        /// How many rigid motions are left.
+        /// The number of free rigid-body modes.
         free: usize,
-        /// How many there are in this dimension.
+        /// The number of rigid-body modes in this dimension.
         modes: usize,
     },
-    /// No body of the scene is held by anything.
+    /// A scene without any prescribed displacement.
     #[error(
         "no displacement is prescribed anywhere: the scene as a whole can drift; support a body"
     )]
     NoSupport,
-    /// Laws of both kinds, from which no geometry follows.
+    /// Small-strain and other laws in contact, which suggest different geometries.
     #[error(
-        "the law of body `{small}` is for small strains, that of body `{large}` for large ones: \
-         small strains suggest contact at the reference positions, large ones at the current ones, \
+        "body `{small}` has a small-strain law, body `{large}` a law for large strains: \
+         small strains suggest contact at the reference positions, large strains at the current ones, \
          and results differ; set `Scene::geometry` to `Geometry::Reference` or `Geometry::Current`"
     )]
     GeometryNotChosen {
-        /// A body whose law is for small strains.
+        /// A body with a small-strain law.
         small: String,
-        /// A body whose law is not.
+        /// A body with another law.
         large: String,
     },
-    /// Bodies that overlap before any load.
+    /// Bodies that overlap in the reference configuration.
     #[error(
         "body `{slave}` starts inside body `{master}`: gap {gap:.3e} at node {node} ({x:?}) against a \
          tolerance of {tolerance:.3e}; move the bodies apart or raise `Scene::overlap_tolerance`"
@@ -234,7 +235,7 @@ pub enum Error {
     Overlap {
         /// The body whose node is inside.
         slave: String,
-        /// The body that it is inside of.
+        /// The body that contains the node.
         master: String,
         /// The node, numbered within its body.
         node: usize,
@@ -242,24 +243,24 @@ pub enum Error {
         x: Vec<f64>,
         /// The gap, negative (UL).
         gap: f64,
-        /// How much would have been accepted (UL).
+        /// The accepted overlap (UL).
         tolerance: f64,
     },
-    /// Bodies that cross before any load.
+    /// Bodies that intersect in the reference configuration.
     #[error(
         "bodies `{first}` and `{second}` cross at {x:?}, {depth:.3e} deep against a tolerance of \
          {tolerance:.3e}; move them apart or raise `Scene::overlap_tolerance`"
     )]
     Crossing {
-        /// The body whose edge runs through a facet.
+        /// The body with the intersecting edge.
         first: String,
-        /// The body whose facet that is.
+        /// The body with the intersected facet.
         second: String,
-        /// Where.
+        /// The point of intersection.
         x: Vec<f64>,
-        /// How far they would have to move to let go of each other there (UL).
+        /// The shortest displacement that separates them there (UL).
         depth: f64,
-        /// How much would have been accepted (UL).
+        /// The accepted overlap (UL).
         tolerance: f64,
     },
     /// One dof prescribed twice with different values.
@@ -277,17 +278,17 @@ pub enum Error {
     /// A setting outside its range.
     #[error("`{name}` = {value} is out of range: {remedy}")]
     Setting {
-        /// Which one.
+        /// Its name.
         name: &'static str,
-        /// The value found.
+        /// Its value.
         value: f64,
-        /// What would be accepted.
+        /// The accepted values.
         remedy: &'static str,
     },
-    /// From the optimisation layer.
+    /// An error of the optimisation layer.
     #[error(transparent)]
     Core(contact_core::Error),
-    /// A facet on two boundaries, which a format with one label a facet cannot tell.
+    /// A facet on two boundaries, which a format with one label for each facet cannot represent.
     #[error(
         "the facet {nodes:?} is on the boundaries `{first}` and `{second}`: FreeFEM's formats have \
          one label a facet, so give it one name"
@@ -308,14 +309,14 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
-    /// A mesh file that no mesh can be made of.
+    /// A mesh file with invalid contents.
     #[error("{}{place}: {problem}", path.as_ref().map_or("mesh file".into(), |p| p.display().to_string()))]
     MeshFile {
-        /// Which file, unless it was read from memory.
+        /// Its path; `None` if it was read from memory.
         path: Option<std::path::PathBuf>,
-        /// Where in it.
+        /// The position in the file.
         place: Place,
-        /// What is wrong, what was expected and the remedy.
+        /// The problem, what was expected and the remedy.
         problem: Problem,
     },
     /// A file could not be written.
@@ -328,7 +329,7 @@ pub enum Error {
     },
 }
 
-/// The message, since that is what `main` and `unwrap` show of an error.
+/// The `Display` message: `main` and `unwrap` print an error by `Debug`.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

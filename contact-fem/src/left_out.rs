@@ -1,29 +1,29 @@
-//! What a run did not need, and so did not do.
+//! Savings of a run: work that a scene makes unnecessary.
 
 use std::fmt;
 
 use crate::model::Problem;
 use crate::simulation::History;
 
-/// Work that a scene made unnecessary; done all the same, it changes nothing.
+/// Work that a scene made unnecessary and that was left out. The results do not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Prescribed dofs, eliminated before the optimiser sees them.
+    /// Prescribed dofs, which are eliminated from the unknowns.
     pub dofs: usize,
     /// Cells all of whose dofs are prescribed, which are not assembled.
     pub cells: usize,
-    /// Contact nodes without a row in the last step: all their integration points are out of reach,
-    /// off the end of the other surface or face away from it.
+    /// Contact nodes without a row in the last step: each of their integration points is outside
+    /// the search radius, beyond the rim of the other surface, or faces away from it.
     pub rows: usize,
-    /// Solves that the fixed point would have taken to see that rows that are exact do not change:
-    /// one for each attempt at a load step.
+    /// Solves that the fixed-point iteration would have needed to find that exact rows do not
+    /// change: one for each attempt at a load step.
     pub solves: usize,
-    /// Iterations of the optimiser that needed no new Hessian, the stiffness being constant.
+    /// Iterations of the optimiser that reused a constant Hessian.
     pub hessians: usize,
 }
 
 impl LeftOut {
-    /// Of the run of a problem.
+    /// The savings of a run of `problem`.
     pub fn new<const D: usize>(problem: &Problem<D>, history: &History<D>) -> Self {
         let bodies = problem.scene().bodies();
         let cells: usize = bodies.iter().map(|body| body.mesh().len()).sum();

@@ -6,8 +6,8 @@
 //! plane energies and forces are per unit thickness.
 //!
 //! The names follow the paper: `X` reference and `x = X + u` current position, `F = I + ∇u`,
-//! `J = det F`, `P = ∂ψ/∂F`, and a *slave* and a *master* only within one pass, since every pair
-//! is passed in both roles.
+//! `J = det F`, `P = ∂ψ/∂F`. *Slave* and *master* are roles within one pass only, since every pair
+//! has one pass for each assignment of the roles.
 #![allow(non_snake_case)]
 
 pub mod assembly;
@@ -23,7 +23,8 @@ pub mod output;
 pub mod simulation;
 pub mod tensor;
 
-/// Vectors and matrices of this crate's interface are its types: with this path they are of the version used here.
+/// Vectors and matrices of the interface are types of `nalgebra`, re-exported here in the version
+/// that this crate uses.
 pub use nalgebra;
 
 pub use certificate::Certificate;

@@ -1,4 +1,4 @@
-//! A scene walked to full load, with a record of every step.
+//! Simulations: a scene is loaded in increments up to full load, with a record of every step.
 
 use std::ops::ControlFlow;
 
@@ -11,16 +11,17 @@ use crate::error::Error;
 use crate::model::{BodyId, Problem};
 use crate::tensor::Vector;
 
-/// What is known of one converged load step.
+/// The record of one converged load step.
 #[derive(Clone, Debug)]
 pub struct StepRecord<const D: usize> {
     /// Load factor.
     pub factor: f64,
-    /// Which increment it completes, or `None` within one that was cut.
+    /// The number of the increment that ends at this load, or `None` for an intermediate step of an
+    /// increment that was cut.
     pub increment: Option<usize>,
     /// E(u) (UF·UL).
     pub energy: f64,
-    /// The force that the supports exert on each body (UF).
+    /// The reaction of the supports on each body (UF).
     pub reactions: Vec<Vector<D>>,
     /// The contact force on each body (UF).
     pub contact_forces: Vec<Vector<D>>,
@@ -28,72 +29,73 @@ pub struct StepRecord<const D: usize> {
     pub min_j: f64,
     /// Rows of the weak non-penetration constraints.
     pub rows: usize,
-    /// The deepest contact node inside another surface (UL).
+    /// The largest depth of a contact node inside another surface (UL).
     pub penetration: f64,
     /// The most negative weak gap c_i, as a depth (UL).
     pub weak_penetration: f64,
-    /// What it is worth, computed anew.
+    /// The certificate, evaluated independently of the solver.
     pub certificate: Certificate,
-    /// The fixed point and its effort.
+    /// The statistics of the fixed-point iteration.
     pub attempt: Attempt,
 }
 
 /// A run and its records.
 #[derive(Debug)]
 pub struct History<const D: usize> {
-    /// How it ended, its last state, and every attempt.
+    /// How the run ended, its last state, and every attempt at a load step.
     pub run: Run,
-    /// One record a converged step.
+    /// One record for each converged step.
     pub steps: Vec<StepRecord<D>>,
 }
 
 impl<const D: usize> History<D> {
-    /// Whether the run came to full load.
+    /// Whether the run reached full load.
     pub fn is_complete(&self) -> bool {
         self.run.ending == Ending::Complete
     }
 
-    /// The record of the last converged step; nothing if there is none.
+    /// The record of the last converged step; `None` if no step converged.
     pub fn last(&self) -> Option<&StepRecord<D>> {
         self.steps.last()
     }
 
-    /// Value by value the worst certificate of all steps; nothing if there is no step.
+    /// The worst value of each condition over the certificates of all steps; `None` if no step
+    /// converged.
     pub fn certificate(&self) -> Option<Certificate> {
         let steps = self.steps.iter().map(|step| step.certificate);
         steps.reduce(Certificate::or_worse)
     }
 }
 
-/// A converged step while the run goes on.
+/// A converged step, as an observer receives it during the run.
 pub struct StepView<'a, const D: usize> {
     /// The problem at this load.
     pub problem: &'a Problem<D>,
-    /// The solution: state, rows, multipliers.
+    /// The solution: state, rows and multipliers.
     pub solution: &'a Solution,
     /// Its record.
     pub record: &'a StepRecord<D>,
 }
 
-/// The solver of a simulation that names none: the fixed point of the paper around Ipopt.
+/// The default solver of a simulation: the paper's fixed-point iteration with Ipopt.
 #[cfg(feature = "ipopt")]
 pub type DefaultSolver = contact_core::Retry<contact_core::InteriorPoint>;
-/// Without Ipopt there is no default; the solver is one of the user's own.
+/// Without the feature `ipopt` there is no built-in solver: the user supplies one.
 #[cfg(not(feature = "ipopt"))]
 pub type DefaultSolver = Box<dyn Equilibrium>;
 
-/// A scene walked to full load.
+/// The solution procedure of a scene: load increments up to full load and the solver of each.
 #[derive(Clone, Debug, Default)]
 pub struct Simulation<S = DefaultSolver> {
-    /// Increments, predictor, cut-back, and the request to stop.
+    /// Increments, predictor, step reduction, and the stop request.
     pub load_steps: LoadSteps,
-    /// How each load is solved.
+    /// The solver of the problem at each load.
     pub solver: S,
 }
 
 #[cfg(feature = "ipopt")]
 impl Simulation {
-    /// `increments` equal increments, all else by default.
+    /// `increments` equal increments; all other settings have their defaults.
     pub fn with_increments(increments: usize) -> Self {
         Simulation::solved_by(DefaultSolver::default(), increments)
     }
@@ -109,16 +111,16 @@ impl<S: Equilibrium> Simulation<S> {
         Simulation { load_steps, solver }
     }
 
-    /// Walks `problem` from rest to full load.
+    /// Loads `problem` from rest to full load.
     ///
     /// # Errors
-    /// Settings out of range and what the solver reports. A run that does not converge says so in
-    /// [`Run::ending`]; its converged steps are all there.
+    /// If a setting is out of range or the solver fails with an error. A run that does not converge
+    /// is no error: [`Run::ending`] tells the reason, and the history contains its converged steps.
     pub fn run<const D: usize>(&mut self, problem: &mut Problem<D>) -> Result<History<D>, Error> {
         self.run_observed(problem, |_| ControlFlow::Continue(()))
     }
 
-    /// As [`Simulation::run`]; `observe` sees every converged step as it comes and may stop the run.
+    /// As [`Simulation::run`]; `observe` is called after every converged step and may stop the run.
     ///
     /// # Errors
     /// As [`Simulation::run`].
@@ -149,7 +151,7 @@ impl<S: Equilibrium> Simulation<S> {
 }
 
 impl<const D: usize> StepRecord<D> {
-    /// The force that the supports exert on a body (UF).
+    /// The reaction of the supports on a body (UF).
     pub fn reaction(&self, body: impl Into<BodyId>) -> Vector<D> {
         self.reactions[body.into().index()]
     }

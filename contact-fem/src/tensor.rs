@@ -1,5 +1,5 @@
-//! Vectors and second-order tensors of fixed dimension, and the two formulas that nalgebra only
-//! offers with bounds that would spread through every signature.
+//! Vectors and second-order tensors of fixed dimension, with determinant and inverse transpose.
+//! nalgebra's own require trait bounds that would appear in every signature.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -25,7 +25,7 @@ pub fn determinant<const D: usize>(A: &Matrix<D>) -> f64 {
     }
 }
 
-/// A⁻ᵀ = cof A / det A for D = 2 or 3. The caller has made sure that det A ≠ 0.
+/// A⁻ᵀ = cof A / det A for D = 2 or 3. The caller ensures det A ≠ 0.
 pub fn inverse_transpose<const D: usize>(A: &Matrix<D>) -> Matrix<D> {
     cofactors(A) / determinant(A)
 }
@@ -48,9 +48,9 @@ fn cofactor3<const D: usize>(A: &Matrix<D>, i: usize, j: usize) -> f64 {
     A[(i1, j1)] * A[(i2, j2)] - A[(i1, j2)] * A[(i2, j1)]
 }
 
-/// The outward normal of a facet with corners `x`, its length being the facet's measure (UL in the
-/// plane, UL² in space). Corners are ordered so that the body lies to the left (plane) or behind
-/// the counter-clockwise side (space).
+/// The outward normal of a facet with corners `x`; its length is the facet's measure (UL in the
+/// plane, UL² in space). The order of the corners defines the side of the body: to their left in
+/// the plane; in space, behind the side from which they run counter-clockwise.
 pub fn facet_normal<const D: usize>(x: &[Vector<D>; D]) -> Vector<D> {
     const { assert!(D == 2 || D == 3, "the space dimension is 2 or 3") };
     let a = x[1] - x[0];

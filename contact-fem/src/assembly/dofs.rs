@@ -1,4 +1,4 @@
-//! Which dofs of a body the optimiser sees.
+//! The free and the prescribed dofs of a body.
 
 /// A displacement component: free, or eliminated because it is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub struct DofMap {
 }
 
 impl DofMap {
-    /// From a flag for each dof: is it prescribed?
+    /// From a flag for each dof that tells whether it is prescribed.
     pub fn new(is_prescribed: &[bool]) -> Self {
         let mut map = DofMap::default();
         map.extend(is_prescribed);
@@ -38,7 +38,7 @@ impl DofMap {
         }
     }
 
-    /// The dof with this number.
+    /// The dof with the given number.
     pub fn get(&self, dof: usize) -> Dof {
         self.dofs[dof]
     }
@@ -63,7 +63,7 @@ impl DofMap {
         self.prescribed
     }
 
-    /// The value of one dof, from the free and the prescribed ones.
+    /// The value of one dof, given the free and the prescribed values.
     pub fn value(&self, dof: usize, free: &[f64], prescribed: &[f64]) -> f64 {
         match self.dofs[dof] {
             Dof::Free(i) => free[i],
@@ -71,7 +71,7 @@ impl DofMap {
         }
     }
 
-    /// All dofs' values.
+    /// The values of all dofs.
     pub fn expand(&self, free: &[f64], prescribed: &[f64]) -> Vec<f64> {
         let all = 0..self.dofs.len();
         all.map(|d| self.value(d, free, prescribed)).collect()

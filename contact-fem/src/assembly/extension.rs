@@ -6,26 +6,27 @@ use contact_core::linear::{
 
 use super::dofs::{Dof, DofMap};
 
-/// Solves Δv = 0 in a body component by component, with given values where its supports are.
+/// Solves Δv = 0 in a body component by component, with prescribed values at its supports.
 ///
-/// Components with the same supports share a factor. It is made when the first of them moves, and kept.
+/// Components with the same supports share a factor. It is computed when the first of them has a
+/// non-zero value, and kept.
 pub(super) struct Extension<const D: usize> {
     supports: DofMap,
-    /// K_ab = ∫ ∇N_a·∇N_b dX over all nodes, the same for every component.
+    /// K_ab = ∫ ∇N_a·∇N_b dX over all nodes, the same matrix for every component.
     pattern: SymmetricPattern,
     K: Vec<f64>,
     components: Vec<Component>,
 }
 
-/// The Laplacian without the nodes at which a component is prescribed.
+/// The Laplacian restricted to the nodes at which a component is free.
 struct Component {
     is_free: Vec<bool>,
-    /// The free nodes, and the factor for them.
+    /// The free nodes, and the factor of the Laplacian for them.
     factor: Result<(Vec<usize>, Cholesky), FactorError>,
 }
 
 impl<const D: usize> Extension<D> {
-    /// From the Laplacian's entries (row, column, value), those at the same place still to be added up.
+    /// From the Laplacian's entries (row, column, value); entries at the same position are summed.
     pub fn new(supports: DofMap, entries: &[(usize, usize, f64)]) -> Self {
         let nodes = supports.len() / D;
         let (pattern, K) =
@@ -38,13 +39,14 @@ impl<const D: usize> Extension<D> {
         }
     }
 
-    /// What is prescribed.
+    /// The prescribed dofs.
     pub fn supports(&self) -> &DofMap {
         &self.supports
     }
 
-    /// The values of all dofs for `values` (UL) of the prescribed ones. A component without prescribed dofs, or whose
-    /// values are all zero, is zero; so is one whose matrix cannot be factored, for the extension only proposes a start.
+    /// The values of all dofs for the `values` (UL) of the prescribed ones. A component is zero if
+    /// it has no prescribed dofs, if its values are all zero, or if its matrix cannot be
+    /// factorised: the extension only supplies an initial guess.
     pub fn extend(&mut self, values: &[f64]) -> Vec<f64> {
         let nodes = self.pattern.dim();
         let mut v = self
@@ -83,7 +85,7 @@ impl<const D: usize> Extension<D> {
     }
 }
 
-/// The nodes that are free and the factor of their part of `K`.
+/// The free nodes, and the factor of their submatrix of `K`.
 fn factor(
     pattern: &SymmetricPattern,
     K: &[f64],
@@ -98,7 +100,7 @@ fn factor(
         .filter(|((a, b), _)| is_free[*a] && is_free[*b]);
     let (places, values): (Vec<_>, Vec<f64>) =
         own.map(|((a, b), k)| ((number[a], number[b]), k)).unzip();
-    // sorted entries each in a slot of its own: the slots are in their order
+    // the entries are sorted and unique, so that they correspond to the pattern's entries in order
     let (pattern, _) = SymmetricPattern::from_entries(free.len(), &places).expect("numbered so");
     let analysis = Analysis::new(&pattern, &Ordering::Automatic)?;
     let mut factor = Cholesky::new(&analysis, Kind::Llt)?;

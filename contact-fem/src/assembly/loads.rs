@@ -5,11 +5,12 @@ use crate::element::{Element, Facet, FacetRule, facet_shapes};
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
-/// Adds the nodal forces (full dofs, UF) of a traction f(X) (force per reference area) on facets,
+/// Adds the nodal forces (all dofs, UF) of a traction f(X) (force per reference area) on facets,
 /// given by their nodes.
 ///
-/// With flat facets this is exact for tractions up to degree 3 in the plane and 2 in space, in
-/// quadratic elements as in linear ones; what varies faster costs no order of convergence.
+/// On flat facets the quadrature is exact for tractions up to degree 3 in the plane and 2 in space,
+/// for linear and quadratic elements. For other tractions the quadrature error does not reduce the
+/// order of convergence.
 pub fn add_traction<const D: usize>(
     mesh: &Mesh<D>,
     facets: &[&[usize]],
@@ -30,8 +31,9 @@ pub fn add_traction<const D: usize>(
     }
 }
 
-/// Adds the nodal forces (full dofs, UF) of a body force b(X) (force per reference volume): exact on
-/// straight cells up to degree 5 of b times shape functions, and on curved ones for a constant b.
+/// Adds the nodal forces (all dofs, UF) of a body force b(X) (force per reference volume). The
+/// quadrature is exact on straight cells if b times a shape function has degree 5 at most, and on
+/// curved cells for a constant b.
 pub fn add_body_force<const D: usize, E: Element<D>>(
     mesh: &Mesh<D>,
     force: impl Fn(&Vector<D>) -> Vector<D>,
@@ -112,7 +114,7 @@ mod tests {
         }
     }
 
-    /// Work of nodal forces on a displacement field.
+    /// The work of nodal forces on a displacement field.
     fn work<const D: usize>(
         mesh: &Mesh<D>,
         forces: &[f64],
@@ -124,8 +126,8 @@ mod tests {
             .sum()
     }
 
-    /// b = x y² in every component does work on v = x and, with quadratic elements, on v = x²; so does
-    /// a traction on the side x = 1.
+    /// b = x y² in every component does work on v = x and, with quadratic elements, on v = x²; a
+    /// traction on the side x = 1 does as well.
     fn fields_on_straight_cells<const D: usize>(mesh: Mesh<D>)
     where
         P1: Element<D>,

@@ -1,4 +1,4 @@
-//! From cells to the energy of a body: E, ∇E, ∇²E over its free unknowns.
+//! The assembly of a body's energy: E, ∇E, ∇²E over its free unknowns.
 
 mod dofs;
 mod extension;
@@ -26,21 +26,22 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     fn set_load(&mut self, factor: f64);
     /// The prescribed unknowns at the present load (UL), in the order of [`DofMap`].
     fn prescribed(&self) -> &[f64];
-    /// Adds ∂E/∂U, internal minus external forces, at ALL dofs to `forces` (full, UF).
+    /// Adds ∂E/∂U, internal minus external forces, at all dofs, free and prescribed, to `forces`
+    /// (UF).
     fn add_residual(&self, u: &[f64], forces: &mut [f64]);
-    /// The harmonic extension of `increments` (UL) of the dofs that `supports` prescribes to all
-    /// dofs: Δv = 0 in the reference configuration, component by component.
+    /// The harmonic extension to all dofs of `increments` (UL) at the dofs that `supports`
+    /// prescribe: Δv = 0 in the reference configuration, component by component.
     fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64>;
-    /// Stress and volume ratio in the middle of every cell, those that were not assembled included;
+    /// Stress and volume ratio at the centre of every cell, including those that are not assembled;
     /// `U` is the displacement of every node.
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>>;
-    /// How many cells take part in the assembly; those with all dofs prescribed do not.
+    /// The number of assembled cells; those with all dofs prescribed are not assembled.
     fn assembled_cells(&self) -> usize;
-    /// The median of the Hessian's diagonal (UF/UL) at no displacement.
+    /// The median of the Hessian's diagonal (UF/UL) at zero displacement.
     fn typical_stiffness(&self) -> f64;
 }
 
-/// Stress and volume change in one cell.
+/// Stress and volume ratio in one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellState<const D: usize> {
     /// J = det F.
@@ -52,7 +53,7 @@ pub struct CellState<const D: usize> {
 }
 
 impl<const D: usize> CellState<D> {
-    /// The von Mises stress √(3/2 s:s), out-of-plane stress included (UF/UL²).
+    /// The von Mises stress √(3/2 s:s), including the out-of-plane stress (UF/UL²).
     pub fn von_mises(&self) -> f64 {
         let mean = (self.sigma.trace() + self.sigma_zz) / 3.0;
         let deviator = self.sigma - Matrix::identity() * mean;

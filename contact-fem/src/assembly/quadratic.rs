@@ -1,4 +1,4 @@
-//! The energy of a linear law: quadratic, its stiffness assembled once.
+//! The quadratic energy of a linear law, whose stiffness is assembled once.
 
 use contact_core::Energy;
 use contact_core::nlp::Pattern;
@@ -9,10 +9,10 @@ use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
-/// E(u) = E₀ + g₀·u + ½ uᵀK u over the free unknowns; E₀ and g₀ follow the load, K stays.
+/// E(u) = E₀ + g₀·u + ½ uᵀK u over the free unknowns; E₀ and g₀ depend on the load, K does not.
 pub struct QuadraticEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     elastic: StrainEnergy<D, E, M>,
-    /// K (UF/UL), a value a slot of the pattern.
+    /// K (UF/UL), one value for each entry of the pattern.
     K: Vec<f64>,
     /// ∇E and E at u = 0 and the present load.
     g_0: Vec<f64>,
@@ -45,7 +45,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for QuadraticEnergy<D
         self.elastic.dofs()
     }
 
-    // E₀ + g₀·u + ½ Σ_ij K_ij u_i u_j, an entry off the diagonal standing for two
+    // E₀ + g₀·u + ½ Σ_ij K_ij u_i u_j; an off-diagonal entry counts twice
     fn value(&self, u: &[f64]) -> f64 {
         let entries = self.elastic.pattern().iter().zip(&self.K);
         let double = entries.map(|((i, j), k)| if i == j { 1.0 } else { 2.0 } * k * u[i] * u[j]);

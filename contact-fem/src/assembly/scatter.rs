@@ -1,10 +1,10 @@
-//! The Hessian's pattern, found once, and where each cell writes into it.
+//! The Hessian's pattern, determined once, and the positions at which each cell adds to it.
 
 use contact_core::linear::SymmetricPattern;
 
 use super::dofs::{Dof, DofMap};
 
-/// Where in the values of the pattern the D × D block of each pair of nodes goes.
+/// For each pair of nodes, the positions of its D × D block in the values of the pattern.
 pub(super) struct SlotMap<const D: usize> {
     /// For every cell and every pair of its nodes (a, b ≤ a), the number of its block.
     pairs: Vec<u32>,
@@ -13,12 +13,13 @@ pub(super) struct SlotMap<const D: usize> {
     blocks: Vec<[[u32; D]; D]>,
 }
 
-/// Entries of rows or columns that are prescribed, and above the diagonal, are written nowhere.
+/// Marks entries that are not stored: those in prescribed rows or columns, and those above the
+/// diagonal.
 const NOWHERE: u32 = u32::MAX;
 
 impl<const D: usize> SlotMap<D> {
-    /// Adds the block of the nodes a and b ≤ a of cell `k`, numbered within it, to `values`;
-    /// `entry(i, j)` has its row at the node with the larger number in the mesh.
+    /// Adds the block of the nodes a and b ≤ a of cell `k`, numbered within the cell, to `values`.
+    /// The row of `entry(i, j)` belongs to the node with the larger number in the mesh.
     pub fn add(
         &self,
         k: usize,
@@ -37,7 +38,7 @@ impl<const D: usize> SlotMap<D> {
     }
 }
 
-/// Finds the Hessian's pattern over the free dofs; `cells` yields each cell's nodes.
+/// Determines the Hessian's pattern over the free dofs; `cells` yields each cell's nodes.
 pub(super) fn pattern_and_slots<'a, const D: usize>(
     dofs: &DofMap,
     cells: impl Iterator<Item = &'a [usize]> + Clone,

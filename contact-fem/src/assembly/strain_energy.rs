@@ -16,7 +16,7 @@ use crate::material::{Deformation, Material};
 use crate::mesh::Mesh;
 use crate::tensor::{Matrix, Vector, inverse_transpose};
 
-/// One quadrature point: weight times reference volume, and ∂N_a/∂X.
+/// One quadrature point: its weight times reference volume, and ∂N_a/∂X.
 #[derive(Clone, Copy)]
 struct Point<const D: usize, E: Element<D>> {
     pub weight: f64,
@@ -27,27 +27,27 @@ struct Point<const D: usize, E: Element<D>> {
 pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     material: M,
     dofs: DofMap,
-    /// Nodes of the assembled cells, and their quadrature points cell by cell.
+    /// The nodes of the assembled cells, and their quadrature points cell by cell.
     cells: Vec<E::PerNode<usize>>,
     points: Vec<Point<D, E>>,
-    /// External forces on all dofs and prescribed displacements, at full load.
+    /// External forces on all dofs and prescribed displacements, both at full load.
     full_forces: Vec<f64>,
     full_prescribed: Vec<f64>,
     factor: f64,
     prescribed: Vec<f64>,
     pattern: SymmetricPattern,
-    /// The same as entries, for the trait.
+    /// The pattern as a list of entries, which the trait requires.
     entries: Pattern,
     slots: SlotMap<D>,
-    /// The harmonic extension of what the supports prescribe, from its first use on.
+    /// The harmonic extension of the prescribed displacements, built on first use.
     extension: Mutex<Option<Extension<D>>>,
     trial: Mutex<Trial<D>>,
     typical_stiffness: f64,
 }
 
 impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
-    /// The energy of `mesh` under nodal `forces` (all dofs, UF) and `prescribed` displacements
-    /// (one a prescribed dof, UL), both at full load; it starts at no load.
+    /// The energy of `mesh` under nodal `forces` (all dofs, UF) and `prescribed` displacements (one
+    /// for each prescribed dof, UL), both at full load; the initial load factor is 0.
     pub fn new(
         mesh: &Mesh<D>,
         material: M,
@@ -82,7 +82,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         energy
     }
 
-    /// The median of the Hessian's diagonal at u = 0 and the present load; 0 without free dofs.
+    /// The median of the Hessian's diagonal at u = 0 and the present load; 0 if there are no free dofs.
     fn median_diagonal(&self) -> f64 {
         let mut values = vec![0.0; self.pattern.len()];
         self.hessian(&vec![0.0; self.dofs.free()], &mut values);
@@ -102,7 +102,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         &self.pattern
     }
 
-    /// The assembled cells with their points.
+    /// The assembled cells with their quadrature points.
     fn assembled(&self) -> impl Iterator<Item = (&E::PerNode<usize>, &[Point<D, E>])> {
         self.cells
             .iter()
@@ -120,7 +120,8 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         local
     }
 
-    /// The entries ∫ ∇N_a·∇N_b dX of the Laplacian, node by node and cell by cell, b ≤ a in the cell.
+    /// The entries ∫ ∇N_a·∇N_b dX of the Laplacian, by nodes and by cells, with b ≤ a within the
+    /// cell.
     fn laplacian(&self) -> Vec<(usize, usize, f64)> {
         let mut entries = Vec::new();
         for (cell, points) in self.assembled() {
@@ -137,7 +138,8 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         entries
     }
 
-    /// Calls `visit` with every assembled cell, its points and the deformations there at u.
+    /// Calls `visit` with every assembled cell, its quadrature points and the deformations there at
+    /// u.
     fn visit(
         &self,
         u: &[f64],
@@ -160,7 +162,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         }
     }
 
-    /// Gives back the memory that evaluations at one u share.
+    /// Releases the memory shared by evaluations at one u.
     pub(super) fn forget(&self) {
         *lock(&self.trial) = Trial::default();
     }
@@ -179,7 +181,8 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
     }
 }
 
-/// What the lock protects; whoever panicked with it left nothing half done that counts as done.
+/// The contents of the lock, also after a panic: the data are marked valid only once they are
+/// complete.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

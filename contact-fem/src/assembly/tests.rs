@@ -1,4 +1,4 @@
-//! Energies of meshes: what is kept between evaluations changes none of them.
+//! Energies of meshes: values kept between evaluations do not affect the results.
 
 use super::*;
 use crate::element::{Element, P1, P2};
@@ -31,7 +31,7 @@ fn waves(n: usize, size: f64) -> Vec<f64> {
     (0..n).map(|k| size * (1.0 + k as f64).sin()).collect()
 }
 
-/// Domain, value, gradient and Hessian in one vector.
+/// Domain, value, gradient and Hessian as one vector.
 fn all(energy: &dyn Energy, u: &[f64]) -> Vec<f64> {
     let (mut d, mut g) = (vec![0.0; energy.domain_len()], vec![0.0; energy.dofs()]);
     let mut values = vec![0.0; energy.hessian_pattern().len()];
@@ -41,7 +41,7 @@ fn all(energy: &dyn Energy, u: &[f64]) -> Vec<f64> {
     [d, g, values, vec![energy.value(u)]].concat()
 }
 
-/// What was evaluated before has no bearing: other u, other loads, an inadmissible u.
+/// Earlier evaluations have no effect: at another u, other loads, an inadmissible u.
 #[test]
 fn evaluations_depend_on_nothing_before() {
     let mesh = square(3).quadratic();
@@ -66,7 +66,7 @@ fn evaluations_depend_on_nothing_before() {
     assert!(all(&energy, &u) == at_u);
 }
 
-/// A law that panics at a stretch of its first component.
+/// A law that panics if the stretch of its first component is too large.
 #[derive(Clone)]
 struct Panics(NeoHookean);
 
@@ -119,7 +119,8 @@ fn a_quadratic_energy_is_its_strain_energy() {
     );
 }
 
-/// Which dofs of a square the supports take: x on all of its boundary, y on the left and the right.
+/// For each dof of a square, whether it is prescribed: x on all of the boundary, y on the left and
+/// the right.
 fn supports(mesh: &Mesh<2>) -> DofMap {
     let mut taken = vec![false; 2 * mesh.nodes().len()];
     for (side, both) in [
@@ -136,7 +137,7 @@ fn supports(mesh: &Mesh<2>) -> DofMap {
     DofMap::new(&taken)
 }
 
-/// The values at the supports of a field on the nodes.
+/// The values of a nodal field at the prescribed dofs.
 fn at_supports(supports: &DofMap, field: &[f64]) -> Vec<f64> {
     let prescribed = |dof: &usize| matches!(supports.get(*dof), Dof::Prescribed(_));
     (0..field.len())
@@ -145,7 +146,8 @@ fn at_supports(supports: &DofMap, field: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// v_x = 1 + 2x − y, given all around, and v_y = 3x − 1, whose flux through bottom and top is zero, are harmonic.
+/// v_x = 1 + 2x − y, prescribed on all of the boundary, and v_y = 3x − 1, which has no flux through
+/// bottom and top, are harmonic.
 #[test]
 fn harmonic_fields_are_their_own_extension() {
     let law = NeoHookean::new(1.0, 0.0).expect("valid");
@@ -157,7 +159,7 @@ fn harmonic_fields_are_their_own_extension() {
         let field = |x: &Vector<2>| [1.0 + 2.0 * x[0] - x[1], 3.0 * x[0] - 1.0];
         let field: Vec<f64> = mesh.nodes().iter().flat_map(field).collect();
         let supports = supports(&mesh);
-        // the factors of the first increment serve the others
+        // the factors of the first increment are reused for the others
         for factor in [1.0, -0.5, 0.0, 1e-3] {
             let values: Vec<f64> = at_supports(&supports, &field)
                 .iter()
@@ -171,7 +173,7 @@ fn harmonic_fields_are_their_own_extension() {
                     .all(|(v, f)| (v - factor * f).abs() < 1e-13)
             );
         }
-        // other supports: y is nowhere prescribed and stays, x as before
+        // other supports: y is prescribed nowhere and stays; x as before
         let mut taken = vec![false; field.len()];
         (0..mesh.nodes().len())
             .for_each(|a| taken[2 * a] = matches!(supports.get(2 * a), Dof::Prescribed(_)));

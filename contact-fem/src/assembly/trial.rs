@@ -1,10 +1,10 @@
-//! What all evaluations at one trial u share.
+//! The data that all evaluations at one trial u share.
 
 use crate::material::Deformation;
 
-/// The deformation at every quadrature point at the u asked for last.
+/// The deformation at every quadrature point at the most recent u.
 ///
-/// A solver asks for domain, value, gradient and Hessian at the same u one after the other.
+/// A solver evaluates domain, value, gradient and Hessian at the same u one after the other.
 pub(super) struct Trial<const D: usize> {
     u: Vec<f64>,
     is_valid: bool,
@@ -22,7 +22,7 @@ impl<const D: usize> Default for Trial<D> {
 }
 
 impl<const D: usize> Trial<D> {
-    /// The deformations at u; `push` is to append each where they are not known.
+    /// The deformations at u; `push` appends each of them if they are not stored.
     pub fn at(
         &mut self,
         u: &[f64],
@@ -39,7 +39,8 @@ impl<const D: usize> Trial<D> {
         &self.points
     }
 
-    /// Forgets u, for F depends on what is prescribed, too; the memory stays.
+    /// Invalidates the stored deformations, as F also depends on prescribed displacements; the
+    /// memory is kept.
     pub fn invalidate(&mut self) {
         self.is_valid = false;
     }

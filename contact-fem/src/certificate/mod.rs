@@ -1,49 +1,57 @@
-//! "Did it really converge?": what a step is worth, computed anew from its result.
+//! Certificates of convergence: how well a converged step satisfies the conditions of a solution,
+//! evaluated independently of the solver.
 
 mod state;
 
 use std::fmt;
 
-/// A condition that a solution satisfies. What is left of it is dimensionless.
+/// A condition that a solution satisfies. Its residual is dimensionless.
 ///
-/// Lengths are over the mean facet around a node; weak gaps over the displacement of such a facet that matters, which is
-/// less by [`Scale::resolution`](contact_core::Scale) over the smallest facet: stiff bodies move by a tiny part of their
-/// facets, and may not penetrate by more. Forces are over the largest force on a node of the same body, be it contact,
-/// support or load, but at least over a ten thousandth of [`Scale`](contact_core::Scale)'s energy over its length: when
-/// bodies begin to touch there is next to no force.
+/// Lengths are divided by the mean facet size around a node. Weak gaps are divided by the expected
+/// displacement of such a facet, that is by its size times
+/// [`Scale::resolution`](contact_core::Scale) over the smallest facet: stiff bodies move by a small
+/// part of their facets, and may not penetrate by more. Forces are divided by the largest force on
+/// a node of the same body, whether from contact, supports or loads, but at least by 1e-4 of the
+/// energy of [`Scale`](contact_core::Scale) over its length, since there are hardly any forces when
+/// bodies begin to touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Condition {
-    /// No contact node is inside another surface: the largest depth, over all passes of the scene. Weak constraints
-    /// allow a little, and more where corners meet.
+    /// No contact node is inside another surface: the largest depth, over all passes of the scene.
+    /// Weak constraints allow small penetrations, larger ones at corners.
     NodalPenetration,
     /// No weak gap is negative: max(−c_i) over all rows at the state, of all passes of the scene.
     WeakPenetration,
-    /// Contact pushes and never pulls: max(−λ_i).
+    /// Contact pressures are compressive: max(−λ_i).
     Adhesion,
-    /// Forces act at closed gaps only: max |λ_i c_i|, with [`Scale::resolution`](contact_core::Scale) for a length.
+    /// Forces act at closed gaps only: max |λ_i c_i|, with
+    /// [`Scale::resolution`](contact_core::Scale) as the unit of length.
     Complementarity,
-    /// The energy is stationary: max |∇E − Cᵀλ| over the unknowns that no support holds, with the solver's rows.
+    /// The energy is stationary: max |∇E − Cᵀλ| over the free unknowns, with the solver's rows.
     Stationarity,
-    /// One more iteration would not change the forces: max |Cᵀλ − C'ᵀλ|, C' the rows at the state. Nothing where the
-    /// rows of the two have no names in common: method (39) with exact integration.
+    /// Another iteration would not change the forces: max |Cᵀλ − C'ᵀλ|, with C' the rows at the
+    /// state. `None` if rows of the two cannot be matched by their keys, as in method (39) with
+    /// exact integration.
     Drift,
-    /// Contact forces come in pairs: |Σ Cᵀλ| over all bodies, of Σ |Cᵀλ|.
+    /// Contact forces are in equilibrium: |Σ Cᵀλ| over all bodies, divided by Σ |Cᵀλ|.
     ActionReaction,
-    /// All forces are in balance: |Σ reactions + Σ loads| over the sum of their magnitudes.
+    /// All forces are in equilibrium: |Σ reactions + Σ loads| divided by the sum of their
+    /// magnitudes.
     Balance,
     /// No element is inverted: the number of points with J ≤ 0.
     Inverted,
-    /// The solver had every closed row: the number of closed constraints present at the solution but missing from the
-    /// solver's rows. A row is closed if it is not open by more than the default limit of the weak penetration. For
-    /// method (39) with exact integration, whose points have no lasting names: the passes whose closed points covered a
-    /// ten thousandth less of the surface.
+    /// The solver had every closed row: the number of closed constraints present at the solution
+    /// but missing from the solver's rows. A row is closed if its gap is below the default limit of
+    /// the weak penetration. For method (39) with exact integration, whose points have no
+    /// persistent numbers: the number of passes in which the solver's closed points cover less area
+    /// than those at the solution, by more than 1e-4 of it.
     Closed,
-    /// The same as [`Condition::WeakPenetration`] over the passes that the scene leaves out, without a limit: what a
-    /// single pass lets through on its other side. Nothing where every pair has both.
+    /// As [`Condition::WeakPenetration`], over the passes that the scene leaves out, without a
+    /// limit: the penetration that a single pass admits on the other surface. `None` if every pair
+    /// has both passes.
     OtherSide,
-    /// Contact nodes without a row, without a limit; of method (39), whose rows are points, those without one at the
-    /// state.
+    /// The number of contact nodes without a row, without a limit. In method (39), whose rows are
+    /// points, the rows at the state count.
     Dropped,
 }
 
@@ -51,9 +59,10 @@ pub enum Condition {
 struct Line {
     condition: Condition,
     name: &'static str,
-    /// For the default tolerance of the fixed point, 1e-6, and twice what penalties leave by default.
+    /// Limits suit the default tolerance of the fixed-point iteration, 1e-6; those of weak
+    /// penetration and complementarity are twice the residual that penalties leave by default.
     limit: f64,
-    /// Whether round-off in forces at strains as small as the scene's is told by this condition.
+    /// Whether the residual contains the round-off in forces at the scene's strains.
     sees_roundoff: bool,
 }
 
@@ -69,7 +78,8 @@ const fn line(condition: Condition, name: &'static str, limit: f64) -> Line {
     }
 }
 
-/// The table that limits, files and summaries are made from, in the order of [`Condition`].
+/// The table of conditions from which limits, files and summaries are generated, in the order of
+/// [`Condition`].
 const TABLE: [Line; 12] = [
     line(Condition::NodalPenetration, "nodal_penetration", 0.2),
     line(Condition::WeakPenetration, "weak_penetration", 2e-3),
@@ -91,23 +101,23 @@ impl Condition {
         TABLE.iter().map(|line| line.condition)
     }
 
-    /// Its name in files and summaries.
+    /// The condition's name in files and summaries.
     pub fn name(self) -> &'static str {
         TABLE[self as usize].name
     }
 }
 
-/// How well a state satisfies the conditions of a solution, from scratch: it is projected once more, at the state
-/// itself, and no residual of the solver is used.
+/// The residuals of all conditions at a state. They are evaluated with a new projection at the
+/// state itself, without any residual of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
-    /// What is left of each condition; nothing of one that does not apply.
+    /// The residual of each condition; `None` if the condition does not apply.
     left: [Option<f64>; TABLE.len()],
-    /// Round-off in forces at strains as small as the scene's, of [`Scale::roundoff`](contact_core::Scale).
+    /// The round-off in forces at the scene's strains: [`Scale::roundoff`](contact_core::Scale).
     roundoff: f64,
 }
 
-/// What may be left of each condition if a certificate is to hold.
+/// The largest residual of each condition with which a certificate holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits([f64; TABLE.len()]);
 
@@ -118,12 +128,12 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// The limit of a condition, infinite for none.
+    /// The limit of a condition; infinite if it has none.
     pub fn of(&self, condition: Condition) -> f64 {
         self.0[condition as usize]
     }
 
-    /// The same limits but for one.
+    /// The same limits with the given one replaced.
     #[must_use]
     pub fn with(mut self, condition: Condition, limit: f64) -> Self {
         self.0[condition as usize] = limit;
@@ -136,21 +146,21 @@ impl Limits {
 pub struct Entry {
     /// The condition's name.
     pub name: &'static str,
-    /// What is left of it, or nothing if it does not apply.
+    /// The residual, or `None` if the condition does not apply.
     pub value: Option<f64>,
-    /// What may be left at most.
+    /// The largest accepted residual.
     pub limit: f64,
 }
 
 impl Entry {
-    /// Whether the value keeps the limit; NaN does not.
+    /// Whether the residual is within the limit; NaN is not.
     pub fn holds(&self) -> bool {
         self.value.is_none_or(|value| value <= self.limit)
     }
 }
 
 impl Certificate {
-    /// With the same left of every condition.
+    /// A certificate with the same residual for every condition.
     pub(crate) fn uniform(left: f64, roundoff: f64) -> Self {
         Certificate {
             left: [Some(left); TABLE.len()],
@@ -158,24 +168,25 @@ impl Certificate {
         }
     }
 
-    /// The same but for one condition.
+    /// The same residuals with the given one replaced.
     #[must_use]
     pub(crate) fn with(mut self, condition: Condition, left: Option<f64>) -> Self {
         self.left[condition as usize] = left;
         self
     }
 
-    /// What is left of a condition, or nothing if it does not apply.
+    /// The residual of a condition, or `None` if the condition does not apply.
     pub fn left(&self, condition: Condition) -> Option<f64> {
         self.left[condition as usize]
     }
 
-    /// Round-off in forces at strains as small as the scene's: no limit below ten times that is asked for.
+    /// The round-off in forces at the scene's strains. A condition on forces is not tested below
+    /// ten times this value.
     pub fn roundoff(&self) -> f64 {
         self.roundoff
     }
 
-    /// What is left of every condition, beside its limit.
+    /// The residuals of all conditions with their limits.
     pub fn entries(&self, limits: &Limits) -> impl ExactSizeIterator<Item = Entry> + use<> {
         let attainable = 10.0 * self.roundoff;
         let lines = TABLE.iter().zip(self.left).zip(limits.0);
@@ -189,15 +200,15 @@ impl Certificate {
         })
     }
 
-    /// Whether every condition is kept to its limit.
+    /// Whether every residual is within its limit.
     pub fn holds(&self, limits: &Limits) -> bool {
         self.entries(limits).all(|entry| entry.holds())
     }
 
-    /// Condition by condition the worse of two, for a run of many steps.
+    /// The larger residual of each condition, of two certificates, as for a run of many steps.
     #[must_use]
     pub fn or_worse(self, other: Self) -> Self {
-        // a NaN is worse than any number
+        // NaN counts as larger than any number
         let worse = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
         Certificate {
             left: std::array::from_fn(|k| match (self.left[k], other.left[k]) {
@@ -209,7 +220,8 @@ impl Certificate {
     }
 }
 
-/// A line a condition, those beyond their limits marked, under a line that says whether all hold.
+/// One line for each condition, with a mark on those beyond their limits, below a line that tells
+/// whether all hold.
 impl fmt::Display for Certificate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let limits = Limits::default();
@@ -244,7 +256,7 @@ mod tests {
         }
     }
 
-    /// Whatever is left of any one condition beyond its limit, the certificate does not hold; nor with a NaN.
+    /// A certificate does not hold if any one residual is beyond its limit or NaN.
     #[test]
     fn every_limit_counts() {
         let (limits, flawless) = (Limits::default(), Certificate::uniform(0.0, 0.0));
@@ -261,7 +273,7 @@ mod tests {
         }
     }
 
-    /// Of two certificates the worse value counts, whichever comes first, and a NaN stays.
+    /// The larger residual of two certificates is kept, in either order, and so is NaN.
     #[test]
     fn the_worse_of_two() {
         let flawless = Certificate::uniform(0.0, 0.0);

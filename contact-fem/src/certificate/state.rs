@@ -1,4 +1,4 @@
-//! What a certificate says of a state, measured from scratch.
+//! The certificate of a state, evaluated independently of the solver.
 
 use std::collections::{HashMap, HashSet};
 
@@ -12,7 +12,7 @@ use crate::model::Problem;
 use crate::tensor::Vector;
 
 impl Certificate {
-    /// Of the state `solution` of `problem`, which must be at the load that belongs to it.
+    /// The certificate of `solution`; `problem` must be at the load of the solution.
     pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
         let u = &solution.state.u;
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
@@ -30,7 +30,7 @@ impl Certificate {
         let any_force = residual.forces.iter().copied().fold(0.0, f64::max);
 
         let relative = units.relative(&rows, u, passes);
-        // rows of the solver's kind at the state: one a node, or one a point
+        // rows at the state, sampled as the solver's: one for each node, or one for each point
         let points;
         let (same, relative_same) = match gaps.sampling() {
             Sampling::Nodes => (&rows, relative.clone()),
@@ -95,20 +95,23 @@ impl Certificate {
     }
 }
 
-/// What lengths and forces are measured in.
+/// The smallest unit of forces, as a share of the scale of forces (energy over length). The conditions
+/// on forces divide by at least this unit, since there are hardly any forces when bodies begin to touch.
+const NOTICED: f64 = 1e-4;
+/// The largest share of the closed area that the solver's points may miss.
+const MISSING: f64 = 1e-4;
+
+/// The units of lengths and forces.
 struct Units {
-    /// The slave's body, pass by pass.
+    /// The body of the slave, pass by pass.
     bodies: Vec<usize>,
-    /// By surface, what of a gap matters around each scene node, and around any of its points (UL).
+    /// For each surface the unit of gaps at each scene node, and the one at integration points (UL).
     lengths: Vec<(HashMap<usize, f64>, f64)>,
-    /// What force is no force at all (UF).
+    /// The smallest unit of forces (UF).
     noticed: f64,
 }
 
 impl Units {
-    /// The share of the scale of forces below which forces are not resolved.
-    const NOTICED: f64 = 1e-4;
-
     fn new<const D: usize>(problem: &Problem<D>) -> Self {
         let scale = problem.scale();
         let strain = scale.resolution / scale.area.powf(1.0 / (D as f64 - 1.0));
@@ -125,11 +128,11 @@ impl Units {
                     (by_node, strain * surface.facet_size())
                 })
                 .collect(),
-            noticed: Self::NOTICED * scale.energy / scale.length,
+            noticed: NOTICED * scale.energy / scale.length,
         }
     }
 
-    /// The rows' gaps at `u` in their units.
+    /// The gaps of the rows at `u`, each in its unit.
     fn relative(&self, rows: &LinearGaps, u: &[f64], passes: &[Pass]) -> Vec<f64> {
         let gaps = values(rows, u).into_iter().zip(rows.keys());
         let relative = gaps.map(|(c, key)| {
@@ -143,7 +146,7 @@ impl Units {
         relative.collect()
     }
 
-    /// The deepest weak penetration over the roles that are no pass of the scene.
+    /// The largest weak penetration of the passes with exchanged roles that the scene leaves out.
     fn other_side<const D: usize>(&self, problem: &Problem<D>, u: &[f64]) -> Option<f64> {
         let passes = problem.passes();
         let turned = |pass: &Pass| Pass {
@@ -157,7 +160,7 @@ impl Units {
     }
 }
 
-/// `value` in these units; nothing is nothing, whatever the unit.
+/// `value` / `unit`; 0 if the value is 0, for any unit.
 fn over(value: f64, unit: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value / unit }
 }
@@ -174,8 +177,8 @@ fn deepest(gaps: &[f64]) -> f64 {
     gaps.iter().fold(0.0, |depth, c| depth.max(-c))
 }
 
-/// How many rows at the state, whose gaps in their units are `relative`, are not open and not among
-/// those of the solver.
+/// The number of closed constraints present at the state but missing from the solver's rows. `relative`
+/// are the gaps at the state in their units.
 fn closed(rows: &LinearGaps, relative: &[f64], solver: &LinearGaps) -> usize {
     let named: HashSet<&RowKey> = solver.keys().iter().collect();
     let limit = Limits::default().of(Condition::WeakPenetration);
@@ -184,10 +187,9 @@ fn closed(rows: &LinearGaps, relative: &[f64], solver: &LinearGaps) -> usize {
         .count()
 }
 
-/// In how many passes the solver's points that are not open speak for less of the surface than those
-/// at the state do. A point that is all but open by one is given to the solver.
+/// The number of passes in which the closed points of the solver cover less of the surface than those
+/// at the state. To exclude borderline points, the solver's points count up to twice the limit.
 fn uncovered(passes: usize, state: (&LinearGaps, &[f64]), solver: (&LinearGaps, &[f64])) -> usize {
-    const MISSING: f64 = 1e-4;
     let limit = Limits::default().of(Condition::WeakPenetration);
     let areas = |(rows, relative): (&LinearGaps, &[f64]), limit: f64| {
         let mut areas = vec![0.0; passes];
@@ -204,11 +206,11 @@ fn uncovered(passes: usize, state: (&LinearGaps, &[f64]), solver: (&LinearGaps, 
         .count()
 }
 
-/// What is left of ∂E/∂U − Cᵀλ.
+/// The residual ∂E/∂U − Cᵀλ.
 struct Residual {
-    /// The largest component that no support holds, over the forces on its body.
+    /// The largest component at a free dof, divided by the largest force on its body.
     free: f64,
-    /// The largest force on a node of each body, or what is noticed at least (UF).
+    /// For each body the largest force on a node, but at least the smallest unit of forces (UF).
     forces: Vec<f64>,
     /// |Σ reactions + Σ loads| and the sum of their components' magnitudes (UF).
     sum: f64,

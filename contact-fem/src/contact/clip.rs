@@ -1,19 +1,21 @@
-//! Clipping of triangles, for pieces that two facets share (I. E. Sutherland and G. W. Hodgman,
-//! *Reentrant polygon clipping*, CACM 17, 1974).
+//! Clipping of triangles to the pieces that two facets have in common (I. E. Sutherland and G. W.
+//! Hodgman, *Reentrant polygon clipping*, CACM 17, 1974).
 //!
-//! Points on a facet's plane are its barycentric coordinates. A simplex with such corners has the
-//! measure det [a b …] as a share of the facet's, negative if it is turned over. Convex polygons are
-//! slices of corners; shadows, the other facets as seen on the plane, are turned over.
+//! Points in a facet's plane are given by their barycentric coordinates. A simplex with such
+//! corners has the measure det [a b …] as a share of the facet's; it is negative if the simplex is
+//! reversed. A convex polygon is a slice of corners. A *shadow* is the projection of a facet of the
+//! other surface on the plane; since that facet faces this one, the shadow is reversed.
 
 use crate::tensor::{Matrix, Vector, determinant, unit_vector};
 
-/// Pieces of less than this share of the facet are round-off.
+/// The smallest area or length of a piece, as a share of the facet's: smaller ones are round-off
+/// and dropped. All clipping depends on it.
 pub(super) const EMPTY: f64 = 1e-14;
 
-/// Clips triangles, and keeps account of what is left of one.
+/// Clips triangles and stores the remainder of one.
 #[derive(Default)]
 pub(super) struct Clipper<const D: usize> {
-    /// What is left of the triangle.
+    /// The parts of the triangle that no shadow has covered so far.
     pub rest: Vec<[Vector<D>; D]>,
     before: Vec<[Vector<D>; D]>,
     polygon: Vec<Vector<D>>,
@@ -22,7 +24,7 @@ pub(super) struct Clipper<const D: usize> {
 }
 
 impl<const D: usize> Clipper<D> {
-    /// What a triangle and a shadow have in common: a convex polygon, or nothing.
+    /// The intersection of a triangle and a shadow: a convex polygon, or empty.
     pub fn clip(&mut self, triangle: &[Vector<D>; D], shadow: &[Vector<D>; D]) -> &[Vector<D>] {
         self.polygon.clear();
         self.polygon.extend(triangle);
@@ -33,7 +35,7 @@ impl<const D: usize> Clipper<D> {
         &self.polygon
     }
 
-    /// Moves what the rest and a shadow have in common to `pieces`; returns its area.
+    /// Moves the intersection of the remainder and a shadow to `pieces`; returns its area.
     pub fn take(&mut self, shadow: &[Vector<D>; D], pieces: &mut Vec<[Vector<D>; D]>) -> f64 {
         let mut taken = 0.0;
         std::mem::swap(&mut self.rest, &mut self.before);
@@ -88,22 +90,22 @@ impl<const D: usize> Clipper<D> {
     }
 }
 
-/// The whole facet.
+/// The corners of the whole facet.
 pub(super) fn corners<const D: usize>() -> [Vector<D>; D] {
     std::array::from_fn(unit_vector)
 }
 
-/// The measure of a simplex, negative if it is turned over.
+/// The measure of a simplex, negative if it is reversed.
 pub(super) fn measure<const D: usize>(corners: &[Vector<D>; D]) -> f64 {
     determinant(&Matrix::from_columns(corners))
 }
 
-/// Whether a simplex is more than round-off.
+/// Whether the area of a simplex exceeds round-off.
 fn is_full<const D: usize>(corners: &[Vector<D>; D]) -> bool {
     measure(corners) > EMPTY
 }
 
-/// The triangles from a convex polygon's first corner.
+/// The triangles between a convex polygon's first corner and its sides.
 fn triangles<const D: usize>(polygon: &[Vector<D>]) -> impl Iterator<Item = [Vector<D>; D]> {
     let sides = polygon.windows(2).skip(1);
     sides.map(|side| std::array::from_fn(|k| if k == 0 { polygon[0] } else { side[k - 1] }))
@@ -114,15 +116,15 @@ pub(super) fn area<const D: usize>(polygon: &[Vector<D>]) -> f64 {
     triangles(polygon).map(|triangle| measure(&triangle)).sum()
 }
 
-/// The centroid of a convex polygon, not a number if it is empty.
+/// The centroid of a convex polygon; NaN if it is empty.
 pub(super) fn centroid<const D: usize>(polygon: &[Vector<D>]) -> Vector<D> {
     let moment = |t: [Vector<D>; D]| t.iter().sum::<Vector<D>>() * (measure(&t) / D as f64);
     triangles(polygon).map(moment).sum::<Vector<D>>() / area(polygon)
 }
 
-/// Divides a convex polygon into triangles but for empty ones; returns their area. They meet at the
-/// centroid: what is integrated on them then moves as little as the polygon does, also where one of its
-/// sides vanishes or a corner is there twice, and fixed points converge.
+/// Divides a convex polygon into triangles that meet at its centroid, without empty ones; returns
+/// their area. The quadrature then depends continuously on the polygon, also where a side vanishes
+/// or a corner is repeated; the fixed-point iteration needs this to converge.
 pub(super) fn fan<const D: usize>(polygon: &[Vector<D>], pieces: &mut Vec<[Vector<D>; D]>) -> f64 {
     if !(area(polygon) > EMPTY) {
         return 0.0;
@@ -141,7 +143,7 @@ pub(super) fn fan<const D: usize>(polygon: &[Vector<D>], pieces: &mut Vec<[Vecto
 pub(super) mod tests {
     use super::*;
 
-    /// A repeatable stream of numbers in [0, 1).
+    /// A reproducible sequence of numbers in [0, 1).
     pub(in super::super) struct Random(pub u64);
 
     impl Random {
@@ -153,7 +155,8 @@ pub(super) mod tests {
             (self.0 >> 11) as f64 / (1u64 << 53) as f64
         }
 
-        /// A shadow around the facet; on a lattice every other time, where corners and sides meet.
+        /// A random shadow around the facet. Every second one is on a lattice, where corners and
+        /// sides coincide.
         pub fn shadow(&mut self) -> [Vector<3>; 3] {
             let lattice = self.next() < 0.5;
             let mut coordinate = || {
@@ -174,8 +177,8 @@ pub(super) mod tests {
         Vector::<3>::new(1.0 - s - t, s, t)
     }
 
-    /// The area that two triangles share, by cross-sections: the width of what they share is linear
-    /// between the abscissae of corners and of points where sides cross.
+    /// The area of the intersection of two triangles, by integration over cross-sections: their
+    /// width is linear between the abscissae of corners and of intersections of sides.
     pub(in super::super) fn shared_area(a: &[Vector<3>; 3], b: &[Vector<3>; 3]) -> f64 {
         let sides = |t: &[Vector<3>; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
         let height =

@@ -1,14 +1,16 @@
-//! Where rows are integrated: at Gauss points of the slave's facets, or of the pieces into which the
-//! master's mesh cuts them.
+//! The integration points of a pass: Gauss points of the slave's facets, or of the pieces into
+//! which the master's mesh cuts them.
 //!
-//! The integrand test function × gap is a polynomial only as far as one facet of the master reaches:
-//! beyond its end another one goes on, with a kink. [`Integration::Exact`] cuts there, as segment-based
-//! mortar methods do (M. A. Puso and T. A. Laursen, *A mortar segment-to-segment contact method for
-//! large deformation solid mechanics*, CMAME 193, 2004). The master's facets near a facet are projected
-//! on the plane of its corners, all in the direction of its normal, so that neighbours stay neighbours;
-//! those that do not face it, or are seen edge-on, are left out. In the plane their ends divide the
-//! segment. In space the triangle is clipped (see `clip`), and the polygons are divided into triangles.
-//! What no facet covers is integrated, too: whether a point counts is decided where it is projected.
+//! The integrand, test function × gap, is a polynomial while the projection stays on one facet of
+//! the master; it has a kink where the projection passes to the next facet. [`Integration::Exact`]
+//! divides the slave's facets there, as segment-based mortar methods do (M. A. Puso and T. A.
+//! Laursen, *A mortar segment-to-segment contact method for large deformation solid mechanics*,
+//! CMAME 193, 2004). The master's facets near a slave facet are projected on the plane of its
+//! corners, all along its normal, so that neighbours stay neighbours. Facets that do not face it,
+//! or are nearly perpendicular to it, are left out. In the plane the projected ends divide the
+//! segment. In space the triangle is clipped (see `clip`), and the polygons are divided into
+//! triangles. The parts that no facet covers are integrated, too: the projection of each of their
+//! points decides whether it counts.
 
 use super::clip::{Clipper, EMPTY, area, centroid, corners, fan, measure};
 use super::projection::{along_normal, interpolate};
@@ -17,28 +19,30 @@ use super::surface::Surface;
 use crate::element::{Facet, FacetRule};
 use crate::tensor::{Vector, facet_normal};
 
-/// How the weak gaps are integrated over the facets of the slave.
+/// The quadrature of the weak gaps over the slave's facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Integration {
-    /// At so many Gauss points a facet and direction, 1 to 64. They do not see where facets of the
-    /// master end: in flat contact of meshes that do not match, 4 points in linear elements cost about
-    /// 0.1 % of the stress with both passes, and per cents with one; more points cost less.
+    /// This number of Gauss points for each facet and direction, 1 to 64. The points do not resolve
+    /// the edges of the master's facets. In flat contact of non-matching meshes with linear
+    /// elements and 4 points, the error of the stress is about 0.1 % with both passes and several
+    /// per cent with one; more points reduce it.
     Gauss(usize),
-    /// At Gauss points of the pieces into which the master's mesh cuts the facets. On flat surfaces
-    /// that touch, whose quadratic elements have their middle nodes in the middle, nothing is left
-    /// but round-off. On others it is an approximation: pieces are cut along the chords of curved
-    /// sides and by projection along one normal a facet, and points are as many as flat pieces take.
+    /// Gauss points of the pieces into which the master's mesh cuts the facets. The quadrature is
+    /// exact up to round-off on flat surfaces in contact whose quadratic elements have their middle
+    /// nodes half-way along the edges. On other surfaces it is an approximation: the cuts follow
+    /// the chords of curved sides and a single projection direction for each facet, and the number
+    /// of points is that of flat pieces.
     Exact,
 }
 
-/// Where the rows of one pass are integrated, facet by facet.
+/// The integration points of one pass, facet by facet.
 pub(super) enum Points<const D: usize> {
     Same(FacetRule<D>),
     Cut(Box<Cutter<D>>),
 }
 
 impl<const D: usize> Points<D> {
-    /// As `integration` asks for between these two surfaces.
+    /// The points of `integration` between these two surfaces.
     pub fn new(integration: Integration, slave: &Surface<D>, master: &Surface<D>) -> Self {
         match integration {
             Integration::Gauss(points) => Points::Same(FacetRule::gauss(points)),
@@ -49,8 +53,8 @@ impl<const D: usize> Points<D> {
         }
     }
 
-    /// On `facet` of the slave as (weight, barycentric coordinates); the weights sum to 1 up to
-    /// round-off. `seeker` is the slave's point at given coordinates.
+    /// The points on `facet` of the slave as (weight, barycentric coordinates); the weights sum to
+    /// 1 up to round-off. `seeker` returns the slave point with given coordinates.
     pub fn on<'a>(
         &mut self,
         facet: &Facet<D>,
@@ -64,12 +68,12 @@ impl<const D: usize> Points<D> {
     }
 }
 
-/// A facet of the master, and its corners as projected on the slave's.
+/// The index of a facet of the master, and its corners projected on the slave's facet.
 type Shadow<const D: usize> = (usize, [Vector<D>; D]);
 
-/// Cuts one facet after the other; what it needs for that is allocated once.
+/// Cuts one facet after the other; its buffers are allocated once.
 pub(super) struct Cutter<const D: usize> {
-    /// The rule on every piece.
+    /// The quadrature rule of every piece.
     rule: FacetRule<D>,
     shadows: Vec<Shadow<D>>,
     breaks: Vec<f64>,
@@ -78,14 +82,16 @@ pub(super) struct Cutter<const D: usize> {
     points: Vec<(f64, Vector<D>)>,
 }
 
-/// Facets whose shadow is less than this share of them are seen edge-on. They are no part of a contact,
-/// and would cut slivers off a body's ends where its own sides begin.
+/// The smallest measure of a shadow, as a share of its facet's. Facets with a smaller one are
+/// nearly perpendicular to the slave's facet: they take no part in the contact, and would cut off
+/// slivers at the ends of the contact surface, where the sides of the body begin.
 const EDGE_ON: f64 = 0.1;
-/// Shadows whose measures sum to the facet's up to this share of it neither overlap nor leave gaps.
+/// The accepted difference between the total measure of the shadows and that of the facet, as a
+/// share of the latter. Up to it the shadows count as free of overlaps and gaps.
 const TILED: f64 = 1e-11;
 
 impl<const D: usize> Cutter<D> {
-    /// For integrands that are of this degree on every piece.
+    /// For integrands of this degree on every piece.
     fn new(degree: usize) -> Self {
         Cutter {
             rule: FacetRule::of_degree(degree),
@@ -121,7 +127,8 @@ impl<const D: usize> Cutter<D> {
         &self.points
     }
 
-    /// Projects the master's facets that points of `facet` may be closest to; `middle` is its middle.
+    /// Projects those facets of the master that can contain the closest point of a point of
+    /// `facet`; `middle` is the centre of `facet`.
     fn cast(&mut self, facet: &Facet<D>, master: &Master<D>, middle: &Seeker<'_, D>) {
         self.shadows.clear();
         let distances = facet.nodes().iter().map(|x| (x - middle.x).norm());
@@ -130,7 +137,7 @@ impl<const D: usize> Cutter<D> {
         if distance > middle.reach + radius {
             return;
         }
-        // from any point of the facet it is no further than by way of the middle
+        // a bound by the triangle inequality, for every point of the facet
         let near = master.within(&middle.x, distance + 2.0 * radius);
         let corners = facet.corners();
         let own_measure = facet_normal(&corners).norm();
@@ -141,11 +148,11 @@ impl<const D: usize> Cutter<D> {
             faces(&shadow, least).then_some((index, shadow))
         });
         self.shadows.extend(shadows);
-        // an order that does not depend on where the bodies are
+        // an order that does not depend on the bodies' positions
         self.shadows.sort_unstable_by_key(|(index, _)| *index);
     }
 
-    /// Divides a segment where facets of the master end.
+    /// Divides a segment at the projected ends of the master's facets.
     fn cut_segment(&mut self) {
         let ends = self.shadows.iter().flat_map(|(_, shadow)| shadow);
         let inside = ends.map(|end| end[1]).filter(|t| *t > 0.0 && *t < 1.0);
@@ -164,7 +171,7 @@ impl<const D: usize> Cutter<D> {
         }
     }
 
-    /// Divides a triangle into what it shares with each shadow, and the rest.
+    /// Divides a triangle into its intersections with the shadows, and the remainder.
     fn cut_triangle(&mut self, found: impl Fn(&Vector<D>) -> Option<usize>) {
         let whole = corners();
         let mut covered = 0.0;
@@ -177,9 +184,10 @@ impl<const D: usize> Cutter<D> {
         }
     }
 
-    /// As [`Cutter::cut_triangle`] where shadows leave gaps, as at the master's end, or overlap, as one
-    /// behind another does. Then only those count on whose facet the middle of what is shared projects:
-    /// `found` says on which. Nothing is taken twice, and what is left is added.
+    /// As [`Cutter::cut_triangle`] where shadows leave gaps, as at the rim of the master, or
+    /// overlap, as those of two facets one behind the other. An intersection is then used only if
+    /// its centroid projects on the shadow's facet, which `found` determines. No part is used
+    /// twice, and the remainder is added.
     fn cut_untiled_triangle(&mut self, overlap: bool, found: impl Fn(&Vector<D>) -> Option<usize>) {
         let whole = corners();
         self.clipper.rest.clear();
@@ -194,7 +202,8 @@ impl<const D: usize> Cutter<D> {
             let before = self.pieces.len();
             let taken = self.clipper.take(shadow, &mut self.pieces);
             if common_area - taken <= TILED {
-                // as a whole, since in how many parts it was taken may be a matter of round-off
+                // added as a whole: the number of parts in which it was taken can depend on
+                // round-off
                 self.pieces.truncate(before);
                 fan(self.clipper.clip(&whole, shadow), &mut self.pieces);
             }
@@ -203,7 +212,7 @@ impl<const D: usize> Cutter<D> {
     }
 }
 
-/// Whether a shadow is that of a facet that faces the slave's, and larger than `least`.
+/// Whether a shadow belongs to a facet that faces the slave's, and is larger than `least`.
 fn faces<const D: usize>(shadow: &[Vector<D>; D], least: f64) -> bool {
     measure(shadow) < -least.max(EMPTY)
 }
@@ -218,7 +227,7 @@ mod tests {
     use crate::mesh::Mesh;
     use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
 
-    /// Whatever shadows overlap or leave gaps: pieces make up the facet, and no more.
+    /// For any overlaps and gaps of the shadows, the pieces cover the facet exactly once.
     #[test]
     fn nothing_is_lost_or_counted_twice() {
         let mut random = Random(3);
@@ -236,7 +245,7 @@ mod tests {
             let total: f64 = cutter.pieces.iter().map(measure).sum();
             assert!((total - 1.0).abs() < 1e-12, "{k}: {total}");
             cutter.pieces.clear();
-            // every shadow in turn, as if points projected on all of them
+            // each shadow in turn, as if the points projected on all of them
             cutter.clipper.rest.clear();
             cutter.clipper.rest.push(corners());
             for (_, shadow) in &cutter.shadows {
@@ -263,7 +272,7 @@ mod tests {
         }
     }
 
-    /// Shadows without area, of a degenerate facet, or that only touch, cut nothing.
+    /// Shadows that are degenerate, or only touch the facet, cut nothing.
     #[test]
     fn degenerate_shadows() {
         let nan = Vector::<3>::repeat(f64::NAN);
@@ -318,8 +327,9 @@ mod tests {
         Surface::new(0, mesh.order(), facets.into_iter(), mesh.nodes())
     }
 
-    /// The points on every facet of `slave`: their weights sum to 1, and those of one piece project on
-    /// one facet of `master`, which lies `gap` below; returns how many there are and how many count.
+    /// The points on every facet of `slave`: their weights sum to 1, and the points of one piece
+    /// project on one facet of `master`, which is `gap` below. Returns the number of points and of
+    /// those that count.
     fn points_by_piece<const D: usize>(
         slave: (&Surface<D>, &[Vector<D>]),
         master: (&Surface<D>, &[Vector<D>]),
@@ -381,8 +391,8 @@ mod tests {
         }
     }
 
-    /// Facets of all ratios of size, also where only a part of the slave is covered, and where a second
-    /// sheet of the master lies behind the first.
+    /// Facets of any size ratio, also where only a part of the slave is covered, and where a second
+    /// sheet of the master is behind the first.
     #[test]
     fn flat_facets_in_space() {
         let block = |low: [f64; 3], size: [f64; 3], n: usize, order| {
@@ -409,7 +419,7 @@ mod tests {
         }
     }
 
-    /// Two sheets of one master, the nearer of which counts, with meshes that differ.
+    /// Two sheets of one master with different meshes; the nearer one counts.
     #[test]
     fn the_nearer_sheet_cuts() {
         let slave = cuboid([0.0; 3], [1.0; 3], [2, 2, 1]).expect("mesh");

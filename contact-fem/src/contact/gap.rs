@@ -1,7 +1,8 @@
-//! The gap of one integration point as it moves, with its derivatives.
+//! The moving gap of one integration point, and its derivatives.
 //!
-//! In a linearisation the foot and the normal are held (equations (3)–(5) of the paper, step 3 of
-//! Algorithm 2). Here all follow the positions x of the nodes: with the point's own ξ fixed,
+//! A linearisation holds the foot and the normal (equations (3)–(5) of the paper, step 3 of
+//! Algorithm 2). Here both follow the positions x of the nodes. For a point with fixed coordinates
+//! ξ on its facet,
 //!
 //! g(x) = p·n,  p = x_q − x̄(λ*),  n = m/|m|,  m = Σ_b N_b(λ*) n_b(x),
 //!
@@ -19,7 +20,7 @@
 //!
 //! δg = q·(δx_q − Σ N_b δx_b) + p·Σ μ_k N_b,k δx_b + w·Σ N_b δn_b.
 //!
-//! On a facet with n normal to it and p along n, μ = 0 and w = 0: the frozen gradient is left.
+//! On a facet with n normal to it and p along n, μ = 0 and w = 0: this is the frozen gradient.
 //!
 //! **Second derivative.** μ makes L = p·n + Σ μ_k p·t_k, of independent x and λ, stationary in λ, so that
 //! δ²λ drops out and δ²g is that of L along (δx, Kρ), μ held:
@@ -31,11 +32,13 @@
 //! where S = −(p nᵀ + n pᵀ + p·n (I − 3 n nᵀ))/|m|² is the second derivative of p·m/|m|, and δp, δm and
 //! δt_k are of first order and with δλ in them.
 //!
-//! ∇²g is symmetric. The derivative of the frozen gradient is not: contact forces with held projections,
-//! as the paper has them, are no gradient of a potential of x. Within one facet and one side of it g is as
-//! smooth as the surface, which facets have no area and no normals that cancel. It is discontinuous where
-//! the foot jumps to another facet; where it moves on to a neighbour over their common side, ∇g jumps.
-//! Where exact integration cuts the slave's facets, ξ and the weight move, too; that is not part of ∇g.
+//! ∇²g is symmetric. The derivative of the frozen gradient is not: contact forces with held
+//! projections, as in the paper, are not the gradient of a potential of x. While the foot stays on
+//! one facet, and in its interior, on one side or in one corner, g is as smooth as the surface,
+//! unless a facet has no area or normals cancel. g is discontinuous where the foot jumps to another
+//! facet; ∇g is where the foot crosses a common side to a neighbour. Exact integration cuts the
+//! slave's facets at positions that move with x; the derivatives of ξ and of the weight are not
+//! part of ∇g.
 
 mod foot;
 
@@ -45,9 +48,9 @@ use super::stencil::Stencil;
 use crate::element::{FacetShapes, MAX_FACET_NODES, facet_slopes};
 use crate::tensor::{Matrix, Vector};
 
-/// g of one integration point after the other, as a function of the positions of the nodes that it
-/// depends on: those of the slave's facet, and of the master's facets around the one with the foot.
-/// Buffers are kept from point to point.
+/// g of one integration point after the other, as a function of the nodes that it depends on: those
+/// of the slave's facet and of the master's facets around the foot's facet. The buffers are reused
+/// from point to point.
 #[derive(Clone, Debug)]
 pub struct MovingGap<const D: usize> {
     nodes: Vec<usize>,
@@ -57,15 +60,16 @@ pub struct MovingGap<const D: usize> {
     forms: Vec<Forms<D>>,
     /// ∂s_b/∂x_l of the normals' sums, for every node b of the master's facet and all l.
     sums: Vec<Matrix<D>>,
-    /// How many nodes, the first, are on the two facets. The others only turn normals.
+    /// The number of nodes on the two facets, which come first. The other nodes affect the normals
+    /// only.
     near: usize,
     n: Vector<D>,
 }
 
-/// Linear forms of the position of one node.
+/// Linear forms in the position of one node.
 #[derive(Clone, Copy, Debug)]
 struct Forms<const D: usize> {
-    /// The node's shape function in x_q − x̄, and its slopes in x̄.
+    /// The node's shape function in x_q − x̄, and its derivatives in x̄.
     shape: f64,
     slopes: Vector<D>,
     /// Σ_k μ_k N_,kj by j.
@@ -77,12 +81,12 @@ struct Forms<const D: usize> {
     s: Matrix<D>,
     n: Matrix<D>,
     lambda: Matrix<D>,
-    /// What δλ_j is multiplied with in δ²g, by j.
+    /// The factor of δλ_j in δ²g, by j.
     c: Matrix<D>,
 }
 
 impl<const D: usize> MovingGap<D> {
-    /// The scene nodes that g depends on, each once: the order of what follows.
+    /// The scene nodes on which g depends, each once. They define the order of the derivatives.
     pub fn nodes(&self) -> &[usize] {
         &self.nodes
     }
@@ -92,7 +96,7 @@ impl<const D: usize> MovingGap<D> {
         &self.gradient
     }
 
-    /// ∂²g/∂x_l∂x_m (1/UL); its transpose is that of (m, l). After [`MovingGap::second`].
+    /// ∂²g/∂x_l∂x_m (1/UL); the block (m, l) is its transpose. Requires [`MovingGap::second`].
     pub fn hessian(&self, l: usize, m: usize) -> Matrix<D> {
         match l >= m {
             true => self.hessian[block(l, m)],
@@ -100,19 +104,19 @@ impl<const D: usize> MovingGap<D> {
         }
     }
 
-    /// ∂f_l/∂x_m (1/UL) of the frozen gradient f, which is N_a n at the slave's nodes and −N_b n at the
-    /// master's. Not symmetric. After [`MovingGap::second`].
+    /// ∂f_l/∂x_m (1/UL) of the frozen gradient f, which is N_a n at the slave's nodes and −N_b n at
+    /// the master's. Not symmetric. Requires [`MovingGap::second`].
     pub fn frozen_jacobian(&self, l: usize, m: usize) -> Matrix<D> {
         let (own, other) = (&self.forms[l], &self.forms[m]);
         other.n * own.shape - self.n * other.lambda.tr_mul(&own.slopes).transpose()
     }
 
-    /// Nodes and ∇g of `stencil`.
+    /// Evaluates the nodes and ∇g of `stencil`.
     pub fn first(&mut self, stencil: &Stencil<'_, D>) {
         self.differentiate(stencil, false);
     }
 
-    /// As [`MovingGap::first`], and the second derivatives.
+    /// As [`MovingGap::first`], with the second derivatives.
     pub fn second(&mut self, stencil: &Stencil<'_, D>) {
         self.differentiate(stencil, true);
     }
@@ -154,12 +158,12 @@ impl<const D: usize> MovingGap<D> {
         })
     }
 
-    /// Numbers the nodes and says how the point depends on those of the two facets.
+    /// Numbers the nodes and evaluates the shape functions of the two facets.
     fn number(&mut self, stencil: &Stencil<'_, D>, foot: &Foot<'_, D>) {
         self.nodes.clear();
         self.forms.clear();
         let surface = foot.master.surface();
-        // of a quadratic facet, slopes are linear in λ
+        // derivatives of quadratic shape functions are linear in λ
         let [at_mu, at_zero] =
             [foot.mu, Vector::zeros()].map(|mu| facet_slopes(surface.order(), &mu));
         for (b, &node) in foot.nodes.iter().enumerate() {
@@ -183,7 +187,7 @@ impl<const D: usize> MovingGap<D> {
         }
     }
 
-    /// ∂s_b/∂x_l; and N_b w·∇²n_b in the Hessian, if wanted.
+    /// ∂s_b/∂x_l; if requested, also N_b w·∇²n_b in the Hessian.
     fn add_normals(&mut self, foot: &Foot<'_, D>, second: bool) {
         let count = self.nodes.len();
         let surface = foot.master.surface();
@@ -217,7 +221,7 @@ impl<const D: usize> MovingGap<D> {
         }
     }
 
-    /// Adds the second derivatives by the corners y to those by the nodes.
+    /// Adds the second derivatives by the corners y, transformed to those by the nodes.
     fn spread(&mut self, by_y: &[[Matrix<D>; D]; D], slopes: &[FacetShapes; D], places: &[usize]) {
         for (i, rows) in by_y.iter().enumerate() {
             for (j, by_y) in rows.iter().enumerate() {
@@ -246,10 +250,10 @@ impl<const D: usize> MovingGap<D> {
         }
     }
 
-    /// The forms with δλ in them.
+    /// The forms that contain δλ.
     fn follow_the_foot(&mut self, foot: &Foot<'_, D>) {
         let (A, S) = (foot.m.slope(), foot.m.curvature(&foot.p));
-        // Σ_k μ_k x̄,kj as columns, and half of what δλ_k δλ_j is multiplied with
+        // Σ_k μ_k x̄,kj as columns, and half of the factor of δλ_k δλ_j
         let mut t_bends = Matrix::<D>::zeros();
         for (forms, x) in self.forms.iter().zip(foot.x.nodes()) {
             t_bends += x * forms.bends.transpose();
@@ -269,12 +273,12 @@ impl<const D: usize> MovingGap<D> {
         }
     }
 
-    /// Adds the products of forms to the Hessian.
+    /// Adds the products of the forms to the Hessian.
     fn multiply(&mut self) {
         for (l, a) in self.forms.iter().enumerate() {
             for (m, b) in self.forms[..=l].iter().enumerate() {
                 let mut h = a.s.tr_mul(&b.m);
-                // δp and δλ are 0 for nodes that are not near
+                // δp and δλ are 0 for nodes that are on neither of the two facets
                 if m < self.near {
                     h += a.r.tr_mul(&b.p) + a.c.tr_mul(&b.lambda);
                 }
@@ -319,7 +323,7 @@ impl<const D: usize> Forms<D> {
     }
 }
 
-/// Where the lower triangle keeps block (l, m ≤ l).
+/// The index of block (l, m ≤ l) in the lower triangle.
 fn block(l: usize, m: usize) -> usize {
     l * (l + 1) / 2 + m
 }

@@ -1,10 +1,10 @@
-//! Nodes that a load step has carried right through a body.
+//! Detection of nodes that a load step has carried through a body.
 //!
-//! Where a step is longer than a body is thick, nodes may arrive beyond it, and nothing about the place
-//! where they are tells. Their way does: from one state to the next all nodes are taken to go straight
-//! and evenly, and a node that leaves a body through a facet on the other side than the one it came from
-//! has gone through it. One that emerges where it went in, as nodes do that slide over facets and corners,
-//! has not.
+//! If a step is longer than a body is thick, nodes may end up beyond the body, and their end
+//! positions alone do not show it. Their paths do: all nodes are assumed to move from one state to
+//! the next on straight lines at constant velocity. A node has passed through a body if it leaves
+//! the body through a facet whose side is opposite to the one where it entered. A node that leaves
+//! on the side of its entry, as when it slides over facets and corners, has not.
 
 use std::sync::Arc;
 
@@ -17,39 +17,47 @@ use super::search::{Master, Seeker};
 use super::surface::Surface;
 use crate::tensor::{Vector, facet_normal};
 
-/// Two positions of all scene nodes (UL), one after the other.
+/// The positions of all scene nodes (UL) in two successive states.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a, const D: usize> {
-    /// Where nodes start.
+    /// The positions at the start.
     pub before: &'a [Vector<D>],
-    /// Where they end.
+    /// The positions at the end.
     pub after: &'a [Vector<D>],
 }
 
-/// Where a path meets a facet.
+/// The intersection of a node's path with a facet.
 struct Crossing<const D: usize> {
-    /// When, in (0, 1].
+    /// Its time, in (0, 1].
     time: f64,
-    /// From behind the facet, not from before it.
+    /// Whether the node leaves the body: it comes from behind the facet.
     leaves: bool,
-    /// The facet's normal then.
+    /// The facet's normal at this time.
     normal: Vector<D>,
-    /// How far the node moves relative to the facet (UL).
+    /// The displacement of the node relative to the facet (UL).
     way: f64,
 }
 
 impl<const D: usize> Motion<'_, D> {
-    /// Half way through a body, a node that is no deeper in it than this share of a facet has but
-    /// slid along it: weak constraints leave that much of a penetration.
+    /// The smallest depth of a passage, half-way through a body, as a share of the facet size. A
+    /// shallower node has only slid along the surface: weak constraints allow such penetrations.
     const GRAZED: f64 = 0.01;
+    /// The number of time intervals in which sign changes of a node's height over a facet are sought.
+    /// The height is a polynomial of degree D in time, so that few intervals suffice.
+    const INTERVALS: usize = 8;
+    /// The number of bisections for the time of a crossing.
+    const BISECTIONS: usize = 40;
+    /// The extension of facets beyond their sides, in barycentric coordinates: no node passes between
+    /// two neighbours.
+    const SEAM: f64 = 1e-6;
 
-    /// A node at `time` between start (0) and end (1).
+    /// The position of a node at `time` between start (0) and end (1).
     fn at(&self, node: usize, time: f64) -> Vector<D> {
         self.before[node] * (1.0 - time) + self.after[node] * time
     }
 
-    /// The furthest that a node of `slave` goes through `master` and beyond, as the length of its way
-    /// relative to that (UL).
+    /// The largest displacement relative to `master` (UL) of the nodes of `slave` that pass through
+    /// it; `None` if no node does.
     pub fn through(&self, slave: &Surface<D>, master: &Arc<Surface<D>>) -> Option<f64> {
         let tree = RTree::bulk_load(self.swept_facets(master));
         let ways = slave.nodes().iter().enumerate().map(|(k, &node)| {
@@ -87,7 +95,7 @@ impl<const D: usize> Motion<'_, D> {
         through.reduce(f64::max)
     }
 
-    /// The normal of the side of `master` that the slave's k-th node faces at the start.
+    /// The normal of `master` at the point that the slave's k-th node faces at the start.
     fn side(
         &self,
         slave: &Surface<D>,
@@ -113,7 +121,7 @@ impl<const D: usize> Motion<'_, D> {
         found.map(|p| p.normal)
     }
 
-    /// How far a node is from the surface at `time` (UL).
+    /// The distance of a node from the surface at `time` (UL).
     fn distance(&self, node: usize, surface: &Surface<D>, time: f64) -> f64 {
         let x = self.at(node, time);
         let facets = (0..surface.facets().len()).map(|facet| self.corners(surface, facet));
@@ -129,7 +137,7 @@ impl<const D: usize> Motion<'_, D> {
         std::array::from_fn(|k| surface.nodes()[surface.facet(facet)[k]])
     }
 
-    /// The boxes that facets stay in on their way.
+    /// The boxes that contain the facets from start to end.
     fn swept_facets(&self, surface: &Surface<D>) -> Vec<GeomWithData<Rectangle<[f64; D]>, usize>> {
         let swept = |facet: usize| {
             let nodes = self.corners(surface, facet);
@@ -141,25 +149,21 @@ impl<const D: usize> Motion<'_, D> {
         (0..surface.facets().len()).map(swept).collect()
     }
 
-    /// The first time that a node is on the facet with these corners, if it crosses it.
+    /// The first intersection of a node's path with the facet that has these corners, if there is
+    /// one.
     fn crossing(&self, node: usize, corners: &[usize; D]) -> Option<Crossing<D>> {
-        /// The height over the facet is a polynomial of degree D in time: few intervals tell its signs.
-        const INTERVALS: usize = 8;
-        const BISECTIONS: usize = 40;
-        /// Facets reach so far beyond their sides that nothing slips between them.
-        const SEAM: f64 = 1e-6;
         let facet = |time: f64| corners.map(|a| self.at(a, time));
         let height = |time: f64| {
             let corners = facet(time);
             facet_normal(&corners).dot(&(self.at(node, time) - corners[0]))
         };
-        (0..INTERVALS).find_map(|k| {
-            let [mut from, mut to] = [k, k + 1].map(|k| k as f64 / INTERVALS as f64);
+        (0..Self::INTERVALS).find_map(|k| {
+            let [mut from, mut to] = [k, k + 1].map(|k| k as f64 / Self::INTERVALS as f64);
             let [start, end] = [height(from), height(to)];
             if start * end >= 0.0 && !(end == 0.0 && start != 0.0) {
                 return None;
             }
-            for _ in 0..BISECTIONS {
+            for _ in 0..Self::BISECTIONS {
                 let middle = 0.5 * (from + to);
                 match height(middle) * start > 0.0 {
                     true => from = middle,
@@ -168,7 +172,7 @@ impl<const D: usize> Motion<'_, D> {
             }
             let corners_then = facet(to);
             let lambda = along_normal(&self.at(node, to), &corners_then);
-            lambda.iter().all(|l| *l >= -SEAM).then(|| {
+            lambda.iter().all(|l| *l >= -Self::SEAM).then(|| {
                 let moved = |a: usize| self.after[a] - self.before[a];
                 let carried: Vector<D> = corners
                     .iter()
@@ -217,8 +221,8 @@ mod tests {
             Pair { surfaces, X, first }
         }
 
-        /// How far the second body goes through the first one when it is moved from `from` to `to`,
-        /// by its own nodes and by those of the first.
+        /// The displacement by which the second body passes through the first one when it moves
+        /// from `from` to `to`: for its own nodes and for those of the first.
         fn through(&self, from: [f64; D], to: [f64; D]) -> [Option<f64>; 2] {
             let moved = |by: [f64; D]| -> Vec<Vector<D>> {
                 let mut x = self.X.clone();
@@ -236,8 +240,9 @@ mod tests {
         }
     }
 
-    /// Through a plate of thickness 0.1 by nodes of the coarse punch and of the plate; beside it and into
-    /// it is not through it, nor is sliding on it with a little penetration, and around its corner.
+    /// The coarse punch passes through a plate of thickness 0.1: nodes of the punch and of the
+    /// plate detect it. Motion beside the plate, into it, around its corner, or along it with a
+    /// small penetration is no passage.
     #[test]
     fn through_and_not_through_in_the_plane() {
         let grid = |x: [f64; 2], y: [f64; 2], n: usize| {
@@ -250,7 +255,7 @@ mod tests {
         let way = 0.5f64.hypot(0.05);
         assert!((by_punch.expect("through") - way).abs() < 1e-9);
         assert!((by_plate.expect("through") - way).abs() < 1e-9);
-        // back up again from beyond
+        // back up from below the plate
         assert!(
             pair.through([0.0, -0.5], [0.0; 2])
                 .iter()

@@ -1,4 +1,4 @@
-//! A surface at current positions.
+//! A contact surface at current positions.
 
 use std::sync::Arc;
 
@@ -7,14 +7,14 @@ use super::surface::Surface;
 use crate::element::Facet;
 use crate::tensor::Vector;
 
-/// The positions x of a surface's own nodes and the averaged normals there, both in the order of
+/// The positions x of a surface's own nodes and their averaged normals, both in the order of
 /// [`Surface::nodes`].
 #[derive(Clone, Debug)]
 pub struct Moving<const D: usize> {
     surface: Arc<Surface<D>>,
     x: Vec<Vector<D>>,
     normals: Vec<Vector<D>>,
-    /// |s_a| of the sums s_a that the normals are the directions of.
+    /// |s_a| of the sums s_a whose directions are the normals.
     lengths: Vec<f64>,
 }
 
@@ -31,7 +31,7 @@ impl<const D: usize> Moving<D> {
         }
     }
 
-    /// The surface it was made from.
+    /// The surface in the reference configuration.
     pub fn surface(&self) -> &Surface<D> {
         &self.surface
     }
@@ -46,7 +46,7 @@ impl<const D: usize> Moving<D> {
         &self.normals
     }
 
-    /// n_a as the direction of the sum s_a of what [`Moving::addends`] returns.
+    /// n_a as the direction s_a/|s_a| of the sum of [`Moving::addends`].
     pub(super) fn normal(&self, a: usize) -> Direction<D> {
         Direction {
             n: self.normals[a],
@@ -54,7 +54,7 @@ impl<const D: usize> Moving<D> {
         }
     }
 
-    /// What the facets around node `a` add to its normal, with their indices.
+    /// The contributions of the facets around node `a` to its normal, with the facets' indices.
     pub(super) fn addends(&self, a: usize) -> impl Iterator<Item = (usize, Addend<D>)> + '_ {
         let facets = self.surface.facets_around(a);
         facets.map(|(f, k)| {

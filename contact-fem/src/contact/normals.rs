@@ -1,4 +1,4 @@
-//! Averaged normals at the nodes of a surface, and their derivatives.
+//! Averaged normals at the nodes of a surface, with their derivatives.
 //!
 //! n_a = s_a/|s_a|, s_a = Σ_f θ_f c_f/|c_f| over the facets around node a: c is the normal of the
 //! tangent facet at the node and a function of its corners y, of which each is linear in the nodes,
@@ -13,12 +13,12 @@ use crate::tensor::{Matrix, Vector, facet_normal};
 
 /// The outward unit normal at each node of `surface` for positions `x` of its own nodes: unit
 /// normals of the adjacent facets summed, weighted in space by the facet's angle at the node, and
-/// normalised. With plain facet normals the fixed point does not converge.
+/// normalised. With plain facet normals the fixed-point iteration does not converge.
 pub fn averaged<const D: usize>(surface: &Surface<D>, x: &[Vector<D>]) -> Vec<Vector<D>> {
     sums(surface, x).into_iter().map(unit).collect()
 }
 
-/// As [`averaged`], not yet normalised.
+/// As [`averaged`], without the normalisation.
 pub(super) fn sums<const D: usize>(surface: &Surface<D>, x: &[Vector<D>]) -> Vec<Vector<D>> {
     let mut sums = vec![Vector::zeros(); x.len()];
     for (nodes, facet) in surface.facets().zip(surface.facets_at(x)) {
@@ -43,8 +43,8 @@ fn node_coordinates<const D: usize>(k: usize) -> Vector<D> {
     lambda
 }
 
-/// In space the angle at corner `k`; 1 in the plane, and in the middle of an edge, where the facets
-/// have the same angle.
+/// In space the facet's angle at corner `k`. In the plane 1; likewise at the middle of an edge,
+/// where the adjacent facets have the same angle.
 fn node_weight<const D: usize>(tangent: &[Vector<D>; D], k: usize) -> f64 {
     if D == 2 || k >= D {
         return 1.0;
@@ -54,7 +54,7 @@ fn node_weight<const D: usize>(tangent: &[Vector<D>; D], k: usize) -> f64 {
     a.angle(&b)
 }
 
-/// v / |v|, or zero where facets cancel each other.
+/// v / |v|, or zero if the contributions cancel.
 pub(super) fn unit<const D: usize>(v: Vector<D>) -> Vector<D> {
     let norm = v.norm();
     if norm > 0.0 { v / norm } else { v }
@@ -75,7 +75,7 @@ impl<const D: usize> Direction<D> {
         }
     }
 
-    /// ∂n/∂v = (I − n nᵀ)/|v|; zero where v is.
+    /// ∂n/∂v = (I − n nᵀ)/|v|; zero if v is zero.
     pub fn slope(&self) -> Matrix<D> {
         match self.length > 0.0 {
             true => (Matrix::identity() - self.n * self.n.transpose()) / self.length,
@@ -83,7 +83,7 @@ impl<const D: usize> Direction<D> {
         }
     }
 
-    /// ∂²(w·n)/∂v² = −(w nᵀ + n wᵀ + w·n (I − 3 n nᵀ))/|v|²; zero where v is.
+    /// ∂²(w·n)/∂v² = −(w nᵀ + n wᵀ + w·n (I − 3 n nᵀ))/|v|²; zero if v is zero.
     pub fn curvature(&self, w: &Vector<D>) -> Matrix<D> {
         if self.length == 0.0 {
             return Matrix::zeros();
@@ -95,7 +95,7 @@ impl<const D: usize> Direction<D> {
     }
 }
 
-/// θ c/|c|, what one facet adds to the normal at its k-th node.
+/// θ c/|c|, the contribution of one facet to the normal at its k-th node.
 pub(super) struct Addend<const D: usize> {
     k: usize,
     /// ∂y_j/∂x_b.
@@ -131,15 +131,15 @@ impl<const D: usize> Addend<D> {
         }
     }
 
-    /// Its derivatives by the y_j.
+    /// The derivatives of the contribution by the y_j.
     pub fn jacobian(&self) -> [Matrix<D>; D] {
         let (n, angle) = (self.c.n, &self.angle);
         let by_c = self.c.slope() * angle.value + n * n.transpose() * (2.0 * angle.by_s);
         from_fn(|j| by_c * self.c_y[j] + n * angle.d_y[j].transpose() * angle.by_d)
     }
 
-    /// The second derivatives of its product with `v`, by y_i and y_j: those of h(c, d) by the chain
-    /// rule, where c is bilinear and d quadratic in the y.
+    /// The second derivatives of its product with `v`, by y_i and y_j: those of h(c, d) by the
+    /// chain rule, with c bilinear and d quadratic in the y.
     pub fn hessian(&self, v: &Vector<D>) -> [[Matrix<D>; D]; D] {
         let (n, angle) = (self.c.n, &self.angle);
         let (slope, along) = (self.c.slope(), v.dot(&n));
@@ -160,7 +160,7 @@ impl<const D: usize> Addend<D> {
         let mut hessian = [[Matrix::zeros(); D]; D];
         for (i, j) in (0..D).flat_map(|j| (0..=j).map(move |i| (i, j))) {
             let mut h = self.c_y[i].tr_mul(&by_c_y[j]) + d_y[i] * by_d_y[j].transpose();
-            // by the second derivatives of c and d
+            // the terms with second derivatives of c and d
             if i != j {
                 h += if j == i + 1 { twist } else { -twist };
             }
@@ -178,7 +178,7 @@ impl<const D: usize> Addend<D> {
 }
 
 impl<const D: usize> Angle<D> {
-    /// At corner `k`; 1 for the nodes that [`node_weight`] says.
+    /// At corner `k`; 1 for the nodes where [`node_weight`] is constant.
     fn new(y: &[Vector<D>; D], k: usize, s: f64) -> Self {
         let mut angle = Angle {
             value: node_weight(y, k),
@@ -206,8 +206,8 @@ impl<const D: usize> Angle<D> {
     }
 }
 
-/// ∂c/∂y_j of c = [`facet_normal`]: in the plane a turn by a right angle, in space
-/// ½ (y_{j+2} − y_{j+1}) ×.
+/// ∂c/∂y_j of c = [`facet_normal`]: in the plane a rotation by a right angle, in space ½ (y_{j+2} −
+/// y_{j+1}) ×.
 fn normal_slopes<const D: usize>(y: &[Vector<D>; D]) -> [Matrix<D>; D] {
     from_fn(|j| {
         if D == 3 {
@@ -229,7 +229,7 @@ fn normal_curvature<const D: usize>(q: &Vector<D>) -> Matrix<D> {
     }
 }
 
-/// The matrix of a × in space.
+/// The matrix of the cross product a × in space.
 fn cross<const D: usize>(a: &Vector<D>) -> Matrix<D> {
     let mut matrix = Matrix::zeros();
     for i in 0..3 {
@@ -256,7 +256,8 @@ mod tests {
         assert!((normals[1] - Vector::<2>::new(h, -h)).norm() < 1e-15);
     }
 
-    /// A cube's corner: three faces, one of them cut in two, must weigh the same.
+    /// A cube's corner: its three faces must have equal weights, although one of them is divided in
+    /// two.
     #[test]
     fn cube_corner_is_independent_of_the_triangulation() {
         let x = [

@@ -11,18 +11,17 @@ use crate::tensor::Vector;
 
 /// The nodal tractions t (reference area, UF/UL or UF/UL²) of a surface, in the order of its nodes,
 /// from the nodal contact forces f = Cᵀλ at those nodes: Σ_j ∫ φ_i φ_j ds t_j = Σ_a φ_i(X_a) f_a
-/// with the test functions φ of the constraints, which the shape functions contain.
+/// with the test functions φ of the constraints, which are in the span of the shape functions.
 ///
-/// The forces, unlike the multipliers, are unique when both passes constrain the same contact.
+/// If both passes constrain the same contact, the multipliers are not unique; the forces are.
 ///
 /// # Errors
-/// If the surface mass matrix cannot be factorised, which a surface with facets of positive
-/// measure does not meet.
+/// If the surface mass matrix cannot be factorised, which requires a facet without measure.
 pub fn tractions<const D: usize>(
     surface: &Surface<D>,
     forces: &[Vector<D>],
 ) -> Result<Vec<Vector<D>>, Error> {
-    // the nodes without a test function are in the middle of edges, which `ends` knows
+    // nodes without a test function are in the middle of edges, which `ends` stores
     let (tests, ends) = test_nodes(surface);
     let n = tests.iter().flatten().count();
     let numbers = |facet: &[usize]| -> Vec<usize> {
@@ -46,7 +45,7 @@ pub fn tractions<const D: usize>(
     let singular = |_| Error::Setting {
         name: "surface mass",
         value: 0.0,
-        remedy: "the contact surface has facets without measure",
+        remedy: "remove the contact surface's facets of zero measure",
     };
     let mut t = vec![0.0; D * n]; // component by component
     for (a, force) in forces.iter().enumerate() {
@@ -65,7 +64,7 @@ pub fn tractions<const D: usize>(
     Ok((0..forces.len()).map(at_node).collect())
 }
 
-/// Solves with the matrix of these entries, right-hand sides one after the other.
+/// Solves with the matrix of these entries for right-hand sides stored one after the other.
 fn solve_mass(n: usize, mass: &[(usize, usize, f64)], b: &mut [f64]) -> Result<(), FactorError> {
     let (pattern, mass) = SymmetricPattern::from_sums(n, mass).expect("numbered so");
     let mut factor = Cholesky::new(&Analysis::new(&pattern, &Ordering::Automatic)?, Kind::Llt)?;
@@ -73,8 +72,8 @@ fn solve_mass(n: usize, mass: &[(usize, usize, f64)], b: &mut [f64]) -> Result<(
     factor.solve(b)
 }
 
-/// The number of each node's test function, if it has one, and for those without the nodes at the
-/// ends of the edge that they are in the middle of.
+/// For each node the number of its test function, if it has one; for the others the nodes at the
+/// ends of their edge.
 fn test_nodes<const D: usize>(surface: &Surface<D>) -> (Vec<Option<usize>>, Vec<[usize; 2]>) {
     let mut has_test = vec![false; surface.nodes().len()];
     let mut ends = vec![[0; 2]; surface.nodes().len()];
@@ -90,7 +89,7 @@ fn test_nodes<const D: usize>(surface: &Surface<D>) -> (Vec<Option<usize>>, Vec<
     (has_test.into_iter().map(number).collect(), ends)
 }
 
-/// The test functions that are not zero at node `a`, with their values there.
+/// The non-zero test functions at node `a`, with their values there.
 fn shares(
     tests: &[Option<usize>],
     ends: &[[usize; 2]],
@@ -108,7 +107,7 @@ mod tests {
     use super::*;
     use crate::element::Order;
 
-    /// Forces that a linear traction makes on uneven facets give that traction back.
+    /// The recovery returns a linear traction from its nodal forces on facets of unequal length.
     #[test]
     fn recovers_linear_tractions() {
         let x = [0.0, 0.3, 1.0, 1.2, 2.0].map(|x| Vector::<2>::new(x, 0.0));
@@ -132,8 +131,8 @@ mod tests {
         }
     }
 
-    /// A linear traction on one quadratic triangle, by its consistent nodal forces: the corner
-    /// functions of a quadratic triangle have no mean.
+    /// A linear traction on one quadratic triangle, from its consistent nodal forces. The corner
+    /// shape functions of a quadratic triangle have mean zero.
     #[test]
     fn quadratic_triangles_use_the_functions_of_the_corners() {
         let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector::<3>::from);

@@ -1,10 +1,10 @@
-//! The closest point of one facet.
+//! The closest point on one facet.
 
 use crate::element::Facet;
 use crate::tensor::{Matrix, Vector, facet_normal};
 
-/// Barycentric coordinates (D of them, ≥ 0, sum 1) of the point of a facet, flat or curved, that is
-/// closest to `x`.
+/// Barycentric coordinates (D of them, ≥ 0, sum 1) of the closest point to `x` on a flat or curved
+/// facet.
 pub fn closest_on<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<D> {
     match facet.is_flat() {
         true => closest(x, &facet.corners()),
@@ -12,8 +12,8 @@ pub fn closest_on<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<D> 
     }
 }
 
-/// The barycentric coordinates of `x` on the flat facet with these corners, along its normal; not
-/// numbers if it has none.
+/// The barycentric coordinates of the projection of `x` on the plane of the flat facet with these
+/// corners, along its normal; NaN if the facet is degenerate.
 pub(super) fn along_normal<const D: usize>(x: &Vector<D>, corners: &[Vector<D>; D]) -> Vector<D> {
     let n = facet_normal(corners);
     Vector::from_fn(|k, _| {
@@ -23,13 +23,17 @@ pub(super) fn along_normal<const D: usize>(x: &Vector<D>, corners: &[Vector<D>; 
     })
 }
 
-/// As [`closest_on`], by Newton's method on ½|x − x̄(λ)|² over λ ≥ 0, Σλ = 1: each step is the closest
-/// point of a flat facet in the metric of the Hessian. It starts at the closest point of the flat
-/// pieces between the nodes and halves steps that lead away.
+/// As [`closest_on`], by Newton's method on ½|x − x̄(λ)|² over λ ≥ 0, Σλ = 1: each step minimises
+/// the quadratic model, as the closest point of a flat facet in the metric of the Hessian. The
+/// iteration starts at the closest point of the flat pieces between the nodes and halves steps that
+/// increase the distance.
 fn closest_on_curved<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<D> {
+    /// The largest number of steps.
     const STEPS: usize = 50;
+    /// The length of a step, in barycentric coordinates, that ends the iteration.
     const RESOLVED: f64 = 1e-15;
-    /// Of quadratic convergence: what comes after a step of this length is round-off.
+    /// The length of a full Newton step that ends the iteration: since convergence is quadratic, the
+    /// next step would be round-off.
     const LAST: f64 = 1e-9;
     let away = |lambda: &Vector<D>| (x - facet.point(lambda)).norm_squared();
     let starts = facet.pieces().iter().map(|piece| {
@@ -62,7 +66,7 @@ fn closest_on_curved<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<
     lambda
 }
 
-/// The λ on `facet` of the closest point of one of its flat pieces.
+/// The coordinates λ on `facet` of the closest point on one of its flat pieces.
 fn closest_on_piece<const D: usize>(
     x: &Vector<D>,
     facet: &Facet<D>,
@@ -73,8 +77,8 @@ fn closest_on_piece<const D: usize>(
     interpolate(&on_piece, &corners)
 }
 
-/// One Newton step over λ and `true`, or a Gauss–Newton step where the Hessian is not positive;
-/// `None` where the facet has no tangent plane.
+/// One Newton step over λ and `true`, or a Gauss–Newton step and `false` where the Hessian is not
+/// positive definite; `None` where the facet has no tangent plane.
 fn newton<const D: usize>(
     x: &Vector<D>,
     facet: &Facet<D>,
@@ -113,8 +117,8 @@ fn newton<const D: usize>(
 /// Barycentric coordinates (D of them, ≥ 0, sum 1) of the point of the flat facet with these
 /// corners that is closest to `x`.
 ///
-/// A segment clamps one parameter; a triangle is decided region by region, as in C. Ericson,
-/// Real-Time Collision Detection (2005), section 5.1.5.
+/// A segment clamps one parameter; a triangle distinguishes the regions of its corners, sides and
+/// interior (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
 pub fn closest<const D: usize>(x: &Vector<D>, corners: &[Vector<D>; D]) -> Vector<D> {
     const { assert!(D == 2 || D == 3, "the space dimension is 2 or 3") };
     let mut lambda = Vector::zeros();
@@ -173,7 +177,7 @@ mod tests {
     use super::*;
     use crate::element::Order;
 
-    /// Compares with a brute-force search over a fine lattice of the facet.
+    /// Comparison with a brute-force search over a fine lattice on the facet.
     fn against_lattice<const D: usize>(corners: [Vector<D>; D], lattice: &[Vector<D>]) {
         for k in 0..200 {
             let x = Vector::<D>::from_fn(|i, _| 2.5 * ((k * (i + 3) + i) as f64 * 0.77).sin());
@@ -211,7 +215,7 @@ mod tests {
         against_lattice(corners.map(Vector::<3>::from), &lattice);
     }
 
-    /// Against a fine lattice on the curved facet, from near and from far.
+    /// Comparison with a fine lattice on the curved facet, from small and large distances.
     fn curved_against_lattice<const D: usize>(facet: &Facet<D>, lattice: &[Vector<D>], step: f64) {
         for k in 0..300 {
             let far = if k % 2 == 0 { 0.2 } else { 2.5 };
@@ -260,7 +264,7 @@ mod tests {
         curved_against_lattice(&facet, &lattice, 8e-3);
     }
 
-    /// A quadratic facet with its middle nodes half-way, anywhere: both ways give the same.
+    /// On a quadratic facet with its middle nodes half-way, both methods agree.
     fn flat_as_curved<const D: usize>(corners: [Vector<D>; D], offset: Vector<D>) {
         let mut x = corners.map(|x| x + offset).to_vec();
         let edges = (0..D * (D - 1) / 2).map(crate::element::facet_edge::<D>);

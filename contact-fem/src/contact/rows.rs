@@ -1,4 +1,4 @@
-//! One role of one pair → rows of c(u) = C u + c₀ ≥ 0.
+//! The rows of c(u) = C u + c₀ ≥ 0 from one pass.
 
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 
@@ -9,23 +9,23 @@ use super::surface::Surface;
 use crate::assembly::{Dof, DofMap};
 use crate::tensor::Vector;
 
-/// One role of a pair: `slave` must not penetrate `master`. Both are indices of surfaces.
+/// One pass of a pair: `slave` must not penetrate `master`. Both are indices of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pass {
-    /// Whose nodes carry the constraints and whose facets the integration points.
+    /// The surface whose nodes carry the constraints and whose facets carry the integration points.
     pub slave: usize,
-    /// Whose surface is projected on.
+    /// The surface on which the points are projected.
     pub master: usize,
 }
 
-/// The dofs of all bodies as rows see them.
+/// The dofs of all bodies, as the rows need them.
 #[derive(Clone, Copy, Debug)]
 pub struct Unknowns<'a> {
-    /// Which dofs are unknowns of the optimiser, and which were eliminated.
+    /// For each dof, whether it is an unknown of the optimiser or eliminated.
     pub dofs: &'a DofMap,
-    /// Which dofs the supports prescribe, eliminated or not.
+    /// For each dof, whether it is prescribed, eliminated or not.
     pub supports: &'a DofMap,
-    /// The values of those eliminated (UL).
+    /// The values of the eliminated dofs (UL).
     pub prescribed: &'a [f64],
 }
 
@@ -36,7 +36,7 @@ impl Unknowns<'_> {
     }
 }
 
-/// One constraint while it is being summed, over nodes: c = Σ_a coefficient_a · (X_a + u_a).
+/// One constraint during summation, in terms of nodes: c = Σ_a coefficient_a · (X_a + u_a).
 #[derive(Clone, Debug, Default)]
 struct NodalRow<const D: usize> {
     /// (scene node, coefficient); a node may appear more than once until they are merged.
@@ -49,18 +49,18 @@ struct NodalRow<const D: usize> {
 /// The constraints of one pass, linearised at current positions `x` of all scene nodes.
 ///
 /// c_i(u) = 1/a_i Σ_q w_q φ_i(q) (x_q(u) − x̄_q(u))·n_q, equation (5) of the paper, with η*_q and
-/// n_q frozen at `x` and w_q the weight times the reference measure. Sampled at points it is the
-/// gap of one point, and a_i its w_q.
+/// n_q frozen at `x` and w_q the weight times the reference measure. With sampling at points, each
+/// row is the gap of one point, and a_i its w_q.
 pub struct PassRows<'a, const D: usize> {
     sampling: Sampling,
     stencils: Vec<Stencil<'a, D>>,
-    /// Scene nodes, or numbers of integration points.
+    /// The keys of the rows: scene nodes, or numbers of integration points.
     names: Vec<usize>,
     rows: Vec<NodalRow<D>>,
 }
 
 impl<'a, const D: usize> PassRows<'a, D> {
-    /// Projects every point of `integration` on `slave` on `master`.
+    /// Projects every point of `integration` on `slave` to `master`.
     pub fn new(
         slave: &'a Surface<D>,
         master: &'a Master<D>,
@@ -89,12 +89,12 @@ impl<'a, const D: usize> PassRows<'a, D> {
         }
     }
 
-    /// The integration points that count, each with the rows that it is part of as (what
-    /// [`RowKey::node`] names, its share w_q φ_i(q)/a_i in the row): c_i = Σ_q share_iq g_q. Rows
-    /// without support are left out.
+    /// The integration points that count. Each comes with its rows as (the row's [`RowKey::node`],
+    /// its share w_q φ_i(q)/a_i in the row): c_i = Σ_q share_iq g_q. Rows without support are left
+    /// out.
     ///
-    /// With a multiplier λ_i a row, a point carries the force π_q = Σ_i λ_i share_iq (UF), and
-    /// Cᵀλ = Σ_q π_q ∇g_q.
+    /// With one multiplier λ_i for each row, a point carries the force π_q = Σ_i λ_i share_iq (UF),
+    /// and Cᵀλ = Σ_q π_q ∇g_q.
     pub fn stencils(
         &self,
     ) -> impl Iterator<Item = (&Stencil<'a, D>, impl Iterator<Item = (usize, f64)> + '_)> {
@@ -107,8 +107,8 @@ impl<'a, const D: usize> PassRows<'a, D> {
         self.stencils.iter().enumerate().map(with_shares)
     }
 
-    /// Appends the rows that have support and can move to `gaps`, split into free and prescribed
-    /// unknowns.
+    /// Appends to `gaps` the rows that have support and at least one dof that is not prescribed,
+    /// split into free and prescribed unknowns.
     pub fn append(
         &self,
         pass: u32,
@@ -144,8 +144,8 @@ impl<'a, const D: usize> PassRows<'a, D> {
     }
 }
 
-/// The rows (by position) that the `q`-th stencil is part of, and its weights in them before division
-/// by a_i: w φ_i, or w in its own row.
+/// The rows (by position) of the `q`-th stencil, and its weights in them before the division by
+/// a_i: w φ_i, or w in the point's own row.
 fn shares<const D: usize>(
     sampling: Sampling,
     q: usize,
@@ -164,21 +164,22 @@ fn shares<const D: usize>(
 }
 
 impl<const D: usize> NodalRow<D> {
-    /// Adds a point of weight `w`, whose gap is the sum of `terms`.
+    /// Adds a point with weight `w` and the gap Σ `terms`.
     fn add(&mut self, w: f64, terms: impl Iterator<Item = (usize, Vector<D>)>) {
         self.area += w;
         self.magnitude += w.abs();
         self.terms.extend(terms.map(|(a, c)| (a, c * w)));
     }
 
-    /// Whether enough points count for a_i to be a weight. A corner's quadratic function is
-    /// negative on the far half of a segment: where the master ends between, its mean there is no
-    /// mean of gaps. Over a whole segment area and magnitude are as 2 to 3.
+    /// Whether enough points count for a_i to be a proper weight. The corner functions of a
+    /// quadratic segment are negative on its far half: if the master ends within the segment, the
+    /// weighted sum of gaps is no mean. Over a whole segment Σ w φ and Σ w |φ| are in the ratio 2 :
+    /// 3.
     fn has_support(&self) -> bool {
         self.area > self.magnitude / 3.0
     }
 
-    /// Merges the terms of each node and divides by a_i, so that c_i is a length and λ_i a force.
+    /// Merges the terms of each node and divides by a_i: c_i is then a length and λ_i a force.
     fn normalize(&mut self) {
         self.terms.sort_unstable_by_key(|term| term.0);
         self.terms.dedup_by(|term, kept| {

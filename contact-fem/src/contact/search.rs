@@ -1,5 +1,5 @@
-//! Which point of a master surface is closest, by a bounding-volume tree over its current facets, and
-//! whether it counts.
+//! The search for the closest point of a master surface, with a bounding-volume tree over its
+//! current facets, and the criteria by which that point counts.
 
 use std::sync::{Arc, OnceLock};
 
@@ -12,20 +12,20 @@ use super::surface::Surface;
 use crate::element::{Facet, facet_shapes};
 use crate::tensor::{Vector, facet_normal};
 
-/// A master surface at current positions, to be projected on.
+/// A master surface at current positions, on which points are projected.
 pub struct Master<const D: usize> {
     moving: Moving<D>,
-    /// Built by the first search.
+    /// The tree is built by the first search.
     tree: OnceLock<RTree<Leaf<D>>>,
     facet_size: f64,
 }
 
-/// The closest point x̄ of a master surface.
+/// The projection of a point x: the closest point x̄ of a master surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection<const D: usize> {
-    /// Which facet.
+    /// The index of the facet.
     pub facet: usize,
-    /// η*: barycentric coordinates on it.
+    /// η*: the barycentric coordinates of x̄ on the facet.
     pub lambda: Vector<D>,
     /// x̄ (UL).
     pub foot: Vector<D>,
@@ -39,14 +39,14 @@ pub struct Projection<const D: usize> {
     pub off_the_end: bool,
 }
 
-/// A point of a slave surface that looks for a master surface.
+/// A point of a slave surface for which the closest point of a master surface is searched.
 #[derive(Clone, Copy, Debug)]
 pub struct Seeker<'a, const D: usize> {
-    /// Where it is (UL).
+    /// Its position (UL).
     pub x: Vector<D>,
     /// The outward normal of the slave there, of any length.
     pub facing: Vector<D>,
-    /// How far it looks (UL).
+    /// The search radius (UL).
     pub reach: f64,
     /// Its reference position (UL).
     pub X: Vector<D>,
@@ -54,34 +54,40 @@ pub struct Seeker<'a, const D: usize> {
     pub N: Vector<D>,
     /// The length of the slave's facets (UL).
     pub facet_size: f64,
-    /// What is its own when the master belongs to the same body.
+    /// Its place on its own body if the master belongs to the same body, else `None`.
     pub own: Option<Own<'a, D>>,
 }
 
-/// A slave point's place on its own body, which it may touch elsewhere.
+/// The place of a slave point on its own body, for self-contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Own<'a, const D: usize> {
     /// The slave surface.
     pub surface: &'a Surface<D>,
-    /// Those of its nodes (positions in [`Surface::nodes`]) whose facets are the neighbourhood.
+    /// The nodes (positions in [`Surface::nodes`]) whose facets are the point's neighbourhood.
     pub nodes: &'a [usize],
 }
 
 impl<const D: usize> Master<D> {
-    /// A tangential offset beyond this share of the facet's size is off the end.
+    /// The tolerance of a projection beyond the rim, as a share of the facet size: a larger
+    /// tangential offset is off the end.
     const OFF_THE_END: f64 = 1e-9;
-    /// The other side of the material: in the reference configuration the way to it starts or ends
-    /// inside the body, and now it is behind by more than this share of that way. A penetration is
-    /// much less deep, and material is not compressed that far.
+    /// The smallest distance of a point that is separated by material, as a share of the length of the
+    /// reference path to it. Material lies between two points if that path starts or ends inside a
+    /// body and the distance is larger than this. Penetrations are much smaller, and material is not
+    /// compressed that far.
     const MATERIAL: f64 = 0.2;
-    /// Ways shorter than this share of a facet lead nowhere: the sides of a closed slit.
+    /// The smallest depth of the reference path on a single body, as a share of the facet size. The
+    /// sides of a closed slit are nearer to each other. Closer than this, a projection also counts as
+    /// a local minimum of the distance.
     const CLOSED: f64 = 1e-6;
-    /// The same for two bodies, which may start a little inside each other, and how much of the way
-    /// must be through material where surfaces slide on each other.
+    /// The smallest depth of the reference path between two bodies, as a share of the larger facet
+    /// size: bodies may overlap slightly in the reference configuration.
     const OVERLAP: f64 = 0.2;
+    /// The smallest depth of the reference path between two bodies, as a share of its length: where
+    /// surfaces slide on each other, most of the path is along them.
     const THROUGH: f64 = 0.5;
 
-    /// For positions `x` of all scene nodes.
+    /// At positions `x` of all scene nodes.
     pub fn new(surface: &Arc<Surface<D>>, x: &[Vector<D>]) -> Self {
         Master {
             moving: Moving::new(surface, x),
@@ -90,17 +96,17 @@ impl<const D: usize> Master<D> {
         }
     }
 
-    /// Its positions and normals.
+    /// The surface's positions and normals.
     pub fn moving(&self) -> &Moving<D> {
         &self.moving
     }
 
-    /// The surface it was made from.
+    /// The surface in the reference configuration.
     pub fn surface(&self) -> &Surface<D> {
         self.moving.surface()
     }
 
-    /// The averaged normals in the order of the surface's nodes.
+    /// The averaged normals, in the order of the surface's nodes.
     pub fn normals(&self) -> &[Vector<D>] {
         self.moving.normals()
     }
@@ -115,16 +121,17 @@ impl<const D: usize> Master<D> {
         })
     }
 
-    /// The closest point to `x`, or `None` if the surface has no facet.
+    /// The closest point to `x`, or `None` if the surface has no facets.
     pub fn project(&self, x: &Vector<D>) -> Option<Projection<D>> {
         let leaf = self.tree().nearest_neighbor((*x).into())?;
         Some(self.project_on(leaf, x))
     }
 
-    /// The point that `seeker` must not penetrate, if there is one: the closest one, which counts
-    /// if it is within reach, not off the master's end, faces the seeker and is not the other side
-    /// of the material. On the seeker's own body it is the closest one that counts, is on no facet of
-    /// its neighbourhood, and closer than all points of the surface around it.
+    /// The point that `seeker` must not penetrate, or `None`. It is the closest point of the
+    /// surface if that counts: it is within the search radius, not off the master's end, faces the
+    /// seeker, and is not separated from it by material. On the seeker's own body it is the closest
+    /// of those points that count, are on no facet of the neighbourhood, and are local minima of
+    /// the distance.
     pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<Projection<D>> {
         let x: [f64; D] = seeker.x.into();
         let reach_2 = seeker.reach * seeker.reach;
@@ -153,15 +160,15 @@ impl<const D: usize> Master<D> {
             .find(|p| counts(p) && self.is_local_minimum(p, &seeker.x))
     }
 
-    /// Whether the seeker sees the surface from behind, through its own body or the other one: the
-    /// top of a slab from below.
+    /// Whether material lies between the seeker and the closest point, of its own body or of the
+    /// other one. The surface is then seen from behind, as the top of a slab is from below.
     fn is_through_material(&self, p: &Projection<D>, seeker: &Seeker<'_, D>) -> bool {
         if p.gap >= 0.0 {
             return false;
         }
         let there = &self.surface().reference()[p.facet];
         let way = there.point(&p.lambda) - seeker.X;
-        // how deep the way is below the surface where it starts, and where it ends
+        // the depth of the reference path below the surface at its start and at its end
         let starts = -way.dot(&normals::unit(seeker.N));
         let ends = way.dot(&normals::unit(there.normal(&p.lambda)));
         let length = way.norm();
@@ -175,7 +182,8 @@ impl<const D: usize> Master<D> {
         p.distance > Self::MATERIAL * length && starts.max(ends) > least
     }
 
-    /// Whether no facet that meets the projection's own at x̄ comes closer to `x`.
+    /// Whether the projection is a local minimum of the distance: no adjacent facet has a point
+    /// closer to `x`.
     fn is_local_minimum(&self, p: &Projection<D>, x: &Vector<D>) -> bool {
         let inner = p.lambda.iter().all(|&l| l > 0.0);
         if inner || p.distance <= Self::CLOSED * self.facet_size {
@@ -197,8 +205,8 @@ impl<const D: usize> Master<D> {
         !others.any(|leaf| leaf.distance_2(&x) < closer)
     }
 
-    /// How far `seeker` is from the surface (UL); on its own body, from the point that it must not
-    /// penetrate, or all of its reach if there is none.
+    /// The distance of `seeker` from the surface (UL). On its own body, the distance from the point
+    /// that it must not penetrate, or the search radius if there is none.
     pub(super) fn distance(&self, seeker: &Seeker<'_, D>) -> f64 {
         let (found, unless) = match seeker.own {
             Some(_) => (self.find(seeker), seeker.reach),
@@ -253,7 +261,7 @@ impl<const D: usize> Master<D> {
     }
 }
 
-/// A facet of the tree.
+/// An entry of the tree: a facet with its index.
 struct Leaf<const D: usize> {
     index: usize,
     facet: Facet<D>,
@@ -276,8 +284,8 @@ impl<const D: usize> PointDistance for Leaf<D> {
 }
 
 /// The nodes of `slave` inside `master` as (position in [`Surface::nodes`], gap < 0). They are
-/// projected at positions `x`, those of `master`; the gaps are between positions `now`, which are
-/// others where the geometry is frozen. On its own body a node looks no further than `reach`.
+/// projected at positions `x`, those of `master`; the gaps are measured at positions `now`, which
+/// differ from `x` in a frozen geometry. On its own body the search radius of a node is `reach`.
 pub fn nodes_inside<const D: usize>(
     slave: &Surface<D>,
     slave_normals: &[Vector<D>],
@@ -319,8 +327,8 @@ mod tests {
     use crate::element::Order;
     use crate::mesh::generators::cylinder;
 
-    /// Beyond the rim of a disc every point is off its end, also where the closest point is a corner
-    /// that belongs to facets without a side on the rim.
+    /// Every point beyond the rim of a disc is off its end, also where the closest point is a
+    /// corner of facets without a side on the rim.
     #[test]
     fn corners_on_the_rim_are_on_the_rim() {
         let mesh = cylinder(1.0, 1.0, 3, 1).expect("mesh");

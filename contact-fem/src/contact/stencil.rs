@@ -23,7 +23,7 @@ pub struct Stencil<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Stencil<'a, D> {
-    /// Its number among all integration points of the pass, those that do not count included.
+    /// Its number among all integration points of the pass, including those that do not count.
     pub fn number(&self) -> usize {
         self.number
     }
@@ -43,12 +43,12 @@ impl<'a, const D: usize> Stencil<'a, D> {
         self.master
     }
 
-    /// Where it is projected.
+    /// The projection of x_q on the master.
     pub fn projection(&self) -> &Projection<D> {
         &self.projection
     }
 
-    /// φ_i(q) of the slave's nodes i, as positions in [`Surface::nodes`].
+    /// φ_i(q) of the slave's nodes i, given by their positions in [`Surface::nodes`].
     pub fn test_functions(&self) -> impl Iterator<Item = (usize, f64)> + 'a {
         let nodes = self.slave.facet(self.facet).iter().copied();
         let tests = nodes.zip(self.slave.test_functions(&self.lambda));
@@ -62,8 +62,9 @@ impl<'a, const D: usize> Stencil<'a, D> {
         nodes.zip(facet_shapes(slave.order(), &self.lambda))
     }
 
-    /// ∇g with η* and n held, as (scene node, coefficient): N_a n at the slave facet's nodes, −N_b n
-    /// at the master's. In self-contact a node may appear as both. g is the sum of coefficient · x.
+    /// ∇g with η* and n held, as (scene node, coefficient): N_a n at the nodes of the slave's
+    /// facet, −N_b n at those of the master's. In self-contact a node may occur as both. g = Σ
+    /// coefficient · x.
     pub fn frozen_gradient(&self) -> impl Iterator<Item = (usize, Vector<D>)> + Clone + 'a {
         let (master, p) = (self.master.surface(), self.projection);
         let own = self.slave_shapes();
@@ -75,7 +76,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
 
 #[cfg(test)]
 impl<'a, const D: usize> Stencil<'a, D> {
-    /// The same point of the slave at other positions, with its foot at `lambda` of the same facet.
+    /// The same slave point at other positions, with its foot at `lambda` on the same facet.
     pub(super) fn moved(&self, master: &'a Moving<D>, x: Vector<D>, lambda: Vector<D>) -> Self {
         let projection = Projection {
             lambda,
@@ -90,8 +91,8 @@ impl<'a, const D: usize> Stencil<'a, D> {
     }
 }
 
-/// Projects every point of `integration` on `slave` on `master`, for positions `x` of all scene
-/// nodes, and keeps those that count within `reach` (UL).
+/// Projects every point of `integration` on `slave` to `master`, for positions `x` of all scene
+/// nodes, and returns those that count within the search radius `reach` (UL).
 pub fn stencils<'a, const D: usize>(
     slave: &'a Surface<D>,
     master: &'a Master<D>,

@@ -6,7 +6,8 @@ use super::normals::averaged;
 use crate::element::{Facet, FacetShapes, Order, facet_edge, facet_shapes};
 use crate::tensor::Vector;
 
-/// The facets of a body that may touch another surface, with its nodes numbered from 0.
+/// The facets of a body that may touch another surface; the surface's own nodes are numbered from
+/// 0.
 #[derive(Clone, Debug)]
 pub struct Surface<const D: usize> {
     body: usize,
@@ -15,22 +16,23 @@ pub struct Surface<const D: usize> {
     nodes: Vec<usize>,
     /// Nodes of the facets, flat, as positions in `nodes`.
     facets: Vec<usize>,
-    /// (node, facet, which of the facet's nodes it is), ascending.
+    /// (node, facet, the node's index in the facet), ascending.
     incidences: Vec<(usize, usize, usize)>,
     /// The facets in the reference configuration.
     reference: Vec<Facet<D>>,
-    /// X of the nodes, and the averaged normals there in the reference configuration.
+    /// X of the nodes, and their averaged normals in the reference configuration.
     X: Vec<Vector<D>>,
     N: Vec<Vector<D>>,
-    /// For facet and corner: whether the facet's side opposite that corner is on the surface's rim.
+    /// For each facet and corner, whether the side opposite the corner is on the rim of the
+    /// surface.
     rim: Vec<[bool; D]>,
     /// For each node, whether it is a corner on the rim.
     rim_corners: Vec<bool>,
 }
 
 impl<const D: usize> Surface<D> {
-    /// From facets of degree `order` with scene node numbers, and the reference positions `X` of
-    /// all scene nodes.
+    /// The surface of facets of degree `order`, given by scene node numbers, and the reference
+    /// positions `X` of all scene nodes.
     pub fn new<'a>(
         body: usize,
         order: Order,
@@ -73,12 +75,12 @@ impl<const D: usize> Surface<D> {
         surface
     }
 
-    /// The body that it belongs to.
+    /// The number of the surface's body.
     pub fn body(&self) -> usize {
         self.body
     }
 
-    /// The degree of its facets.
+    /// The degree of the facets.
     pub fn order(&self) -> Order {
         self.order
     }
@@ -88,12 +90,12 @@ impl<const D: usize> Surface<D> {
         self.reference.len()
     }
 
-    /// Whether it has no facets.
+    /// Whether the surface has no facets.
     pub fn is_empty(&self) -> bool {
         self.reference.is_empty()
     }
 
-    /// Its nodes as scene node numbers, ascending.
+    /// The surface's nodes as scene node numbers, ascending.
     pub fn nodes(&self) -> &[usize] {
         &self.nodes
     }
@@ -109,8 +111,8 @@ impl<const D: usize> Surface<D> {
         self.facets.chunks_exact(self.order.facet_nodes::<D>())
     }
 
-    /// The facets around node `a`, a position in [`Surface::nodes`], ascending, and which of their
-    /// nodes it is.
+    /// The facets around node `a`, a position in [`Surface::nodes`], ascending, and the node's
+    /// index in each.
     pub fn facets_around(&self, a: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let first = self.incidences.partition_point(|&(node, ..)| node < a);
         let own = self.incidences[first..].iter();
@@ -123,29 +125,29 @@ impl<const D: usize> Surface<D> {
         &self.reference
     }
 
-    /// The positions X of its own nodes (UL).
+    /// The positions X of the surface's own nodes (UL).
     pub fn reference_nodes(&self) -> &[Vector<D>] {
         &self.X
     }
 
-    /// The averaged unit normals at its own nodes in the reference configuration.
+    /// The averaged unit normals at the surface's own nodes in the reference configuration.
     pub fn reference_normals(&self) -> &[Vector<D>] {
         &self.N
     }
 
-    /// The positions of its own nodes among those of all scene nodes.
+    /// Selects the positions of the surface's own nodes from those of all scene nodes.
     pub fn gather(&self, x: &[Vector<D>]) -> Vec<Vector<D>> {
         self.nodes.iter().map(|&node| x[node]).collect()
     }
 
-    /// Its facets at `x`, the positions of its own nodes.
+    /// The facets at `x`, the positions of the surface's own nodes.
     pub fn facets_at(&self, x: &[Vector<D>]) -> impl ExactSizeIterator<Item = Facet<D>> {
         self.facets()
             .map(|nodes| Facet::gather(self.order, nodes, x))
     }
 
-    /// Whether the point λ of `facet` is on the surface's rim: on a side without a neighbour, or in
-    /// a corner where other facets have such sides.
+    /// Whether the point λ of `facet` is on the rim of the surface: on a side without a neighbour,
+    /// or in a corner that is on the rim.
     pub fn is_rim(&self, facet: usize, lambda: &Vector<D>) -> bool {
         let on_side = |k: usize| lambda[k] == 0.0;
         let corner = (0..D).find(|&k| lambda[k] == 1.0);
@@ -153,13 +155,13 @@ impl<const D: usize> Surface<D> {
             || corner.is_some_and(|k| self.rim_corners[self.facet(facet)[k]])
     }
 
-    /// φ_i(λ) for the nodes of a facet that have a test function: all of them, or the corners of a
-    /// quadratic triangle, whose own corner functions have no mean.
+    /// φ_i(λ) for the nodes of a facet that have a test function: all nodes, or only the corners of
+    /// a quadratic triangle, whose quadratic corner functions have mean zero.
     pub fn test_functions(&self, lambda: &Vector<D>) -> FacetShapes {
         facet_shapes(self.test_order(), lambda)
     }
 
-    /// How many of its nodes have a test function.
+    /// The number of nodes with a test function.
     pub fn test_functions_len(&self) -> usize {
         let per_facet = self.test_nodes();
         let mut has_test = vec![false; self.nodes.len()];
@@ -169,7 +171,7 @@ impl<const D: usize> Surface<D> {
         has_test.iter().filter(|has| **has).count()
     }
 
-    /// How many nodes of a facet, from the first, have a test function.
+    /// The number of nodes of a facet with a test function; these nodes come first.
     pub fn test_nodes(&self) -> usize {
         self.test_order().facet_nodes::<D>()
     }
@@ -179,13 +181,13 @@ impl<const D: usize> Surface<D> {
         if D == 2 { self.order } else { Order::Linear }
     }
 
-    /// The length of a typical facet (UL): the mean measure's (D−1)-th root.
+    /// The typical length of a facet (UL): the (D−1)-th root of the mean measure.
     pub fn facet_size(&self) -> f64 {
         let mean = self.measures().sum::<f64>() / self.len().max(1) as f64;
         mean.powf(1.0 / (D as f64 - 1.0))
     }
 
-    /// For each node the mean length of the facets around it (UL).
+    /// For each node, the mean length of the adjacent facets (UL).
     pub fn node_sizes(&self) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.nodes.len()];
         for (facet, measure) in self.facets().zip(self.measures()) {
@@ -203,8 +205,8 @@ impl<const D: usize> Surface<D> {
         smallest.powf(1.0 / (D as f64 - 1.0))
     }
 
-    /// The facets' reference measures (UL in the plane, UL² in space), of curved ones to within
-    /// their curvature.
+    /// The reference measures of the facets (UL in the plane, UL² in space); of curved facets up to
+    /// terms of their curvature.
     fn measures(&self) -> impl Iterator<Item = f64> {
         let centre = Vector::repeat(1.0 / D as f64);
         self.reference
@@ -213,10 +215,10 @@ impl<const D: usize> Surface<D> {
     }
 }
 
-/// For facet and corner, whether no other facet has the side opposite that corner.
+/// For each facet and corner, whether no other facet shares the side opposite that corner.
 fn rim<'a, const D: usize>(facets: impl Iterator<Item = &'a [usize]> + Clone) -> Vec<[bool; D]> {
     let side = |facet: &[usize], omitted: usize| {
-        // in the plane the side is a node, in space an edge
+        // a side is a node in the plane, an edge in space
         let [a, b] = facet_edge::<D>((omitted + 1) % D);
         let (a, b) = if D == 2 { (a, a) } else { (a, b) };
         [facet[a].min(facet[b]), facet[a].max(facet[b])]

@@ -1,10 +1,10 @@
-//! What every element has to pass.
+//! The tests that every element passes.
 
 use super::Element;
 use crate::tensor::{Vector, unit_vector};
 
-/// `degree`: of the polynomials that the shape functions reproduce; `quadrature`: of those that the
-/// quadrature integrates exactly.
+/// `degree` is the degree of the polynomials that the shape functions reproduce, `quadrature` that
+/// of the polynomials that the quadrature integrates exactly.
 pub fn battery<const D: usize, E: Element<D>>(degree: u32, quadrature: u32) {
     nodal_and_complete::<D, E>(degree);
     gradients::<D, E>();
@@ -54,7 +54,7 @@ fn nodal_and_complete<const D: usize, E: Element<D>>(degree: u32) {
     }
 }
 
-/// ∂N_a/∂ξ against central differences, exact for quadratics but for round-off.
+/// ∂N_a/∂ξ against central differences, which are exact for quadratics up to round-off.
 fn gradients<const D: usize, E: Element<D>>() {
     let xi = Vector::<D>::from_fn(|i, _| 0.1 + 0.07 * i as f64);
     let h = 1e-3;

@@ -2,8 +2,9 @@
 
 use crate::tensor::{Vector, unit_vector};
 
-/// Points as (weight, ξ) that are exact to degree 5, with weights that sum to the simplex's volume
-/// 1/D!: enough for quadratic shape functions times the determinant of a quadratic map.
+/// Quadrature points (weight, ξ) of a rule that is exact to degree 5; the weights sum to the
+/// simplex's volume 1/D!. The degree suffices for quadratic shape functions times the determinant
+/// of a quadratic map.
 ///
 /// Seven points in the plane (J. Radon, 1948), fifteen in space (A. H. Stroud, Approximate
 /// Calculation of Multiple Integrals, 1971, T3: 5-1).

@@ -8,14 +8,14 @@ pub enum Order {
     /// P1: nodes at the corners.
     #[default]
     Linear,
-    /// P2: nodes also at the middle of the edges; cells and facets may be curved.
+    /// P2: nodes also at the middles of the edges; cells and facets may be curved.
     Quadratic,
 }
 
-/// The most nodes that a facet has: a quadratic triangle's.
+/// The largest number of nodes of a facet: that of a quadratic triangle.
 pub const MAX_FACET_NODES: usize = 6;
 
-/// One number for each node of a facet; the rest is 0.
+/// One number for each node of a facet; unused entries are 0.
 pub type FacetShapes = [f64; MAX_FACET_NODES];
 
 impl Order {
@@ -86,7 +86,7 @@ pub fn facet_slopes<const D: usize>(order: Order, lambda: &Vector<D>) -> [FacetS
     slopes
 }
 
-/// A facet with its nodes at given positions: the corners, then the middles of the edges.
+/// A facet with the positions of its nodes: the corners, then the middles of the edges.
 #[derive(Clone, Copy, Debug)]
 pub struct Facet<const D: usize> {
     order: Order,
@@ -95,7 +95,7 @@ pub struct Facet<const D: usize> {
 }
 
 impl<const D: usize> Facet<D> {
-    /// The facet with these nodes, taken out of the positions `x`.
+    /// The facet with these nodes, selected from the positions `x`.
     pub fn gather(order: Order, nodes: &[usize], x: &[Vector<D>]) -> Self {
         let mut facet = Facet {
             order,
@@ -109,7 +109,7 @@ impl<const D: usize> Facet<D> {
         facet
     }
 
-    /// Whether its middle nodes are where those of the flat facet are, to the round-off of their
+    /// Whether the middle nodes are half-way between the corners, up to the round-off of their
     /// coordinates.
     fn has_middles(&self) -> bool {
         let (corners, middles) = self.nodes().split_at(D);
@@ -120,13 +120,13 @@ impl<const D: usize> Facet<D> {
         })
     }
 
-    /// Whether x(λ) is the linear interpolation of the corners, as of every linear facet and of a
-    /// quadratic one with its middle nodes half-way between them.
+    /// Whether x(λ) is the linear interpolation of the corners: true for linear facets, and for
+    /// quadratic ones with their middle nodes half-way between the corners.
     pub fn is_flat(&self) -> bool {
         self.is_flat
     }
 
-    /// Its degree.
+    /// The degree.
     pub fn order(&self) -> Order {
         self.order
     }
@@ -150,8 +150,8 @@ impl<const D: usize> Facet<D> {
         point
     }
 
-    /// The corners of the flat facet that touches this one at λ with the same derivatives there:
-    /// x(λ) + Σ_j (δ_jk − λ_j) ∂x/∂λ_j. A linear facet is its own tangent.
+    /// The corners of the tangent facet at λ, the flat facet with the same point and derivatives
+    /// there: x(λ) + Σ_j (δ_jk − λ_j) ∂x/∂λ_j. A linear facet is its own tangent facet.
     pub fn tangent(&self, lambda: &Vector<D>) -> [Vector<D>; D] {
         if self.order == Order::Linear {
             return self.corners();
@@ -192,7 +192,7 @@ impl<const D: usize> Facet<D> {
         facet_normal(&self.tangent(lambda))
     }
 
-    /// The corners (low, high) of a box around it: around its Bézier points.
+    /// The corners (low, high) of a bounding box: that of the facet's Bézier points.
     pub fn bounding_box(&self) -> (Vector<D>, Vector<D>) {
         let mut points = self.x;
         if self.order == Order::Quadratic {
@@ -206,8 +206,8 @@ impl<const D: usize> Facet<D> {
         points.iter().fold((points[0], points[0]), grow)
     }
 
-    /// Flat pieces between its nodes, each as the λ of its corners: itself, or two segments or four
-    /// triangles.
+    /// The flat pieces between the nodes, each given by the λ of its corners: the facet itself, two
+    /// segments, or four triangles.
     pub fn pieces(&self) -> &'static [[[f64; 3]; 3]] {
         const A: [f64; 3] = [1.0, 0.0, 0.0];
         const B: [f64; 3] = [0.0, 1.0, 0.0];
@@ -245,7 +245,7 @@ mod tests {
         Facet::gather(Order::Quadratic, &[0, 1, 2, 3, 4, 5], &x)
     }
 
-    /// The tangent against central differences, which are exact for quadratics.
+    /// The tangent facet against central differences, which are exact for quadratics.
     fn tangent_touches<const D: usize>(facet: &Facet<D>) {
         let mut lambda = Vector::<D>::from_fn(|i, _| 0.2 + 0.1 * i as f64);
         lambda /= lambda.sum();

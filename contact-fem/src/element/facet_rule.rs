@@ -2,15 +2,16 @@
 
 use crate::tensor::Vector;
 
-/// Points in barycentric coordinates with weights that sum to 1; multiply by the facet's measure.
+/// Points in barycentric coordinates with weights that sum to 1; they are to be multiplied by the
+/// facet's measure.
 #[derive(Clone, Debug)]
 pub struct FacetRule<const D: usize> {
     points: Vec<(f64, Vector<D>)>,
 }
 
 impl<const D: usize> FacetRule<D> {
-    /// Gauss–Legendre with `n` points a direction: `n` on a segment, exact to degree 2n − 1; n² on
-    /// a triangle by a collapsed square, exact to degree 2n − 2.
+    /// Gauss–Legendre with `n` points in each direction: `n` on a segment, exact to degree 2n − 1;
+    /// n² on a triangle by a collapsed square, exact to degree 2n − 2.
     pub fn gauss(n: usize) -> Self {
         const { assert!(D == 2 || D == 3, "the space dimension is 2 or 3") };
         let line = gauss_legendre(n.max(1));
@@ -31,10 +32,10 @@ impl<const D: usize> FacetRule<D> {
         FacetRule { points }
     }
 
-    /// The fewest points that are exact for polynomials up to `degree` and have positive weights:
-    /// Gauss–Legendre on a segment; on a triangle three points for degree 2, six for degree 4 (G. R.
-    /// Cowper, *Gaussian quadrature formulas for triangles*, IJNME 7, 1973), and beyond
-    /// [`FacetRule::gauss`].
+    /// The rule with the fewest points that is exact for polynomials up to `degree` and has
+    /// positive weights: Gauss–Legendre on a segment; on a triangle three points for degree 2, six
+    /// for degree 4 (G. R. Cowper, *Gaussian quadrature formulas for triangles*, IJNME 7, 1973),
+    /// and [`FacetRule::gauss`] for higher degrees.
     pub fn of_degree(degree: usize) -> Self {
         let (root, inner) = (10f64.sqrt(), (38.0 - 44.0 * 0.4f64.sqrt()).sqrt());
         let spread = (213_125.0 - 53_320.0 * root).sqrt();
@@ -48,7 +49,7 @@ impl<const D: usize> FacetRule<D> {
             (_, 3..=4) => vec![orbit(1.0), orbit(-1.0)],
             _ => return Self::gauss(degree.div_ceil(2) + 1),
         };
-        // a point near each corner, or each side: the other two coordinates are equal
+        // one point near each corner or each side; its other two coordinates are equal
         let corner = |(weight, near): (f64, f64), k: usize| {
             let lambda = |i: usize, _| if i == k { 1.0 - 2.0 * near } else { near };
             (weight, Vector::from_fn(lambda))

@@ -1,4 +1,4 @@
-//! Reference elements on simplices: shape functions, their gradients, quadrature, facets.
+//! Reference elements on simplices: shape functions, their gradients, quadrature, and facets.
 
 #[cfg(test)]
 mod battery;
@@ -17,14 +17,15 @@ pub use p2::P2;
 
 use crate::tensor::Vector;
 
-/// A Lagrange element on the unit simplex of ℝᴰ: nodes at the D + 1 corners, then at the middle of
-/// [`Element::EDGES`].
+/// A Lagrange element on the unit simplex of ℝᴰ: nodes at the D + 1 corners, followed by the
+/// middles of [`Element::EDGES`].
 ///
-/// `PerNode<T>` is the array type with one `T` a node, so that a cell's data live on the stack.
+/// `PerNode<T>` is the array type with one `T` for each node, so that the data of a cell live on
+/// the stack.
 pub trait Element<const D: usize>: Send + Sync + 'static {
     /// One `T` for each node of a cell.
     type PerNode<T: Copy + Send + Sync>: AsRef<[T]> + AsMut<[T]> + Copy + Send + Sync;
-    /// Its degree.
+    /// The polynomial degree.
     const ORDER: Order;
     /// The edges, as pairs of corners, that have a node each.
     const EDGES: &'static [[usize; 2]];
@@ -32,7 +33,7 @@ pub trait Element<const D: usize>: Send + Sync + 'static {
     /// volume 1/D!.
     const QUADRATURE: &'static [(f64, [f64; D])];
 
-    /// `value` for every node.
+    /// An array with `value` for every node.
     fn per_node<T: Copy + Send + Sync>(value: T) -> Self::PerNode<T>;
     /// N_a(ξ).
     fn shapes(xi: &Vector<D>) -> Self::PerNode<f64>;

@@ -50,8 +50,8 @@ fn barycentric_gradient<const D: usize>(a: usize) -> Vector<D> {
     }
 }
 
-/// Points whose quadrature, with equal weights, is exact for quadratics: on the lines from the
-/// centre to the corners.
+/// Quadrature points with equal weights on the lines from the centroid to the corners, exact for
+/// quadratics.
 pub(crate) fn quadrature<const D: usize>() -> impl Iterator<Item = Vector<D>> {
     let far = if D == 2 { 4.0 * SIXTH } else { FAR };
     let near = (1.0 - far) / D as f64;
@@ -88,7 +88,7 @@ macro_rules! quadratic_simplex {
 
 const SIXTH: f64 = 1.0 / 6.0;
 
-// Exact for quadratics, the energy of a small strain on straight cells.
+// Exact for quadratics, such as the energy of a small strain on straight cells.
 quadratic_simplex!(
     2,
     6,
@@ -99,7 +99,7 @@ quadratic_simplex!(
     ]
 );
 
-/// (5 − √5)/20 and (5 + 3√5)/20.
+/// The two coordinates (5 − √5)/20 and (5 + 3√5)/20 of the tetrahedron's points.
 const NEAR: f64 = 0.138_196_601_125_010_5;
 const FAR: f64 = 0.585_410_196_624_968_5;
 

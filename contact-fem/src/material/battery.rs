@@ -1,4 +1,4 @@
-//! The tests that every law passes: its conformance and what Hooke's law says.
+//! The tests that every law passes: conformance, and agreement with Hooke's law.
 
 use super::conformance::{check, deformations};
 use super::*;
@@ -9,7 +9,7 @@ fn conforms<const D: usize>(law: &impl Material<D>) {
     assert!(report.holds(), "{report}");
 }
 
-/// A : (a ⊗ b) of Hooke's tensor, written down a second time from the isotropic formula.
+/// A : (a ⊗ b) of Hooke's tensor, written independently from the isotropic formula.
 fn linearizes_to_hooke<const D: usize>(law: &impl Material<D>, E: f64, nu: f64) {
     let (lambda, mu) = (E * nu / (1.0 + nu) / (1.0 - 2.0 * nu), 0.5 * E / (1.0 + nu));
     let rest = Deformation::new(Matrix::identity());
@@ -34,7 +34,7 @@ fn linearizes_to_hooke<const D: usize>(law: &impl Material<D>, E: f64, nu: f64) 
     assert!(law.stress(&rest).norm() < 1e-12 * (lambda + mu));
 }
 
-/// In plane strain σ equals the in-plane part of the spatial law at diag(F, 1).
+/// In plane strain σ equals the in-plane part of the three-dimensional law's σ at diag(F, 1).
 fn plane_strain<L: Material<2> + Material<3>>(law: &L, stiffness: f64) {
     for F in deformations::<2>() {
         let mut F3 = Matrix::<3>::identity();

@@ -1,14 +1,15 @@
-//! Whether a law keeps what [`Material`] promises: a check for laws of your own.
+//! A check that a law satisfies the contract of [`Material`], for user-defined laws.
 //!
-//! Every property is measured at several deformations, and the worst of each is reported. Stresses count over the
-//! largest entry of A there or at rest, whichever is more, energies likewise. NaN never passes.
+//! Every property is measured at several deformations, and the worst value is reported. Differences
+//! of stresses are divided by the largest entry of A at the deformation or at rest, whichever is
+//! larger; differences of energies likewise. NaN always fails.
 
 use std::fmt;
 
 use super::{Deformation, Material};
 use crate::tensor::{Matrix, Vector, determinant, unit_vector};
 
-/// What is measured.
+/// The properties that are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Property {
@@ -20,38 +21,39 @@ pub enum Property {
     Symmetry,
     /// P = 0 at F = I.
     StressAtRest,
-    /// ψ(RF) = ψ(F) and P(RF) = R P(F) for a rotation R; of a quadratic law P = 0 at F = I + W for a
-    /// skew W.
+    /// ψ(RF) = ψ(F) and P(RF) = R P(F) for a rotation R; for a quadratic law P = 0 at F = I + W for
+    /// a skew W.
     Objectivity,
     /// σ = σᵀ, and σ = P Fᵀ / J unless the law is quadratic.
     CauchyStress,
     /// A changes with F if and only if [`Material::QUADRATIC`] is not set.
     QuadraticFlag,
-    /// The share of states with J ≤ 0 at which ψ is not +∞ if [`Material::NEEDS_POSITIVE_J`] is set,
-    /// and not finite if it is not.
+    /// The share of states with J ≤ 0 at which ψ contradicts [`Material::NEEDS_POSITIVE_J`]: ψ must
+    /// be +∞ there if the flag is set, and finite if it is not.
     PositiveJFlag,
 }
 
-/// A property as it was measured.
+/// The measurement of a property.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding<const D: usize> {
-    /// Which one.
+    /// The property.
     pub property: Property,
-    /// The worst value, without unit.
+    /// The worst value (dimensionless).
     pub measured: f64,
-    /// What it must not exceed; for the flag of a law that is not quadratic, what it must.
+    /// The limit: an upper bound, except for the flag of a law that is not quadratic, where it is a
+    /// lower bound.
     pub limit: f64,
-    /// Whether it holds.
+    /// Whether the value keeps to the limit.
     pub holds: bool,
-    /// Where the worst value is.
+    /// The deformation with the worst value.
     pub F: Matrix<D>,
 }
 
-/// The report of [`check`]. Its `Display` is a line a property.
+/// The report of [`check`]. Its `Display` is one line for each property.
 #[derive(Clone, Debug, PartialEq)]
 #[must_use]
 pub struct Conformance<const D: usize> {
-    /// Every property, whether it holds or not.
+    /// All properties, whether they hold or not.
     pub findings: Vec<Finding<D>>,
 }
 
@@ -91,7 +93,7 @@ impl<const D: usize> fmt::Display for Conformance<D> {
     }
 }
 
-/// Checks a law near rest and at moderate strains, between 0.6 and 1.7 of any length.
+/// Checks a law near rest and at moderate strains, with stretches between 0.6 and 1.7.
 pub fn check<const D: usize>(law: &impl Material<D>) -> Conformance<D> {
     check_at(law, &deformations())
 }
@@ -104,8 +106,8 @@ pub(super) fn deformations<const D: usize>() -> Vec<Matrix<D>> {
     all.into_iter().filter(|F| determinant(F) > 0.05).collect()
 }
 
-/// As [`check`] at deformation gradients of your choice, around which the law must be smooth: for laws that are
-/// infinite beyond some stretch.
+/// As [`check`], at deformation gradients chosen by the caller. The law must be smooth around them;
+/// this serves laws that are infinite beyond some stretch.
 pub fn check_at<const D: usize>(
     law: &impl Material<D>,
     deformations: &[Matrix<D>],
@@ -165,14 +167,14 @@ fn law_is_quadratic<const D: usize, M: Material<D>>(_: &M) -> bool {
     M::QUADRATIC
 }
 
-/// The largest value seen, NaN above all, and where.
+/// The largest value so far, with its deformation; NaN counts as larger than any number.
 struct Worst<const D: usize> {
     value: f64,
     F: Matrix<D>,
 }
 
 impl<const D: usize> Worst<D> {
-    /// Nothing seen is no result.
+    /// Without any value there is no result.
     fn new() -> Self {
         Worst {
             value: f64::NEG_INFINITY,
@@ -210,7 +212,7 @@ fn largest<const D: usize>(A: &Tangent<D>) -> f64 {
     largest_of(D, |i, J, k, L| A[J][L][(i, k)])
 }
 
-/// The largest magnitude over all iJkL, NaN if one is.
+/// The largest magnitude over all iJkL; NaN if any entry is.
 fn largest_of(D: usize, entry: impl Fn(usize, usize, usize, usize) -> f64) -> f64 {
     let all = (0..D.pow(4)).map(|n| entry(n % D, n / D % D, n / D.pow(2) % D, n / D.pow(3)));
     all.fold(0.0, |worst, x| nan_max(worst, x.abs()))
@@ -220,7 +222,7 @@ fn nan_max(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// How far P and A are from the central differences of ψ and P.
+/// The differences of P and A from the central differences of ψ and P.
 fn differences<const D: usize>(
     law: &impl Material<D>,
     at: &Deformation<D>,
@@ -244,7 +246,7 @@ fn differences<const D: usize>(
     errors
 }
 
-/// How far the law is from objective.
+/// The violation of objectivity.
 fn spin<const D: usize, M: Material<D>>(law: &M, at: &Deformation<D>) -> f64 {
     let planes = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
     let error = |(i, j): (usize, usize)| {
@@ -266,7 +268,7 @@ fn spin<const D: usize, M: Material<D>>(law: &M, at: &Deformation<D>) -> f64 {
     planes.map(error).fold(0.0, nan_max)
 }
 
-/// How far σ is from P Fᵀ / J and from symmetry; NaN if σ_zz is not finite.
+/// The differences of σ from P Fᵀ / J and from symmetry; NaN if σ_zz is not finite.
 fn cauchy_error<const D: usize, M: Material<D>>(law: &M, at: &Deformation<D>) -> f64 {
     let (sigma, sigma_zz) = law.cauchy_stress(at);
     let expected = match M::QUADRATIC {
@@ -279,7 +281,7 @@ fn cauchy_error<const D: usize, M: Material<D>>(law: &M, at: &Deformation<D>) ->
     entries.fold(of_plane, |worst, x| nan_max(worst, x.abs()))
 }
 
-/// The share of states with J ≤ 0 that contradict the flag, and one that does.
+/// The share of states with J ≤ 0 that contradict the flag, and one such state.
 fn outside<const D: usize, M: Material<D>>(law: &M) -> Worst<D> {
     let flat = |last: f64| {
         let mut diagonal = Vector::repeat(1.0);
@@ -306,7 +308,7 @@ mod tests {
     use super::super::{LinearElastic, NeoHookean};
     use super::*;
 
-    /// What is wrong with a law.
+    /// Faults of a law.
     #[derive(Clone, Copy, Debug, PartialEq)]
     enum Fault {
         None,
@@ -324,7 +326,7 @@ mod tests {
         FiniteOutside,
     }
 
-    /// The neo-Hookean law with a fault, and flags of one's choice.
+    /// The neo-Hookean law with a fault and freely chosen flags.
     #[derive(Clone)]
     struct Planted<const Q: bool, const J: bool>(Fault);
 
@@ -332,7 +334,8 @@ mod tests {
         NeoHookean::new(1000.0, 0.3).expect("valid")
     }
 
-    /// Springs of stiffness k between F₁₂ and its value at rest: not objective, but with derivatives that fit.
+    /// Springs of stiffness k between F₁₂ and its value at rest: not objective, but with consistent
+    /// derivatives.
     const SPRING: f64 = 3.0;
 
     impl<const D: usize, const Q: bool, const J: bool> Material<D> for Planted<Q, J> {
@@ -403,7 +406,7 @@ mod tests {
         violated
     }
 
-    /// Each fault is found, and nothing else is.
+    /// Each fault is detected, and no other property fails.
     #[test]
     fn planted_faults_are_found() {
         use Property::*;

@@ -1,8 +1,8 @@
-//! The deformation at a point, with what laws need of it.
+//! The deformation at a point, with the derived quantities that laws use.
 
 use crate::tensor::{Matrix, cofactors, determinant};
 
-/// F with its determinant and inverse, taken once for all that a law is asked at one point.
+/// F with its determinant and inverse transpose, computed once for all evaluations at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Deformation<const D: usize> {
@@ -15,7 +15,7 @@ pub struct Deformation<const D: usize> {
 }
 
 impl<const D: usize> Deformation<D> {
-    /// From F.
+    /// The deformation with gradient F.
     pub fn new(F: Matrix<D>) -> Self {
         let J = determinant(&F);
         Deformation {

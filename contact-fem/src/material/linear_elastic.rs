@@ -6,7 +6,7 @@ use crate::tensor::{Matrix, Vector};
 
 /// ψ = μ ε:ε + λ/2 (tr ε)², ε = sym(F − I): linear elasticity, plane strain in 2D.
 ///
-/// Not objective: meant for small rotations.
+/// The law is not objective: it is meant for small rotations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearElastic {
     lame: Lame,

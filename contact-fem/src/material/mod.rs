@@ -1,5 +1,5 @@
-//! Hyperelastic laws, one a file, all under one battery of tests, of which [`conformance`] is the
-//! part for any law.
+//! Hyperelastic laws, one in each file. All pass one battery of tests; its part for arbitrary laws
+//! is [`conformance`].
 
 #[cfg(test)]
 mod battery;
@@ -17,9 +17,9 @@ use crate::tensor::{Matrix, Vector};
 
 /// A hyperelastic law ψ(F); in the plane, plane strain.
 ///
-/// Instead of the fourth-order tensor A = ∂²ψ/∂F², a law gives its contraction with two vectors,
-/// which is what a pair of nodes needs: D² numbers, K_ab = ∫ A : (∇N_a ⊗ ∇N_b).
-/// [`conformance::check`] finds what is wrong with a law of your own:
+/// Instead of the fourth-order tensor A = ∂²ψ/∂F², a law provides its contraction with two vectors.
+/// A pair of nodes needs only these D² numbers: K_ab = ∫ A : (∇N_a ⊗ ∇N_b). [`conformance::check`]
+/// tests a user-defined law:
 ///
 /// ```
 /// use contact_fem::material::{Deformation, Lame, Material, conformance};
@@ -70,14 +70,14 @@ pub trait Material<const D: usize>: Clone + Send + Sync + 'static {
     fn energy_density(&self, at: &Deformation<D>) -> f64;
     /// P = ∂ψ/∂F, first Piola–Kirchhoff stress (UF/UL²).
     fn stress(&self, at: &Deformation<D>) -> Matrix<D>;
-    /// (a, b) ↦ M with M_ik = A_iJkL a_J b_L (UF/UL² times the units of a and b).
+    /// The map (a, b) ↦ M with M_ik = A_iJkL a_J b_L (UF/UL² times the units of a and b).
     fn contraction(&self, at: &Deformation<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D>;
     /// Whether ψ is quadratic in ∇u, so that A does not depend on F.
     const QUADRATIC: bool;
     /// Whether ψ = +∞ for J ≤ 0.
     const NEEDS_POSITIVE_J: bool;
-    /// Cauchy stress σ at F (UF/UL²) with its out-of-plane component σ_zz in the plane; in space
-    /// the second value is zero and meaningless.
+    /// Cauchy stress σ at F (UF/UL²), and in the plane its out-of-plane component σ_zz; in space
+    /// the second value is zero and has no meaning.
     fn cauchy_stress(&self, at: &Deformation<D>) -> (Matrix<D>, f64);
 }
 
@@ -94,7 +94,7 @@ impl Lame {
     /// From Young's modulus `E` (UF/UL²) and Poisson's ratio `nu`.
     ///
     /// # Errors
-    /// `E` not positive and finite; `nu` not strictly between −1 and 0.5.
+    /// If `E` is not positive and finite, or `nu` is not strictly between −1 and 0.5.
     pub fn new(E: f64, nu: f64) -> Result<Self, Error> {
         if !(E > 0.0 && E.is_finite()) {
             return Err(Error::YoungsModulus { E });

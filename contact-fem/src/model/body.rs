@@ -1,4 +1,4 @@
-//! One body: mesh, law, supports, loads.
+//! Bodies: mesh, material law, supports and loads.
 
 use crate::assembly::{
     BodyEnergy, DofMap, QuadraticEnergy, StrainEnergy, add_body_force, add_traction,
@@ -9,7 +9,7 @@ use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
-/// An elastic body: a mesh, a law, what its supports prescribe and what loads it.
+/// An elastic body: a mesh, a material law, prescribed displacements and loads.
 ///
 /// ```
 /// use contact_fem::mesh::generators::cuboid;
@@ -35,7 +35,7 @@ pub struct Body<const D: usize> {
 }
 
 impl<const D: usize> Body<D> {
-    /// A body with nothing prescribed and no loads, of elements of its mesh's order.
+    /// A body without supports and loads; its elements have the order of its mesh.
     pub fn new(mesh: Mesh<D>, material: impl Material<D>) -> Self
     where
         P1: Element<D>,
@@ -53,15 +53,17 @@ impl<const D: usize> Body<D> {
         }
     }
 
-    /// Its mesh.
+    /// The mesh.
     pub fn mesh(&self) -> &Mesh<D> {
         &self.mesh
     }
 
-    /// Prescribes displacement components (UL, at full load) on a boundary; `None` leaves one free.
+    /// Prescribes the displacement components (UL, at full load) of all nodes of a boundary;
+    /// components that are `None` stay free.
     ///
     /// # Errors
-    /// An unknown boundary, a value that is not finite, a dof prescribed twice to different values.
+    /// If the boundary is unknown, a value is not finite, or a dof is prescribed twice with
+    /// different values.
     pub fn prescribe(
         &mut self,
         boundary: &str,
@@ -71,8 +73,8 @@ impl<const D: usize> Body<D> {
         self.prescribe_nodes(&nodes, components)
     }
 
-    /// As [`Body::prescribe`] for every node of the body: it moves rigidly, and none of its cells
-    /// is assembled.
+    /// As [`Body::prescribe`], for every node of the body. The body then moves rigidly, and none of
+    /// its cells is assembled.
     ///
     /// # Errors
     /// As [`Body::prescribe`].
@@ -81,10 +83,10 @@ impl<const D: usize> Body<D> {
         self.prescribe_nodes(&nodes, components)
     }
 
-    /// As [`Body::prescribe`] for the nodes given.
+    /// As [`Body::prescribe`], for the given nodes.
     ///
     /// # Errors
-    /// As [`Body::prescribe`], and a node that does not exist.
+    /// As [`Body::prescribe`], and if a node does not exist.
     pub fn prescribe_nodes(
         &mut self,
         nodes: &[usize],
@@ -124,12 +126,12 @@ impl<const D: usize> Body<D> {
     /// boundary.
     ///
     /// # Errors
-    /// An unknown boundary, a value that is not finite.
+    /// If the boundary is unknown or a value is not finite.
     pub fn traction(&mut self, boundary: &str, traction: [f64; D]) -> Result<&mut Self, Error> {
         self.traction_field(boundary, |_| traction.into())
     }
 
-    /// As [`Body::traction`] for a traction that depends on the reference position X.
+    /// As [`Body::traction`], for a traction that depends on the reference position X.
     ///
     /// # Errors
     /// As [`Body::traction`].
@@ -147,12 +149,12 @@ impl<const D: usize> Body<D> {
     /// Adds a dead body force (force per reference volume, UF/UL² in the plane, UF/UL³ in space).
     ///
     /// # Errors
-    /// A value that is not finite.
+    /// If a value is not finite.
     pub fn body_force(&mut self, force: [f64; D]) -> Result<&mut Self, Error> {
         self.body_force_field(|_| force.into())
     }
 
-    /// As [`Body::body_force`] for a force that depends on the reference position X.
+    /// As [`Body::body_force`], for a force that depends on the reference position X.
     ///
     /// # Errors
     /// As [`Body::body_force`].
@@ -165,7 +167,7 @@ impl<const D: usize> Body<D> {
         self.add_forces("body force", &forces)
     }
 
-    /// Adds nodal forces that came of a load called `name`, if they are finite.
+    /// Adds the nodal forces of the load `name` if all of them are finite.
     fn add_forces(&mut self, name: &'static str, forces: &[f64]) -> Result<&mut Self, Error> {
         Error::check_finite(name, forces)?;
         let sums = self.forces.iter_mut().zip(forces);
@@ -183,7 +185,7 @@ impl<const D: usize> Body<D> {
         &self.forces
     }
 
-    /// Whether its law is for small strains: linear in the displacement gradient.
+    /// Whether the law is a small-strain law, that is linear in the displacement gradient.
     pub fn is_small_strain(&self) -> bool {
         self.law.is_small_strain()
     }
@@ -193,18 +195,18 @@ impl<const D: usize> Body<D> {
         self.prescribed.iter().map(Option::is_some).collect()
     }
 
-    /// The displacements prescribed at full load (UL), in the order of the dofs.
+    /// The displacements prescribed at full load (UL), in ascending order of the dofs.
     pub(super) fn prescribed_values(&self) -> Vec<f64> {
         self.prescribed.iter().flatten().copied().collect()
     }
 
-    /// Its energy over its free dofs, at no load.
+    /// The energy over the free dofs, at load factor 0.
     pub(super) fn energy(&self) -> Box<dyn BodyEnergy<D>> {
         self.law.energy(self)
     }
 }
 
-/// Hides the types of element and material behind the body.
+/// Erases the types of element and material.
 trait Law<const D: usize>: Send + Sync {
     fn is_small_strain(&self) -> bool;
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>>;

@@ -1,4 +1,4 @@
-//! Which surfaces may touch, in which roles, and how they find each other.
+//! The contact surfaces and passes of a scene, and the search between them.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -13,36 +13,38 @@ use crate::contact::search::nodes_inside;
 use crate::contact::{Master, Pass, Surface};
 use crate::tensor::Vector;
 
-/// Default reach as a share of the scene's diagonal.
+/// The default search radius in [`Geometry::Current`], as a share of the scene's diagonal. It decides
+/// which integration points count.
 const REACH: f64 = 0.1;
 
 /// The contact surfaces and passes of a scene.
 pub(super) struct ContactSet<const D: usize> {
     pub surfaces: Vec<Arc<Surface<D>>>,
     pub passes: Vec<Pass>,
-    /// For each pass, whether its roles are the reversed ones of its pair.
+    /// For each pass, whether it exchanges the roles that its pair was declared with.
     reversed: Vec<bool>,
     geometry: Geometry,
     integration: Integration,
-    /// How far a point looks for another surface (UL).
+    /// The search radius of integration points (UL).
     reach: f64,
-    /// The last positions asked about, and how many there were.
+    /// The surfaces at the most recent positions, and how many sets of positions there have been.
     located: Mutex<Option<Arc<Located<D>>>>,
     built: AtomicUsize,
 }
 
-/// All surfaces where contact is looked for, each with normals and a search tree.
+/// All surfaces at the positions at which contact is searched, each with normals and a search tree.
 pub(super) struct Located<const D: usize> {
-    /// The positions of all nodes there (UL): X or x.
+    /// The positions of all nodes (UL): X in [`Geometry::Reference`], x in [`Geometry::Current`].
     pub x: Vec<Vector<D>>,
-    /// In the order of the surfaces.
+    /// One master for each surface, in the same order.
     pub masters: Vec<Master<D>>,
-    /// What [`nodes_inside`] finds between these positions, pass by pass.
+    /// The result of [`nodes_inside`] at these positions, pass by pass.
     inside: OnceLock<Vec<Vec<(usize, f64)>>>,
 }
 
 impl<const D: usize> ContactSet<D> {
-    /// Each surface once, however many pairs name it, and the passes over them.
+    /// Builds each surface once, even where several pairs name it, and the passes over the
+    /// surfaces.
     pub fn new(scene: &Scene<D>, geometry: Geometry, kinematics: &Kinematics<D>) -> Self {
         let (sides, passes) = sides_and_passes(scene);
         let (passes, reversed) = passes.into_iter().unzip();
@@ -74,12 +76,12 @@ impl<const D: usize> ContactSet<D> {
         }
     }
 
-    /// Whether rows do not depend on the state that they are linearised at.
+    /// Whether the rows do not depend on the state at which they are linearised.
     pub fn is_exact(&self) -> bool {
         self.geometry == Geometry::Reference || self.passes.is_empty()
     }
 
-    /// How many nodes of slave surfaces may have a row, over all passes.
+    /// The number of nodes of slave surfaces that may have a row, over all passes.
     pub fn contact_nodes(&self) -> usize {
         let slaves = self.passes.iter().map(|pass| &self.surfaces[pass.slave]);
         slaves.map(|slave| slave.test_functions_len()).sum()
@@ -91,19 +93,19 @@ impl<const D: usize> ContactSet<D> {
         smallest.fold(unless, f64::min)
     }
 
-    /// Whether a row's name means the same in every iteration and load step, as numbers of points
-    /// do not where facets are cut.
+    /// Whether a row's key identifies the same row in every iteration and load step. The numbers of
+    /// integration points do not where facets are cut.
     pub fn has_lasting_names(&self, sampling: Sampling) -> bool {
         sampling == Sampling::Nodes || self.integration != Integration::Exact
     }
 
-    /// How often normals and search trees were built.
+    /// The number of times that normals and search trees were built.
     pub fn built(&self) -> usize {
         self.built.load(Ordering::Relaxed)
     }
 
-    /// The surfaces where contact is looked for at `u`. Everything asked about one state in turn
-    /// shares them; in the reference geometry, everything asked at all.
+    /// The surfaces at the positions at which contact is searched at `u`. Successive queries at one
+    /// state share them; in the reference geometry, all queries do.
     pub fn located(&self, kinematics: &Kinematics<D>, u: &[f64]) -> Arc<Located<D>> {
         match self.geometry {
             Geometry::Reference => self.located_at(&kinematics.X),
@@ -128,13 +130,13 @@ impl<const D: usize> ContactSet<D> {
         located
     }
 
-    /// The passes with their numbers: those whose roles are as they were declared, or the reversed ones.
+    /// The passes with their numbers: those with the declared roles, or those with exchanged roles.
     pub fn passes_in(&self, reversed: bool) -> impl Iterator<Item = (usize, Pass)> {
         let passes = self.passes.iter().copied().enumerate().zip(&self.reversed);
         passes.filter_map(move |(pass, role)| (*role == reversed).then_some(pass))
     }
 
-    /// The rows c(u) = C u + c₀ of numbered passes with projections and normals frozen at `u`.
+    /// The rows c(u) = C u + c₀ of the numbered passes, with projections and normals frozen at `u`.
     pub fn rows(
         &self,
         passes: impl Iterator<Item = (usize, Pass)>,
@@ -163,13 +165,13 @@ impl<const D: usize> ContactSet<D> {
         gaps
     }
 
-    /// The deepest that any contact node is inside another surface at `u` (UL, ≥ 0).
+    /// The largest depth of a contact node inside another surface at `u` (UL, ≥ 0).
     pub fn penetration(&self, kinematics: &Kinematics<D>, u: &[f64]) -> f64 {
         self.deepest(kinematics, u, |surface| vec![1.0; surface.nodes().len()])
     }
 
-    /// The deepest that any contact node is inside another surface at `u`, over the length that
-    /// `units` has for each node of its surface; at least 0.
+    /// The largest depth of a contact node inside another surface at `u`, divided by the node's
+    /// length in `units`; at least 0.
     pub fn deepest(
         &self,
         kinematics: &Kinematics<D>,
@@ -200,7 +202,7 @@ impl<const D: usize> ContactSet<D> {
             .fold(0.0, f64::max)
     }
 
-    /// Pass by pass, what [`nodes_inside`] finds between positions `now`.
+    /// The result of [`nodes_inside`] between positions `now`, pass by pass.
     pub fn inside(&self, located: &Located<D>, now: &[Vector<D>]) -> Vec<Vec<(usize, f64)>> {
         let of_pass = |pass: &Pass| {
             let [own, master] = [pass.slave, pass.master].map(|k| &located.masters[k]);
@@ -210,8 +212,9 @@ impl<const D: usize> ContactSet<D> {
         self.passes.iter().map(of_pass).collect()
     }
 
-    /// How far bodies have gone through each other (UL), if they have: by more than a facet or the
-    /// reach at `u`, or on the way there from `last` at load factor `from`.
+    /// How far bodies have passed through each other (UL), or `None` if they have not. They have if
+    /// the penetration at `u` exceeds a facet or the search radius, or if nodes went through a body
+    /// on the way from `last` at load factor `from` to `u`.
     pub fn tunnels(
         &self,
         kinematics: &Kinematics<D>,
@@ -239,7 +242,7 @@ impl<const D: usize> ContactSet<D> {
     }
 }
 
-/// Every side that a pair names, once; and the passes over them, with whether their roles are reversed.
+/// Every side that a pair names, once; and every pass with whether it exchanges the declared roles.
 fn sides_and_passes<const D: usize>(scene: &Scene<D>) -> (Vec<&Side>, Vec<(Pass, bool)>) {
     let (mut sides, mut passes) = (Vec::<&Side>::new(), Vec::new());
     for pair in scene.pairs() {
@@ -333,7 +336,7 @@ mod tests {
         }
     }
 
-    /// All that is asked of a converged state: another one is asked first, and one after it.
+    /// All queries of a converged state, with a query of another state before and after.
     #[test]
     fn one_set_of_trees_a_state() {
         for (geometry, sets) in [

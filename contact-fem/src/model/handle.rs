@@ -1,18 +1,18 @@
-//! How a scene's bodies and their boundaries are named.
+//! Handles of a scene's bodies and their boundaries.
 
-/// A body of a scene, as [`Scene::add`](super::Scene::add) returns it. For another scene it means the
-/// body that was added there at the same place; where there is none, methods of problems and records
-/// panic.
+/// A body of a scene, as returned by [`Scene::add`](super::Scene::add). A handle contains the
+/// body's number only: in another scene it denotes the body with the same number. If there is none,
+/// methods of problems and records panic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyId(pub(super) usize);
 
 impl BodyId {
-    /// Its place in the order in which the bodies were added, from 0.
+    /// The body's number in the order of addition, from 0.
     pub fn index(self) -> usize {
         self.0
     }
 
-    /// One of its boundaries, by the name that its mesh gives it.
+    /// The boundary of this body with the given name in its mesh.
     pub fn on(self, boundary: impl Into<String>) -> Side {
         Side {
             body: self,
@@ -26,7 +26,7 @@ impl BodyId {
 pub struct Side {
     /// The body.
     pub body: BodyId,
-    /// The name of a boundary of its mesh.
+    /// The name of the boundary in the body's mesh.
     pub boundary: String,
 }
 

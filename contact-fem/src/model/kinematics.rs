@@ -1,4 +1,4 @@
-//! Where the nodes of all bodies are: reference positions, supports, and the way from u to x.
+//! The kinematics of all bodies: reference positions, supports, and the map from u to x.
 
 use std::ops::Range;
 
@@ -8,14 +8,14 @@ use super::Body;
 use crate::assembly::{Dof, DofMap};
 use crate::tensor::Vector;
 
-/// The nodes and dofs of all bodies, one body after the other, at one load.
+/// The nodes and dofs of all bodies, one body after the other, at one load factor.
 pub(super) struct Kinematics<const D: usize> {
-    /// X of all nodes (UL), and where each body's nodes start; one past the end last.
+    /// X of all nodes (UL); the number of each body's first node, and the number of all nodes last.
     pub X: Vec<Vector<D>>,
     first_node: Vec<usize>,
     /// Free and prescribed dofs.
     pub dofs: DofMap,
-    /// The prescribed displacements (UL) at full load and now.
+    /// The prescribed displacements (UL) at full load and at the present load factor.
     full: Vec<f64>,
     pub prescribed: Vec<f64>,
     /// The present load factor.
@@ -23,7 +23,7 @@ pub(super) struct Kinematics<const D: usize> {
 }
 
 impl<const D: usize> Kinematics<D> {
-    /// At no load.
+    /// At load factor 0.
     pub fn new(bodies: &[Body<D>]) -> Self {
         let (mut X, mut first_node) = (Vec::new(), vec![0]);
         let (mut dofs, mut full) = (DofMap::default(), Vec::new());
@@ -43,7 +43,7 @@ impl<const D: usize> Kinematics<D> {
         }
     }
 
-    /// Prescribes `factor` times the displacements at full load.
+    /// Sets the prescribed displacements to `factor` times those at full load.
     pub fn set_load(&mut self, factor: f64) {
         self.factor = factor;
         self.prescribed = self.prescribed_at(factor);
@@ -65,7 +65,7 @@ impl<const D: usize> Kinematics<D> {
         self.first_node[body]..self.first_node[body + 1]
     }
 
-    /// One vector a node from its free components and the prescribed ones.
+    /// One vector for each node, from the free and the prescribed components.
     fn nodal(&self, free: &[f64], prescribed: &[f64]) -> Vec<Vector<D>> {
         let all = self.dofs.expand(free, prescribed);
         all.chunks_exact(D).map(Vector::from_column_slice).collect()
@@ -81,7 +81,7 @@ impl<const D: usize> Kinematics<D> {
         self.displaced(self.displacements(u))
     }
 
-    /// As [`Kinematics::positions`], at another load factor.
+    /// As [`Kinematics::positions`], at the given load factor.
     pub fn positions_at(&self, u: &[f64], factor: f64) -> Vec<Vector<D>> {
         self.displaced(self.nodal(u, &self.prescribed_at(factor)))
     }
@@ -99,7 +99,7 @@ impl<const D: usize> Kinematics<D> {
         self.nodal(&free, &prescribed)
     }
 
-    /// Adds the free ones of a body's `increments`, one a dof (UL), to u.
+    /// Adds the free components of a body's `increments`, one for each of its dofs (UL), to u.
     pub fn add_free(&self, body: usize, increments: &[f64], u: &mut [f64]) {
         for (dof, increment) in (D * self.first_node[body]..).zip(increments) {
             if let Dof::Free(i) = self.dofs.get(dof) {
@@ -117,7 +117,8 @@ mod tests {
     use crate::LinearElastic;
     use crate::mesh::generators::{Diagonals, rectangle};
 
-    /// Two unit squares, one above the other; the lower one is held below, the upper one pushed.
+    /// Two unit squares, one on top of the other; the lower one is supported at its bottom, the
+    /// upper one pushed down.
     fn squares() -> Kinematics<2> {
         let body = |y: f64, side: &str, components| {
             let mesh = rectangle(&[0.0, 1.0], &[y, y + 1.0], Diagonals::Rising).expect("mesh");
@@ -139,7 +140,7 @@ mod tests {
         squares.set_load(0.5);
         let u: Vec<f64> = (1..=10).map(f64::from).collect();
         let U = squares.displacements(&u);
-        // free dofs in the order of the nodes, for rectangles row by row
+        // free dofs in the order of the nodes; a rectangle numbers its nodes row by row
         let expected = [
             0., 0., 0., 0., 1., 2., 3., 4., 5., 6., 7., 8., 9., -0.25, 10., -0.25,
         ];

@@ -1,5 +1,5 @@
-//! The model: bodies, their supports and loads, which surfaces may touch, and the contact problem
-//! that they make.
+//! The model: bodies with supports and loads, the contact pairs between them, and the contact
+//! problem of a scene.
 
 mod body;
 mod contact_set;

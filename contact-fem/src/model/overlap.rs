@@ -1,4 +1,4 @@
-//! Bodies that overlap before any load.
+//! Checks that no bodies overlap in the reference configuration.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::tensor::{Vector, facet_normal};
 
-/// No body starts inside another one that it may touch.
+/// Checks that no body starts inside another body of a contact pair.
 pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     nodes_inside(problem)?;
     problem.scene().pairs().iter().try_for_each(|pair| {
@@ -27,7 +27,7 @@ pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     })
 }
 
-/// No contact node starts inside the other body.
+/// Checks that no contact node starts inside the other body.
 fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     let name = |body: usize| problem.scene().names()[body].clone();
     let x = problem.reference();
@@ -62,9 +62,9 @@ fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     Ok(())
 }
 
-/// A contact node of `slave` inside a cell of the master's body although the surface there does not
-/// face it, as when one body starts wholly within another: the deepest as (scene node, minus its
-/// distance from the body's boundary).
+/// The deepest contact node of `slave` in a cell of the master's body where no master facet faces
+/// it, as when one body starts wholly inside another. Returns (scene node, minus its distance from
+/// the boundary of the master's body).
 fn swallowed_node<const D: usize>(
     problem: &Problem<D>,
     slave: &Surface<D>,
@@ -90,8 +90,8 @@ fn swallowed_node<const D: usize>(
     depths.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// No exterior edge of body `a` runs through an exterior facet of body `b`, as where slender bodies
-/// cross and no node is inside.
+/// Checks that no exterior edge of body `a` intersects an exterior facet of body `b`, as where
+/// slender bodies cross and no node is inside.
 fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<(), Error> {
     let [a_mesh, b_mesh] = [a, b].map(|body| problem.scene().bodies()[body].mesh());
     let facets = flat_facets(b_mesh);
@@ -100,7 +100,7 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
             .map(|(nodes, x)| GeomWithData::new(Rectangle::from_aabb(bounding_box(&x)), (nodes, x)))
             .collect(),
     );
-    // facets of one body that share a node touch there
+    // facets of one body meet at shared nodes
     let neighbours = |f: &[usize], g: &[usize]| a == b && f.iter().any(|node| g.contains(node));
     for (nodes, x) in flat_facets(a_mesh) {
         let edges = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
@@ -129,9 +129,9 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
     Ok(())
 }
 
-/// No exterior cell of body `a` has its centroid inside a cell of body `b`, as where one body is a
-/// copy of the other, or a ring closes over its own end: no node is inside and no edge runs through
-/// a facet.
+/// Checks that no exterior cell of body `a` has its centroid in a cell of body `b`, as where one
+/// body is a copy of the other, or a ring overlaps its own end: there no node is inside and no edge
+/// intersects a facet.
 fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<(), Error> {
     let [mesh, other] = [a, b].map(|body| problem.scene().bodies()[body].mesh());
     let common = {
@@ -159,7 +159,7 @@ fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Resul
         let Some(found) = near.find(|cell| holds(cell.data)) else {
             continue;
         };
-        // how deep the centroid is inside its own cell
+        // the depth of the centroid inside its own cell
         let distance = |k: usize| {
             let side: [_; D] = std::array::from_fn(|i| x[(k + 1 + i) % (D + 1)]);
             let normal = facet_normal(&side);
@@ -199,8 +199,9 @@ fn bounding_box<const D: usize>(points: &[Vector<D>]) -> AABB<[f64; D]> {
     AABB::from_corners(low.into(), high.into())
 }
 
-/// Where an edge runs through a facet, if it does, and how far one of them must move to let go of
-/// the other: an end of the edge to the facet's plane, or the point to a side of the facet.
+/// The point at which an edge intersects a facet, if there is one, and the shortest displacement
+/// that separates them: of an end of the edge to the facet's plane, or of the point to a side of
+/// the facet.
 fn pierce<const D: usize>(
     edge: &[Vector<D>; 2],
     facet: &[Vector<D>; D],
@@ -213,7 +214,7 @@ fn pierce<const D: usize>(
     }
     let point = edge[0] + (edge[1] - edge[0]) * (before / (before - after));
     let lambda = closest(&point, facet);
-    // beyond a side of the facet, the closest point has a coordinate of 0
+    // beyond a side of the facet, the closest point has a barycentric coordinate of 0
     let height = |k: usize| {
         let side = facet[(k + 1) % D];
         let along = facet[(k + D - 1) % D] - side;

@@ -1,4 +1,4 @@
-//! What can be known to be wrong with a scene before any solve.
+//! Checks of a scene before any solve.
 
 use nalgebra::DMatrix;
 
@@ -6,7 +6,12 @@ use super::{Body, Integration, Scene};
 use crate::error::Error;
 use crate::tensor::Vector;
 
-/// Every body has a name of its own.
+/// The smallest singular value that counts of the rigid-body modes restricted to the prescribed dofs,
+/// as a share of the largest. Smaller ones are round-off of the coordinates, as where all supported
+/// nodes are on a line.
+const HOLDS: f64 = 1e-7;
+
+/// Checks that every body has a unique name.
 pub(super) fn names<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     for (body, name) in scene.names().iter().enumerate() {
         if name.is_empty() {
@@ -22,7 +27,7 @@ pub(super) fn names<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Settings within their ranges.
+/// Checks that the settings are within their ranges.
 pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let setting = |name, value, remedy| {
         Err(Error::Setting {
@@ -52,7 +57,7 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     }
 }
 
-/// Nodal loads that summed up to finite forces.
+/// Checks that the sum of the nodal forces is finite.
 pub(super) fn loads<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let mut bodies = scene.bodies().iter().zip(scene.names());
     bodies.try_for_each(|(body, name)| {
@@ -61,8 +66,8 @@ pub(super) fn loads<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     })
 }
 
-/// Every part of every body is held by supports or may touch another body, and something is held
-/// at all.
+/// Checks that every part of every body is supported or may touch another body, and that at least
+/// one displacement is prescribed.
 pub(super) fn supports<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let held = |body: &Body<D>| body.prescribed().iter().any(Option::is_some);
     if !scene.bodies().iter().any(held) {
@@ -97,14 +102,12 @@ pub(super) fn supports<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     Ok(())
 }
 
-/// How many independent rigid motions of a part of a body its prescribed dofs do not hold: what the
-/// rank of the rigid modes restricted to those dofs is short of.
+/// The number of independent rigid-body modes of a part of a body that its prescribed dofs leave
+/// free: the rank deficiency of the modes restricted to these dofs.
 ///
-/// Arms are measured from the middle of the held nodes in units of their extent, so that neither
-/// place nor size matter. What holds a motion by less than [`HOLDS`] of that is the round-off of
-/// coordinates, as where all held nodes are on a line.
+/// Lever arms are measured from the centroid of the supported nodes in units of their extent, so
+/// that the result does not depend on position and size.
 fn free_rigid_modes<const D: usize>(body: &Body<D>, part: &[usize]) -> usize {
-    const HOLDS: f64 = 1e-7;
     let is_held = |&dof: &usize| body.prescribed()[dof].is_some();
     let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
     let held: Vec<usize> = dofs.filter(is_held).collect();
@@ -132,7 +135,7 @@ fn free_rigid_modes<const D: usize>(body: &Body<D>, part: &[usize]) -> usize {
             _ => 0.0,
         }
     };
-    // of a QR factorisation R alone is kept, which is small whatever the number of dofs
+    // only R of a QR factorisation is kept: it is small for any number of dofs
     let mut R = DMatrix::zeros(0, count);
     for dofs in held.chunks(100) {
         let above = R.nrows();

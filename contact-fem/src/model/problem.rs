@@ -1,4 +1,4 @@
-//! A checked scene as the optimiser sees it.
+//! The contact problem of a checked scene.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct Problem<const D: usize> {
     pub(super) kinematics: Kinematics<D>,
     pub(super) contact: ContactSet<D>,
     scale: Scale,
-    /// None: what is prescribed is no unknown.
+    /// `None`: prescribed displacements are eliminated, not unknowns.
     bounds: Bounds,
 }
 
@@ -44,7 +44,7 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    /// The scene it was made from.
+    /// The scene from which the problem was built.
     pub fn scene(&self) -> &Scene<D> {
         &self.scene
     }
@@ -99,24 +99,25 @@ impl<const D: usize> Problem<D> {
         &self.contact.passes
     }
 
-    /// How many nodes of slave surfaces may have a row, over all passes.
+    /// The number of nodes of slave surfaces that may have a row, over all passes.
     pub fn contact_nodes(&self) -> usize {
         self.contact.contact_nodes()
     }
 
-    /// Whether the rows are linear by definition: one solve, no fixed point.
+    /// Whether the rows are linear by definition: a single solve suffices, without a fixed-point
+    /// iteration.
     pub fn is_exact(&self) -> bool {
         self.contact.is_exact()
     }
 
-    /// Whether a row's name means the same in every iteration and load step, as numbers of points
-    /// do not where facets are cut.
+    /// Whether a row's key identifies the same row in every iteration and load step. The numbers of
+    /// integration points do not where facets are cut.
     pub fn has_lasting_names(&self, sampling: Sampling) -> bool {
         self.contact.has_lasting_names(sampling)
     }
 
-    /// How often normals and search trees of all surfaces were built: once a state, and once for all
-    /// in [`Geometry::Reference`].
+    /// The number of times that normals and search trees of all surfaces were built: once for each
+    /// state, or once in all in [`Geometry::Reference`].
     pub fn searches_built(&self) -> usize {
         self.contact.built()
     }
@@ -126,7 +127,7 @@ impl<const D: usize> Problem<D> {
         self.rows_of(self.passes(), u, sampling)
     }
 
-    /// As [`Problem::rows`], of any roles of its surfaces.
+    /// As [`Problem::rows`], for any passes over the problem's surfaces.
     pub fn rows_of(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
         let numbered = passes.iter().copied().enumerate();
         self.contact.rows(numbered, &self.kinematics, u, sampling)

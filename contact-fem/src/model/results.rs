@@ -1,4 +1,4 @@
-//! What follows from a solution: reactions, contact forces, pressures, penetrations.
+//! Results derived from a solution: reactions, contact forces, pressures, penetrations.
 
 use contact_core::{Energy, LinearGaps};
 
@@ -13,7 +13,7 @@ impl<const D: usize> Problem<D> {
         self.kinematics.contact_forces(gaps, lambda)
     }
 
-    /// ∂E/∂U of a body (UF) for all its dofs, whether prescribed or not.
+    /// ∂E/∂U of a body (UF) for all its dofs, free and prescribed.
     pub fn residual(&self, body: impl Into<BodyId>, u: &[f64]) -> Vec<f64> {
         let body = body.into().index();
         let mut residual = vec![0.0; D * self.kinematics.nodes(body).len()];
@@ -21,7 +21,7 @@ impl<const D: usize> Problem<D> {
         residual
     }
 
-    /// The forces (UF) that the supports exert on each body: ∂E/∂U − Cᵀλ summed over its prescribed
+    /// The reactions (UF) of the supports on each body: ∂E/∂U − Cᵀλ summed over its prescribed
     /// dofs.
     pub fn reactions(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<Vector<D>> {
         let bodies = self.scene.ids().zip(self.scene.bodies());
@@ -41,8 +41,9 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area,
-    /// compression positive), recovered from the nodal forces of the passes that it takes part in; in
-    /// [`Geometry::Reference`](super::Geometry) along the normals there.
+    /// compression positive). It is recovered from the nodal forces of all passes of the surface,
+    /// and is their component along the normals, in [`Geometry::Reference`](super::Geometry) the
+    /// reference normals.
     ///
     /// # Errors
     /// See [`pressure::tractions`].
@@ -71,19 +72,21 @@ impl<const D: usize> Problem<D> {
         self.surfaces().iter().enumerate().map(of_surface).collect()
     }
 
-    /// The deepest that any contact node is inside another surface (UL, ≥ 0), over all passes; in
-    /// [`Geometry::Reference`](super::Geometry) along the normals there.
+    /// The largest depth of a contact node inside another surface (UL, ≥ 0), over all passes; in
+    /// [`Geometry::Reference`](super::Geometry) along the reference normals.
     pub fn penetration(&self, u: &[f64]) -> f64 {
         self.contact.penetration(&self.kinematics, u)
     }
 
-    /// As [`Problem::penetration`], with every depth over the facet size around its node.
+    /// As [`Problem::penetration`], each depth divided by the mean size of the facets around its
+    /// node.
     pub fn relative_penetration(&self, u: &[f64]) -> f64 {
         self.contact
             .deepest(&self.kinematics, u, Surface::node_sizes)
     }
 
-    /// How many quadrature points of the assembled cells have no J > 0; laws for small strains have none.
+    /// The number of quadrature points of the assembled cells where J > 0 does not hold; 0 for
+    /// small-strain laws.
     pub fn inverted(&self, u: &[f64]) -> usize {
         let mut J = vec![0.0; self.energy.domain_len()];
         self.energy.domain(u, &mut J);

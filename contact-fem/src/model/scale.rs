@@ -1,23 +1,25 @@
-//! Units in which a scene's numbers are O(1), estimated before any solve.
+//! The units of a scene, in which its numbers are O(1), estimated before any solve.
 
 use contact_core::Scale;
 
 use super::{Body, Geometry, Scene};
 use crate::assembly::BodyEnergy;
 
-/// Strains below this are round-off in F = I + ∇u, by a law that is not linear.
+/// A lower bound of the estimated strain for laws that are not linear: smaller strains are lost to
+/// round-off in F = I + ∇u. The length, resolution and energy scales depend on it.
 const SMALLEST_STRAIN: f64 = 1e-9;
-/// How much finer than the expected displacement of a facet gaps are resolved where one solve is all.
+/// The resolution of gaps in [`Geometry::Reference`], as a share of the expected displacement of a
+/// facet; in [`Geometry::Current`] the share is 1.
 const FINER: f64 = 0.03;
-/// Displacements may exceed the estimate by this factor.
+/// The safety factor (no unit) of the estimated displacements.
 const MARGIN: f64 = 10.0;
-/// The strain of a scene without loads and prescribed displacements.
+/// The estimated strain of a scene without loads and prescribed displacements.
 const UNLOADED: f64 = 1e-6;
 
-/// The units of a scene of diagonal `length` whose smallest contact facet has length `facet` (UL).
+/// The units of a scene with diagonal `length` and smallest contact facet `facet` (UL).
 ///
-/// Lengths are displacements over the whole scene, resolved to those of a facet; energies are those
-/// of the softest body at that displacement.
+/// The length scale is the expected displacement over the whole scene, the resolution that of a
+/// facet, and the energy scale that of the softest body at this displacement.
 pub(super) fn estimate<const D: usize>(
     scene: &Scene<D>,
     geometry: Geometry,
@@ -43,17 +45,18 @@ pub(super) fn estimate<const D: usize>(
     }
 }
 
-/// The typical stiffness (UF/UL) of the softest body that has free unknowns: a scale that suits a
-/// stiffer one would let the softer one's forces drown in the tolerances.
+/// The typical stiffness (UF/UL) of the softest body that has free unknowns. With the scale of a
+/// stiffer body, the forces in the softer one would be smaller than the tolerances.
 fn softest<const D: usize>(energies: &[Box<dyn BodyEnergy<D>>]) -> f64 {
     let all = energies.iter().map(|e| e.typical_stiffness());
     let softest = all.filter(|k| *k > 0.0).fold(f64::INFINITY, f64::min);
     if softest.is_finite() { softest } else { 1.0 }
 }
 
-/// About how large displacements will be over the scene's `length`, at most 1: [`MARGIN`] times what
-/// is prescribed or what the loads would do to a bar of the given stiffness. Solutions of linear
-/// scenes then scale with their loads, however small these are.
+/// The expected displacement divided by the scene's `length`, at most 1: [`MARGIN`] times the
+/// largest prescribed displacement, or the extension of a bar of the given stiffness under the
+/// loads. The scales are proportional to the loads, so that the solutions of linear scenes are as
+/// well, however small the loads are.
 fn expected_strain<const D: usize>(
     scene: &Scene<D>,
     stiffness: f64,
@@ -80,7 +83,8 @@ mod tests {
     use crate::mesh::generators::{Diagonals, linspace, rectangle};
     use crate::{LinearElastic, Material, NeoHookean};
 
-    /// A unit square of modulus `young` per unit, held below and moved down by `by` on top.
+    /// A unit square with Young's modulus `young`, supported at the bottom and moved down by `by`
+    /// on top.
     fn pressed(law: impl Material<2>, by: f64) -> Scale {
         let mesh = rectangle(
             &linspace(0.0, 3.0, 3),

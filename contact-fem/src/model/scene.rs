@@ -1,30 +1,31 @@
-//! Scenes: bodies by name, and which of their boundaries may touch.
+//! Scenes: named bodies and contact pairs.
 
 use super::{Body, BodyId, Integration, Problem, Side, overlap, preflight};
 use crate::element::Order;
 use crate::error::Error;
 
-/// Which roles a pair of surfaces plays.
+/// The roles of the two surfaces of a contact pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Passes {
-    /// Each surface once slave and once master: the symmetric form (5).
+    /// Two passes, each surface once slave and once master: the symmetric form (5).
     #[default]
     Both,
-    /// Only the first surface is slave, form (4); kept to show the difference.
+    /// One pass with the first surface as slave, form (4); for comparison with the symmetric form.
     FirstIsSlave,
-    /// Only the second surface is slave.
+    /// One pass with the second surface as slave.
     SecondIsSlave,
 }
 
-/// At which positions contact is looked for.
+/// The positions at which contact is searched and the constraints are linearised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Geometry {
-    /// At the reference positions X: normals, closest points and integration points stay where they
-    /// are, the constraints are linear, and one solve takes the place of the fixed point. For
-    /// displacements and rotations that are small against the facets, whatever the law.
+    /// The reference positions X: normals, closest points and integration points are fixed, the
+    /// constraints are linear, and a single solve replaces the fixed-point iteration. It requires,
+    /// with any law, displacements and rotations that are small against the facets.
     Reference,
-    /// At the current positions x = X + u, by the fixed point. With a law for small strains, whose
-    /// energy does not follow rotations, bodies should stretch and rotate little, but may move far.
+    /// The current positions x = X + u, by the fixed-point iteration. The energy of a small-strain
+    /// law is not invariant under rotations: bodies with such a law may move far, but should
+    /// stretch and rotate little.
     Current,
 }
 
@@ -35,11 +36,11 @@ pub struct Pair {
     pub first: Side,
     /// The other one.
     pub second: Side,
-    /// In which roles.
+    /// The roles.
     pub passes: Passes,
 }
 
-/// Bodies and contact pairs; [`Scene::problem`] checks it and makes it solvable.
+/// Bodies and contact pairs; [`Scene::problem`] checks them and builds the contact problem.
 ///
 /// ```
 /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
@@ -67,21 +68,23 @@ pub struct Scene<const D: usize> {
     names: Vec<String>,
     pairs: Vec<Pair>,
     surfaces: Vec<Side>,
-    /// How the constraints are integrated: by default at 4 Gauss points a facet and direction; with
-    /// quadratic elements, whose pressures suffer more, at 12 in the plane and 8 in space. They do
-    /// not see where facets of the other surface end, which costs about 0.1 % of the stress in flat
-    /// contact of meshes that do not match, and more with one pass; [`Integration::Exact`] does.
+    /// The quadrature of the constraints. By default 4 Gauss points for each facet and direction;
+    /// with quadratic elements, whose pressures are more sensitive to quadrature errors, 12 in the
+    /// plane and 8 in space. Gauss points do not resolve the edges of the facets of the other
+    /// surface: in flat contact of non-matching meshes the error is about 0.1 % of the stress, with
+    /// one pass more. [`Integration::Exact`] resolves them.
     pub integration: Option<Integration>,
-    /// At which positions contact is looked for. By default [`Geometry::Reference`] if all laws are
-    /// for small strains, else [`Geometry::Current`]. Where laws of both kinds meet contact, it must
-    /// be chosen.
+    /// The positions at which contact is searched. By default [`Geometry::Reference`] if all laws
+    /// are small-strain laws, else [`Geometry::Current`]. If bodies with laws of both kinds are in
+    /// contact pairs, it must be set.
     pub geometry: Option<Geometry>,
-    /// How far an integration point looks for the other surface (UL). By default a tenth of the
-    /// scene's diagonal, and all of it in [`Geometry::Reference`], where nothing comes nearer.
-    /// Points out of reach do not count; nor do rows none of whose points does.
+    /// The search radius of an integration point (UL). By default a tenth of the scene's diagonal,
+    /// and the whole diagonal in [`Geometry::Reference`], where the positions do not change. A
+    /// point without another surface in its search radius does not count; a row without a point
+    /// that counts is left out.
     pub reach: Option<f64>,
-    /// How deep bodies may overlap before any load, as a share of the facet size; polygons of
-    /// touching curves overlap by a little. 0.05 by default.
+    /// The largest overlap of bodies in the reference configuration that is accepted, as a share of
+    /// the facet size: polygons of touching curves overlap slightly. 0.05 by default.
     pub overlap_tolerance: f64,
 }
 
@@ -101,12 +104,12 @@ impl<const D: usize> Default for Scene<D> {
 }
 
 impl<const D: usize> Scene<D> {
-    /// A scene without bodies so far.
+    /// A scene without bodies.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A scene of these bodies, which are called by their numbers.
+    /// A scene of these bodies, named by their numbers.
     pub fn of(bodies: Vec<Body<D>>) -> Self {
         let mut scene = Self::new();
         for (index, body) in bodies.into_iter().enumerate() {
@@ -115,24 +118,24 @@ impl<const D: usize> Scene<D> {
         scene
     }
 
-    /// Adds a body under a name that no other one has. Errors and results call it by that name.
+    /// Adds a body under a unique name. Errors and results refer to the body by this name.
     pub fn add(&mut self, name: impl Into<String>, body: Body<D>) -> BodyId {
         self.bodies.push(body);
         self.names.push(name.into());
         BodyId(self.bodies.len() - 1)
     }
 
-    /// The bodies, in the order in which they were added.
+    /// The bodies, in the order of addition.
     pub fn bodies(&self) -> &[Body<D>] {
         &self.bodies
     }
 
-    /// All bodies' handles, in the order in which they were added.
+    /// The handles of all bodies, in the order of addition.
     pub fn ids(&self) -> impl ExactSizeIterator<Item = BodyId> + use<D> {
         (0..self.bodies.len()).map(BodyId)
     }
 
-    /// The bodies' names, in the order in which they were added.
+    /// The names of the bodies, in the order of addition.
     pub fn names(&self) -> &[String] {
         &self.names
     }
@@ -142,16 +145,16 @@ impl<const D: usize> Scene<D> {
         &self.pairs
     }
 
-    /// Declares that two boundaries may touch. Neither is slave or master: swapping them changes
-    /// nothing. Both may belong to one body.
+    /// Declares that two boundaries may touch. The pair is symmetric: exchanging the boundaries
+    /// does not change the result. Both may belong to one body.
     ///
     /// # Errors
-    /// A body or boundary that does not exist, a boundary without facets.
+    /// If a body or boundary does not exist, or a boundary has no facets.
     pub fn contact(&mut self, first: Side, second: Side) -> Result<(), Error> {
         self.contact_in_passes(first, second, Passes::Both)
     }
 
-    /// As [`Scene::contact`], in the roles given.
+    /// As [`Scene::contact`], with the given roles.
     ///
     /// # Errors
     /// As [`Scene::contact`].
@@ -170,7 +173,8 @@ impl<const D: usize> Scene<D> {
         Ok(())
     }
 
-    /// Declares that a boundary may touch itself, as a strip that closes on itself does.
+    /// Declares that a boundary may touch itself, as that of a strip that is bent until its sides
+    /// meet.
     ///
     /// # Errors
     /// As [`Scene::contact`].
@@ -178,8 +182,9 @@ impl<const D: usize> Scene<D> {
         self.contact(side.clone(), side)
     }
 
-    /// Declares that a boundary may touch any other body's: every two of these surfaces that belong
-    /// to different bodies become a pair, beside those named by [`Scene::contact`].
+    /// Declares that each of these boundaries may touch those of all other bodies: every two of
+    /// them that belong to different bodies become a pair, in addition to those declared by
+    /// [`Scene::contact`].
     ///
     /// # Errors
     /// As [`Scene::contact`].
@@ -191,7 +196,7 @@ impl<const D: usize> Scene<D> {
         Ok(())
     }
 
-    /// Pairs of the declared surfaces that were not named.
+    /// The pairs that follow from the declared surfaces and were not declared themselves.
     fn pair_surfaces(&mut self) -> Result<(), Error> {
         let first_body = self.surfaces.first().map(|surface| surface.body);
         if first_body.is_some() && self.surfaces.iter().all(|s| Some(s.body) == first_body) {
@@ -219,7 +224,7 @@ impl<const D: usize> Scene<D> {
         Ok(())
     }
 
-    /// A side that exists and has facets.
+    /// The side, if it exists and has facets.
     fn checked(&self, side: Side) -> Result<Side, Error> {
         let body = side.body.index();
         let owner = self.bodies.get(body).ok_or(Error::UnknownBody {
@@ -235,7 +240,7 @@ impl<const D: usize> Scene<D> {
         }
     }
 
-    /// How the constraints are integrated: as chosen, or by default.
+    /// The quadrature of the constraints: the one that was set, or the default.
     pub(super) fn integration(&self) -> Integration {
         let is_quadratic = |body: &Body<D>| body.mesh().order() == Order::Quadratic;
         let by_default = match (self.bodies.iter().any(is_quadratic), D) {
@@ -246,10 +251,10 @@ impl<const D: usize> Scene<D> {
         self.integration.unwrap_or(Integration::Gauss(by_default))
     }
 
-    /// At which positions contact is looked for: as chosen, or by default.
+    /// The positions at which contact is searched: those that were set, or the default.
     ///
     /// # Errors
-    /// If laws for small strains and others meet contact, and nothing was chosen.
+    /// If bodies with small-strain and other laws are in contact pairs, and no geometry was set.
     pub(super) fn geometry(&self) -> Result<Geometry, Error> {
         let body_of = |small: bool| {
             let mut bodies = self.bodies.iter().zip(&self.names);
@@ -268,12 +273,11 @@ impl<const D: usize> Scene<D> {
         }
     }
 
-    /// Checks the scene and makes the contact problem of it, at no load.
+    /// Checks the scene and builds its contact problem, at load factor 0.
     ///
     /// # Errors
-    /// Everything that can be known to be wrong before a solve: names that are empty or given twice,
-    /// bodies that nothing holds, bodies that overlap, settings out of range, laws of two kinds
-    /// without a choice of geometry.
+    /// If a check before the solve fails: an empty or repeated name, a body without support, bodies
+    /// that overlap, a setting out of range, laws of two kinds without a choice of geometry.
     pub fn problem(mut self) -> Result<Problem<D>, Error> {
         self.pair_surfaces()?;
         preflight::names(&self)?;

@@ -1,5 +1,5 @@
-//! g, ∇g and ∇²g of single points against their definition and its differences, and against motions
-//! that do not change them.
+//! Tests of g, ∇g and ∇²g at single points: against the definition and its differences, and under
+//! motions that leave them unchanged.
 
 use std::sync::Arc;
 
@@ -9,17 +9,17 @@ use crate::contact::stencil::stencils;
 use crate::contact::{Integration, Master, Moving, Surface};
 use crate::element::{FacetRule, Order, facet_edge, facet_shapes};
 
-/// The largest differences from what is expected.
+/// The largest differences from the expected values.
 #[derive(Clone, Copy, Debug, Default)]
 struct Errors {
     gap: f64,
-    /// How far the search is from the foot.
+    /// The distance between the found foot and the expected one.
     foot: f64,
     gradient: f64,
     hessian: f64,
     frozen: f64,
     rigid: f64,
-    /// How many points were compared.
+    /// The number of compared points.
     points: usize,
 }
 
@@ -37,7 +37,7 @@ impl Errors {
     fn assert_small(&self, what: &str, points: usize) {
         println!("{what}: {self:?}");
         assert!(self.points >= points, "{what}: {self:?}");
-        // Newton's method on a curved facet ends where distances no longer differ
+        // Newton's method on a curved facet stops when distances no longer differ
         assert!(self.gap < 1e-9 && self.foot < 1e-7, "{what}: {self:?}");
         assert!(self.gradient < 1e-9, "{what}: {self:?}");
         assert!(self.hessian < 1e-8, "{what}: {self:?}");
@@ -46,7 +46,7 @@ impl Errors {
     }
 }
 
-/// Compares all derivatives of one stencil; its slave point is `xi` of facet 0.
+/// Compares all derivatives of one stencil, whose slave point is `xi` on facet 0.
 fn compare<const D: usize>(
     case: &Case<D>,
     surface: &Arc<Surface<D>>,
@@ -132,7 +132,7 @@ fn rigid<const D: usize>(gap: &MovingGap<D>, x: &[Vector<D>]) -> f64 {
     error
 }
 
-/// A slave facet, turned over, whose point `xi` is `height` away from `foot` along `up`.
+/// A reversed slave facet whose point `xi` is at a distance of `height` from `foot` along `up`.
 fn over<const D: usize>(
     order: Order,
     foot: Vector<D>,
@@ -152,7 +152,7 @@ fn over<const D: usize>(
             }
         })
     };
-    // counter-clockwise from above faces up; in the plane, left to right faces down
+    // counter-clockwise as seen from above faces up; in the plane, left to right faces down
     let turned = if D == 2 { [1, 0, 2] } else { [0, 2, 1] };
     x.extend((0..D).map(|k| flat(turned[k])));
     if D == 2 {
@@ -176,7 +176,7 @@ fn over<const D: usize>(
     case
 }
 
-/// Projects the slave's one point, asks for the foot where it should be, and compares.
+/// Projects the slave's only point, checks the position of the foot, and compares.
 fn compare_at<const D: usize>(case: &Case<D>, wanted: &Vector<D>, facet: usize) -> Option<Errors> {
     let rule = FacetRule::<D>::gauss(1);
     let xi = rule.points()[0].1;
@@ -196,7 +196,7 @@ fn compare_at<const D: usize>(case: &Case<D>, wanted: &Vector<D>, facet: usize) 
     let found = all.first()?.projection();
     let same_pattern = (0..D).all(|k| (found.lambda[k] == 0.0) == (wanted[k] == 0.0));
     let on_a_side = wanted.iter().any(|&l| l == 0.0);
-    // a side belongs to two facets
+    // two facets share a side
     let same_foot = (found.foot - case.point(&case.master[facet], wanted)).norm() < 1e-7;
     let same_facet = found.facet == facet || on_a_side;
     let counts_zeros = |v: &Vector<D>| v.iter().filter(|&&l| l == 0.0).count();
@@ -204,7 +204,8 @@ fn compare_at<const D: usize>(case: &Case<D>, wanted: &Vector<D>, facet: usize) 
     (same && same_foot && same_facet).then(|| compare(case, &master, &all[0], &xi))
 }
 
-/// The points λ of facets, each with what keeps the foot there: above and below.
+/// Every point λ of every facet, with slave points above and below it in directions for which the
+/// foot stays there.
 fn battery<const D: usize>(order: Order, what: &str, lambdas: &[[f64; 3]], least: usize) {
     let mut errors = Errors::default();
     let rule = FacetRule::<D>::gauss(1);
@@ -285,7 +286,7 @@ fn triangles(order: Order) {
     );
 }
 
-/// A channel whose sides face each other: facets around the foot share nodes with the slave's.
+/// A channel with facing sides: facets around the foot share nodes with the slave's facet.
 fn in_a_channel<const D: usize>(order: Order, least: usize) {
     let profile = [[0.55, 0.9], [0.5, 0.0], [0.0, 0.1], [-0.05, 1.0]];
     let levels: &[f64] = if D == 2 { &[0.0] } else { &[0.0, 0.8, 1.7] };

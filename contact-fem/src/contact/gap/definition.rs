@@ -1,9 +1,10 @@
-//! The gap once more, straight from its definition, on bumpy surfaces; and differences.
+//! An independent evaluation of the gap from its definition, on bumpy surfaces, and difference
+//! formulas.
 
 use crate::element::{Order, facet_edge, facet_shapes};
 use crate::tensor::Vector;
 
-/// A facet of a slave over a master, with all nodes' positions.
+/// A facet of a slave over a master, with the positions of all nodes.
 pub(super) struct Case<const D: usize> {
     pub order: Order,
     pub x: Vec<Vector<D>>,
@@ -11,7 +12,7 @@ pub(super) struct Case<const D: usize> {
     pub master: Vec<Vec<usize>>,
 }
 
-/// The definition, with nothing of what is tested but shape functions.
+/// The definition; of the tested code it uses only the shape functions.
 impl<const D: usize> Case<D> {
     pub fn point(&self, facet: &[usize], lambda: &Vector<D>) -> Vector<D> {
         let N = facet_shapes(self.order, lambda);
@@ -29,7 +30,7 @@ impl<const D: usize> Case<D> {
         self.measure(facet, lambda).normalize()
     }
 
-    /// The outward normal, as long as the measure of the tangent facet.
+    /// The outward normal; its length is the measure of the tangent facet.
     pub fn measure(&self, facet: &[usize], lambda: &Vector<D>) -> Vector<D> {
         let a = self.along(facet, lambda, [0, 1]);
         let mut n = Vector::<D>::zeros();
@@ -69,8 +70,8 @@ impl<const D: usize> Case<D> {
         sum.normalize()
     }
 
-    /// g, λ* and n of a point x_q over a facet of the master: λ* stays on the side of the facet where
-    /// `start` is, but may leave the facet along it, so that g goes on smoothly.
+    /// g, λ* and n of a point x_q over a facet of the master. λ* stays on the side of the facet on
+    /// which `start` is, but may leave the facet along that side, so that g stays smooth.
     pub fn gap(
         &self,
         x: &Vector<D>,
@@ -118,7 +119,7 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// Differences of fourth order: (coefficient, steps of this length).
+/// Differences of fourth order: (coefficient, multiple of the step).
 pub(super) const STEP: f64 = 3e-4;
 pub(super) const DIFFERENCE: [(f64, f64); 4] = [
     (1.0 / 12.0, -2.0),
@@ -127,12 +128,12 @@ pub(super) const DIFFERENCE: [(f64, f64); 4] = [
     (-1.0 / 12.0, 2.0),
 ];
 
-/// Some number within `size` of 0.
+/// A random number within `size` of 0.
 pub(super) fn bump(k: usize, size: f64) -> f64 {
     size * ((5 * k + 2) as f64).sin()
 }
 
-/// A bumpy, uneven master, whose facets are curved if quadratic.
+/// A bumpy master with facets of unequal size, curved if quadratic.
 pub(super) fn master<const D: usize>(order: Order) -> (Vec<Vector<D>>, Vec<Vec<usize>>) {
     let mut x = Vec::new();
     let mut facets: Vec<Vec<usize>> = Vec::new();

@@ -1,4 +1,4 @@
-//! Where a point is projected, and how g depends on that.
+//! The foot of a point's projection, and its effect on the derivatives of g.
 
 use crate::contact::moving::Moving;
 use crate::contact::normals::Direction;
@@ -6,10 +6,10 @@ use crate::contact::stencil::Stencil;
 use crate::element::{Facet, FacetShapes, MAX_FACET_NODES, facet_shapes, facet_slopes};
 use crate::tensor::{Matrix, Vector};
 
-/// The foot λ* of one point, and what the derivatives of its gap have in common.
+/// The foot λ* of one point, and the quantities that the derivatives of its gap share.
 pub(super) struct Foot<'a, const D: usize> {
     pub master: &'a Moving<D>,
-    /// The facet's nodes as positions in the surface's.
+    /// The facet's nodes, as positions in the surface's nodes.
     pub nodes: &'a [usize],
     pub x: Facet<D>,
     pub normals: Facet<D>,
@@ -77,8 +77,8 @@ fn combine<const D: usize>(slopes: &[FacetShapes; D], values: &Facet<D>) -> Matr
     columns
 }
 
-/// K = V (VᵀHV)⁻¹ Vᵀ for the directions V in which λ may move, by making them conjugate one after the
-/// other. A foot that is no minimum in one of them is held there.
+/// K = V (VᵀHV)⁻¹ Vᵀ for the directions V in which λ may move, by conjugating them one after the
+/// other. In a direction in which the foot is not a minimum, it is held.
 fn inverse_within<const D: usize>(H: &Matrix<D>, lambda: &Vector<D>) -> Matrix<D> {
     let mut K = Matrix::<D>::zeros();
     let mut free = (0..D).filter(|&k| lambda[k] != 0.0);

@@ -1,4 +1,4 @@
-//! Rows and the derivatives of weak gaps against their definition.
+//! Tests of rows and of the derivatives of weak gaps against their definition.
 
 use std::sync::Arc;
 
@@ -21,11 +21,11 @@ struct Pair<const D: usize> {
     X: Vec<Vector<D>>,
 }
 
-/// The number of a point, and the corners between which its foot is.
+/// The number of a point, and the corners of the smallest part of the facet that contains its foot.
 type Feet = Vec<(usize, Vec<usize>)>;
 
 impl<const D: usize> Pair<D> {
-    /// A smaller copy of [`master`], turned over, above it.
+    /// A smaller reversed copy of [`master`] above it.
     fn new(order: Order) -> Self {
         let (mut x, master) = master::<D>(order);
         let (count, middle) = (x.len(), x.iter().sum::<Vector<D>>() / x.len() as f64);
@@ -40,7 +40,7 @@ impl<const D: usize> Pair<D> {
             facet.iter_mut().for_each(|a| *a += count);
             facet[..D].swap(0, 1);
             if D == 3 && order == Order::Quadratic {
-                facet.swap(4, 5); // of the sides between the corners
+                facet.swap(4, 5); // the middles of the other two sides
             }
         }
         let mut X = x.clone();
@@ -67,7 +67,8 @@ impl<const D: usize> Pair<D> {
         }
     }
 
-    /// The closest point by trying all facets, sides and corners: facet, λ and n; `None` at the rim.
+    /// The closest point by exhaustive search over facets, sides and corners: facet, λ and n;
+    /// `None` at the rim.
     fn closest(&self, x: &Vector<D>) -> Option<(usize, Vector<D>, Vector<D>)> {
         let mut best = (f64::INFINITY, None);
         for (index, facet) in self.case.master.iter().enumerate() {
@@ -135,7 +136,7 @@ impl<const D: usize> Pair<D> {
             prescribed: &[],
         };
         let mut gaps = LinearGaps::new(false);
-        // over X = 0, unknowns are positions
+        // with X = 0, the unknowns are the positions
         rows.append(0, &vec![Vector::zeros(); x.len()], &unknowns, &mut gaps);
         let expected = self.rows(points);
         let counting = rows.stencils().count();
@@ -154,8 +155,8 @@ impl<const D: usize> Pair<D> {
         error
     }
 
-    /// Multipliers λ_i, the moving gaps' forces Σ_i λ_i ∇c_i, and with `along` their derivative along
-    /// that direction; and where the points project.
+    /// Multipliers λ_i and the forces Σ_i λ_i ∇c_i of the moving gaps; with `along`, the derivative
+    /// of the forces in that direction; and the positions of the feet.
     fn forces(&self, x: &[Vector<D>], along: Option<&[Vector<D>]>) -> (f64, Vec<Vector<D>>, Feet) {
         let master = Master::new(&self.master, x);
         let integration = Integration::Gauss(2);
@@ -229,7 +230,7 @@ impl<const D: usize> Pair<D> {
     }
 }
 
-/// To round-off on flat facets, on curved ones as far as feet are found.
+/// Agreement up to round-off on flat facets; on curved ones up to the accuracy of the feet.
 #[test]
 fn rows_and_their_forces() {
     for (order, most) in [(Order::Linear, 1e-14), (Order::Quadratic, 1e-8)] {
