@@ -30,7 +30,7 @@ impl<const D: usize> Trial<D> {
         compute: impl FnOnce() -> I,
     ) -> &[Deformation<D>] {
         if !(self.is_valid && self.u == u) {
-            self.is_valid = false; // until all is there
+            self.is_valid = false; // until the deformations are complete
             self.points.clear();
             self.points.extend(compute().map(Deformation::new));
             self.u.clear();
