@@ -5,12 +5,14 @@
 //! cargo run --release --example disc_in_disc -- --mesh 128 --increments 50 --ipopt print_level=5
 //! ```
 //!
-//! The scene itself is in `scenes/src/disc_in_disc.rs`. All files go to `out/disc_in_disc`: the tables
-//! `disc_in_disc.csv` and `disc_in_disc_iterations.csv`, a series for ParaView
-//! (`disc_in_disc.pvd`), the pictures `meshes.svg` and `force.svg`, and `summary.json`.
+//! The scene is defined in `scenes/src/disc_in_disc.rs`. All files are written to
+//! `out/disc_in_disc`: the tables `disc_in_disc.csv` and `disc_in_disc_iterations.csv`, a series
+//! for ParaView (`disc_in_disc.pvd`), the pictures `meshes.svg` and `force.svg`, and
+//! `summary.json`.
 //!
-//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, 3 if
-//! some certificate does not hold, and 130 on Ctrl-C, with everything written up to there.
+//! The exit code is 0 at full load, 1 if an increment does not converge, 2 on an error, 3 if a
+//! certificate does not hold, and 130 on Ctrl-C; the files are then complete up to the last
+//! converged step.
 
 use std::process::ExitCode;
 
@@ -28,10 +30,10 @@ struct Arguments {
     /// `reference`, or the number of segments around the hole
     #[arg(long, value_name = "reference|N", default_value = "reference", value_parser = fineness)]
     mesh: Fineness,
-    /// Which surface is slave; the symmetric method needs no choice
+    /// The roles of the surfaces; the symmetric method needs no choice
     #[arg(long, value_enum, default_value_t = Slaves::Both)]
     passes: Slaves,
-    /// Give the bodies in the other order, which changes nothing
+    /// Reverse the order of the bodies; the result does not depend on it
     #[arg(long)]
     swap: bool,
     #[command(flatten)]

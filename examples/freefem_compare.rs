@@ -1,5 +1,5 @@
-//! The same scenes, meshes and tolerances solved by FreeFEM's scripts in `freefem/` and by this
-//! library, side by side.
+//! Solves the same scenes with the same meshes and tolerances by FreeFEM's scripts in `freefem/`
+//! and by this library, and compares the results.
 //!
 //! ```text
 //! cargo run --release --example freefem_compare
@@ -7,20 +7,19 @@
 //! cargo run --release --example freefem_compare -- --export-only meshes
 //! ```
 //!
-//! Every run is a process of its own on one thread, so that CPU time and peak memory are its own.
-//! Of runs that take less than a minute there are `--runs`, and the table has medians. Tables go
-//! to the standard output and to `out/freefem_compare`: `results` and `costs` as Markdown and
-//! comma-separated values, `compare.json`, the pictures `cpu.svg` and `memory.svg`, and for every
-//! run the folder
-//! `SCENE/SIZE/PROGRAM` with what it left. Where FreeFEM is missing, stored results of
-//! `freefem/reference` take its place.
+//! Every run is a separate process on one thread, so that CPU time and peak memory are its own.
+//! Runs that take less than a minute are repeated `--runs` times, and the tables contain the
+//! medians. The tables are printed on the standard output and written to `out/freefem_compare`:
+//! `results` and `costs` as Markdown and comma-separated values, with `compare.json` and the
+//! pictures `cpu.svg` and `memory.svg`. The files of each run are in the folder
+//! `SCENE/SIZE/PROGRAM`. If FreeFEM is not installed, the stored results in `freefem/reference` are
+//! used instead.
 //!
-//! Meshes are written as `BODY.msh` in the plane and `BODY.mesh` in space. FreeFEM's vertices are
-//! numbered as the nodes here; boundaries have the numbers of their names in alphabetical order.
+//! Meshes are written as `BODY.msh` in the plane and `BODY.mesh` in space. The vertices have the
+//! numbers of the nodes; boundaries have the numbers of their names in alphabetical order.
 //!
-//! It ends with exit code 0 once all tables are written, 2 on errors, 130 on Ctrl-C, which ends the
-//! program that runs, too. A run that does not converge
-//! says so in the table.
+//! The exit code is 0 if all tables were written, 2 on an error, and 130 on Ctrl-C, which also ends
+//! the running program. The table marks runs that do not converge.
 
 use std::process::ExitCode;
 

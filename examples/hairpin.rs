@@ -1,16 +1,17 @@
-//! A body that touches itself: a band folded around is pressed together until its arms meet.
+//! Self-contact: a folded band is pressed together until its arms touch.
 //!
 //! ```text
 //! cargo run --release --example hairpin
 //! cargo run --release --example hairpin -- --without   # the arms pass through each other
 //! ```
 //!
-//! The scene itself is in `scenes/src/hairpin.rs`. All files go to `out/hairpin`: the tables
-//! `hairpin.csv` and `hairpin_iterations.csv`, a series for ParaView (`hairpin.pvd`), the picture
-//! `hairpin.svg`, and `summary.json`.
+//! The scene is defined in `scenes/src/hairpin.rs`. All files are written to `out/hairpin`: the
+//! tables `hairpin.csv` and `hairpin_iterations.csv`, a series for ParaView (`hairpin.pvd`), the
+//! picture `hairpin.svg`, and `summary.json`.
 //!
-//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, 3 if
-//! some certificate does not hold, and 130 on Ctrl-C, with everything written up to there.
+//! The exit code is 0 at full load, 1 if an increment does not converge, 2 on an error, 3 if a
+//! certificate does not hold, and 130 on Ctrl-C; the files are then complete up to the last
+//! converged step.
 
 use std::process::ExitCode;
 
@@ -19,7 +20,7 @@ use ipopt_contact::contact_fem::output::record::{Recorded, exit};
 use ipopt_contact_scenes::cli::{Options, positive};
 use ipopt_contact_scenes::{Failure, hairpin};
 
-/// The arms of a hairpin are pressed together until they meet
+/// The arms of a hairpin are pressed together until they touch
 #[derive(Parser, Debug)]
 struct Arguments {
     /// Cells through the band's thickness
@@ -52,7 +53,7 @@ fn run(arguments: &Arguments) -> Result<Recorded<2>, Failure> {
     let mut recording = arguments.options.record(&mut simulation, "hairpin");
     recording.plan.picture = "hairpin.svg".into();
     let recording = recording
-        // of all supports together, the back and the two nodes pressed: 0 in balance
+        // the sum over all supports, the back and the two pressed nodes: 0 in equilibrium
         .force(|record| record.reactions[0][1])
         .message(|step| {
             let record = step.record;

@@ -1,5 +1,5 @@
-//! The three methods for step 5 side by side: the interior point (7), the penalised slack (37) and
-//! the penalty (39); and one pass against the other and against both.
+//! Compares the three methods for step 5: the interior point (7), the penalised slack (37) and the
+//! penalty (39); or each single pass with both.
 //!
 //! ```text
 //! cargo run --release --example methods
@@ -7,12 +7,12 @@
 //! cargo run --release --example methods -- --quick     # coarse meshes, seconds
 //! ```
 //!
-//! Tables go to the standard output and to `out/methods`, as Markdown and as comma-separated
-//! values: `methods` and `orders`, or with `--asymmetry` `hertz_passes` and `discs_passes`. What
-//! they say is in `docs/methods.md`.
+//! The tables are printed on the standard output and written to `out/methods` as Markdown and
+//! comma-separated values: `methods` and `orders`, or with `--asymmetry` `hertz_passes` and
+//! `discs_passes`. `docs/methods.md` discusses them.
 //!
-//! It ends with exit code 0 once all tables are written, 2 on errors. A run that does not converge
-//! is a row without numbers.
+//! The exit code is 0 if all tables were written and 2 on an error. A run that does not converge is
+//! a row without numbers.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -22,19 +22,19 @@ use ipopt_contact::contact_fem::output::record::{exit, print};
 use ipopt_contact_scenes::studies::{asymmetry, methods};
 use ipopt_contact_scenes::{Failure, files};
 
-/// The three methods for the constrained minimisation side by side
+/// The three methods for the constrained minimisation in comparison
 #[derive(Parser, Debug)]
 struct Arguments {
-    /// One pass against the other and against both, for moduli in all proportions
+    /// Compare each single pass with both, for various ratios of the moduli
     #[arg(long)]
     asymmetry: bool,
-    /// Coarse meshes and few cases
+    /// Use coarse meshes and few cases
     #[arg(long)]
     quick: bool,
     /// Folder for all files
     #[arg(long, value_name = "DIR", default_value = "out/methods")]
     out: PathBuf,
-    /// Only files, nothing on the standard output; rows still show on the standard error as they come
+    /// Print nothing on the standard output; rows are still shown on the standard error
     #[arg(long)]
     quiet: bool,
 }

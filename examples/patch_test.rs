@@ -1,16 +1,17 @@
-//! The contact patch test in numbers: how wrong the stress is with so many Gauss points, and exactly
-//! integrated.
+//! The contact patch test: the error of the stress with different numbers of Gauss points, and with
+//! exact integration.
 //!
 //! ```text
 //! cargo run --release --example patch_test
 //! ```
 //!
-//! Two blocks with a flat interface and meshes that do not match are pressed on each other; the scene
-//! is in `scenes/src/blocks.rs`. One line for each kind of elements and pair of meshes: the largest error
-//! of a component of the stress in any cell, as a share of the pressure; first with both passes, then
-//! with the lower block as slave. It ends with exit code 1 if exact integration leaves more than 1e-10,
-//! or 1e-7 with both passes and quadratic elements in the plane, whose constraints all but depend on
-//! each other, so that the solver resolves no less.
+//! Two blocks with a flat interface and non-matching meshes are pressed on each other; the scene is
+//! defined in `scenes/src/blocks.rs`. Each line is for one kind of elements and pair of meshes. It
+//! contains the largest error of a stress component in any cell, divided by the pressure, first
+//! with both passes, then with the lower block as slave. The exit code is 1 if the error with exact
+//! integration exceeds 1e-10. With both passes and quadratic elements in the plane the limit is
+//! 1e-7: the constraints are then nearly linearly dependent, which limits the accuracy of the
+//! solver.
 
 use std::process::ExitCode;
 
@@ -20,14 +21,14 @@ use ipopt_contact::contact_fem::element::Order;
 use ipopt_contact::prelude::*;
 use ipopt_contact_scenes::blocks::{Blocks, errors};
 
-/// Gauss points a facet and direction.
+/// The numbers of Gauss points for each facet and direction.
 const POINTS: [usize; 8] = [2, 3, 4, 6, 8, 12, 16, 32];
-/// What exact integration may leave.
+/// The largest error with exact integration, as a share of the pressure.
 const ROUND_OFF: f64 = 1e-10;
-/// The same where the constraints of both passes all but depend on each other.
+/// The same if the constraints of both passes are nearly linearly dependent.
 const DEPENDENT: f64 = 1e-7;
 
-/// The contact patch test in numbers: the error of the stress by integration; it has no options
+/// The contact patch test: the error of the stress by integration; it has no options
 #[derive(Parser, Debug)]
 struct Arguments {}
 
@@ -63,12 +64,12 @@ fn main() -> Result<ExitCode, Error> {
 
 #[derive(Default)]
 struct Table {
-    /// Exact integration left more than it may.
+    /// The error with exact integration exceeds its limit.
     failed: bool,
 }
 
 impl Table {
-    /// Solves and prints a line.
+    /// Solves one case and prints a line.
     fn line(
         &mut self,
         name: &str,

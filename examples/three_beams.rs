@@ -1,18 +1,19 @@
-//! Section 6.2 of the paper: three cantilevers on top of each other share a load and slide.
+//! Section 6.2 of the paper: three stacked cantilevers share a load and slide on each other.
 //!
 //! ```text
 //! cargo run --release --example three_beams
 //! cargo run --release --example three_beams -- --law neo-hookean --order p1 --across 4
 //! ```
 //!
-//! The scene itself is in `scenes/src/beams.rs`. All files go to `out/three_beams`: the tables
-//! `three_beams.csv` and `three_beams_iterations.csv`, a series for ParaView (`three_beams.pvd`),
-//! the picture `beams.svg`, and `summary.json`. Beside what every example reports there are the
-//! displacement of each beam's tip, how far the beams slide there, and the pressures between them
+//! The scene is defined in `scenes/src/beams.rs`. All files are written to `out/three_beams`: the
+//! tables `three_beams.csv` and `three_beams_iterations.csv`, a series for ParaView
+//! (`three_beams.pvd`), the picture `beams.svg`, and `summary.json`. The example also reports the
+//! displacement of each beam's tip, the sliding of the beams there, and the pressures between them
 //! around mid-span.
 //!
-//! It ends with exit code 0 at full load, 1 if some increment does not converge, 2 on errors, 3 if
-//! some certificate does not hold, and 130 on Ctrl-C, with everything written up to there.
+//! The exit code is 0 at full load, 1 if an increment does not converge, 2 on an error, 3 if a
+//! certificate does not hold, and 130 on Ctrl-C; the files are then complete up to the last
+//! converged step.
 
 use std::process::ExitCode;
 
@@ -78,7 +79,7 @@ fn run(arguments: &Arguments) -> Result<Recorded<3>, Failure> {
     let mut problem = beams.scene()?.problem()?;
     let mut simulation = arguments.options.simulation(increments)?;
     let mut recording = arguments.options.record(&mut simulation, "three_beams");
-    // the beams before and after, as in the paper's Figure 2
+    // the undeformed and the deformed beams, as in the paper's Figure 2
     recording.plan.picture = "beams.svg".into();
     recording.plan.half_way = false;
     let recorded = recording
@@ -91,7 +92,7 @@ fn run(arguments: &Arguments) -> Result<Recorded<3>, Failure> {
     Ok(recorded)
 }
 
-/// What is shown of a step.
+/// The progress text of a step.
 fn message(step: &StepView<'_, 3>) -> String {
     let u = step.problem.displacements(&step.solution.state.u);
     let attempt = &step.record.attempt;
@@ -103,7 +104,7 @@ fn message(step: &StepView<'_, 3>) -> String {
     )
 }
 
-/// Tips, slips and pressures of a state.
+/// The tip displacements, slips and pressures of a state.
 fn report(problem: &Problem<3>, state: &Snapshot<3>) -> String {
     let u = &state.displacements;
     let count = problem.scene().bodies().len();

@@ -7,21 +7,21 @@ use contact_fem::model::Passes;
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Scene};
 
-/// The outer radius of the arch (UL), the lower half of a ring that stands on the line y = 0.
+/// The outer radius of the arch (UL): the lower half of a ring on the line y = 0.
 pub const RADIUS: f64 = 10.0;
-/// Its thickness (UL).
+/// The thickness of the arch (UL).
 pub const THICKNESS: f64 = 1.0;
 /// Young's modulus (UF/UL²) and Poisson's ratio.
 pub const YOUNG: f64 = 1000.0;
 const NU: f64 = 0.3;
-/// How far its ends are pushed down (UL).
+/// The downward displacement of its ends (UL).
 pub const PUSH: f64 = 2.0;
 
-/// The arch, the first body, of `across` cells through the thickness and 32 times as many along it,
-/// and the foundation, which is held everywhere.
+/// The arch, which is the first body, with `across` cells through the thickness and 32 times as
+/// many along it, and the foundation, all of whose displacements are prescribed.
 ///
-/// The arch alone imposes constraints: with normals that are vertical everywhere, its rows are the
-/// weighted means of y + u_y over its test functions.
+/// Only the surface of the arch is slave: since all normals are vertical, its rows are the weighted
+/// means of y + u_y with its test functions.
 pub fn scene(across: usize) -> Result<Scene<2>, Error> {
     let angles = linspace(PI, TAU, 32 * across);
     let depths = linspace(0.0, THICKNESS, across);

@@ -1,4 +1,4 @@
-//! The three beams of section 6.2: cantilevers on top of each other, the top one loaded.
+//! The three beams of section 6.2: stacked cantilevers with a load on the top one.
 
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::cuboid;
@@ -18,34 +18,34 @@ pub const LOAD: f64 = 100.0;
 /// The law of all beams.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
-    /// Linear elasticity, contact in the reference configuration.
+    /// Linear elasticity, with contact in the reference configuration.
     SmallStrain,
-    /// Neo-Hookean bodies through large displacements.
+    /// Neo-Hookean material with large displacements.
     NeoHookean,
 }
 
-/// What a scene of the beams is made of.
+/// The parameters of a scene of beams.
 #[derive(Clone, Copy, Debug)]
 pub struct Beams {
-    /// Cells across a beam's side.
+    /// The number of cells across a beam's side.
     pub across: usize,
-    /// Cells along a beam.
+    /// The number of cells along a beam.
     pub along: usize,
-    /// P1 or P2.
+    /// The order of the elements: P1 or P2.
     pub order: Order,
-    /// One law for all.
+    /// The law of all beams.
     pub law: Law,
-    /// Poisson's ratio; the paper has 0.
+    /// Poisson's ratio; 0 in the paper.
     pub poisson: f64,
-    /// How many beams share the load.
+    /// The number of beams that share the load.
     pub count: usize,
-    /// Whether the beams touch; otherwise each goes its own way, the time of which is the floor for
-    /// any contact algorithm.
+    /// Whether the beams are in contact. Otherwise each carries its own share of the load; the run
+    /// time of this scene is a lower bound for any contact algorithm.
     pub contact: bool,
 }
 
 impl Beams {
-    /// The paper's three, in contact, of cells that are twice as long as high.
+    /// The paper's three beams in contact, with cells that are twice as long as high.
     pub fn new(across: usize, order: Order, law: Law) -> Self {
         Beams {
             across,
@@ -58,8 +58,8 @@ impl Beams {
         }
     }
 
-    /// Clamped at x = 0, the lowest beam first. Every other one has one division more along its
-    /// length, so that nodes do not meet.
+    /// Beams clamped at x = 0, the lowest first. Every second beam has one more division along its
+    /// length, so that the nodes of neighbours do not coincide.
     pub fn scene(&self) -> Result<Scene<3>, Error> {
         let mut scene = Scene::new();
         let mut below: Option<BodyId> = None;
@@ -85,7 +85,7 @@ impl Beams {
             Law::NeoHookean => Body::new(mesh, NeoHookean::new(YOUNG, self.poisson)?),
         };
         beam.prescribe("left", [Some(0.0); 3])?;
-        // without contact every beam gets its share, so that all of them bend
+        // without contact the load is divided among the beams, so that all of them bend
         let share = match (self.contact, k + 1 == self.count) {
             (true, top) => f64::from(u8::from(top)),
             (false, _) => 1.0 / self.count as f64,
@@ -97,17 +97,18 @@ impl Beams {
     }
 }
 
-/// The displacement of the middle of a beam's end (UL): the mean over the corners of its section.
+/// The displacement of the centre of a beam's end section (UL): the mean over the section's
+/// corners.
 pub fn tip(problem: &Problem<3>, u: &[Vector<3>], beam: usize) -> [f64; 3] {
     let [bottom, top] = [0.0, 1.0].map(|level| end_edge(problem, u, beam, level));
     ((bottom + top) * 0.5).into()
 }
 
-/// How far the end of beam `below` has slid on that of the next one (UL), along the beams.
+/// The relative sliding (UL) of the end of beam `below` and that of the next one, along the beams.
 pub fn slip(problem: &Problem<3>, u: &[Vector<3>], below: usize) -> f64 {
     let under = end_edge(problem, u, below, 1.0);
     let over = end_edge(problem, u, below + 1, 0.0);
-    // tangent to the interface at the tip, as the lower beam's section has turned
+    // the tangent of the interface at the tip, from the rotation of the lower beam's section
     let section = under - end_edge(problem, u, below, 0.0);
     let normal = (section + Vector::<3>::new(0.0, 0.0, SIDE)).normalize();
     let offset = over - under;
@@ -127,8 +128,8 @@ fn end_edge(problem: &Problem<3>, u: &[Vector<3>], beam: usize, level: f64) -> V
     sum / corners.len() as f64
 }
 
-/// The mean contact pressure (UF/UL²) over the middle third of the top of beam `below`, by facets'
-/// centres.
+/// The mean contact pressure (UF/UL²) on the middle third of the top of beam `below`, over the
+/// facets with centroids there.
 pub fn mid_span_pressure(problem: &Problem<3>, pressures: &[f64], below: usize) -> f64 {
     let height = (below + 1) as f64 * SIDE;
     let is_near =

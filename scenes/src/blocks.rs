@@ -1,6 +1,6 @@
-//! The contact patch test: two blocks with a flat interface and meshes that do not match, one pressed
-//! on the other. Without lateral contraction the stress is the same everywhere, and the elements
-//! contain this state exactly; what is wrong with it comes from the constraints.
+//! The contact patch test: two blocks with a flat interface and non-matching meshes, one pressed on
+//! the other. Without lateral contraction the stress is uniform, and the elements represent this
+//! state exactly: any error comes from the constraints.
 
 use contact_core::Ending;
 use contact_core::InteriorPoint;
@@ -13,28 +13,28 @@ use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulatio
 
 /// Young's modulus (UF/UL²).
 const YOUNG: f64 = 2e6;
-/// How far the upper block's top is pressed down (UL); the blocks are 2 UL high together.
+/// The displacement of the upper block's top (UL); the total height of the blocks is 2 UL.
 const PRESSED: f64 = 0.1;
 
-/// What a scene of the blocks is made of.
+/// The parameters of a scene of blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct Blocks {
-    /// Cells along an edge of the lower and of the upper block.
+    /// The number of cells along an edge of the lower and of the upper block.
     pub divisions: [usize; 2],
-    /// P1 or P2, of the lower and of the upper block.
+    /// The order of the elements of the lower and of the upper block: P1 or P2.
     pub orders: [Order; 2],
-    /// The lower block is the first.
+    /// The roles of the surfaces; the lower block is the first.
     pub passes: Passes,
-    /// The scene is turned by so much (degrees): in the plane, or about (1, 2, −0.5).
+    /// The rotation of the scene (degrees): in the plane, or about (1, 2, −0.5).
     pub degrees: f64,
-    /// Neo-Hookean blocks instead of linear elastic ones.
+    /// Whether the blocks are neo-Hookean instead of linear elastic.
     pub large_strains: bool,
-    /// How the constraints are integrated.
+    /// The quadrature of the constraints.
     pub integration: Integration,
 }
 
 impl Blocks {
-    /// For small strains, not turned, with both passes.
+    /// The blocks at small strains, without rotation, with both passes.
     pub fn new(divisions: [usize; 2], order: Order, integration: Integration) -> Self {
         Blocks {
             divisions,
@@ -46,7 +46,7 @@ impl Blocks {
         }
     }
 
-    /// In the plane.
+    /// The scene in the plane.
     pub fn plane(&self) -> Result<Scene<2>, Error> {
         let edge = |k: usize, low: f64| linspace(low, low + 1.0, self.divisions[k]);
         let mesh = |k| rectangle(&edge(k, 0.0), &edge(k, k as f64), Diagonals::Rising);
@@ -54,7 +54,7 @@ impl Blocks {
         self.scene([mesh(0)?, mesh(1)?], &Matrix::<2>::new(cos, -sin, sin, cos))
     }
 
-    /// In space.
+    /// The scene in space.
     pub fn space(&self) -> Result<Scene<3>, Error> {
         let mesh = |k: usize| cuboid([0.0, 0.0, k as f64], [1.0; 3], [self.divisions[k]; 3]);
         let axis = Vector::<3>::new(1.0, 2.0, -0.5).normalize();
@@ -108,15 +108,16 @@ impl Blocks {
     }
 }
 
-/// The largest errors of a scene of blocks: of a component of the stress in the middle of a cell, as a
-/// share of the pressure, and of a node's displacement, as a share of the largest.
+/// The largest errors of a scene of blocks: of a stress component at the centre of a cell, divided
+/// by the pressure, and of a nodal displacement, divided by the largest one.
 ///
-/// Much less gap times force is left than by default, where it is seen in the stress. With still less
-/// Ipopt begins to fail where one mesh contains the other, so that both passes say the same.
+/// The complementarity tolerance is much smaller than the default, whose residual affects the
+/// stress. With an even smaller one Ipopt begins to fail where one mesh contains the other, so that
+/// the constraints of both passes coincide.
 pub fn errors<const D: usize>(scene: Scene<D>) -> Result<[f64; 2], Error> {
     let mut problem = scene.problem()?;
     let method = InteriorPoint {
-        // relative to a length that is smaller for small strains
+        // relative to a length, which is smaller for small strains
         complementarity: if problem.is_exact() { 1e-12 } else { 1e-15 },
         ..InteriorPoint::default()
     };
@@ -130,7 +131,7 @@ pub fn errors<const D: usize>(scene: Scene<D>) -> Result<[f64; 2], Error> {
     Ok(deviation(&problem, &u))
 }
 
-/// By how much the displacements `u` of all nodes miss the exact solution: the errors of [`errors`].
+/// The errors of the displacements `u` of all nodes against the exact solution, as in [`errors`].
 pub fn deviation<const D: usize>(problem: &Problem<D>, u: &[Vector<D>]) -> [f64; 2] {
     let (exact, stress) = exact(problem);
     let pressure = stress.norm();
@@ -145,14 +146,14 @@ pub fn deviation<const D: usize>(problem: &Problem<D>, u: &[Vector<D>]) -> [f64;
     [worst, moved.fold(0.0, f64::max)]
 }
 
-/// The exact displacement of every node and the Cauchy stress everywhere: u = −(X·a) a PRESSED/2 and
-/// σ = −p a aᵀ, a being the direction in which the blocks are stacked. With the stretch F along a, p is
-/// E (1 − F), or μ (1/F − F) of neo-Hookean blocks.
+/// The exact displacement of every node and the uniform Cauchy stress: u = −(X·a) a PRESSED/2 and σ
+/// = −p a aᵀ, with a the direction in which the blocks are stacked. With the stretch F along a, p
+/// is E (1 − F), or μ (1/F − F) for neo-Hookean blocks.
 pub fn exact<const D: usize>(problem: &Problem<D>) -> (Vec<Vector<D>>, Matrix<D>) {
     let upper = &problem.scene().bodies()[1];
     let node = upper.mesh().boundary_nodes("top").unwrap_or_default()[0];
     let prescribed = &upper.prescribed()[D * node..D * (node + 1)];
-    // the top goes down
+    // the top moves down
     let axis = Vector::from_fn(|i, _| -prescribed[i].unwrap_or_default() / PRESSED);
     let u = |X: &Vector<D>| axis * (-0.5 * PRESSED * X.dot(&axis));
     let F: f64 = 1.0 - 0.5 * PRESSED;

@@ -1,4 +1,4 @@
-//! Options that every example understands.
+//! The options common to all examples.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -13,7 +13,7 @@ use contact_fem::output::record::Recording;
 
 use crate::Failure;
 
-/// How to solve, and what to write where.
+/// The options of the solver and of the output.
 #[derive(clap::Args, Debug)]
 pub struct Options {
     /// Load increments; every example has its own default
@@ -28,10 +28,10 @@ pub struct Options {
     /// How fixed-point iterates are combined
     #[arg(long, value_enum, default_value_t = Combine::Anderson)]
     pub acceleration: Combine,
-    /// Differences that Anderson acceleration looks back on
+    /// Number of earlier differences that Anderson acceleration uses
     #[arg(long, default_value_t = default_depth(), value_parser = positive)]
     pub depth: usize,
-    /// Write a .vtu file every so many increments, none for 0
+    /// Interval of .vtu files in increments, 0 for none
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub vtu_every: usize,
     /// An option for Ipopt; may be repeated
@@ -40,7 +40,7 @@ pub struct Options {
     /// Folder for all files [default: out/ and the example's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// No progress and no report
+    /// Print neither progress nor a report
     #[arg(long)]
     pub quiet: bool,
 }
@@ -50,7 +50,7 @@ pub struct Options {
 pub enum Formulation {
     /// (7) of the paper: Ipopt's barrier on the gaps
     InteriorPoint,
-    /// (37): slacks may be negative at a price
+    /// (37): slacks may be negative at a penalty
     PenalizedSlack,
     /// (39): a penalty on the gap at every integration point
     Penalty,
@@ -59,15 +59,16 @@ pub enum Formulation {
 /// `--acceleration`
 #[derive(clap::ValueEnum, Clone, Copy, Debug)]
 pub enum Combine {
-    /// As in the paper
+    /// None, as in the paper
     Plain,
     /// Anderson acceleration, see --depth
     Anderson,
 }
 
 impl Options {
-    /// The load steps and fixed point asked for, in so many increments unless another number was.
-    /// An option that Ipopt does not have is found here, before anything is written.
+    /// The load steps and fixed-point iteration of the options; `increments` is the example's
+    /// default number. An option that Ipopt does not have is detected here, before any file is
+    /// written.
     pub fn simulation(
         &self,
         increments: usize,
@@ -97,7 +98,7 @@ impl Options {
         recording
     }
 
-    /// Ipopt with the options asked for.
+    /// Ipopt with the chosen options.
     fn method(&self) -> Result<Box<dyn Method>, Failure> {
         let mut options = ipopt::Options::new();
         for (name, value) in &self.ipopt {
@@ -135,10 +136,11 @@ impl Options {
     }
 }
 
-/// Runs this program again with the same arguments and these, in a process whose peak of memory is its own.
+/// Runs this program again with its arguments and the given ones, in a separate process, whose peak
+/// memory is then its own.
 ///
 /// # Errors
-/// If it does not end with exit code 0.
+/// If the process does not end with exit code 0.
 pub fn again(arguments: &[&str]) -> Result<(), Failure> {
     let mut command = Command::new(std::env::current_exe()?);
     let status = command
@@ -151,7 +153,7 @@ pub fn again(arguments: &[&str]) -> Result<(), Failure> {
     }
 }
 
-/// Of the library's own fixed point.
+/// The default of the library's fixed-point iteration.
 fn default_depth() -> usize {
     match Acceleration::default() {
         Acceleration::Anderson(depth) => depth,
@@ -159,7 +161,7 @@ fn default_depth() -> usize {
     }
 }
 
-/// A whole number from 1.
+/// Parses a whole number from 1.
 pub fn positive(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(number) if number > 0 => Ok(number),
@@ -174,7 +176,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `NAME=VALUE` with the value's type guessed: Ipopt takes whole numbers for reals, too.
+/// Parses `NAME=VALUE` and guesses the type of the value; Ipopt accepts whole numbers for reals.
 fn ipopt_option(text: &str) -> Result<(String, OptionValue), String> {
     let (name, value) = text
         .split_once('=')

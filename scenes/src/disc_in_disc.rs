@@ -1,4 +1,5 @@
-//! The disc-in-disc scene of section 6.1: a disc is pushed down through the wall of a hollow one.
+//! The disc-in-disc scene of section 6.1: a disc inside a hollow disc is pushed down against its
+//! wall.
 
 use contact_fem::mesh::generators::{Diagonals, annulus, disc};
 use contact_fem::model::Passes;
@@ -6,29 +7,30 @@ use contact_fem::{Body, BodyId, Error, Mesh, NeoHookean, Scene};
 
 use crate::mirrored;
 
-/// How far the inner disc is pushed down at full load (UL).
+/// The displacement of the inner disc at full load (UL).
 pub const PUSH: f64 = 1.125;
 
-/// How fine the two meshes are.
+/// The fineness of the two meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fineness {
-    /// Segments of the hole's edge.
+    /// The number of segments on the edge of the hole.
     pub hole: usize,
-    /// Layers of cells from the hole to the outer edge.
+    /// The number of layers of cells from the hole to the outer edge.
     pub layers: usize,
-    /// Segments of the inner disc's edge.
+    /// The number of segments on the edge of the inner disc.
     pub disc: usize,
 }
 
 impl Fineness {
-    /// The mesh that the reference values belong to: 1 588 triangles.
+    /// The mesh of the reference values: 1 588 triangles.
     pub const REFERENCE: Fineness = Fineness {
         hole: 64,
         layers: 12,
         disc: 52,
     };
 
-    /// The reference mesh with `hole` segments and all else in proportion.
+    /// A mesh with `hole` segments on the edge of the hole, and the other numbers in the proportion
+    /// of the reference mesh.
     pub fn scaled(hole: usize) -> Self {
         let reference = Self::REFERENCE;
         Fineness {
@@ -39,38 +41,38 @@ impl Fineness {
     }
 }
 
-/// The order of the bodies, and which of them imposes the constraints.
+/// The order of the bodies, and their roles.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Roles {
-    /// The inner disc comes first.
+    /// Whether the inner disc is the first body.
     pub swapped: bool,
-    /// Which surface is slave, were the ring the first body.
+    /// The roles of the surfaces with the ring as the first body.
     pub passes: Passes,
 }
 
 impl Roles {
-    /// The ring among the bodies.
+    /// The index of the ring.
     pub fn ring(self) -> BodyId {
         usize::from(self.swapped).into()
     }
 }
 
-/// Both discs, supported and ready to touch.
+/// The scene with both discs and their supports and contact pair.
 pub fn scene(fineness: Fineness, roles: Roles) -> Result<Scene<2>, Error> {
-    // nodes crowd towards the hole, where the strains are
+    // nodes are denser towards the hole, where the strains are largest
     let share = |k: usize| (k as f64 / fineness.layers as f64).powf(1.3);
     let radii: Vec<f64> = (0..=fineness.layers)
         .map(|k| 0.7 + 1.3 * share(k))
         .collect();
     let hollow = annulus(&radii, fineness.hole, Diagonals::Alternating)?;
-    // every node of the inner disc is moved, so that its inside needs no nodes but the centre;
-    // turned by 0.03, its nodes do not meet those of the hole
+    // every node of the inner disc is prescribed, so that it needs no interior nodes but the
+    // centre; it is rotated by 0.03, so that its nodes do not coincide with those of the hole
     let inner = disc(0.6, fineness.disc, 1, 0.03)?;
     let laws = [NeoHookean::new(1000.0, 0.0)?, NeoHookean::new(2000.0, 0.3)?];
     pushed([hollow, inner], laws, PUSH, roles)
 }
 
-/// A coarse mesh with lengths times `length` and moduli times `modulus`, pushed half as far.
+/// A coarse mesh with lengths scaled by `length` and moduli by `modulus`, pushed half as far.
 pub fn in_units(length: f64, modulus: f64) -> Result<Scene<2>, Error> {
     let radii = [0.7, 0.8, 0.95, 1.2, 1.5, 2.0].map(|r| r * length);
     let hollow = annulus(&radii, 32, Diagonals::Alternating)?;
@@ -84,7 +86,7 @@ pub fn in_units(length: f64, modulus: f64) -> Result<Scene<2>, Error> {
     )
 }
 
-/// The ring held at its outside, the disc pushed down.
+/// The ring is supported on its outside; the disc is pushed down.
 fn pushed(
     meshes: [Mesh<2>; 2],
     laws: [NeoHookean; 2],

@@ -1,4 +1,4 @@
-//! A hairpin: a band folded around, whose arms are pressed together until they meet.
+//! A hairpin: a folded band whose arms are pressed together until they touch.
 
 use contact_fem::element::{Element, P1, P2};
 use contact_fem::mesh::generators::{Diagonals, extrude, linspace, rectangle};
@@ -9,13 +9,13 @@ use contact_fem::{Body, Error, Mesh, NeoHookean, Scene};
 const RADII: [f64; 2] = [0.3, 0.2];
 /// The length of the arms (UL).
 const ARM: f64 = 1.0;
-/// Where on the arms they are pressed (UL from the fold).
+/// The position of the pressed nodes on the arms (UL from the fold).
 const PRESSED: f64 = 0.7;
-/// How far each arm is pressed at full load (UL).
+/// The displacement of each pressed node at full load (UL).
 pub const PRESS: f64 = 0.19;
 
-/// Folds a flat band: x runs along the middle of the upper arm towards the fold and back along the
-/// lower one, y from 0 on the outside to 1 on the inside.
+/// Maps a flat band to the hairpin: x runs along the middle line of the upper arm to the fold and
+/// back along the lower one, y from 0 on the outside to 1 on the inside.
 fn fold<const D: usize>(X: &Vector<D>) -> Vector<D> {
     let radius = RADII[0] + X[1] * (RADII[1] - RADII[0]);
     let around = X[0] - ARM;
@@ -45,7 +45,7 @@ fn band(fine: usize) -> Result<Mesh<2>, Error> {
     Ok(mesh)
 }
 
-/// Held at the back of the fold and pressed together at both arms.
+/// The hairpin, supported at the back of the fold and pressed together at both arms.
 fn body<const D: usize>(mesh: Mesh<D>) -> Result<Body<D>, Error>
 where
     P1: Element<D>,
@@ -71,7 +71,7 @@ where
     Ok(body)
 }
 
-/// The plane hairpin; it may touch itself anywhere on its skin unless that is left out.
+/// The plane hairpin, with self-contact on its whole boundary if `self_contact` is set.
 pub fn scene(fine: usize, self_contact: bool) -> Result<Scene<2>, Error> {
     let mut scene = Scene::new();
     let hairpin = scene.add("hairpin", body(band(fine)?.mapped(fold)?)?);
@@ -81,7 +81,8 @@ pub fn scene(fine: usize, self_contact: bool) -> Result<Scene<2>, Error> {
     Ok(scene)
 }
 
-/// The hairpin of width 0.2 in space, in `deep` layers of tetrahedra that cannot move across.
+/// The hairpin of width 0.2 in space, with `deep` layers of tetrahedra and no displacement across
+/// the band.
 pub fn scene_in_space(fine: usize, deep: usize) -> Result<Scene<3>, Error> {
     let across = linspace(0.0, 0.2, deep);
     let mesh = extrude(&band(fine)?, &across, ["behind", "before"])?;

@@ -1,4 +1,5 @@
-//! Hertz's contact of a half-cylinder on a block in plane strain, by symmetry their right halves.
+//! Hertz's contact of a half-cylinder and a block in plane strain; by symmetry only the right
+//! halves.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,24 +10,26 @@ use contact_fem::{Body, Error, LinearElastic, Scene};
 
 use crate::mirrored;
 
-/// The cylinder's radius, and the height and half width of the block are twice as much (UL).
+/// The radius of the cylinder (UL). The height and half-width of the block are twice this value.
 pub const RADIUS: f64 = 50.0;
-/// The force on the whole cylinder in the published case (UF per unit of thickness).
+/// The force on the whole cylinder in the published case (UF per unit thickness).
 pub const FORCE: f64 = 7.0;
-/// Poisson's ratio of both.
+/// Poisson's ratio of both bodies.
 const NU: f64 = 0.3;
 
-/// How fine the mesh of a body is.
+/// The fineness of a body's mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
-    /// Facets from the centre of contact to its edge, were they all as small as the first.
+    /// The number of facets of the smallest size, that at the centre of contact, in the half-width
+    /// of contact.
     pub in_contact: f64,
-    /// Facets on a quarter of the circle; other lines in proportion. They grow outwards.
+    /// The number of facets on a quarter of the circle, which grow outwards; other lines in
+    /// proportion.
     pub on_arc: usize,
 }
 
 impl Fineness {
-    /// A family in which twice as fine halves all facets, about.
+    /// A family of meshes in which doubling `in_contact` approximately halves all facets.
     pub fn family(in_contact: usize) -> Self {
         Fineness {
             in_contact: in_contact as f64,
@@ -35,27 +38,27 @@ impl Fineness {
     }
 }
 
-/// Half-cylinder, the first body, and block. Geometry is that of the reference configuration.
+/// The half-cylinder, which is the first body, and the block, in the reference geometry.
 #[derive(Clone, Copy, Debug)]
 pub struct Hertz {
-    /// Young's moduli of cylinder and block (UF/UL²).
+    /// Young's moduli of the cylinder and the block (UF/UL²).
     pub young: [f64; 2],
-    /// Of cylinder and block.
+    /// The fineness of the cylinder and the block.
     pub fineness: [Fineness; 2],
-    /// The force on the whole cylinder (UF per unit of thickness).
+    /// The force on the whole cylinder (UF per unit thickness).
     pub force: f64,
-    /// P1, or P2 on the true circle.
+    /// The order of the elements: P1, or P2 with nodes on the true circle.
     pub order: Order,
-    /// Which surface is slave, were the cylinder the first body.
+    /// The roles of the surfaces with the cylinder as the first body.
     pub passes: Passes,
-    /// How gaps are integrated, if not by default.
+    /// The quadrature of the gaps; `None` for the default.
     pub integration: Option<Integration>,
-    /// The block comes first, which changes nothing.
+    /// Whether the block is the first body; the result does not depend on it.
     pub swapped: bool,
 }
 
 impl Hertz {
-    /// The published case on two equally fine meshes, whose nodes do not meet.
+    /// The published case on two meshes of equal fineness, whose nodes do not coincide.
     pub fn new(fineness: Fineness, order: Order) -> Self {
         Hertz {
             young: [210.0, 70.0],
@@ -68,7 +71,8 @@ impl Hertz {
         }
     }
 
-    /// Moduli in the ratio `cylinder / block` for which pressure and half-width remain the same.
+    /// The scene with moduli in the ratio `cylinder / block` that preserve the pressure and the
+    /// half-width.
     pub fn with_ratio(self, ratio: f64) -> Self {
         let block = (1.0 - NU * NU) * self.contact_modulus() * (1.0 + 1.0 / ratio);
         Hertz {
@@ -82,30 +86,30 @@ impl Hertz {
         1.0 / self.young.map(|E| (1.0 - NU * NU) / E).iter().sum::<f64>()
     }
 
-    /// Δ: the difference of (1 + ν)(1 − 2ν)/E, block less cylinder, by which their surfaces are shortened where they are
-    /// pressed (UL²/UF).
+    /// Δ: the difference between the block's and the cylinder's (1 + ν)(1 − 2ν)/E, which shortens
+    /// the surfaces where they are compressed (UL²/UF).
     pub fn mismatch(&self) -> f64 {
         let [cylinder, block] = self.young.map(|E| (1.0 + NU) * (1.0 - 2.0 * NU) / E);
         block - cylinder
     }
 
-    /// p₀ = √(P E*/(πR)) in the centre (UF/UL²).
+    /// p₀ = √(P E*/(πR)), the pressure at the centre (UF/UL²).
     pub fn peak_pressure(&self) -> f64 {
         (self.force * self.contact_modulus() / (PI * RADIUS)).sqrt()
     }
 
-    /// a = √(4PR/(πE*)) (UL).
+    /// a = √(4PR/(πE*)), the half-width of contact (UL).
     pub fn half_width(&self) -> f64 {
         (4.0 * self.force * RADIUS / (PI * self.contact_modulus())).sqrt()
     }
 
-    /// The facet in the centre (UL) of cylinder and block.
+    /// The size of the facet at the centre (UL) of the cylinder and of the block.
     pub fn facets(&self) -> [f64; 2] {
         let facet = |fineness: Fineness| self.half_width() / fineness.in_contact;
         [facet(self.fineness[0]), 1.07 * facet(self.fineness[1])]
     }
 
-    /// Both bodies, supported and loaded.
+    /// The scene with both bodies, supported and loaded.
     pub fn scene(&self) -> Result<Scene<2>, Error> {
         let mut scene = Scene::new();
         let mut bodies = [

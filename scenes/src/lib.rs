@@ -1,4 +1,5 @@
-//! The scenes that tests, examples, benches and the report share, and what programs about them need beside the library.
+//! The scenes that tests, examples, benches and the report share, with the utilities of programs
+//! about them.
 //!
 //! | module | what |
 //! |---|---|
@@ -24,17 +25,18 @@ pub mod tables;
 use contact_fem::model::Passes;
 use contact_fem::{Body, Error, Scene};
 
-/// What a program about scenes may fail with, for `main` to print.
+/// The error of a program about scenes, which `main` prints.
 pub type Failure = Box<dyn std::error::Error>;
 
-/// A scene of one body, called `body`.
+/// A scene with one body, called `body`.
 pub fn alone<const D: usize>(body: Body<D>) -> Scene<D> {
     let mut scene = Scene::new();
     scene.add("body", body);
     scene
 }
 
-/// A scene of two bodies, called `first` and `second`, each with the name of the boundary on which it may touch the other.
+/// A scene with two bodies, called `first` and `second`, each with the name of its contact
+/// boundary.
 ///
 /// # Errors
 /// As [`Scene::contact`].
@@ -49,7 +51,7 @@ pub fn pair<const D: usize>(
     Ok(scene)
 }
 
-/// The same roles for the pair in the other order.
+/// The same roles for the pair in reverse order.
 fn mirrored(passes: Passes) -> Passes {
     match passes {
         Passes::Both => Passes::Both,

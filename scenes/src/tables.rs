@@ -5,16 +5,16 @@ use std::path::Path;
 
 use crate::{Failure, files};
 
-/// A table that grows row by row.
+/// A table to which rows are appended.
 pub struct Table {
     name: &'static str,
     rows: Vec<Vec<String>>,
-    /// Rows do not show on the standard error as they come.
+    /// Whether rows are not printed on the standard error.
     pub quiet: bool,
 }
 
 impl Table {
-    /// An empty one with these columns.
+    /// An empty table with these columns.
     pub fn new(name: &'static str, columns: impl IntoIterator<Item: AsRef<str>>) -> Self {
         let columns = columns.into_iter();
         let head = columns.map(|c| c.as_ref().to_string()).collect();
@@ -25,7 +25,8 @@ impl Table {
         }
     }
 
-    /// Appends a row, a cell a column, and shows it on the standard error, as progress.
+    /// Appends a row with one cell for each column, and prints it on the standard error as
+    /// progress.
     pub fn push(&mut self, cells: Vec<String>) {
         if !self.quiet {
             eprintln!("{}: {}", self.name, cells.join("  "));
@@ -33,12 +34,12 @@ impl Table {
         self.rows.push(cells);
     }
 
-    /// The head and all rows.
+    /// All lines: the column titles and the rows.
     pub fn rows(&self) -> &[Vec<String>] {
         &self.rows
     }
 
-    /// In Markdown, columns aligned.
+    /// The table in Markdown, with aligned columns.
     pub fn markdown(&self) -> String {
         let width = |k: usize| {
             let cells = self.rows.iter().map(|row| row[k].chars().count());
@@ -56,7 +57,7 @@ impl Table {
         line(&self.rows[0]) + &rule + &body
     }
 
-    /// Writes `.md` and `.csv` with the table's name to `folder`.
+    /// Writes the table to `folder` as `.md` and `.csv` files with its name.
     pub fn save(&self, folder: &Path) -> Result<(), Failure> {
         let path = folder.join(self.name);
         files::write(path.with_extension("md"), self.markdown())?;
@@ -68,7 +69,7 @@ impl Table {
     }
 }
 
-/// Three digits, or a dash.
+/// A number with three digits, or a dash.
 pub fn digits(value: Option<f64>) -> String {
     value.map_or("-".into(), |v| format!("{v:.2e}"))
 }

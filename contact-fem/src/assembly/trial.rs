@@ -29,7 +29,7 @@ impl<const D: usize> Trial<D> {
         push: impl FnOnce(&mut Vec<Deformation<D>>),
     ) -> &[Deformation<D>] {
         if !(self.is_valid && self.u == u) {
-            self.is_valid = false; // until all is there
+            self.is_valid = false; // until the deformations are complete
             self.points.clear();
             push(&mut self.points);
             self.u.clear();

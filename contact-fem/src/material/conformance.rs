@@ -228,6 +228,7 @@ fn differences<const D: usize>(
     at: &Deformation<D>,
     A: &Tangent<D>,
 ) -> [f64; 2] {
+    /// The step of the central differences in F (no unit).
     const STEP: f64 = 1e-6;
     let P = law.stress(at);
     let mut errors = [0.0; 2];

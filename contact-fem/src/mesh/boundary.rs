@@ -1,19 +1,19 @@
-//! Which facets are exterior.
+//! The exterior facets of a mesh.
 
 use crate::element::p2::CELL_EDGES;
 use crate::element::{Order, facet_edge};
 use crate::error::Error;
 
-/// Nodes and cells of the exterior facets, and a facet with two cells on one side.
+/// Nodes and cells of the exterior facets; a facet with two cells on the same side.
 type Exterior<const D: usize> = (Vec<usize>, Vec<usize>, Option<[usize; D]>);
 
-/// The nodes of the facets that belong to one cell only, oriented outward, in the order of their
-/// cells: [`Order::facet_nodes`] each, flat; the cell of each; and the corners of a facet that has two
-/// cells on the same side, if there is one.
+/// The exterior facets, which belong to one cell only: their nodes, oriented outward, in the order
+/// of the cells, [`Order::facet_nodes`] each, flat; the cell of each; and the corners of a facet
+/// with two cells on the same side, if there is one.
 ///
-/// Facet k of a simplex leaves out corner k. Taking the other corners in order gives the outward
-/// orientation for even k; for odd k two corners are swapped. Here facet k of cell c has the number
-/// (D + 1) c + k.
+/// Facet k of a simplex is opposite corner k. The other corners in order give the outward
+/// orientation for even k; for odd k two corners are swapped. Facet k of cell c has the number (D +
+/// 1) c + k.
 pub(super) fn exterior_facets<const D: usize>(
     order: Order,
     cells: &[usize],
@@ -37,7 +37,7 @@ pub(super) fn exterior_facets<const D: usize>(
         for same in facets.chunk_by(|&f, &g| sorted(f) == sorted(g)) {
             match *same {
                 [facet] => is_exterior[facet] = true,
-                // two cells on different sides see a facet in opposite orientations
+                // the cells on the two sides of a facet see it in opposite orientations
                 [f, g] if is_even(&corners(f)) != is_even(&corners(g)) => {}
                 [f, _] => folded = folded.or(Some(sorted(f))),
                 _ => {
@@ -66,8 +66,8 @@ pub(super) fn exterior_facets<const D: usize>(
     Ok((nodes, owners, folded))
 }
 
-/// All `count` facets by the smallest of their sorted corners, ascending: where those of each node
-/// start, and their numbers. A node has few facets, so that sorting the rest of the way is quick.
+/// The numbers of all `count` facets, sorted by the smallest of their corners, and the position at
+/// which those of each node start. A node has few facets, so that sorting within a node is fast.
 fn by_smallest_corner<const D: usize>(
     count: usize,
     sorted: &impl Fn(usize) -> [usize; D],
@@ -85,13 +85,13 @@ fn by_smallest_corner<const D: usize>(
     (starts, facets)
 }
 
-/// Whether sorting takes an even number of swaps.
+/// Whether sorting the corners is an even permutation.
 fn is_even<const D: usize>(corners: &[usize; D]) -> bool {
     let pairs = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
     pairs.filter(|&(i, j)| corners[i] > corners[j]).count() % 2 == 0
 }
 
-/// The corners, numbered within the cell, of the facet that leaves out one of them.
+/// The corners, numbered within the cell, of the facet opposite one of them.
 fn local_facet<const D: usize>(omitted: usize) -> [usize; D] {
     let mut corners = std::array::from_fn(|k| if k < omitted { k } else { k + 1 });
     if omitted % 2 == 1 {

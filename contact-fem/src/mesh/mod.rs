@@ -13,38 +13,39 @@ use crate::element::cell_rule::degree_5;
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector, determinant, inverse_transpose};
 
-/// A mesh of simplices in ℝᴰ, linear or quadratic, validated when it is made.
+/// A mesh of simplices in ℝᴰ, linear or quadratic, validated on construction.
 ///
-/// Cells have D + 1 corners in positive orientation (counter-clockwise in the plane); exterior
-/// facets have D corners with the body on their left (plane) or behind their counter-clockwise side
-/// (space). In a quadratic mesh the middle nodes of the edges follow, in VTK's order: edges 01, 12,
-/// 20 and, of a tetrahedron, 03, 13, 23.
+/// Cells have D + 1 corners in positive orientation (counter-clockwise in the plane). Exterior
+/// facets have D corners, with the body to their left (plane) or behind the side from which they
+/// run counter-clockwise (space). In a quadratic mesh the corners are followed by the middle nodes
+/// of the edges in VTK's order: edges 01, 12, 20 and, of a tetrahedron, 03, 13, 23.
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
     order: Order,
     nodes: Vec<Vector<D>>,
-    /// Flat, [`Order::cell_nodes`] a cell.
+    /// The cells' nodes: flat, [`Order::cell_nodes`] each.
     cells: Vec<usize>,
-    /// The exterior facets: flat, [`Order::facet_nodes`] a facet.
+    /// The exterior facets' nodes: flat, [`Order::facet_nodes`] each.
     facets: Vec<usize>,
-    /// The cell that each of them belongs to.
+    /// The cell of each exterior facet.
     owners: Vec<usize>,
     /// Named sets of exterior facets.
     boundaries: BTreeMap<String, Vec<usize>>,
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Cells below this share of their longest edge's D-th power are degenerate.
+    /// The smallest volume of a cell, as a share of the D-th power of its longest edge: smaller
+    /// cells are degenerate.
     const DEGENERATE: f64 = 1e-12;
-    /// D!, the unit cube's volume in units of the unit simplex'.
+    /// D!, the ratio of the volumes of the unit cube and the unit simplex.
     const FACTORIAL: f64 = if D == 2 { 2.0 } else { 6.0 };
 
     /// A linear mesh from node coordinates (UL) and cells, D + 1 node numbers each, flat.
     ///
     /// # Errors
-    /// No cells, an incomplete cell, a node out of range or unused, a coordinate that is not
-    /// finite, an inverted or degenerate cell or one whose volume overflows, a facet of more than
-    /// two cells or of two on the same side.
+    /// If there are no cells, a cell is incomplete, a node is out of range or unused, a coordinate
+    /// is not finite, a cell is inverted or degenerate or its volume overflows, or a facet belongs
+    /// to more than two cells or to two on the same side.
     pub fn new(nodes: Vec<[f64; D]>, cells: Vec<usize>) -> Result<Self, Error> {
         Self::of_order(Order::Linear, nodes, cells)
     }
@@ -53,8 +54,8 @@ impl<const D: usize> Mesh<D> {
     /// [`Order::cell_nodes`] each, flat.
     ///
     /// # Errors
-    /// As [`Mesh::new`], two cells that do not share the node in the middle of an edge, and a cell
-    /// that its middle nodes fold over.
+    /// As [`Mesh::new`]; also if two cells do not share the node in the middle of an edge, or the
+    /// middle nodes of a cell fold it.
     pub fn of_order(order: Order, nodes: Vec<[f64; D]>, cells: Vec<usize>) -> Result<Self, Error> {
         if cells.is_empty() {
             return Err(Error::EmptyMesh);
@@ -126,8 +127,8 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 
-    /// Calls `name` those exterior facets whose corners all satisfy `contains`; adds to a boundary
-    /// of that name. A name that catches nothing is kept, empty.
+    /// Gives the boundary `name` those exterior facets whose corners all satisfy `contains`; an
+    /// existing boundary is extended. A boundary without facets is kept.
     pub fn name_boundary(&mut self, name: &str, contains: impl Fn(&Vector<D>) -> bool) {
         let inside = |facet: &[usize]| facet[..D].iter().all(|&a| contains(&self.nodes[a]));
         let facets = self.exterior().enumerate();
@@ -143,7 +144,7 @@ impl<const D: usize> Mesh<D> {
     /// Moves the whole mesh by `offset` (UL).
     ///
     /// # Errors
-    /// An offset that is not finite, or so large that cells degenerate by round-off.
+    /// If the offset is not finite, or so large that cells degenerate by round-off.
     pub fn translated(self, offset: [f64; D]) -> Result<Self, Error> {
         Error::check_finite("offset", &offset)?;
         let offset = Vector::from(offset);
@@ -153,8 +154,8 @@ impl<const D: usize> Mesh<D> {
     /// Moves every node X to `map(X)` (UL); boundaries keep their names.
     ///
     /// # Errors
-    /// A node that goes to a point that is not finite, a cell that degenerates or is inverted, as
-    /// by a reflection: [`Error::MappedCell`].
+    /// [`Error::MappedCell`] if a cell degenerates or is inverted, as by a reflection; also if a
+    /// mapped node is not finite.
     pub fn mapped(mut self, map: impl Fn(&Vector<D>) -> Vector<D>) -> Result<Self, Error> {
         self.nodes.iter_mut().for_each(|X| *X = map(X));
         Error::check_finite(
@@ -170,7 +171,7 @@ impl<const D: usize> Mesh<D> {
         Ok(self)
     }
 
-    /// Linear or quadratic.
+    /// The order of the cells: linear or quadratic.
     pub fn order(&self) -> Order {
         self.order
     }
@@ -180,7 +181,7 @@ impl<const D: usize> Mesh<D> {
         self.cells.len() / self.order.cell_nodes::<D>()
     }
 
-    /// Never true: a mesh has cells.
+    /// Always false: a mesh has at least one cell.
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
     }
@@ -201,12 +202,12 @@ impl<const D: usize> Mesh<D> {
         &self.cell(k)[..=D]
     }
 
-    /// The cells' nodes in order.
+    /// The nodes of each cell, in the order of the cells.
     pub fn cells(&self) -> impl ExactSizeIterator<Item = &[usize]> {
         self.cells.chunks_exact(self.order.cell_nodes::<D>())
     }
 
-    /// Area or volume of a cell (UL²/UL³), positive; exact for curved ones too.
+    /// The area or volume of a cell (UL²/UL³), positive; exact for curved cells, too.
     pub fn volume(&self, cell: usize) -> f64 {
         match self.order {
             Order::Linear => self.straight_volume(cell),
@@ -224,7 +225,7 @@ impl<const D: usize> Mesh<D> {
         determinant(&edges) / Self::FACTORIAL
     }
 
-    /// Whether the point is inside or on some cell; the sides of curved cells count as straight.
+    /// Whether the point is in a cell or on its boundary; curved cells are treated as straight.
     pub fn contains(&self, point: &Vector<D>) -> bool {
         self.cells().any(|cell| {
             let lambda = self.barycentric(cell, point);
@@ -232,7 +233,7 @@ impl<const D: usize> Mesh<D> {
         })
     }
 
-    /// The barycentric coordinates λ₁ … λ_D of a point in the simplex of a cell's corners.
+    /// The barycentric coordinates λ₁ … λ_D of a point in the simplex of the cell's corners.
     pub(crate) fn barycentric(&self, cell: &[usize], point: &Vector<D>) -> Vector<D> {
         let corner = self.nodes[cell[0]];
         let edges = Matrix::<D>::from_fn(|i, j| self.nodes[cell[j + 1]][i] - corner[i]);
@@ -244,7 +245,7 @@ impl<const D: usize> Mesh<D> {
         self.facets.chunks_exact(self.order.facet_nodes::<D>())
     }
 
-    /// The cells that the exterior facets belong to.
+    /// The cell of each exterior facet.
     pub fn exterior_cells(&self) -> &[usize] {
         &self.owners
     }
@@ -262,7 +263,7 @@ impl<const D: usize> Mesh<D> {
     /// The nodes of the facets of a named boundary.
     ///
     /// # Errors
-    /// [`Error::UnknownBoundary`] lists the names there are.
+    /// [`Error::UnknownBoundary`], which lists the existing names.
     pub fn boundary(&self, name: &str) -> Result<Vec<&[usize]>, Error> {
         let indices = self.boundaries.get(name);
         let indices = indices.ok_or_else(|| Error::UnknownBoundary {
@@ -283,9 +284,9 @@ impl<const D: usize> Mesh<D> {
         Ok(nodes)
     }
 
-    /// The nodes of each connected part, ascending; one part for most meshes.
+    /// The nodes of each connected part, ascending; most meshes have one part.
     pub fn parts(&self) -> Vec<Vec<usize>> {
-        // each node points to one with a smaller number of its part, or to itself
+        // each node points to itself or to a node of its part with a smaller number
         let mut parent: Vec<usize> = (0..self.nodes.len()).collect();
         fn root(parent: &mut [usize], mut node: usize) -> usize {
             while parent[node] != node {
@@ -315,7 +316,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// |v|, which does not overflow or underflow where squares do.
+/// |v| without overflow or underflow of the squares.
 fn length<const D: usize>(v: Vector<D>) -> f64 {
     let largest = v.amax();
     match largest > 0.0 && largest.is_finite() {

@@ -1,4 +1,4 @@
-//! Meshes of quadratic cells: the nodes in the middle of the edges.
+//! Meshes of quadratic cells with nodes in the middle of the edges.
 
 use std::collections::HashMap;
 
@@ -9,8 +9,8 @@ use crate::error::Error;
 use crate::tensor::{Matrix, Vector, determinant};
 
 impl<const D: usize> Mesh<D> {
-    /// The mesh with a node in the middle of every edge. Boundaries keep their names; a mesh that
-    /// is quadratic already stays as it is.
+    /// The mesh with a node in the middle of every edge. Boundaries keep their names; a quadratic
+    /// mesh is returned unchanged.
     pub fn quadratic(mut self) -> Self {
         if self.order == Order::Quadratic {
             return self;
@@ -44,11 +44,11 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// Curves a boundary: every middle node on it moves to `onto(X)`, usually the closest point of
-    /// the curve or surface that the corners lie on.
+    /// the curve or surface on which the corners lie.
     ///
     /// # Errors
-    /// A linear mesh, an unknown boundary, a point that is not finite, a cell that the curved edge
-    /// folds over.
+    /// If the mesh is linear, the boundary unknown, a point not finite, or a cell is folded by its
+    /// curved edge.
     pub fn curved(
         mut self,
         boundary: &str,
@@ -74,7 +74,8 @@ impl<const D: usize> Mesh<D> {
         Ok(self)
     }
 
-    /// Two cells at an edge share the node in its middle, which is no corner and on no other edge.
+    /// Checks that all cells at an edge share its middle node, which is no corner and on no other
+    /// edge.
     pub(super) fn check_edges(&self) -> Result<(), Error> {
         if self.order == Order::Linear {
             return Ok(());
@@ -113,12 +114,13 @@ impl<const D: usize> Mesh<D> {
         determinant(&dX)
     }
 
-    /// The volume of the straight simplex with the derivatives that the cell has at ξ.
+    /// The volume of the straight simplex with the derivatives of the cell at ξ.
     pub(super) fn tangent_volume(&self, cell: usize, xi: &Vector<D>) -> f64 {
         self.jacobian(cell, xi) / Self::FACTORIAL
     }
 
-    /// The tangent volumes of a curved cell at its nodes and quadrature points; none of a linear one.
+    /// The tangent volumes of a curved cell at its nodes and quadrature points; empty for a linear
+    /// cell.
     pub(super) fn node_volumes(&self, cell: usize) -> impl Iterator<Item = f64> {
         let middles = &CELL_EDGES[..self.cell(cell).len() - D - 1];
         let is_curved = !middles.is_empty();

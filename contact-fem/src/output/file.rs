@@ -1,4 +1,4 @@
-//! Writing files so that nobody ever sees half of one.
+//! Writes files atomically: a reader sees a complete file or none.
 
 use std::error::Error as StdError;
 use std::ffi::OsString;
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::error::Error;
 
-/// Puts `bytes` at `path` in one go: written beside it first, then renamed over it.
+/// Writes `bytes` to `path` atomically: to a file beside it, which is then renamed.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let mut beside = OsString::from(path);
     beside.push(".part");
@@ -15,13 +15,13 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), Error> {
         .map_err(|source| failed(path, source))
 }
 
-/// Makes the folder and everything above it.
+/// Creates the folder and its parents.
 #[cfg(any(feature = "csv", feature = "vtk"))]
 pub(super) fn create_folder(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|source| failed(folder, source))
 }
 
-/// [`Error::Write`] for this path.
+/// [`Error::Write`] for the given path.
 pub(super) fn failed(path: &Path, source: impl Into<Box<dyn StdError + Send + Sync>>) -> Error {
     Error::Write {
         path: path.to_path_buf(),

@@ -1,4 +1,5 @@
-//! A run as two tables: one line a load step, one line an iteration of Algorithm 2.
+//! The history of a run as two tables: one line for each load step, and one for each iteration of
+//! Algorithm 2.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -14,11 +15,11 @@ use crate::simulation::{History, StepRecord};
 /// `NAME.csv`, the load steps, and `NAME_iterations.csv`, the iterations of Algorithm 2 within
 /// them.
 ///
-/// Every converged step is on disk as soon as [`Tables::write`] returns. Attempts that failed are
-/// known once the run is over: [`Tables::finish`] writes both files anew with all attempts in the
-/// order in which they were made. Their `outcome` says how they ended, and what only a converged
-/// state has is left empty. Columns named after a body and an axis, such as `reaction_0_x`, are
-/// there for every body.
+/// After every converged step [`Tables::write`] saves the step to disk. Failed attempts are known
+/// only at the end of the run: [`Tables::finish`] writes both files anew with all attempts in
+/// order. The column `outcome` contains the ending of an attempt; columns that require a converged
+/// state are empty for failed attempts. Columns with a body and an axis in their name, such as
+/// `reaction_0_x`, exist for every body.
 #[derive(Debug)]
 pub struct Tables {
     steps: Table,
@@ -27,8 +28,8 @@ pub struct Tables {
 }
 
 impl Tables {
-    /// Empty tables called `name` in `folder`, which is made if it does not exist, for a scene of
-    /// that many bodies.
+    /// Empty tables called `name` in `folder`, which is created if it does not exist, for a scene
+    /// with this number of bodies.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -47,7 +48,7 @@ impl Tables {
         })
     }
 
-    /// Where the table of the steps is.
+    /// The path of the table of the load steps.
     pub fn path(&self) -> &Path {
         &self.steps.path
     }
@@ -84,7 +85,7 @@ impl Tables {
     }
 }
 
-/// What an attempt cost, converged or not; the tail of a step's columns.
+/// The cost of an attempt, converged or not: the last columns of a step.
 const COST_COLUMNS: [&str; 13] = [
     "fixed_point_iterations",
     "ipopt_iterations",
@@ -101,7 +102,7 @@ const COST_COLUMNS: [&str; 13] = [
     "predicted",
 ];
 
-/// What a converged step is worth, see [`Certificate`].
+/// The certificate of a converged step, see [`Certificate`].
 fn certificate_columns() -> impl Iterator<Item = String> {
     let names = Condition::all().map(Condition::name);
     let names = names.chain(["roundoff", "holds"]);
@@ -227,7 +228,7 @@ fn seconds(cost: &Cost) -> [String; 3] {
     [cost.projection, cost.callbacks, cost.optimizer].map(number)
 }
 
-/// The shortest text that reads back as the same number, with an exponent where that is shorter.
+/// The shortest text that reads back as the same number; with an exponent if this is shorter.
 fn number(value: f64) -> String {
     let plain = value == 0.0 || (1e-3..1e15).contains(&value.abs()) || !value.is_finite();
     if plain {
@@ -241,7 +242,7 @@ fn strings(names: &[&str]) -> Vec<String> {
     names.iter().map(ToString::to_string).collect()
 }
 
-/// A file of comma-separated values that grows by whole lines.
+/// A file of comma-separated values to which whole lines are appended.
 #[derive(Debug)]
 struct Table {
     path: PathBuf,
@@ -264,7 +265,7 @@ impl Table {
         })
     }
 
-    /// Adds lines and hands them to the operating system.
+    /// Appends lines and flushes them to the operating system.
     fn append(&mut self, lines: impl IntoIterator<Item = Vec<String>>) -> Result<(), Error> {
         let written = lines
             .into_iter()
@@ -273,7 +274,7 @@ impl Table {
         written.map_err(|source| file::failed(&self.path, source))
     }
 
-    /// The whole table in one go, in place of what it was.
+    /// Replaces the file by the whole table at once.
     fn replace(&mut self, lines: Vec<Vec<String>>) -> Result<(), Error> {
         let mut all = csv::Writer::from_writer(Vec::new());
         let lines = std::iter::once(&self.columns).chain(&lines);
@@ -286,7 +287,7 @@ impl Table {
                 written.map_err(|error| file::failed(&self.path, error.to_string()))
             })?;
         file::replace(&self.path, &bytes)?;
-        // whatever comes later is to go into the new file
+        // later lines are appended to the new file
         let appending = File::options().append(true).open(&self.path);
         let file = appending.map_err(|source| file::failed(&self.path, source))?;
         self.writer = csv::Writer::from_writer(file);

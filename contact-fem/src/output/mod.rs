@@ -1,4 +1,4 @@
-//! Files for people and programs, each format behind a cargo feature.
+//! Output formats, each behind a cargo feature.
 //!
 //! | module | feature | what |
 //! |---|---|---|
@@ -8,8 +8,8 @@
 //! | `picture` | `plot` | deformed meshes and curves as SVG |
 //! | `record` | `record` | a run that makes all of these, shows progress and stops on Ctrl-C |
 //!
-//! Files appear under their names only once they are complete, or grow by whole lines: whatever a
-//! run leaves when it is interrupted can be read.
+//! A file gets its name when it is complete, or grows by whole lines: the files of an interrupted
+//! run are readable.
 
 #[cfg(feature = "csv")]
 pub mod history;

@@ -1,4 +1,4 @@
-//! The fields of one state, ready to be written or drawn.
+//! The fields of one state, for writing and drawing.
 
 use contact_core::LinearGaps;
 use contact_core::equilibrium::Solution;
@@ -12,22 +12,23 @@ use crate::tensor::Vector;
 
 /// Displacement, contact pressure and stress of all bodies at one load.
 ///
-/// Nodes and cells of the bodies follow each other in the order of the bodies.
+/// Nodes and cells are numbered body by body, in the order of the bodies.
 #[derive(Clone, Debug)]
 pub struct Snapshot<const D: usize> {
     /// u at every node (UL).
     pub displacements: Vec<Vector<D>>,
     /// The recovered contact pressure at every node (UF/UL in the plane, UF/UL² in space,
-    /// compression positive): 0 off the contact surfaces, the sum over them where several meet.
+    /// compression positive): 0 outside the contact surfaces, the sum over the surfaces where
+    /// several meet.
     pub pressures: Vec<f64>,
     /// Stress and volume ratio of every cell.
     pub cells: Vec<CellState<D>>,
-    /// What the state is worth, if it is a converged step.
+    /// The certificate, if the state is a converged step.
     pub certificate: Option<Certificate>,
 }
 
 impl<const D: usize> Snapshot<D> {
-    /// The state `solution` of `problem`, which must be at the load that belongs to it.
+    /// The state `solution`; `problem` must be at the load of the solution.
     ///
     /// # Errors
     /// As [`Problem::pressures`].
@@ -47,7 +48,7 @@ impl<const D: usize> Snapshot<D> {
         })
     }
 
-    /// The state of no displacement and no contact, before the first load step.
+    /// The state without displacement and contact, before the first load step.
     ///
     /// # Errors
     /// As [`Problem::pressures`].
@@ -118,7 +119,7 @@ pub(super) mod tests {
         body
     }
 
-    /// Two squares of two triangles each, one above the other.
+    /// Two squares of two triangles each, one on top of the other.
     pub fn squares() -> Problem<2> {
         let square =
             |y: f64| rectangle(&[0.0, 1.0], &[y, y + 1.0], Diagonals::Rising).expect("a square");
@@ -141,7 +142,7 @@ pub(super) mod tests {
         scene.problem().expect("a problem")
     }
 
-    /// Every free component displaced by 0.1, and a multiplier of 3 on every row.
+    /// Every free component is displaced by 0.1, and every row has a multiplier of 3.
     pub fn displaced<const D: usize>(problem: &Problem<D>) -> Snapshot<D> {
         let u = vec![0.1; problem.dofs().free()];
         let gaps = problem.rows(&u, Sampling::Nodes);
@@ -157,7 +158,7 @@ pub(super) mod tests {
         assert!(rest.cells.iter().all(|cell| cell.von_mises() == 0.0));
         let displaced = displaced(&problem);
         for (k, p) in displaced.pressures.iter().enumerate() {
-            // the lower square's top and the upper one's bottom
+            // the top of the lower square and the bottom of the upper one
             assert_eq!(*p != 0.0, (2..6).contains(&k), "node {k}: {p}");
         }
         assert_eq!(displaced.cells.len(), 4);

@@ -1,4 +1,4 @@
-//! A series of `.vtu` files with a `.pvd` file over them, for ParaView.
+//! A series of `.vtu` files with a `.pvd` index, for ParaView.
 
 use std::path::PathBuf;
 
@@ -15,12 +15,12 @@ use crate::error::Error;
 use crate::model::Problem;
 use crate::tensor::Vector;
 
-/// A run as ParaView reads it: `NAME_0000.vtu`, `NAME_0001.vtu`, … one a step, and `NAME.pvd`,
-/// which lists them with their times.
+/// A run in ParaView's format: one file for each step, `NAME_0000.vtu`, `NAME_0001.vtu`, …, and
+/// `NAME.pvd`, which lists them with their times.
 ///
 /// Points are the reference positions X; *Warp By Vector* with `displacement` shows the deformed
-/// bodies. Every file is complete before it gets its name, and `NAME.pvd` lists complete files
-/// only, so an interrupted run leaves a readable series.
+/// bodies. Every file is renamed to its final name when it is complete, and `NAME.pvd` lists
+/// complete files only: the series of an interrupted run is readable.
 ///
 /// | field | on | components | units |
 /// |---|---|---|---|
@@ -39,12 +39,12 @@ pub struct Series {
 }
 
 impl Series {
-    /// An empty series called `name` in `folder`, which is made if it does not exist. Files of an
-    /// earlier series of that name are replaced one by one; those left over are not listed.
+    /// An empty series called `name` in `folder`, which is created if it does not exist. Files of
+    /// an earlier series of that name are replaced one by one; the remaining ones are not listed.
     ///
     /// # Errors
-    /// [`Error::Write`] if the folder cannot be made or the name has characters other than letters,
-    /// digits, `_`, `-` and `.`.
+    /// [`Error::Write`] if the folder cannot be created or the name has characters other than
+    /// letters, digits, `_`, `-` and `.`.
     pub fn create(folder: impl Into<PathBuf>, name: &str) -> Result<Self, Error> {
         let folder = folder.into();
         let plain = |c: char| c.is_alphanumeric() || "_-.".contains(c);
@@ -92,17 +92,17 @@ impl Series {
         file::replace(&self.collection(), self.listing().as_bytes())
     }
 
-    /// Where the `.pvd` file is, or will be after the first step.
+    /// The path of the `.pvd` file, which is created by the first step.
     pub fn collection(&self) -> PathBuf {
         self.folder.join(format!("{}.pvd", self.name))
     }
 
-    /// How many states it has.
+    /// The number of states.
     pub fn len(&self) -> usize {
         self.times.len()
     }
 
-    /// Whether nothing was written yet.
+    /// Whether the series has no states.
     pub fn is_empty(&self) -> bool {
         self.times.is_empty()
     }
@@ -111,7 +111,7 @@ impl Series {
         format!("{}_{index:04}.vtu", self.name)
     }
 
-    /// The `.pvd` file's text.
+    /// The text of the `.pvd` file.
     fn listing(&self) -> String {
         let mut text = String::from(
             "<?xml version=\"1.0\"?>\n\
@@ -126,7 +126,7 @@ impl Series {
     }
 }
 
-/// A certificate as data of the whole file.
+/// A certificate as field data of the file.
 fn metadata(certificate: &Certificate) -> String {
     let limits = Limits::default();
     let mut text = String::from("\n<FieldData>");
@@ -146,8 +146,9 @@ fn metadata(certificate: &Certificate) -> String {
     text + "\n</FieldData>"
 }
 
-/// Puts `text` at the head of the grid, which the writer has no room for. What is appended to the
-/// file in binary is counted from where it begins.
+/// Inserts `text` at the beginning of the grid, which the writer does not support. Offsets of the
+/// appended binary data are relative to the start of that data, so that the insertion leaves them
+/// valid.
 fn insert(file: &mut Vec<u8>, text: &str) {
     const GRID: &[u8] = b"<UnstructuredGrid>";
     let at = file.windows(GRID.len()).position(|bytes| bytes == GRID);
@@ -157,7 +158,7 @@ fn insert(file: &mut Vec<u8>, text: &str) {
     }
 }
 
-/// Mesh and fields in VTK's own arrays.
+/// Mesh and fields in VTK's arrays.
 fn piece<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> UnstructuredGridPiece {
     let (mut connectivity, mut body_of_cell) = (Vec::new(), Vec::new());
     let (mut offsets, mut types) = (Vec::new(), Vec::new());
@@ -184,7 +185,7 @@ fn piece<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Unstru
     }
 }
 
-/// VTK's name for a simplex with this many nodes, which it numbers as the elements do.
+/// VTK's type of a simplex with this number of nodes; its node order is that of the elements.
 fn cell_type(dimension: usize, nodes: usize) -> CellType {
     match (dimension, nodes) {
         (2, 3) => CellType::Triangle,
@@ -219,7 +220,7 @@ fn field(name: &str, components: u32, values: impl Into<IOBuffer>) -> Attribute 
     Attribute::generic(name, components).with_data(values)
 }
 
-/// Three coordinates a vector, the third one 0 in the plane.
+/// Three coordinates for each vector; the third is 0 in the plane.
 fn in_space<const D: usize>(vectors: &[Vector<D>]) -> Vec<f64> {
     let three = |v: &Vector<D>| [0, 1, 2].map(|i| if i < D { v[i] } else { 0.0 });
     vectors.iter().flat_map(three).collect()

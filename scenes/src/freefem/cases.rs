@@ -1,4 +1,4 @@
-//! The scenes that are compared with FreeFEM, and their sizes.
+//! The scenes of the comparison with FreeFEM, and their sizes.
 
 use std::path::Path;
 
@@ -10,33 +10,34 @@ use crate::beams::{Beams, Law};
 use crate::disc_in_disc::{self, Roles};
 use crate::hertz::{self, Hertz};
 
-/// How fine the meshes are.
+/// The fineness of the meshes.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
 pub enum Size {
-    /// Seconds, with either program; what tests use.
+    /// Seconds of run time with either program; used in tests.
     Tiny,
     /// About 1 000 cells.
     Small,
-    /// About 5 000.
+    /// About 5 000 cells.
     Medium,
-    /// About 20 000.
+    /// About 20 000 cells.
     Large,
 }
 
-/// A scene to be solved by both.
+/// A scene that both programs solve.
 pub struct Case {
     /// The name of the scene; FreeFEM's script is `freefem/NAME.edp` if `scripts` has no others.
     pub name: &'static str,
-    /// FreeFEM's scripts and what they get beside `-meshes`, `-out`, `-increments` and
+    /// FreeFEM's scripts and their arguments in addition to `-meshes`, `-out`, `-increments` and
     /// `-tolerance`.
     pub scripts: &'static [Script],
-    /// The bodies' names, of mesh files too.
+    /// The names of the bodies and of their mesh files.
     pub bodies: &'static [&'static str],
-    /// The bodies whose supports' forces are the scene's reaction.
+    /// The bodies whose reactions, summed, are the scene's reaction.
     pub supports: &'static [usize],
-    /// Load increments, by size.
+    /// The number of load increments for each size.
     pub increments: [usize; 4],
-    /// The relative change of the displacement at which fixed points have converged.
+    /// The convergence tolerance of the fixed-point iterations: the relative change of the
+    /// displacement.
     pub tolerance: f64,
     /// The scene.
     pub build: fn(Size) -> Result<Built, Error>,
@@ -48,9 +49,9 @@ pub struct Script {
     pub file: &'static str,
     /// `tuned` or `literal`.
     pub style: &'static str,
-    /// More arguments.
+    /// Additional arguments.
     pub arguments: &'static [&'static str],
-    /// The largest size that it is meant for.
+    /// The largest size for which the script is meant.
     pub up_to: Size,
 }
 
@@ -80,7 +81,7 @@ const fn literal(file: &'static str, arguments: &'static [&'static str], up_to: 
     }
 }
 
-/// All of them.
+/// All cases.
 pub static CASES: [Case; 6] = [
     Case {
         name: "disc_in_disc",
@@ -118,7 +119,7 @@ pub static CASES: [Case; 6] = [
         tolerance: 1e-8,
         build: |size| beams(Law::NeoHookean, 0.0, size),
     },
-    // what a script has of λ shows here only: it is zero in the other two
+    // only this scene has λ ≠ 0, so that only here an error in the scripts' terms with λ would show
     Case {
         name: "beams_poisson",
         scripts: &[tuned("three_beams", &["-law", "neo_hookean", "-nu", "0.3"])],
@@ -149,7 +150,7 @@ pub static CASES: [Case; 6] = [
 ];
 
 impl Case {
-    /// The case of that name.
+    /// The case with this name.
     pub fn named(name: &str) -> Result<&'static Case, String> {
         let known = || CASES.each_ref().map(|case| case.name).join(", ");
         let found = CASES.iter().find(|case| case.name == name);
@@ -158,12 +159,12 @@ impl Case {
 }
 
 impl Size {
-    /// The one of four that belongs to this size.
+    /// The one of four values for this size.
     pub fn of<T: Copy>(self, all: [T; 4]) -> T {
         all[self as usize]
     }
 
-    /// As on the command line.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         self.of(["tiny", "small", "medium", "large"])
     }
@@ -197,7 +198,7 @@ fn half_cylinder(size: Size) -> Result<Built, Error> {
 }
 
 impl Built {
-    /// Writes the meshes for FreeFEM, one a body, to `folder`, which has to exist.
+    /// Writes the meshes for FreeFEM, one for each body, to `folder`, which must exist.
     pub fn export(&self, names: &[&str], folder: &Path) -> Result<(), Error> {
         match self {
             Built::Plane(scene) => export(scene, names, folder, "msh"),

@@ -17,7 +17,7 @@ use super::theirs::{FreeFem, INSTALL};
 use crate::cli::positive;
 use crate::{Failure, files};
 
-/// Runs that take longer than this (seconds of CPU time) are not repeated.
+/// The CPU time (s) above which a run is not repeated.
 const LONG: f64 = 60.0;
 
 /// FreeFEM and this library on the same scenes
@@ -32,7 +32,8 @@ pub struct Arguments {
     /// Runs of each program, if they take less than a minute
     #[arg(long, default_value_t = 3, value_parser = positive)]
     runs: usize,
-    /// Only one of the two; what the other one left before is compared with, if it is there
+    /// Only one of the two programs; its results are compared with earlier ones of the other, if
+    /// there are any
     #[arg(long, value_enum)]
     only: Option<Program>,
     /// Only FreeFEM's scripts of this style: tuned or literal
@@ -41,13 +42,13 @@ pub struct Arguments {
     /// Keep FreeFEM's results of the first script of each scene in freefem/reference
     #[arg(long)]
     save_reference: bool,
-    /// Write the meshes for FreeFEM to DIR/SCENE/SIZE, and nothing else
+    /// Only write the meshes for FreeFEM to DIR/SCENE/SIZE
     #[arg(long, value_name = "DIR")]
     export_only: Option<PathBuf>,
     /// Folder for all files
     #[arg(long, value_name = "DIR", default_value = "out/freefem_compare")]
     out: PathBuf,
-    /// Do one thing in this process
+    /// Run a single task in this process
     #[arg(long, hide = true, value_enum)]
     child: Option<Child>,
 }
@@ -104,7 +105,7 @@ fn compare(arguments: &Arguments, cases: &[&Case]) -> Result<ExitCode, Failure> 
     Ok(ExitCode::from(if failed { 2 } else { 0 }))
 }
 
-/// Removes the files of an earlier run, which are not to be taken for those of the next.
+/// Removes the files of an earlier run, so that they are not mistaken for those of the next.
 fn clear(folder: &Path) -> Result<(), Failure> {
     let clear = || {
         for file in std::fs::read_dir(folder)? {
@@ -118,7 +119,7 @@ fn clear(folder: &Path) -> Result<(), Failure> {
     clear().map_err(|error: std::io::Error| files::cannot("clear", folder, error))
 }
 
-/// One scene of one size, to be run by every program.
+/// One scene of one size, for all programs.
 struct Bench<'a> {
     arguments: &'a Arguments,
     case: &'a Case,
@@ -141,7 +142,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Runs everything that was asked for, compares it, and saves the report after every program.
+    /// Runs all requested programs, compares the results, and saves the report after each.
     fn run(&self, freefem: Option<&FreeFem>, report: &mut Report) -> Result<(), Failure> {
         let meshes = self.folder.join("meshes");
         files::make_folder(&meshes)?;
@@ -184,15 +185,15 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Whether a script is asked for and meant for this size.
+    /// Whether a script is requested and meant for this size.
     fn runs(&self, script: &Script) -> bool {
         let style = &self.arguments.style;
         let is_asked = style.as_ref().is_none_or(|style| style == script.style);
         is_asked && self.size <= script.up_to
     }
 
-    /// Runs a program as often as it has to be; what it left before, if anything, where only the other
-    /// one was asked for.
+    /// Runs a program as often as required. If only the other program was requested, returns the
+    /// results of an earlier run, if there are any.
     fn entry(
         &self,
         name: &str,
@@ -227,7 +228,7 @@ impl<'a> Bench<'a> {
         Ok(Some((entry, outcome)))
     }
 
-    /// This program again, for one thing on this scene.
+    /// A command that runs this program again for a single task on this scene.
     fn child(&self, child: Child, out: &Path) -> Result<Command, Failure> {
         let mut command = Command::new(std::env::current_exe()?);
         let child = match child {
@@ -241,7 +242,7 @@ impl<'a> Bench<'a> {
         Ok(command)
     }
 
-    /// Stores the result of the scene's first script, if that was asked for.
+    /// Stores the result of the scene's first script if requested.
     fn keep(&self, script: &Script, freefem: &FreeFem, outcome: &Outcome) -> Result<(), Failure> {
         let is_first = std::ptr::eq(script, &self.case.scripts[0]);
         if !self.arguments.save_reference || !is_first {
@@ -256,7 +257,7 @@ impl<'a> Bench<'a> {
         reference.save(self.case, self.size)
     }
 
-    /// The stored result in place of FreeFEM's.
+    /// The stored result, which replaces FreeFEM's.
     fn stored(&self, ours: &Entry, outcome: &Outcome) -> Result<Option<Entry>, Failure> {
         let Some(reference) = Reference::read(self.case, self.size)? else {
             return Ok(None);
@@ -275,10 +276,11 @@ impl<'a> Bench<'a> {
 }
 
 impl Arguments {
-    /// Compares, or does what was asked for instead. The exit code is 2 if some scene could not be compared.
+    /// Runs the comparison, or the other task that the arguments request. The exit code is 2 if a
+    /// scene could not be compared.
     ///
     /// # Errors
-    /// What keeps it from going on.
+    /// If the comparison cannot continue.
     pub fn run(&self) -> Result<ExitCode, Failure> {
         let cases = self.cases()?;
         if let Some(folder) = &self.export_only {
@@ -313,7 +315,7 @@ impl Arguments {
         }
     }
 
-    /// Every scene with every size.
+    /// Every combination of scene and size.
     fn pairs<'a>(&self, cases: &[&'a Case]) -> Vec<(&'a Case, Size)> {
         let sizes = |&case| self.size.iter().map(move |&size| (case, size));
         cases.iter().flat_map(sizes).collect()

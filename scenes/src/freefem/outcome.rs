@@ -1,4 +1,4 @@
-//! What a run left in its folder, and how far two of them are apart.
+//! The output files of a run, and the differences between two runs.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,14 +7,14 @@ use std::str::FromStr;
 use super::cases::Case;
 use crate::{Failure, files};
 
-/// A run's files.
+/// The contents of a run's output files.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
     /// `result.txt`.
     pub values: BTreeMap<String, f64>,
-    /// Of each body the displacements of its nodes (UL), components interleaved.
+    /// The displacements of each body's nodes (UL), components interleaved.
     pub displacements: Vec<Vec<f64>>,
-    /// Of each body the contact pressure by node, as far as there is any.
+    /// The contact pressures of each body by node, for bodies that have any.
     pub pressures: Vec<BTreeMap<usize, f64>>,
 }
 
@@ -22,7 +22,7 @@ impl Outcome {
     /// Reads a run's folder.
     ///
     /// # Errors
-    /// A file that is missing or has something else than numbers in it; pressures may be missing.
+    /// If a file is missing or contains something other than numbers; pressures may be missing.
     pub fn read(case: &Case, folder: &Path) -> Result<Self, Failure> {
         let mut values = BTreeMap::new();
         for line in text(&folder.join("result.txt"))?.lines() {
@@ -54,12 +54,12 @@ impl Outcome {
         Ok(outcome)
     }
 
-    /// A value of `result.txt`, NaN if it is not there.
+    /// A value of `result.txt`; NaN if it is missing.
     pub fn value(&self, key: &str) -> f64 {
         self.values.get(key).copied().unwrap_or(f64::NAN)
     }
 
-    /// Whether the run says that all increments converged.
+    /// Whether the run reports that all increments converged.
     pub fn converged(&self) -> bool {
         self.value("converged") == 1.0
     }
@@ -98,7 +98,8 @@ impl Outcome {
     }
 }
 
-/// The largest |aᵢ − bᵢ| over the largest |bᵢ|; NaN if there are none or not as many.
+/// The largest |aᵢ − bᵢ| divided by the largest |bᵢ|; NaN if there are none or their numbers
+/// differ.
 pub fn difference(a: &[f64], b: &[f64]) -> f64 {
     if a.len() != b.len() || a.is_empty() {
         return f64::NAN;
@@ -107,7 +108,7 @@ pub fn difference(a: &[f64], b: &[f64]) -> f64 {
     largest(off) / largest(b.iter().map(|b| b.abs()))
 }
 
-/// The largest value, NaN if one is.
+/// The largest value; NaN if any value is.
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
     values.fold(0.0, larger)

@@ -1,4 +1,4 @@
-//! Running a program and measuring what it took.
+//! Runs programs and measures their cost.
 
 use std::io;
 use std::path::Path;
@@ -14,19 +14,19 @@ use wait4::{ResUse, Wait4};
 
 use crate::{Failure, files};
 
-/// What a process took.
+/// The cost of a process.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Usage {
-    /// Seconds from start to end.
+    /// The wall time (s).
     pub wall: f64,
-    /// Seconds of CPU time, in user mode and in the system.
+    /// The CPU time in user and system mode (s).
     pub cpu: f64,
-    /// The most memory that was resident at once (bytes).
+    /// The peak resident memory (bytes).
     pub peak: u64,
 }
 
 impl Usage {
-    /// Value by value the median of several runs.
+    /// The median of several runs, value by value.
     pub fn median(runs: &[Usage]) -> Usage {
         let of = |value: fn(&Usage) -> f64| median(runs.iter().map(value));
         Usage {
@@ -37,7 +37,7 @@ impl Usage {
     }
 }
 
-/// The middle value, the mean of the middle two; NaN of none.
+/// The median: the middle value, or the mean of the two middle ones; NaN if there are none.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
@@ -48,21 +48,21 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     }
 }
 
-/// The process that is measured now.
+/// The process that is being measured.
 static RUNNING: Mutex<Option<Pid>> = Mutex::new(None);
 
 fn running() -> MutexGuard<'static, Option<Pid>> {
-    // a process number is whole whatever panicked
+    // the process number is valid even if a thread panicked
     RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From here on Ctrl-C and requests to terminate end the process that is measured, and this one.
+/// Installs a handler: Ctrl-C and termination requests end the measured process and this one.
 pub fn stop_together() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
-        // held to the end, so that no other process is started
+        // held until the exit, so that no other process is started
         let running = running();
         if let Some(process) = *running {
-            // it may have ended by itself
+            // the process may have ended already
             let _ = kill(process, Signal::SIGKILL);
         }
         std::process::exit(i32::from(INTERRUPTED));
@@ -70,7 +70,7 @@ pub fn stop_together() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Starts a command and waits for its end.
+/// Starts a command and waits until it ends.
 fn wait(command: &mut Command) -> io::Result<ResUse> {
     let mut process = {
         let mut running = running();
@@ -83,10 +83,10 @@ fn wait(command: &mut Command) -> io::Result<ResUse> {
     ended
 }
 
-/// Runs a command on one thread in `folder`; what it prints goes to `log.txt` there.
+/// Runs a command on one thread in `folder`; its output goes to `log.txt` there.
 ///
 /// # Errors
-/// If it cannot be started or fails, with the path of the log.
+/// If it cannot be started or fails; the error contains the path of the log.
 pub fn measured(command: &mut Command, folder: &Path) -> Result<Usage, Failure> {
     let path = folder.join("log.txt");
     let log = std::fs::File::create(&path).map_err(|error| files::cannot("write", &path, error))?;

@@ -10,7 +10,8 @@ use super::cases::{Case, Size};
 use super::outcome::{Outcome, difference};
 use crate::{Failure, files};
 
-/// More nodes than this are thinned out.
+/// The largest number of nodes of a body whose displacements are all stored; of more nodes only
+/// every so many are.
 const NODES: usize = 400;
 
 /// A stored result.
@@ -18,27 +19,29 @@ const NODES: usize = 400;
 pub struct Reference {
     /// The script, in `freefem/`.
     pub script: String,
-    /// The FreeFEM that ran it.
+    /// The version of FreeFEM that ran it.
     pub freefem: String,
-    /// The Ipopt of the library where it was made; FreeFEM's is the same where both are the system's.
+    /// The version of Ipopt that this library used on the same machine; FreeFEM's is the same if
+    /// both are the system's.
     pub ipopt: String,
-    /// The relative change of the displacement at which its fixed points had converged.
+    /// The convergence tolerance of its fixed-point iterations: the relative change of the
+    /// displacement.
     pub tolerance: f64,
     /// The script's `result.txt`.
     pub result: BTreeMap<String, f64>,
-    /// How many components a displacement has.
+    /// The number of displacement components.
     pub dimension: usize,
-    /// Every so many nodes of a body is in `displacements`.
+    /// The distance of the node numbers in `displacements`.
     pub stride: usize,
-    /// By body the displacements (UL) of nodes 0, stride, 2 stride, …; components interleaved, nine
-    /// digits.
+    /// The displacements (UL) of nodes 0, stride, 2 stride, … of each body; components interleaved,
+    /// with nine digits.
     pub displacements: BTreeMap<String, Vec<f64>>,
-    /// By body the contact pressures (UF/UL²) by node; nine digits.
+    /// The contact pressures (UF/UL²) of each body by node, with nine digits.
     pub pressures: BTreeMap<String, BTreeMap<usize, f64>>,
 }
 
 impl Reference {
-    /// From what a script left.
+    /// From the output files of a script.
     pub fn new(
         case: &Case,
         dimension: usize,
@@ -73,7 +76,7 @@ impl Reference {
     /// The stored result of a case, if there is one.
     ///
     /// # Errors
-    /// A file that is no such result.
+    /// If the file does not contain a valid result of the case.
     pub fn read(case: &Case, size: Size) -> Result<Option<Self>, Failure> {
         let path = path(case, size);
         let wrong = |why: String| Failure::from(format!("{}: {why}", path.display()));
@@ -92,10 +95,10 @@ impl Reference {
         Ok(Some(read))
     }
 
-    /// Stores it in the place of an older one.
+    /// Stores the result and replaces an older one.
     ///
     /// # Errors
-    /// If that cannot be done.
+    /// If the file cannot be written.
     pub fn save(&self, case: &Case, size: Size) -> Result<(), Failure> {
         let path = path(case, size);
         if let Some(folder) = path.parent() {
@@ -104,7 +107,7 @@ impl Reference {
         files::write(path, serde_json::to_string(self)? + "\n")
     }
 
-    /// As an outcome, without displacements.
+    /// The result as an outcome, without displacements.
     pub fn outcome(&self, case: &Case) -> Outcome {
         let pressures = case.bodies.iter().map(|name| self.pressures.get(*name));
         Outcome {
@@ -116,8 +119,8 @@ impl Reference {
         }
     }
 
-    /// The largest difference of a displacement component that was kept from those of `bodies`, in
-    /// order with components interleaved, relative to the largest one.
+    /// The largest difference between the stored displacement components and those of `bodies` (in
+    /// order, with components interleaved), relative to the largest stored one.
     pub fn displacement_difference(&self, case: &Case, bodies: &[Vec<f64>]) -> f64 {
         let (mut mine, mut theirs) = (Vec::new(), Vec::new());
         for (name, all) in case.bodies.iter().zip(bodies) {
@@ -133,7 +136,7 @@ fn thinned(all: &[f64], dimension: usize, stride: usize) -> impl Iterator<Item =
     all.chunks(dimension).step_by(stride).flatten().copied()
 }
 
-/// To nine digits after the first one; not a number stays none.
+/// Rounds to nine digits after the first one; NaN stays NaN.
 fn rounded(value: f64) -> f64 {
     format!("{value:.9e}").parse().unwrap_or(f64::NAN)
 }

@@ -1,4 +1,4 @@
-//! The comparison as tables, as JSON and as a picture.
+//! The results of the comparison as tables, JSON and pictures.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use super::process::Usage;
 use crate::tables::Table;
 use crate::{Failure, files};
 
-/// One program on one scene.
+/// The result of one program on one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Entry {
     /// The scene's name.
@@ -19,27 +19,27 @@ pub struct Entry {
     pub size: String,
     /// Cells of all bodies.
     pub cells: f64,
-    /// `ours`, `tuned` or `literal`; `stored` for a result kept from another machine.
+    /// `ours`, `tuned` or `literal`; `stored` for a stored result from another machine.
     pub program: String,
-    /// What it took, the median of `runs` runs; nothing of a stored result.
+    /// The median cost of `runs` runs; `None` for a stored result.
     pub usage: Option<Usage>,
-    /// How many runs.
+    /// The number of runs.
     pub runs: usize,
-    /// Whether it says that all increments converged.
+    /// Whether the run reports that all increments converged.
     pub converged: bool,
-    /// Iterations of all fixed points, and of Ipopt in them.
+    /// The total number of fixed-point iterations, and of Ipopt's iterations in them.
     pub iterations: [f64; 2],
-    /// Seconds by the program's own clock, of CPU time in FreeFEM and of wall time in ours: rows;
-    /// Ipopt with its linear solver; all else.
+    /// Seconds by the program's own clock (CPU time in FreeFEM, wall time in this library): rows;
+    /// Ipopt with its linear solver; everything else.
     pub seconds: [f64; 3],
-    /// Energy, displacement, reaction and pressure: relative differences from ours.
+    /// Energy, displacement, reaction and pressure: relative differences from this library's.
     pub differences: Option<[f64; 4]>,
-    /// CPU time, wall time and peak memory over ours.
+    /// CPU time, wall time and peak memory, divided by this library's.
     pub ratios: Option<[f64; 3]>,
 }
 
 impl Entry {
-    /// Of a run that left `outcome`.
+    /// The entry of a run with the result `outcome`.
     pub fn new(scene: &str, size: &str, program: &str, outcome: &Outcome) -> Self {
         let pair = |a: &str, b: &str| [outcome.value(a), outcome.value(b)];
         let [rows, ipopt] = pair("seconds_rows", "seconds_ipopt");
@@ -58,7 +58,7 @@ impl Entry {
         }
     }
 
-    /// Notes differences from our run and the ratio of CPU times.
+    /// Records the differences from this library's run and the ratios of the costs.
     pub fn compare(&mut self, ours: &Entry, differences: [f64; 4]) {
         self.cells = ours.cells;
         self.differences = Some(differences);
@@ -69,23 +69,23 @@ impl Entry {
     }
 }
 
-/// Everything there is to say.
+/// All results.
 #[derive(Serialize)]
 pub struct Report {
-    /// FreeFEM's version, if it ran.
+    /// The version of FreeFEM, if it ran.
     pub freefem: Option<String>,
-    /// The version of Ipopt, which both use where they come from one system.
+    /// The version of Ipopt; both programs use it if they come from one system.
     pub ipopt: String,
-    /// The linear solver and the BLAS that our runs load.
+    /// The linear solver and the BLAS of this library's runs.
     pub libraries: [Option<String>; 2],
     /// All runs.
     pub entries: Vec<Entry>,
-    /// What went wrong where.
+    /// The errors and the scenes in which they occurred.
     pub failures: Vec<String>,
 }
 
 impl Report {
-    /// Adds a program and saves everything so far, since the next one may take long.
+    /// Adds an entry and saves the report, since the next run may take long.
     pub fn add(&mut self, entry: Entry, folder: &Path) -> Result<(), Failure> {
         let (scene, size, program) = (&entry.scene, &entry.size, &entry.program);
         eprintln!("{scene} {size} {program}: done");
@@ -93,7 +93,7 @@ impl Report {
         self.save(folder)
     }
 
-    /// The differences of every program from ours, and what each took.
+    /// The differences of every program from this library, and the cost of each.
     pub fn tables(&self) -> [Table; 2] {
         let mut results = Table::new(
             "results",
@@ -162,7 +162,7 @@ impl Report {
         Ok(memory.save(folder.join("memory.svg"))?)
     }
 
-    /// What runs took over cells, a curve for each program on each scene.
+    /// The cost of the runs over the number of cells, one curve for each program and scene.
     fn picture(&self, title: &str, unit: &str, taken: impl Fn(Usage) -> f64) -> Curves {
         let mut curves: Vec<Curve> = Vec::new();
         for entry in &self.entries {

@@ -1,4 +1,4 @@
-//! This library's run of a case, which leaves the same files as FreeFEM's scripts do.
+//! This library's run of a case, which writes the same files as FreeFEM's scripts.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -63,7 +63,7 @@ fn run<const D: usize>(
     Ok(())
 }
 
-/// The scene's reaction (UF): the sum over the supports that it is about.
+/// The scene's reaction (UF): the sum over the supports of the case.
 pub fn reaction<const D: usize>(case: &Case, record: &StepRecord<D>) -> [f64; D] {
     let supports = case.supports.iter();
     let sum = |i: usize| {

@@ -1,4 +1,4 @@
-//! FreeFEM: whether it is there, and how a script is run.
+//! FreeFEM: its installation, and how its scripts are run.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -6,21 +6,21 @@ use std::process::{Command, Stdio};
 use super::cases::{Case, Script, Size};
 use crate::Failure;
 
-/// What to do where FreeFEM is missing.
+/// The remedy if FreeFEM is missing.
 pub const INSTALL: &str = "FreeFEM with ff-Ipopt is not installed: `apt-get install freefem++` on \
                            Debian, or see https://freefem.org. Stored results stand in for it.";
 
 /// An installed FreeFEM.
 pub struct FreeFem {
-    /// What it calls itself, and what Debian calls its package.
+    /// Its own version text, and the version of Debian's package.
     pub version: String,
     plugins: PathBuf,
     scripts: PathBuf,
 }
 
 impl FreeFem {
-    /// The one on the search path, if it has the plugin for Ipopt. Plugins are looked for in
-    /// `$FF_LOADPATH` and where Debian has them.
+    /// The FreeFEM on the search path, if it has the plugin for Ipopt. Plugins are searched for in
+    /// `$FF_LOADPATH` and in Debian's folder.
     pub fn find() -> Option<Self> {
         let banner = printed(Command::new("FreeFem++").arg("-nw"))?;
         let name = banner.lines().find(|line| line.contains("FreeFem++"))?;
@@ -42,7 +42,7 @@ impl FreeFem {
         })
     }
 
-    /// The command that runs a script on the meshes in `meshes`, with its files in `out`.
+    /// The command that runs a script on the meshes in `meshes` and writes its files to `out`.
     pub fn command(
         &self,
         case: &Case,
@@ -72,7 +72,7 @@ impl FreeFem {
     }
 }
 
-/// What a command prints, on either stream, if it can be run at all.
+/// The output of a command on either stream, if it can be run.
 fn printed(command: &mut Command) -> Option<String> {
     let output = command.stdin(Stdio::null()).output().ok()?;
     let all = [output.stdout, output.stderr].concat();

@@ -1,5 +1,5 @@
-//! One pass against the other and against both, on meshes of unlike fineness and for moduli in all
-//! proportions.
+//! Comparison of each single pass with both, on meshes of different fineness and for various ratios
+//! of the moduli.
 
 use contact_core::Ending;
 use contact_core::Retry;
@@ -15,16 +15,16 @@ use crate::disc_in_disc::{self, Roles};
 use crate::hertz::{self, Fineness, Hertz};
 use crate::tables::{Table, digits};
 
-/// Which surface is slave.
+/// The roles of the surfaces.
 const ALL_PASSES: [Passes; 3] = [Passes::Both, Passes::FirstIsSlave, Passes::SecondIsSlave];
 
-/// Hertz's contact and the disc-in-disc.
+/// Runs Hertz's contact and the disc-in-disc.
 pub fn tables(quick: bool) -> Result<Vec<Table>, Failure> {
     Ok(vec![hertz(quick)?, discs(quick)?])
 }
 
-/// Cylinder and block with facets as 1 to 3 and 3 to 1, for all ratios of their moduli. Loads are
-/// such that Hertz's pressure and half-width are the same for all.
+/// Cylinder and block with facet sizes in the ratios 1 : 3 and 3 : 1, for all ratios of their
+/// moduli. The loads are such that Hertz's pressure and half-width are the same for all.
 fn hertz(quick: bool) -> Result<Table, Failure> {
     let columns =
         "E cylinder : block | facets in a, cylinder : block | method | slave | energy off | \
@@ -78,7 +78,7 @@ fn name_of(passes: Passes, names: [&'static str; 2]) -> &'static str {
     }
 }
 
-/// To full load.
+/// Runs the scene to full load.
 fn solved(
     problem: &mut Problem<2>,
     method: &mut dyn Method,
@@ -88,18 +88,18 @@ fn solved(
     Ok((history.run.ending == Ending::Complete).then_some(history))
 }
 
-/// What is known of a cylinder on a block.
+/// The results for a cylinder on a block.
 struct Indented {
     scene: Hertz,
     found: Option<State>,
 }
 
-/// At full load.
+/// The results at full load.
 struct State {
     energy: f64,
     /// (x, pressure) along cylinder and block.
     profiles: [Vec<(f64, f64)>; 2],
-    /// How deep nodes of cylinder and block are inside the other one (UL).
+    /// The largest depths of nodes of the cylinder and of the block inside the other body (UL).
     inside: [f64; 2],
 }
 
@@ -124,8 +124,8 @@ impl Indented {
         })
     }
 
-    /// Energy, pressure in the mean square over contact, and penetration over Hertz's approach
-    /// a²/R, all in comparison.
+    /// Energy, root mean square of the pressure over the contact, and penetration divided by
+    /// Hertz's approach a²/R, all relative to a reference.
     fn against(&self, exact: &Indented) -> Vec<String> {
         let (Some(found), Some(exact)) = (&self.found, &exact.found) else {
             return vec!["-".into(); 5];
@@ -145,8 +145,8 @@ impl Indented {
     }
 }
 
-/// How deep the nodes of the first and of the second surface are inside the other one (UL): what a
-/// scene with that one pass sees of the same state.
+/// The largest depths of nodes of the first and of the second surface inside the other one (UL): in
+/// each case those that a scene with this single pass measures at the same state.
 fn inside(
     scene: impl Fn(Passes) -> Result<Problem<2>, Failure>,
     solution: &Solution,
@@ -159,7 +159,7 @@ fn inside(
     Ok([side(Passes::FirstIsSlave)?, side(Passes::SecondIsSlave)?])
 }
 
-/// The contact pressure over x along both surfaces, the cylinder's first.
+/// The contact pressure over x along both surfaces, first the cylinder's.
 fn profiles(problem: &Problem<2>, solution: &Solution) -> Result<[Vec<(f64, f64)>; 2], Failure> {
     let pressures = problem.pressures(&solution.state.u, &solution.gaps, &solution.lambda)?;
     let mut profiles = [Vec::new(), Vec::new()];
@@ -173,7 +173,7 @@ fn profiles(problem: &Problem<2>, solution: &Solution) -> Result<[Vec<(f64, f64)
     Ok(profiles)
 }
 
-/// √(∫ (p − q)² / ∫ q²) from 0 to `end`.
+/// √(∫ (p − q)² / ∫ q²) over the interval from 0 to `end`.
 fn mean_square(p: &[(f64, f64)], q: &[(f64, f64)], end: f64) -> f64 {
     const SAMPLES: usize = 2000;
     let (mut above, mut below) = (0.0, 0.0);
@@ -186,7 +186,7 @@ fn mean_square(p: &[(f64, f64)], q: &[(f64, f64)], end: f64) -> f64 {
     f64::sqrt(above / below)
 }
 
-/// Linear between neighbours.
+/// Linear interpolation between neighbours.
 fn at(profile: &[(f64, f64)], x: f64) -> f64 {
     let right = profile
         .partition_point(|p| p.0 < x)
@@ -195,7 +195,7 @@ fn at(profile: &[(f64, f64)], x: f64) -> f64 {
     p0 + (p1 - p0) * (x - x0) / (x1 - x0)
 }
 
-/// The disc-in-disc on three pairs of meshes.
+/// Runs the disc-in-disc on three pairs of meshes.
 fn discs(quick: bool) -> Result<Table, Failure> {
     let columns = "facets hole : disc | slave | energy | energy off | reaction off | \
             hole's nodes inside (UL) | disc's nodes inside (UL)"
@@ -231,7 +231,7 @@ fn discs(quick: bool) -> Result<Table, Failure> {
     Ok(table)
 }
 
-/// A disc pushed down all the way.
+/// The disc-in-disc at full load.
 struct Pushed {
     energy: f64,
     reaction: f64,

@@ -1,4 +1,4 @@
-//! How well conditioned the Newton system of a method is at its solution.
+//! The condition number of a method's Newton system at its solution.
 
 use contact_core::equilibrium::Solution;
 use contact_core::method::eta;
@@ -8,7 +8,7 @@ use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 
-/// What stands beside the energy in the Hessian.
+/// The term of the Hessian in addition to that of the energy.
 #[derive(Clone, Copy, Debug)]
 pub enum Weighting {
     /// Method (7): displacements are confined to the null space of the active rows.
@@ -19,10 +19,10 @@ pub enum Weighting {
     Surface(f64),
 }
 
-/// λ_max/λ_min of L²/E₀ ∇²E + Σ k_i C_iᵀC_i in the free unknowns over L, L and E₀ being the scales
-/// of what Ipopt sees; k_i = μ w_i η''(c_i/L) for a penalty. For method (7) it is that of ∇²E on
-/// displacements that keep the gaps of active rows as they are, approached with one large k for all
-/// of them. Nothing where the matrix is not positive definite to working precision.
+/// λ_max/λ_min of L²/E₀ ∇²E + Σ k_i C_iᵀC_i in the free unknowns divided by L, with L and E₀ the
+/// scales of the problem passed to Ipopt; k_i = μ w_i η''(c_i/L) for a penalty. For method (7) it
+/// is that of ∇²E on the displacements that preserve the gaps of active rows, approximated by one
+/// large k for all of them. `None` if the matrix is not positive definite to working precision.
 pub fn condition(
     problem: &dyn ContactProblem,
     solution: &Solution,
@@ -45,12 +45,12 @@ pub fn condition(
     Some(most / smallest(n, &all)?)
 }
 
-/// An active row of method (7) stands this many times firmer than the body.
+/// The stiffness of an active row of method (7), as a multiple of the body's (no unit).
 const FIRM: f64 = 1e8;
-/// Rows with at least this share of the largest force are active.
+/// The smallest force of an active row, as a share of the largest force.
 const ACTIVE: f64 = 1e-6;
 
-/// k_i, one a row.
+/// k_i, one for each row.
 fn stiffnesses(scale: &Scale, solution: &Solution, weighting: Weighting, alone: f64) -> Vec<f64> {
     let gaps = &solution.gaps;
     let mut c = vec![0.0; gaps.len()];
@@ -114,6 +114,7 @@ fn add_rows(solution: &Solution, stiffness: &[f64], all: &mut Entries) {
     }
 }
 
+/// The number of steps of the power and inverse iterations.
 const ITERATIONS: usize = 300;
 
 /// λ_max by power iteration.
@@ -145,7 +146,7 @@ fn smallest(n: usize, entries: &Entries) -> Option<f64> {
     Some(1.0 / value)
 }
 
-/// A unit vector with a share of every eigenvector.
+/// A unit vector with components along all eigenvectors.
 fn start(n: usize) -> Mat<f64> {
     let x = Mat::from_fn(n, 1, |i, _| 1.0 + (1.7 * i as f64).sin());
     let norm = x.norm_l2();

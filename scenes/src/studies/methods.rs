@@ -15,10 +15,11 @@ use crate::hertz::{self, Hertz};
 use crate::tables::{Table, digits, number};
 use crate::{Failure, disc_in_disc};
 
-/// The penalty factors of all scenes; orders are fitted to the last three that were solved.
+/// The penalty factors of all scenes; orders of convergence are fitted to the last three that were
+/// solved.
 const MUS: [f64; 5] = [1e4, 1e6, 1e8, 1e10, 1e12];
 
-/// All methods on all scenes: errors and costs, and the orders in μ.
+/// All methods on all scenes: errors, costs, and orders of convergence in μ.
 pub fn tables(quick: bool) -> Result<Vec<Table>, Failure> {
     let mut study = Study::new();
     let pick = |coarse, fine| if quick { coarse } else { fine };
@@ -41,13 +42,13 @@ pub fn tables(quick: bool) -> Result<Vec<Table>, Failure> {
     Ok(vec![study.rows, study.orders])
 }
 
-/// The tables as they grow.
+/// The tables, to which rows are added.
 struct Study {
     rows: Table,
     orders: Table,
 }
 
-/// A method as it is run, and what stands beside E in its Hessian.
+/// A method with its settings, and the term in addition to E in its Hessian.
 struct Run {
     name: &'static str,
     mu: String,
@@ -59,7 +60,7 @@ struct Run {
 #[derive(Clone)]
 struct Ended {
     solution: Solution,
-    /// The deepest node, in facets.
+    /// The largest nodal penetration, in facet sizes.
     penetration: f64,
     fixed_point: usize,
     ipopt: usize,
@@ -77,7 +78,7 @@ impl Study {
         }
     }
 
-    /// All methods on one scene.
+    /// Runs all methods on one scene.
     fn scene<const D: usize>(
         &mut self,
         name: &str,
@@ -116,7 +117,7 @@ impl Study {
         Ok(())
     }
 
-    /// One row; `limits` are method (7)'s result and what this method tends to.
+    /// Adds one row; `limits` are the result of method (7) and the limit of this method for μ → ∞.
     fn row<const D: usize>(
         &mut self,
         problem: &Problem<D>,
@@ -149,7 +150,7 @@ impl Study {
     }
 }
 
-/// Method (7), and with a constraint at every point.
+/// Method (7), with constraints at nodes and with constraints at points.
 fn limits() -> [Run; 2] {
     let run = |name, method| Run {
         name,
@@ -163,7 +164,7 @@ fn limits() -> [Run; 2] {
     ]
 }
 
-/// Method (37) with its default continuation and with every μ.
+/// Method (37), with its default continuation and with every μ.
 fn slacks() -> Vec<Run> {
     let method = |continuation| Box::new(PenalizedSlack::with(continuation)) as Box<dyn Method>;
     family("(37)", Weighting::Rows, method)
@@ -195,7 +196,7 @@ fn family(
     fixed.into_iter().chain([default]).collect()
 }
 
-/// A run to full load; nothing if it does not get there.
+/// A run to full load; `None` if it does not reach it.
 fn ended<const D: usize>(
     problem: &mut Problem<D>,
     method: &mut dyn Method,
@@ -217,20 +218,20 @@ fn ended<const D: usize>(
     }))
 }
 
-/// |E − E of the limit| over the latter.
+/// |E − E of the limit| divided by |E of the limit|.
 fn energy_difference(found: &Ended, limit: &Ended) -> f64 {
     let (a, b) = (found.solution.energy, limit.solution.energy);
     (a - b).abs() / b.abs()
 }
 
-/// max |a − b| over max |b|.
+/// max |a − b| divided by max |b|.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let largest = b.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
     let pairs = a.iter().zip(b);
     pairs.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / largest
 }
 
-/// max −c over the rows that were solved with (UL).
+/// max −c over the solver's rows (UL).
 fn deepest(solution: &Solution) -> f64 {
     let mut c = vec![0.0; solution.gaps.len()];
     solution.gaps.value(&solution.state.u, &mut c);

@@ -1,4 +1,4 @@
-//! Studies: methods side by side, and one pass against the other and against both.
+//! Studies: comparison of the methods, and of single passes with both.
 
 pub mod asymmetry;
 mod condition;

@@ -1,11 +1,11 @@
-//! What the penalty (39) tends to, and at which rate a method does.
+//! The limit of the penalty (39), and orders of convergence.
 
 use contact_core::gaps::Sampling;
 use contact_core::method::Subproblem;
 use contact_core::{Error, InteriorPoint, Method, Minimum, State};
 
-/// Method (7) with a constraint at every integration point in place of one a contact node: the
-/// limit of the penalty (39) for μ → ∞ on a mesh.
+/// Method (7) with one constraint at every integration point instead of one at every contact node:
+/// the limit of the penalty (39) for μ → ∞ on a mesh.
 #[derive(Clone, Debug, Default)]
 pub struct Pointwise(pub InteriorPoint);
 

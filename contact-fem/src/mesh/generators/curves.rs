@@ -1,9 +1,9 @@
-//! Where curved boundaries are, for nodes that are put between those of the linear meshes.
+//! Projections on curved boundaries, for the middle nodes of quadratic meshes.
 
 use crate::tensor::Vector;
 
-/// Moves a point along its radius onto the sphere of this radius (UL) around the origin, the circle
-/// in the plane. The origin itself, which has no nearest point there, stays.
+/// Projects a point along its radius on the sphere of this radius (UL) around the origin, in the
+/// plane on the circle. The origin has no unique projection and stays.
 pub fn onto_sphere<const D: usize>(radius: f64) -> impl Fn(&Vector<D>) -> Vector<D> {
     move |X| match X.norm() {
         0.0 => *X,
@@ -11,8 +11,8 @@ pub fn onto_sphere<const D: usize>(radius: f64) -> impl Fn(&Vector<D>) -> Vector
     }
 }
 
-/// Moves a point at right angles to the z axis onto the cylinder of this radius (UL) around it. A
-/// point on the axis, which has no nearest one there, stays.
+/// Projects a point perpendicular to the z axis on the cylinder of this radius (UL) around it. A
+/// point on the axis has no unique projection and stays.
 pub fn onto_cylinder(radius: f64) -> impl Fn(&Vector<3>) -> Vector<3> {
     let circle = onto_sphere::<2>(radius);
     move |X| {

@@ -10,11 +10,11 @@ pub use space::{cuboid, cuboid_graded, cylinder, eighth_sphere, extrude, hemisph
 
 use crate::error::Error;
 
-/// No grid has more steps: it would fill the memory.
+/// The largest number of steps of a grid: more would exhaust the memory.
 const MOST_STEPS: usize = 100_000_000;
 
-/// `count + 1` equally spaced values from `from` to `to`; `from` alone for a count of 0, and nothing
-/// at all for more than 10⁸, which no mesh can have. Generators refuse either.
+/// `count + 1` equally spaced values from `from` to `to`; only `from` for a count of 0, and an
+/// empty vector for more than 10⁸. Generators reject both.
 pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
     if count > MOST_STEPS {
         return Vec::new();
@@ -23,13 +23,14 @@ pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..=count).map(at).collect()
 }
 
-/// `count + 1` values from `from` to `to` whose spacing changes by a constant factor q, so that the
-/// first step is `first` (UL) long.
+/// `count + 1` values from `from` to `to` whose spacing changes by a constant factor q; the first
+/// step has the length `first` (UL).
 ///
 /// # Errors
-/// Values that are not finite, fewer than two steps or more than 10⁸, and a first step that no q
-/// between 1/1000 and 1000 leads to.
+/// If a value is not finite, there are fewer than two steps or more than 10⁸, or no q between
+/// 1/1000 and 1000 gives the first step.
 pub fn graded(from: f64, to: f64, first: f64, count: usize) -> Result<Vec<f64>, Error> {
+    /// The largest factor q, and the reciprocal of the smallest (no unit).
     const STEEPEST: f64 = 1e3;
     Error::check_finite("graded(from, to, first)", &[from, to, first])?;
     if count < 2 {
@@ -46,7 +47,7 @@ pub fn graded(from: f64, to: f64, first: f64, count: usize) -> Result<Vec<f64>, 
             remedy: "ask for at most 10⁸ steps",
         });
     }
-    // the whole length over the first step's: 1 + q + q² + … = (qⁿ − 1) / (q − 1)
+    // the total length divided by the first step: 1 + q + q² + … = (qⁿ − 1) / (q − 1)
     let sum = |q: f64, steps: usize| match q.ln() {
         0.0 => steps as f64,
         log => (steps as f64 * log).exp_m1() / log.exp_m1(),
@@ -103,7 +104,7 @@ fn positive(name: &'static str, value: Option<f64>) -> Result<(), Error> {
     }
 }
 
-/// Refuses meshes that would fill the memory and outgrow the solver's 32-bit indices.
+/// Rejects meshes that would exhaust the memory and exceed the solver's 32-bit indices.
 fn affordable(cells: f64) -> Result<(), Error> {
     if cells > 1e8 {
         return Err(Error::Setting {

@@ -1,4 +1,4 @@
-//! From a file's contents to the meshes of bodies.
+//! Builds the meshes of bodies from a file's contents.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -12,35 +12,36 @@ use crate::tensor::{Matrix, determinant};
 /// A facet with a label.
 struct Labelled<'a> {
     corners: &'a [usize],
-    /// Its groups, as indices; some may be of one name.
+    /// The indices of its groups; several groups may have one name.
     groups: Vec<usize>,
-    /// Whether a body has it on its boundary.
+    /// Whether it is on the boundary of a body.
     met: bool,
 }
 
 impl MeshFile {
-    /// The bodies in ℝᴰ by name: one for each group of cells, ascending by the groups' numbers, or
-    /// one called `body` if no cell is in a group. Groups of one name are one.
+    /// The bodies in ℝᴰ by name: one for each group of cells, in ascending order of the groups'
+    /// numbers, or one called `body` if no cell is in a group. Groups with the same name are
+    /// merged.
     ///
-    /// Cells are the elements of dimension D; those of negative orientation are turned around.
-    /// Facets of dimension D − 1 that are in groups become the boundaries of the bodies they bound,
-    /// under the names of their groups; a facet between two bodies becomes one of each. Facets with
-    /// label 0 may lie anywhere, since that is how many programs say that there is no label.
-    /// Vertices of no cell are dropped.
+    /// Cells are the elements of dimension D; cells of negative orientation are reversed. Facets of
+    /// dimension D − 1 in groups become boundaries of the bodies that they bound, with the names of
+    /// their groups; a facet between two bodies becomes a boundary facet of both. Facets with label
+    /// 0 are ignored where they bound no body, since many programs write 0 for a facet without a
+    /// label. Vertices without a cell are dropped.
     ///
     /// # Errors
-    /// [`Error::MeshFile`]: the mesh is of another dimension, is to be plane and is not, has cells
-    /// in two bodies or twice in one, cells in no group beside cells in one, a labelled facet that
-    /// bounds no body, or a body that is no [`Mesh`].
+    /// [`Error::MeshFile`] if the mesh has another dimension, is not plane for D = 2, has cells in
+    /// two bodies or twice in one, has cells in no group beside cells in one, has a labelled facet
+    /// that bounds no body, or has a body that is not a valid [`Mesh`].
     pub fn bodies<const D: usize>(&self) -> Result<Vec<(String, Mesh<D>)>, Error> {
         self.all_bodies().map_err(|problem| self.error(problem))
     }
 
-    /// The body of that name alone, which may share cells with others and have labelled facets
-    /// inside; these are left out.
+    /// The body with this name alone. It may share cells with other bodies and have labelled facets
+    /// in its interior, which are left out.
     ///
     /// # Errors
-    /// As [`MeshFile::bodies`]; for a name that there is not.
+    /// As [`MeshFile::bodies`]; also if the name does not exist.
     pub fn body<const D: usize>(&self, name: &str) -> Result<Mesh<D>, Error> {
         self.one_body(name).map_err(|problem| self.error(problem))
     }
@@ -100,7 +101,7 @@ impl MeshFile {
         labelled
     }
 
-    /// Checks that every labelled facet bounds some body.
+    /// Checks that every labelled facet bounds a body.
     fn check_met(&self, labelled: &HashMap<Corners, Labelled>) -> Result<(), Problem> {
         let meant = |facet: &&Labelled| !facet.met && self.true_group(facet).is_some();
         let loose = labelled.values().filter(meant);
@@ -117,7 +118,7 @@ impl MeshFile {
         })
     }
 
-    /// The facet's first group that is more than a label 0.
+    /// The first group of the facet other than label 0.
     fn true_group(&self, facet: &Labelled) -> Option<&Group> {
         let groups = facet.groups.iter().map(|&g| &self.groups[g]);
         groups
@@ -167,7 +168,7 @@ impl MeshFile {
         Ok(mesh)
     }
 
-    /// The order of a body's cells and all their nodes, flat, as [`Mesh::of_order`] takes them.
+    /// The order of a body's cells and all their nodes, flat, as [`Mesh::of_order`] expects them.
     fn cell_nodes<const D: usize>(&self, part: &Part) -> Result<(Order, Vec<usize>), Problem> {
         let blocks = || part.blocks.iter().map(|&b| &self.elements[b]);
         let linear = blocks().any(|block| block.kind.nodes() == D + 1);

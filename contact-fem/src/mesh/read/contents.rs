@@ -1,11 +1,11 @@
-//! Collecting what a mesh file holds.
+//! Collects the contents of a mesh file.
 
 use std::collections::HashMap;
 
 use super::problem::Problem;
 use super::{ElementKind, Elements, Group};
 
-/// Vertices, groups and elements while a file is read.
+/// Vertices, groups and elements while a file is being read.
 #[derive(Default)]
 pub(super) struct Contents {
     pub vertices: Vec<[f64; 3]>,
@@ -13,7 +13,7 @@ pub(super) struct Contents {
     pub elements: Vec<Elements>,
     /// Groups by dimension and number.
     group_index: HashMap<(usize, i64), usize>,
-    /// Elements by kind and by what their groups depend on: an entity or a label.
+    /// Elements by kind and by the entity or label that determines their groups.
     element_index: HashMap<(ElementKind, i64), usize>,
 }
 
@@ -27,8 +27,8 @@ impl Contents {
         Ok(())
     }
 
-    /// The group of that dimension and number, named by its number unless [`Contents::name`] says
-    /// otherwise.
+    /// The group with that dimension and number. Its name is its number unless [`Contents::name`]
+    /// sets another.
     pub fn group(&mut self, dimension: usize, number: i64) -> usize {
         let groups = &mut self.groups;
         let index = self.group_index.entry((dimension, number));
@@ -42,14 +42,14 @@ impl Contents {
         })
     }
 
-    /// Gives a group its name.
+    /// Sets the name of a group.
     pub fn name(&mut self, dimension: usize, number: i64, name: &str) {
         let group = self.group(dimension, number);
         self.groups[group].name = name.to_string();
     }
 
-    /// The nodes of all elements of that kind with that `label`, whose groups are given on first
-    /// sight.
+    /// The nodes of all elements of that kind with that `label`; its groups are given with the
+    /// first of them.
     pub fn nodes_of(
         &mut self,
         kind: ElementKind,
@@ -74,7 +74,7 @@ impl Contents {
         &mut self.elements[index].nodes
     }
 
-    /// Checks that there are vertices and elements, by the names that their sections have.
+    /// Checks that there are vertices and elements; the arguments are the names of their sections.
     pub fn check(&self, vertices: &'static str, elements: &'static str) -> Result<(), Problem> {
         if self.vertices.is_empty() {
             return Err(Problem::Missing { section: vertices });
@@ -86,7 +86,7 @@ impl Contents {
     }
 }
 
-/// The vertex that a file which counts from 1 calls `number`.
+/// The index of the vertex with `number` in a file that counts from 1.
 pub(super) fn counted_from_one(number: i64, vertices: usize) -> Result<usize, Problem> {
     let vertex = number.checked_sub(1).and_then(|v| usize::try_from(v).ok());
     vertex

@@ -1,18 +1,19 @@
-//! Going through the bytes of a file: words and numbers, as text or binary.
+//! A cursor over the bytes of a file, which reads words and numbers as text or binary.
 
 use super::problem::{Fault, Place, Problem, excerpt};
 
-/// A place in the bytes of a file.
+/// A position in the bytes of a file.
 ///
 /// Numbers are read as text or, in binary files, as little-endian values. Words are separated by
-/// white space; a word that begins with a double quote runs to the next one in its line.
+/// white space; a word that begins with a double quote extends to the next double quote in its
+/// line.
 pub(super) struct Cursor<'a> {
     bytes: &'a [u8],
-    /// What comes next.
+    /// The position of the next byte.
     at: usize,
-    /// Where the last word or number began, for messages.
+    /// The position of the last word or number, for messages.
     last: usize,
-    /// From here to the end of the line is no part of the file.
+    /// The character that starts a comment, which extends to the end of the line.
     comment: Option<u8>,
     /// Whether numbers are binary.
     pub binary: bool,
@@ -30,12 +31,12 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The bytes up to the end of the file.
+    /// The bytes from the cursor to the end of the file.
     pub fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at..]
     }
 
-    /// Goes past white space and comments.
+    /// Skips white space and comments.
     fn skip_space(&mut self) {
         while let Some(&byte) = self.bytes.get(self.at) {
             if Some(byte) == self.comment {
@@ -50,7 +51,7 @@ impl<'a> Cursor<'a> {
         self.last = self.at;
     }
 
-    /// The next word, or none at the end of the file.
+    /// Reads the next word; `None` at the end of the file.
     pub fn word(&mut self) -> Option<&'a [u8]> {
         self.skip_space();
         let rest = self.rest();
@@ -68,7 +69,7 @@ impl<'a> Cursor<'a> {
         Some(&rest[..length])
     }
 
-    /// The next word without going past it.
+    /// Returns the next word without moving the cursor.
     pub fn peek(&mut self) -> Option<&'a [u8]> {
         let start = self.at;
         let word = self.word();
@@ -76,7 +77,7 @@ impl<'a> Cursor<'a> {
         word
     }
 
-    /// Goes past the next word, which has to be this one.
+    /// Skips the next word, which must be the given one.
     pub fn expect(&mut self, expected: &str) -> Result<(), Fault> {
         match self.word() {
             Some(word) if word == expected.as_bytes() => Ok(()),
@@ -84,7 +85,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The next word as a number.
+    /// Reads the next word as a number.
     fn parse<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, Fault> {
         let word = self.word();
         let text = word.and_then(|word| std::str::from_utf8(word).ok());
@@ -92,7 +93,7 @@ impl<'a> Cursor<'a> {
         number.ok_or_else(|| self.unexpected(what, word))
     }
 
-    /// The next `N` bytes.
+    /// Reads the next `N` bytes.
     fn take<const N: usize>(&mut self, what: &str) -> Result<[u8; N], Fault> {
         self.last = self.at;
         let bytes = self.rest().first_chunk::<N>();
@@ -101,7 +102,7 @@ impl<'a> Cursor<'a> {
         Ok(bytes)
     }
 
-    /// An integer; of four bytes in binary files.
+    /// Reads an integer, which has four bytes in binary files.
     pub fn integer(&mut self, what: &str) -> Result<i64, Fault> {
         match self.binary {
             true => self
@@ -111,7 +112,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A number of things or the number of a thing; of eight bytes in binary files.
+    /// Reads a size or an index, which has eight bytes in binary files.
     pub fn size(&mut self, what: &str) -> Result<u64, Fault> {
         match self.binary {
             true => self.take(what).map(u64::from_le_bytes),
@@ -119,7 +120,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A real number, finite or not; of eight bytes in binary files.
+    /// Reads a real number, finite or not, which has eight bytes in binary files.
     pub fn real(&mut self, what: &str) -> Result<f64, Fault> {
         match self.binary {
             true => self.take(what).map(f64::from_le_bytes),
@@ -127,24 +128,24 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Three coordinates.
+    /// Reads three coordinates.
     pub fn point(&mut self) -> Result<[f64; 3], Fault> {
         let what = "a coordinate";
         Ok([self.real(what)?, self.real(what)?, self.real(what)?])
     }
 
-    /// An integer that is text in binary files too.
+    /// Reads an integer that is text in binary files, too.
     pub fn text_integer(&mut self, what: &str) -> Result<i64, Fault> {
         self.parse(what)
     }
 
-    /// A number of things that is text in binary files too.
+    /// Reads a size that is text in binary files, too.
     pub fn text_size(&mut self, what: &str) -> Result<u64, Fault> {
         self.parse(what)
     }
 
-    /// Checks that the rest of the file has room for `count` things, each of `numbers` numbers in
-    /// text files and of `bytes` bytes in binary ones.
+    /// Checks that the rest of the file has room for `count` items, each of `numbers` numbers in
+    /// text files and of `bytes` bytes in binary files.
     pub fn room(
         &self,
         what: &'static str,
@@ -152,7 +153,7 @@ impl<'a> Cursor<'a> {
         numbers: usize,
         bytes: usize,
     ) -> Result<usize, Fault> {
-        // in text, a number takes a digit and a space, except after the last one of all
+        // in text, a number needs a digit and a space; the last one needs no space
         let each = if self.binary { bytes } else { 2 * numbers };
         let left = self.rest().len();
         match usize::try_from(count) {
@@ -165,7 +166,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Goes past the end of the line that the cursor is at, where binary values begin.
+    /// Skips the end of the current line, where binary values begin.
     pub fn end_of_line(&mut self) -> Result<(), Fault> {
         let blanks = self.rest().iter().take_while(|&&b| b == b' ').count();
         let rest = &self.rest()[blanks..];
@@ -178,7 +179,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// Goes to the next place where `mark` stands as a word of its own, and past it.
+    /// Moves past the next occurrence of `mark` as a separate word.
     pub fn find(&mut self, mark: &str) -> Result<(), Fault> {
         self.last = self.at;
         let mut start = self.at;
@@ -198,7 +199,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Another word than expected, or the end of the file.
+    /// The problem of an unexpected word, or of the end of the file.
     pub fn unexpected(&self, expected: &str, found: Option<&[u8]>) -> Fault {
         let expected = expected.to_string();
         self.fault(match found.map(excerpt) {
@@ -207,13 +208,13 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// A value other than those expected.
+    /// The problem of an unexpected value.
     pub fn wrong(&self, expected: &str, found: impl ToString) -> Fault {
         let found = found.to_string();
         self.unexpected(expected, Some(found.as_bytes()))
     }
 
-    /// The problem, at the last word or number.
+    /// The problem at the last word or number.
     pub fn fault(&self, problem: Problem) -> Fault {
         let before = &self.bytes[..self.last];
         let place = match self.binary {

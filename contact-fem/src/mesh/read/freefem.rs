@@ -1,14 +1,14 @@
 //! FreeFEM's `.msh` files, which `savemesh` writes for meshes in the plane.
 //!
-//! The numbers of vertices, triangles and edges; then x, y and a label for each vertex, three
-//! vertices and a region for each triangle, two vertices and a label for each edge.
+//! A file contains the numbers of vertices, triangles and edges; then x, y and a label for each
+//! vertex, three vertices and a region for each triangle, two vertices and a label for each edge.
 
 use super::ElementKind;
 use super::contents::{Contents, counted_from_one};
 use super::cursor::Cursor;
 use super::problem::Fault;
 
-/// Whether the file begins with three numbers of things.
+/// Whether the file begins with three numbers of items.
 pub(super) fn recognised(start: &[u8]) -> bool {
     let is_number = |word: &[u8]| word.iter().all(u8::is_ascii_digit);
     let mut file = Cursor::new(start, None);
@@ -39,7 +39,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
     }
 }
 
-/// Reads elements that are their vertices, counted from 1, and a label.
+/// Reads elements, each given by its vertices, counted from 1, and a label.
 pub(super) fn labelled(
     file: &mut Cursor,
     contents: &mut Contents,

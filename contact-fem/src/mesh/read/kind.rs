@@ -1,11 +1,11 @@
-//! The kinds of elements that mesh files hold.
+//! The kinds of elements in mesh files.
 
 use std::fmt;
 
 /// A simplex of order 1 or 2.
 ///
-/// Corners come first. Nodes amid edges follow in VTK's order: edges 01, 12, 20 of a triangle; 01,
-/// 12, 20, 03, 13, 23 of a tetrahedron.
+/// The corners come first. Middle nodes of edges follow in VTK's order: edges 01, 12, 20 of a
+/// triangle; 01, 12, 20, 03, 13, 23 of a tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ElementKind {
     /// One node.
@@ -25,7 +25,7 @@ pub enum ElementKind {
 }
 
 impl ElementKind {
-    /// 0 for points to 3 for tetrahedra.
+    /// The dimension: 0 for points to 3 for tetrahedra.
     pub fn dimension(self) -> usize {
         match self {
             ElementKind::Point => 0,
@@ -35,12 +35,12 @@ impl ElementKind {
         }
     }
 
-    /// How many corners: the dimension + 1.
+    /// The number of corners: the dimension + 1.
     pub fn corners(self) -> usize {
         self.dimension() + 1
     }
 
-    /// How many nodes.
+    /// The number of nodes.
     pub fn nodes(self) -> usize {
         match self {
             ElementKind::Segment3 => 3,
@@ -50,7 +50,7 @@ impl ElementKind {
         }
     }
 
-    /// Which nodes, taken in this order, make the same element with the opposite orientation.
+    /// The permutation of the nodes that reverses the orientation of the element.
     pub fn mirrored(self) -> &'static [usize] {
         match self {
             ElementKind::Point => &[0],

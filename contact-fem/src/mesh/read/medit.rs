@@ -1,7 +1,7 @@
 //! Medit's `.mesh` files in text, which FreeFEM, Gmsh, Mmg and others write.
 //!
-//! Keywords, each followed by a number of things and, mostly, as many lines of numbers. What is not
-//! read is passed over to the next keyword.
+//! A file consists of keywords, each followed by a number of items and, mostly, as many lines of
+//! numbers. Other keywords are skipped.
 
 use super::ElementKind;
 use super::contents::Contents;
@@ -11,13 +11,13 @@ use super::problem::{Fault, Problem, excerpt};
 
 const FIRST: &[u8] = b"MeshVersionFormatted";
 
-/// Whether the file begins as Medit's do: with the keyword, maybe after comments.
+/// Whether the file begins with Medit's keyword, possibly after comments.
 pub(super) fn recognised(start: &[u8]) -> bool {
     let first = Cursor::new(start, Some(b'#')).word();
     first.is_some_and(|word| word == FIRST)
 }
 
-/// Whether these are the first numbers, 1 and a version, of a binary file of either endianness.
+/// Whether the file begins with the numbers of a binary file of either endianness: 1 and a version.
 pub(super) fn binary(start: &[u8]) -> bool {
     matches!(
         start,
@@ -61,7 +61,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
     Ok(contents)
 }
 
-/// The elements that are read.
+/// The kinds of elements that are read.
 fn kind(keyword: &[u8]) -> Option<ElementKind> {
     Some(match keyword {
         b"Edges" => ElementKind::Segment,
@@ -74,7 +74,7 @@ fn kind(keyword: &[u8]) -> Option<ElementKind> {
     })
 }
 
-/// Whether the keyword is about elements that a mesh is incomplete or wrong without.
+/// Whether the keyword denotes elements without which the mesh would be incomplete or wrong.
 fn names_elements(keyword: &[u8]) -> bool {
     const NAMES: [&str; 8] = [
         "Edges",
@@ -91,7 +91,7 @@ fn names_elements(keyword: &[u8]) -> bool {
         .any(|name| keyword.starts_with(name.as_bytes()))
 }
 
-/// Keywords begin with a letter; so do NaN and infinity.
+/// Whether a word is a keyword: it begins with a letter, and is neither NaN nor infinity.
 fn is_keyword(word: &[u8]) -> bool {
     let text = std::str::from_utf8(word).unwrap_or_default();
     word.first().is_some_and(u8::is_ascii_alphabetic) && text.parse::<f64>().is_err()
@@ -141,7 +141,7 @@ fn elements(
     labelled(file, contents, kind, count)
 }
 
-/// Refuses elements that are not read, unless there are none of them.
+/// Rejects elements that are not supported, unless their number is 0.
 fn refuse(file: &mut Cursor, keyword: &[u8]) -> Result<(), Fault> {
     match file.size("the number of elements")? {
         0 => Ok(()),

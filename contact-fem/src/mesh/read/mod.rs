@@ -1,10 +1,10 @@
 //! Mesh files of Gmsh (MSH 4.1 and 2.2, text and binary), Medit (`.mesh`, text; FreeFEM writes it
 //! too) and FreeFEM (`.msh` in the plane).
 //!
-//! A [`MeshFile`] holds what any of them holds; [`MeshFile::bodies`] makes meshes of it. What makes
-//! no sense is refused as [`Error::MeshFile`] with the line and the remedy. Sizes are believed only
-//! as far as the file has room for them, so that no file can ask for much more memory than it has
-//! itself.
+//! A [`MeshFile`] has the contents of a file in any of these formats; [`MeshFile::bodies`] builds
+//! meshes from it. Invalid contents are rejected as [`Error::MeshFile`] with the line and the
+//! remedy. An announced size is checked against the size of the file, so that the memory used is
+//! proportional to the file.
 //! ```
 //! use contact_fem::mesh::read::MeshFile;
 //!
@@ -35,7 +35,7 @@ pub use kind::ElementKind;
 use problem::{Fault, excerpt};
 pub use problem::{Place, Problem};
 
-/// What a mesh file holds, whatever its format.
+/// The contents of a mesh file, in a form that is independent of its format.
 #[derive(Clone, Debug)]
 pub struct MeshFile {
     path: Option<PathBuf>,
@@ -45,7 +45,7 @@ pub struct MeshFile {
     elements: Vec<Elements>,
 }
 
-/// The formats that are read.
+/// The supported formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Gmsh's MSH 4.1, text or binary.
@@ -58,26 +58,26 @@ pub enum Format {
     FreeFem,
 }
 
-/// Elements that belong together: a physical group of Gmsh, or all of one label.
+/// A group of elements: a physical group of Gmsh, or all elements with one label.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Group {
-    /// The dimension of its elements.
+    /// The dimension of the elements.
     pub dimension: usize,
     /// The number of the physical group, or the label.
     pub number: i64,
-    /// The name; the number in words of digits where the file has none.
+    /// The name; the number in decimal digits if the file has no name.
     pub name: String,
 }
 
-/// Elements of one kind that are in the same groups.
+/// Elements of one kind that belong to the same groups.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Elements {
-    /// What they are.
+    /// The kind of the elements.
     pub kind: ElementKind,
-    /// Indices into [`MeshFile::groups`], ascending; there may be none.
+    /// Indices into [`MeshFile::groups`], ascending; may be empty.
     pub groups: Vec<usize>,
-    /// Indices into [`MeshFile::vertices`], flat, [`ElementKind::nodes`] of them an element in the
-    /// order told there.
+    /// Indices into [`MeshFile::vertices`], flat, [`ElementKind::nodes`] for each element in the
+    /// order that [`ElementKind`] defines.
     pub nodes: Vec<usize>,
 }
 
@@ -87,23 +87,23 @@ impl Elements {
         self.nodes.chunks_exact(self.kind.nodes())
     }
 
-    /// How many elements.
+    /// The number of elements.
     pub fn len(&self) -> usize {
         self.nodes.len() / self.kind.nodes()
     }
 
-    /// Whether there is no element.
+    /// Whether there are no elements.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 }
 
 impl MeshFile {
-    /// Reads the file at `path`; its format is told from its contents, not from its name.
+    /// Reads the file at `path`. Its format is determined from its contents, not from its name.
     ///
     /// # Errors
-    /// [`Error::Read`] if it cannot be read at all; [`Error::MeshFile`] with the line or byte, what
-    /// was found there and what to do.
+    /// [`Error::Read`] if the file cannot be read; [`Error::MeshFile`] if its contents are invalid,
+    /// with the line or byte, what was found there and the remedy.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let bytes = std::fs::read(path).map_err(|source| Error::Read {
@@ -138,13 +138,13 @@ impl MeshFile {
         }
     }
 
-    /// Which format it was.
+    /// The format of the file.
     pub fn format(&self) -> Format {
         self.format
     }
 
-    /// Coordinates of all vertices (UL), those of nodes amid edges included; the third is 0 where
-    /// the file has two.
+    /// Coordinates of all vertices (UL), including middle nodes of edges; the third is 0 if the
+    /// file has two.
     pub fn vertices(&self) -> &[[f64; 3]] {
         &self.vertices
     }
@@ -160,7 +160,7 @@ impl MeshFile {
     }
 }
 
-/// Tells the format from how the file begins, and reads it.
+/// Determines the format from the beginning of the file, and reads the file.
 fn contents(bytes: &[u8]) -> Result<(Format, Contents), Fault> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let start = bytes.trim_ascii_start();

@@ -1,4 +1,4 @@
-//! Which cells make which body.
+//! The assignment of cells to bodies.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -8,14 +8,14 @@ use super::{Elements, MeshFile, Problem};
 /// The cells of a body.
 pub(super) struct Part<'a> {
     pub name: &'a str,
-    /// Indices into the file's elements, ascending.
+    /// The indices of the cells in the file's elements, ascending.
     pub blocks: Vec<usize>,
 }
 
 /// The corners of an element in ascending order, filled up with `usize::MAX`.
 pub(super) type Corners = [usize; 4];
 
-/// The corners in any order.
+/// Sorts corners that may be in any order.
 pub(super) fn sorted(corners: &[usize]) -> Corners {
     let mut sorted = [usize::MAX; 4];
     sorted[..corners.len()].copy_from_slice(corners);
@@ -24,13 +24,13 @@ pub(super) fn sorted(corners: &[usize]) -> Corners {
 }
 
 impl MeshFile {
-    /// The elements of that dimension.
+    /// The elements of the given dimension.
     pub(super) fn of_dimension(&self, dimension: usize) -> impl Iterator<Item = &Elements> {
         let belongs = move |block: &&Elements| block.kind.dimension() == dimension;
         self.elements.iter().filter(belongs)
     }
 
-    /// The cells by body; there may be cells in none, if others are in one.
+    /// The cells of each body. Cells in no group are left out if others are in one.
     pub(super) fn parts(&self, dimension: usize) -> Result<Vec<Part<'_>>, Problem> {
         let dimensions = self.elements.iter().map(|block| block.kind.dimension());
         let found = dimensions.max().unwrap_or(0);
@@ -72,7 +72,7 @@ impl MeshFile {
         Ok(parts)
     }
 
-    /// Checks that all cells are in groups or none.
+    /// Checks that all cells are in groups, or none.
     pub(super) fn check_all_in_parts(&self, dimension: usize) -> Result<(), Problem> {
         let cells = self.of_dimension(dimension);
         let (free, grouped): (Vec<&Elements>, Vec<_>) = cells.partition(|b| b.groups.is_empty());
@@ -84,7 +84,7 @@ impl MeshFile {
         }
     }
 
-    /// Checks that a plane mesh has one z, up to round-off.
+    /// Checks that all vertices of a plane mesh have the same z, up to round-off.
     fn check_plane(&self, dimension: usize) -> Result<(), Problem> {
         const ROUND_OFF: f64 = 1e-9;
         let vertices = || self.of_dimension(dimension).flat_map(|block| &block.nodes);
@@ -108,7 +108,7 @@ impl MeshFile {
         }
     }
 
-    /// Checks that no cell is in two bodies, or in one twice.
+    /// Checks that no cell is in two bodies, or twice in one.
     pub(super) fn check_cells_differ(&self, parts: &[Part]) -> Result<(), Problem> {
         let mut seen: HashMap<Corners, usize> = HashMap::new();
         for (p, part) in parts.iter().enumerate() {

@@ -1,18 +1,18 @@
-//! What can be wrong with a mesh file.
+//! Problems of a mesh file.
 
 use std::fmt;
 
 use super::ElementKind;
 use crate::error::Error;
 
-/// Where in a mesh file something is wrong.
+/// The position of a problem in a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// In the file as a whole.
+    /// The file as a whole.
     File,
-    /// In a line, counted from 1.
+    /// A line, counted from 1.
     Line(usize),
-    /// At a byte of a binary file, counted from 0.
+    /// A byte of a binary file, counted from 0.
     Byte(usize),
 }
 
@@ -26,88 +26,88 @@ impl fmt::Display for Place {
     }
 }
 
-/// What is wrong with a mesh file: what was found, what was expected, and the remedy.
+/// A problem of a mesh file: what was found, what was expected, and the remedy.
 ///
-/// Vertices are counted from 0 in the order of the file, bodies and boundaries are called by the
-/// names of their groups.
+/// Vertices are counted from 0 in the order of the file; bodies and boundaries have the names of
+/// their groups.
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// No byte but white space.
+    /// A file without contents other than white space.
     #[error("the file is empty")]
     Empty,
-    /// None of the formats that are read.
+    /// A format other than the supported ones.
     #[error(
         "begins with `{start}`: this is no Gmsh MSH, Medit .mesh or FreeFEM .msh file; export one \
          of these"
     )]
     UnknownFormat {
-        /// How the file begins.
+        /// The beginning of the file.
         start: String,
     },
-    /// A format that is known but not read.
+    /// A known format that is not supported.
     #[error("this is {found}, which is not read: {remedy}")]
     Unsupported {
         /// The format and its version.
         found: String,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
-    /// Something stands where something else should.
+    /// An unexpected word or number.
     #[error("expected {expected}, found `{found}`")]
     Expected {
-        /// What should stand there.
+        /// What was expected.
         expected: String,
-        /// What stands there.
+        /// What was found.
         found: String,
     },
-    /// The file ends too early.
+    /// A file that ends too early.
     #[error("the file ends where {expected} should be: it is incomplete, write it again")]
     Truncated {
-        /// What should stand there.
+        /// What was expected.
         expected: String,
     },
-    /// More things are announced than the file has room for.
+    /// An announced number of items for which the rest of the file is too small.
     #[error(
         "announces {count} {what}, but only {bytes} bytes are left: the file is incomplete or the \
          number wrong"
     )]
     Count {
-        /// Of what.
+        /// The items.
         what: &'static str,
-        /// How many.
+        /// The announced number.
         count: u64,
-        /// The bytes up to the end of the file.
+        /// The number of bytes up to the end of the file.
         bytes: usize,
     },
-    /// The parts of a section do not add up.
+    /// A section whose parts do not add up to the announced number.
     #[error("announces {announced} {what}, but the section has {found}: write the file again")]
     Total {
-        /// Of what.
+        /// The items.
         what: &'static str,
-        /// How many there should be.
+        /// The announced number.
         announced: u64,
-        /// How many there are.
+        /// The number found.
         found: u64,
     },
-    /// A part of the file that nothing can be made of a mesh without.
+    /// A missing section that every mesh needs.
     #[error("the file has no {section}: export the mesh, not the geometry alone")]
     Missing {
         /// The section.
         section: &'static str,
     },
-    /// A section that stands before the one it builds on, or twice.
+    /// A section that is repeated or precedes one on which it depends.
     #[error("`{section}` is out of place: {remedy}")]
     Order {
         /// The section.
         section: String,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
-    /// A mesh cut into partitions.
+    /// A mesh that is divided into partitions.
     #[error("the mesh is partitioned: write it in one part (Gmsh: Mesh > Unpartition)")]
     Partitioned,
-    /// Elements that are no simplices of order 1 or 2.
+    /// Elements that are not simplices of order 1 or 2.
     #[error(
         "{kind} elements are not supported: mesh with segments, triangles and tetrahedra of order \
          1 or 2, without recombination"
@@ -116,18 +116,18 @@ pub enum Problem {
         /// Their name.
         kind: String,
     },
-    /// Two nodes of one number.
+    /// Two nodes with the same number.
     #[error("node {number} is defined twice: renumber the mesh")]
     RepeatedNode {
         /// The number.
         number: u64,
     },
-    /// An element names a node that the file does not have.
+    /// An element with a node that does not exist in the file.
     #[error("an element names node {number}, which is not among the {nodes} nodes of the file")]
     UnknownNode {
-        /// The number, as the file has it.
+        /// The number in the file.
         number: String,
-        /// How many nodes there are.
+        /// The number of nodes.
         nodes: usize,
     },
     /// Elements of a geometrical entity that the file does not list.
@@ -140,7 +140,7 @@ pub enum Problem {
         /// Its number.
         entity: i64,
     },
-    /// Too many groups to be meant.
+    /// An entity in more groups than are accepted.
     #[error(
         "entity {entity} of dimension {dimension} is in more than {most} physical groups: put it \
          in fewer"
@@ -150,7 +150,7 @@ pub enum Problem {
         dimension: usize,
         /// Its number.
         entity: i64,
-        /// How many would be accepted.
+        /// The largest accepted number.
         most: usize,
     },
     /// A coordinate that is NaN or infinite.
@@ -161,21 +161,21 @@ pub enum Problem {
         /// The coordinate.
         value: f64,
     },
-    /// A name that is no text.
+    /// A name that is not UTF-8.
     #[error("the name `{name}` is not UTF-8: rename the group in plain letters")]
     NotUtf8 {
-        /// The name, as far as it can be shown.
+        /// The name, as far as it is printable.
         name: String,
     },
-    /// The mesh is not of the dimension asked for.
+    /// A mesh whose dimension differs from the requested one.
     #[error("the file holds a mesh of dimension {found}, but {asked} was asked for")]
     Dimension {
-        /// The dimension asked for.
+        /// The requested dimension.
         asked: usize,
         /// The largest dimension of the elements.
         found: usize,
     },
-    /// A plane mesh that is not plane.
+    /// A mesh in the plane whose vertices have different z coordinates.
     #[error(
         "vertex {vertex} lies at z = {z}, others at z = {plane}: a mesh in the plane needs one z"
     )]
@@ -184,16 +184,16 @@ pub enum Problem {
         vertex: usize,
         /// Its third coordinate (UL).
         z: f64,
-        /// That of the first vertex of the first cell (UL).
+        /// The third coordinate of the first vertex of the first cell (UL).
         plane: f64,
     },
-    /// Cells in no group where others are in one.
+    /// Cells without a group although other cells have one.
     #[error(
         "{cells} cells belong to no group while others do: put every cell in a group (a body), or \
          none"
     )]
     Ungrouped {
-        /// How many.
+        /// The number of these cells.
         cells: usize,
     },
     /// A cell in two bodies.
@@ -217,7 +217,7 @@ pub enum Problem {
         /// The body.
         body: String,
     },
-    /// A facet in a group that bounds no body.
+    /// A facet in a group that is on the boundary of no body.
     #[error(
         "the facet at {at:?} with vertices {vertices:?} in `{boundary}` is on the boundary of no \
          body: remove it from the group, or take bodies one at a time with `MeshFile::body`, which \
@@ -226,17 +226,17 @@ pub enum Problem {
     LooseFacet {
         /// The corners.
         vertices: Box<[usize]>,
-        /// The centre (UL).
+        /// The centroid (UL).
         at: [f64; 3],
         /// The group.
         boundary: String,
     },
-    /// A body that the file does not have.
+    /// A body that does not exist in the file.
     #[error("no body is called `{name}`; this file has {known:?}")]
     UnknownBody {
-        /// The name asked for.
+        /// The name that was given.
         name: String,
-        /// The names there are.
+        /// The names that exist.
         known: Vec<String>,
     },
     /// Cells of two orders in one body.
@@ -244,27 +244,27 @@ pub enum Problem {
     CellOrder {
         /// The body.
         body: String,
-        /// What the quadratic cells are.
+        /// The kind of the quadratic cells.
         kind: ElementKind,
     },
-    /// The cells of a body make no mesh.
+    /// Cells that do not form a valid mesh.
     #[error("body `{body}`, its cells counted from 0 in the order of the file: {source}")]
     Body {
         /// The body.
         body: String,
-        /// Why.
+        /// The error.
         source: Box<Error>,
     },
 }
 
-/// The message, since that is what `main` and `unwrap` show of an error.
+/// The `Display` message: `main` and `unwrap` print an error by `Debug`.
 impl fmt::Debug for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
     }
 }
 
-/// A problem and its place, before the file's path is known.
+/// A problem with its position; the file's path is added later.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub place: Place,
@@ -278,7 +278,7 @@ impl From<Problem> for Fault {
     }
 }
 
-/// The beginning of `bytes` as text that can be shown in a message.
+/// The beginning of `bytes` as printable text, for messages.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;
     let shown = &bytes[..bytes.len().min(LONGEST)];

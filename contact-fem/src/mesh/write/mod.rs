@@ -1,9 +1,9 @@
 //! Meshes in FreeFEM's formats: `.msh` in the plane, Medit's `.mesh` in space.
 //!
-//! FreeFEM's meshes are straight: of a quadratic mesh the corners are written, in the order of
-//! their numbers, and FreeFEM's `P2` puts nodes in the middle of edges itself. A linear mesh keeps
-//! all its numbers, less one: FreeFEM's scripts count from 0, its files from 1. Both formats name
-//! boundaries by whole numbers, see [`Mesh::boundary_labels`].
+//! FreeFEM's meshes are straight. Of a quadratic mesh the corners are written, in the order of
+//! their numbers; FreeFEM's `P2` adds the nodes in the middle of edges itself. A linear mesh keeps
+//! its numbering: FreeFEM's scripts count from 0, its files from 1. Both formats denote boundaries
+//! by whole numbers, see [`Mesh::boundary_labels`].
 //! ```
 //! use contact_fem::MeshFile;
 //! use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
@@ -25,17 +25,18 @@ use std::path::Path;
 use super::Mesh;
 use crate::error::Error;
 
-/// The label of the body's cells, and of facets on no named boundary.
+/// The label of all cells of a body.
 const CELLS: usize = 1;
+/// The label of facets on no named boundary.
 const UNNAMED: usize = 0;
 
 /// Elements with a label, as both formats list them.
 type Labelled<'a> = Vec<(&'a [usize], usize)>;
 
 impl<const D: usize> Mesh<D> {
-    /// The names of the boundaries with the labels that stand for them in FreeFEM's files: 1, 2, …
-    /// in alphabetical order, or the names themselves where all are whole numbers from 1, as those of
-    /// a file that was read. Facets of no boundary have label 0.
+    /// The names of the boundaries with their labels in FreeFEM's files: 1, 2, … in alphabetical
+    /// order, or the names themselves if all of them are whole numbers from 1, as in a mesh from a
+    /// file. Facets on no boundary have label 0.
     pub fn boundary_labels(&self) -> impl Iterator<Item = (&str, usize)> {
         let number = |name: &str| {
             let label = name.parse().ok().filter(|&label: &usize| label > 0);
@@ -49,11 +50,12 @@ impl<const D: usize> Mesh<D> {
         })
     }
 
-    /// The mesh as FreeFEM reads it: the text of a `.msh` file in the plane, of Medit's `.mesh` in
-    /// space. Coordinates are read back to the last bit; all cells have label 1.
+    /// The mesh in FreeFEM's format: the text of a `.msh` file in the plane, of Medit's `.mesh` in
+    /// space. Coordinates are written with all digits, so that they are read back exactly; all
+    /// cells have label 1.
     ///
     /// # Errors
-    /// [`Error::SharedFacet`]: a facet has one label, and cannot be on two boundaries.
+    /// [`Error::SharedFacet`] if a facet is on two boundaries: it can have only one label.
     pub fn to_freefem(&self) -> Result<String, Error> {
         let corners = self.used_corners();
         let cells: Labelled = self.cells().map(|cell| (&cell[..=D], CELLS)).collect();
@@ -92,11 +94,11 @@ impl<const D: usize> Mesh<D> {
         Ok(text)
     }
 
-    /// Writes [`Mesh::to_freefem`] to a file, whose name should end in `.msh` in the plane and in
-    /// `.mesh` in space.
+    /// Writes the text of [`Mesh::to_freefem`] to a file. Its name should end in `.msh` in the
+    /// plane and in `.mesh` in space.
     ///
     /// # Errors
-    /// As there, and [`Error::Write`].
+    /// As [`Mesh::to_freefem`], and [`Error::Write`].
     pub fn save_freefem(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         std::fs::write(path, self.to_freefem()?).map_err(|source| Error::Write {

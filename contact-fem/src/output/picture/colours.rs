@@ -1,4 +1,4 @@
-//! From values to colours.
+//! Colour scales.
 
 use plotters::prelude::{ColorMap, ViridisRGB};
 use plotters::style::RGBColor;
@@ -10,7 +10,7 @@ use super::short;
 pub(super) struct Colours {
     pub low: f64,
     pub high: f64,
-    /// There are values above `high`.
+    /// Whether there are values above `high`.
     pub is_cut: bool,
 }
 
@@ -21,8 +21,8 @@ impl Colours {
         ViridisRGB.get_color(((value - self.low) / span).clamp(0.0, 1.0))
     }
 
-    /// Round numbers within the range, about five, and what to write beside them; and the upper end
-    /// if values go beyond it.
+    /// Round numbers within the range, about five, with their labels; and the upper end if values
+    /// exceed it.
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let span = self.high - self.low;
         if span <= 0.0 {

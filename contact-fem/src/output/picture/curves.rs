@@ -1,4 +1,4 @@
-//! Curves over labelled axes.
+//! Pictures of curves over labelled axes.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::error::Error;
 /// One curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Its name in the legend, which there is for more than one curve.
+    /// The name in the legend, which is shown for more than one curve.
     pub name: String,
     /// (x, y) in order.
     pub points: Vec<(f64, f64)>,
@@ -22,11 +22,11 @@ pub struct Curve {
 /// Curves in one pair of axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
-    /// What stands above them.
+    /// The title.
     pub title: String,
-    /// What x is, with units.
+    /// The quantity on the x axis, with units.
     pub x_label: String,
-    /// What y is, with units.
+    /// The quantity on the y axis, with units.
     pub y_label: String,
     /// The curves.
     pub curves: Vec<Curve>,
@@ -34,7 +34,7 @@ pub struct Curves {
 
 impl Curves {
     const SIZE: (u32, u32) = (900, 600);
-    /// Colours that the colour-blind can tell apart.
+    /// Colours that people with colour vision deficiency can distinguish.
     const COLOURS: [RGBColor; 5] = [
         RGBColor(0, 114, 178),
         RGBColor(213, 94, 0),
@@ -43,10 +43,11 @@ impl Curves {
         RGBColor(86, 180, 233),
     ];
 
-    /// Curves of no more points than this show each of them: one alone would have no line.
+    /// The largest number of points of a curve that is drawn with a marker at each: a single point
+    /// has no line.
     const MARKED: usize = 12;
 
-    /// Draws them at `path` as SVG. Points that are not finite are left out.
+    /// Draws the curves as SVG at `path`. Points that are not finite are left out.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -109,7 +110,7 @@ impl Curves {
     }
 }
 
-/// The value of a tick, which round-off may keep from being zero.
+/// The value of a tick; round-off around zero is removed.
 fn nearly_zero(value: f64, range: &std::ops::Range<f64>) -> f64 {
     let noise = 1e-9 * (range.end - range.start);
     if value.abs() < noise { 0.0 } else { value }

@@ -1,4 +1,4 @@
-//! Deformed meshes side by side, coloured by a field of their cells.
+//! Pictures of deformed meshes side by side, coloured by a field on the cells.
 
 use std::path::Path;
 
@@ -22,26 +22,26 @@ use crate::tensor::Vector;
 /// One state in a picture.
 #[derive(Clone, Debug)]
 pub struct Panel<'a, const D: usize> {
-    /// What stands above it.
+    /// The title above the panel.
     pub title: String,
-    /// What it shows.
+    /// The state.
     pub snapshot: &'a Snapshot<D>,
 }
 
-/// A row of deformed meshes at one scale, with one colour bar for all. Bodies in space are seen
-/// from the front, the right and above; patches that are farther away are drawn first.
+/// A row of deformed meshes at one scale, with a common colour bar. Bodies in space are seen from
+/// the front, the right and above; patches farther away are drawn first.
 #[derive(Clone, Debug)]
 pub struct MeshPicture<'a, const D: usize> {
-    /// From left to right.
+    /// The panels from left to right.
     pub panels: Vec<Panel<'a, D>>,
-    /// The field that gives the colour.
+    /// The field that determines the colour.
     pub field: fn(&CellState<D>) -> f64,
-    /// Its name and units, beside the colour bar.
+    /// The name and units of the field, beside the colour bar.
     pub label: String,
 }
 
 impl<'a, const D: usize> MeshPicture<'a, D> {
-    /// The von Mises stress (UF/UL²) in these panels.
+    /// The von Mises stress (UF/UL²) of these panels.
     pub fn von_mises(panels: Vec<Panel<'a, D>>) -> Self {
         MeshPicture {
             panels,
@@ -50,10 +50,11 @@ impl<'a, const D: usize> MeshPicture<'a, D> {
         }
     }
 
-    /// Draws it at `path` as SVG. Colours run from the field's smallest value (or 0, if that is
-    /// less) to the value that [`SHARE`](Self::SHARE) of the area stays below in the panel with the
-    /// highest values: small cells carry stresses far above all others, and would leave those
-    /// without a difference. They have the colour at the top of the bar, whose number has a `≥`.
+    /// Draws the picture as SVG at `path`. Colours range from the field's smallest value (at most
+    /// 0) to the value below which [`SHARE`](Self::SHARE) of the area lies in the panel with the
+    /// highest values: a few small cells have much higher stresses, with which all other cells
+    /// would have the same colour. These cells have the colour at the top of the bar, whose number
+    /// is marked with `≥`.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -75,7 +76,7 @@ impl<'a, const D: usize> MeshPicture<'a, D> {
         })
     }
 
-    /// Of the reference area in one panel, the part whose values the colours can tell apart.
+    /// The share of the reference area in one panel whose values the colours resolve (no unit).
     pub const SHARE: f64 = 0.98;
 
     fn colours(&self, problem: &Problem<D>) -> Colours {
@@ -112,12 +113,12 @@ impl<'a, const D: usize> MeshPicture<'a, D> {
 const TITLE: u32 = 40;
 const LABEL: u32 = 32;
 
-/// Lengths in pixels: panels in a row, the colour bar to their right.
+/// The layout, with lengths in pixels: panels in a row, the colour bar to their right.
 struct Layout {
     panels: u32,
-    /// The corner of all panels' common view that is drawn at their upper left (UL).
+    /// The point of the scene that is drawn at the upper left of every panel (UL).
     corner: Vector<2>,
-    /// Pixels per UL.
+    /// The scale (pixels per UL).
     scale: f64,
     height: u32,
 }
@@ -127,10 +128,10 @@ impl Layout {
     const GAP: u32 = 30;
     const TOP: u32 = 80;
     const BAR: u32 = 34;
-    /// Room for the colour bar, its numbers and its label.
+    /// The width of the colour bar, its numbers and its label.
     const RIGHT: u32 = 210;
 
-    /// A view that holds the bodies in all panels.
+    /// The layout that shows the bodies of all panels.
     fn new<const D: usize>(problem: &Problem<D>, panels: &[Panel<'_, D>]) -> Self {
         let start: (Vector<2>, Vector<2>) = (
             Vector::repeat(f64::INFINITY),
@@ -174,7 +175,7 @@ impl Layout {
         (middle as i32, Self::TOP as i32 / 2)
     }
 
-    /// Where the nodes are drawn.
+    /// The positions at which the nodes are drawn.
     fn pixels<const D: usize>(
         &self,
         panel: usize,
@@ -193,15 +194,15 @@ impl Layout {
     }
 }
 
-/// The patches over each other, and in the plane the edges between them and the bodies' outlines;
-/// in space every patch has its own edges, which the nearer ones hide.
+/// Draws the patches, and in the plane the edges between them and the bodies' outlines; in space
+/// every patch has its own edges, so that nearer patches hide them.
 fn paint<const D: usize>(
     canvas: &Canvas<'_>,
     pixels: &[(i32, i32)],
     patches: &[Patch],
     colours: &[RGBColor],
 ) -> Result<(), DrawError> {
-    // a grey that can be seen on all colours
+    // a grey that is visible on all colours
     let thin = ShapeStyle::from(&RGBColor(150, 150, 150)).stroke_width(1);
     let points = |nodes: &[usize]| nodes.iter().map(|&a| pixels[a]).collect::<Vec<_>>();
     for patch in patches {
@@ -222,7 +223,7 @@ fn paint<const D: usize>(
     Ok(())
 }
 
-/// The bodies' boundaries, in the plane.
+/// Draws the bodies' boundaries, in the plane.
 fn outlines<const D: usize>(
     canvas: &Canvas<'_>,
     pixels: &[(i32, i32)],
@@ -235,7 +236,7 @@ fn outlines<const D: usize>(
     for (k, body) in problem.scene().bodies().iter().enumerate() {
         let first = problem.first_node(k);
         for facet in body.mesh().exterior() {
-            // a side's ends with the middle node between them
+            // the ends of a side with the middle node between them
             let [start, end] = [facet[0], facet[1]];
             let nodes = [&[start], &facet[2..], &[end]].concat();
             let points: Vec<_> = nodes.iter().map(|a| pixels[first + a]).collect();
@@ -258,7 +259,7 @@ fn colour_bar(
     let y = |share: f64| top + (f64::from(height) * (1.0 - share)).round() as i32;
     let span = colours.high - colours.low;
     for k in (0..STRIPES).rev() {
-        // down to the bottom, so that no seam shows between one stripe and the next
+        // each stripe extends to the bottom, so that there are no seams
         let (from, to) = (f64::from(k), f64::from(k + 1));
         let (from, to) = (from / f64::from(STRIPES), to / f64::from(STRIPES));
         let value = colours.low + 0.5 * (from + to) * span;

@@ -1,4 +1,4 @@
-//! Pictures as SVG: deformed meshes, and curves.
+//! Pictures as SVG: deformed meshes and curves.
 
 mod colours;
 mod curves;
@@ -19,9 +19,9 @@ use plotters::style::WHITE;
 use super::file;
 use crate::error::Error;
 
-/// Where everything is drawn; coordinates in pixels, y downwards.
+/// The drawing area; coordinates in pixels, y downwards.
 type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-/// What drawing may fail with; with text in memory it does not.
+/// The error of drawing, which does not occur with text in memory.
 type DrawError = plotters::drawing::DrawingAreaErrorKind<std::io::Error>;
 
 /// Draws with `draw` on a white canvas of `size` pixels and puts the picture at `path`.
@@ -39,12 +39,12 @@ fn save(
             .and_then(|()| canvas.present())
             .map_err(|source| file::failed(path, source))?;
     }
-    // full opacity is SVG's default, and thousands of polygons need not repeat it
+    // full opacity is the default of SVG; thousands of polygons do not repeat it
     let text = text.replace(" opacity=\"1\"", "");
     file::replace(path, text.as_bytes())
 }
 
-/// Without digits that say nothing: at most six significant ones.
+/// A number with at most six significant digits, without trailing zeros.
 fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {

@@ -1,8 +1,9 @@
-//! Edges of a mesh as few long lines, which make small files.
+//! Joins the edges of a mesh to a few long lines, which make the files small.
 
 use std::collections::{HashMap, HashSet};
 
-/// The edges of cells, given by the nodes around them, each once, joined to trails: every edge is in exactly one trail.
+/// The edges of cells, given by the nodes around them, joined to trails: every edge is in exactly
+/// one trail.
 pub(super) fn trails(cells: &[&[usize]]) -> Vec<Vec<usize>> {
     let mut seen = HashSet::new();
     let mut neighbours: HashMap<usize, Vec<usize>> = HashMap::new();

@@ -1,19 +1,19 @@
-//! What of a scene is seen: the cells in the plane, the near side of the bodies in space.
+//! The visible parts of a scene: the cells in the plane, the near side of the bodies in space.
 
 use crate::model::Problem;
 use crate::output::snapshot::{Snapshot, cells};
 use crate::tensor::{Vector, facet_normal};
 
-/// A patch of one colour.
+/// A patch with one colour.
 pub(super) struct Patch {
-    /// The scene nodes around it.
+    /// The scene nodes around the patch.
     pub nodes: Vec<usize>,
-    /// The cell (in the order of [`Snapshot::cells`]) whose colour it has.
+    /// The cell (in the order of [`Snapshot::cells`]) that determines the colour.
     pub cell: usize,
 }
 
-/// Towards the viewer, to the right and up, for scenes in space: from the front, the right and
-/// above.
+/// The directions towards the viewer, to the right and up, for scenes in space; the view is from
+/// the front, the right and above.
 fn axes<const D: usize>() -> [Vector<D>; 3] {
     let axis = |x: [f64; 3]| Vector::<D>::from_fn(|i, _| x[i]).normalize();
     [
@@ -23,7 +23,7 @@ fn axes<const D: usize>() -> [Vector<D>; 3] {
     ]
 }
 
-/// The point on the drawing plane where `x` is seen (UL, y upwards).
+/// The projection of `x` on the drawing plane (UL, y upwards).
 pub(super) fn project<const D: usize>(x: &Vector<D>) -> [f64; 2] {
     let [_, right, up] = axes::<D>();
     match D {
@@ -32,7 +32,7 @@ pub(super) fn project<const D: usize>(x: &Vector<D>) -> [f64; 2] {
     }
 }
 
-/// What is seen at this state, the farthest patch first.
+/// The visible patches of a state, the farthest first.
 pub(super) fn patches<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Vec<Patch> {
     if D == 2 {
         let patch = |(cell, (_, nodes))| Patch {
@@ -65,7 +65,8 @@ pub(super) fn patches<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<
     seen.into_iter().map(|(_, patch)| patch).collect()
 }
 
-/// Corners with the middle nodes, if there are any, between them: 0, 3, 1, 4, 2, 5 of a triangle.
+/// Corners and middle nodes, if there are any, in the order around the patch: 0, 3, 1, 4, 2, 5 of a
+/// triangle.
 fn around(nodes: &[usize], corners: usize) -> Vec<usize> {
     let (corners, middles) = nodes.split_at(corners);
     let sides = corners.iter().enumerate();
@@ -97,7 +98,7 @@ mod tests {
     fn the_near_side_is_seen() {
         let problem = tetrahedron();
         let rest = Snapshot::at_rest(&problem).expect("a snapshot");
-        // the faces y = 0 and x + y + z = 1 look at the viewer, x = 0 and z = 0 do not
+        // the faces y = 0 and x + y + z = 1 are visible, x = 0 and z = 0 are not
         let seen = patches(&problem, &rest);
         assert_eq!(seen.len(), 2);
         let problem = squares();

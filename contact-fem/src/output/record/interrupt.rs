@@ -1,25 +1,26 @@
-//! Ctrl-C, or a request to terminate, as one to stop cleanly.
+//! Ctrl-C and termination requests, which stop a run cleanly.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use contact_core::Stop;
 
-/// The exit code of a program that a signal asked to end.
+/// The exit code of a program that was stopped by a signal.
 pub const INTERRUPTED: u8 = 130;
 
-/// What the first Ctrl-C stops.
+/// The stop requests of the runs, and whether there was a Ctrl-C.
 #[derive(Default)]
 struct Running {
     interrupted: bool,
     stops: Vec<Stop>,
 }
 
-/// Has the first Ctrl-C request `stop`; the second one ends the process at once. After a Ctrl-C, later runs of the
-/// process are stopped, too. A program that has set a handler of its own with `ctrlc` keeps that.
+/// The first Ctrl-C requests `stop`; the second one ends the process at once. After a Ctrl-C, later
+/// runs of the process are stopped, too. If the program has set its own handler with `ctrlc`, that
+/// handler stays.
 pub fn stop_on_ctrl_c(stop: &Stop) {
     static RUNNING: OnceLock<Mutex<Running>> = OnceLock::new();
     let running = RUNNING.get_or_init(|| {
-        // an error: the program has a handler of its own
+        // an error: the program has its own handler
         let _ = ctrlc::set_handler(|| interrupt(RUNNING.get()));
         Mutex::default()
     });

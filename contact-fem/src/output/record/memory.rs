@@ -1,6 +1,6 @@
-//! What the operating system knows of this process.
+//! Memory use of the process.
 
-/// The most memory this process has had at once (bytes), where the system tells (Linux).
+/// The peak memory of the process (bytes), where the system reports it (Linux).
 pub fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;

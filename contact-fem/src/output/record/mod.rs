@@ -1,4 +1,4 @@
-//! Runs that leave files, show how far they have come and stop cleanly on Ctrl-C.
+//! Recorded runs: they write files, show progress and stop cleanly on Ctrl-C.
 
 mod interrupt;
 mod memory;
@@ -27,13 +27,14 @@ use summary::Summary;
 pub use interrupt::{INTERRUPTED, stop_on_ctrl_c};
 pub use memory::peak_memory;
 
-/// The exit code of a run that converged to something whose certificate does not hold.
+/// The exit code of a run that converged with a certificate that does not hold.
 pub const NOT_CERTIFIED: u8 = 3;
 
 type Force<'a, const D: usize> = Box<dyn Fn(&StepRecord<D>) -> f64 + 'a>;
 type Message<'a, const D: usize> = Box<dyn Fn(&StepView<'_, D>) -> String + 'a>;
 
-/// A run with its files, made by [`Simulation::record`]. Everything is on disk up to wherever the run comes.
+/// A run that writes files, made by [`Simulation::record`]. The files are complete up to the last
+/// converged step at any time.
 ///
 /// | file | what |
 /// |---|---|
@@ -43,50 +44,51 @@ type Message<'a, const D: usize> = Box<dyn Fn(&StepView<'_, D>) -> String + 'a>;
 /// | `summary.json` | what ran on what, how it ended, the results and what they cost |
 pub struct Recording<'a, const D: usize, S = DefaultSolver> {
     simulation: &'a mut Simulation<S>,
-    /// What is written and shown.
+    /// The files and the output.
     pub plan: Plan<'a, D>,
 }
 
-/// What a [`Recording`] writes and shows.
+/// The files and the output of a [`Recording`].
 pub struct Plan<'a, const D: usize> {
-    /// The folder of all files; it is made if it does not exist.
+    /// The folder of all files; it is created if it does not exist.
     pub folder: PathBuf,
-    /// What the files' names begin with, of letters, digits, `_`, `-` and `.`; the folder's name by default.
+    /// The prefix of the file names, of letters, digits, `_`, `-` and `.`; by default the name of
+    /// the folder.
     pub name: String,
-    /// A `.vtu` file is written every so many increments, none for 0; 1 by default.
+    /// The interval of `.vtu` files in increments; 0 writes none. 1 by default.
     pub vtu_every: usize,
-    /// The name of the picture; none is drawn if it is empty.
+    /// The file name of the picture; an empty name draws none.
     pub picture: String,
-    /// The state half way is kept for the picture, too; `true` by default.
+    /// Whether the state half way to full load is kept for the picture; `true` by default.
     pub half_way: bool,
-    /// Nothing is printed; `false` by default.
+    /// Whether nothing is printed; `false` by default.
     pub quiet: bool,
     increments: usize,
     force: Force<'a, D>,
     message: Option<Message<'a, D>>,
 }
 
-/// A run that was recorded. As the result of `main` it gives the exit code.
+/// A recorded run. As the result of `main` it gives the exit code.
 #[derive(Debug)]
 pub struct Recorded<const D: usize> {
-    /// How it ended, and its steps.
+    /// The history: the ending and the steps.
     pub history: History<D>,
-    /// The states at rest, half way and at the last converged step, as far as the run came.
+    /// The states at rest, half way and at the last converged step, as far as the run reached them.
     pub stages: Vec<Stage<D>>,
 }
 
-/// A state to make a picture of.
+/// A state for a picture.
 #[derive(Clone, Debug)]
 pub struct Stage<const D: usize> {
-    /// The increment it completes, or the load factor.
+    /// A title: the increment that the state completes, or the load factor.
     pub title: String,
     is_half_way: bool,
-    /// Its fields.
+    /// The fields of the state.
     pub snapshot: Snapshot<D>,
 }
 
 impl<S: Equilibrium> Simulation<S> {
-    /// A run that leaves all its files in `folder`, shows progress and stops on Ctrl-C.
+    /// Records the run: it writes all files to `folder`, shows progress and stops on Ctrl-C.
     ///
     /// ```
     /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
@@ -132,13 +134,14 @@ impl<S: Equilibrium> Simulation<S> {
 }
 
 impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
-    /// Sets the force (UF) that the summary reports as `reaction`; by default the largest reaction of a body.
+    /// Sets the force (UF) that the summary reports as `reaction`; the default is the largest
+    /// reaction of a body.
     pub fn force(mut self, force: impl Fn(&StepRecord<D>) -> f64 + 'a) -> Self {
         self.plan.force = Box::new(force);
         self
     }
 
-    /// Sets what progress shows of a step; by default energy, force and iterations.
+    /// Sets the text that progress shows for a step; the default is energy, force and iterations.
     pub fn message(mut self, message: impl Fn(&StepView<'_, D>) -> String + 'a) -> Self {
         self.plan.message = Some(Box::new(message));
         self
@@ -147,7 +150,7 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
     /// Solves the problem from rest to full load, as [`Simulation::run`] does.
     ///
     /// # Errors
-    /// As [`Simulation::run`], and files that cannot be written. A summary is written all the same.
+    /// As [`Simulation::run`], and if a file cannot be written. The summary is written in any case.
     pub fn run(self, problem: &mut Problem<D>) -> Result<Recorded<D>, Error> {
         let Recording { simulation, plan } = self;
         let clock = Instant::now();
@@ -199,8 +202,8 @@ impl<const D: usize> Plan<'_, D> {
     }
 }
 
-/// 0 at full load, 1 if some increment did not converge, [`NOT_CERTIFIED`] if some certificate does not hold,
-/// [`INTERRUPTED`] on Ctrl-C.
+/// 0 at full load, 1 if an increment did not converge, [`NOT_CERTIFIED`] if a certificate does not
+/// hold, [`INTERRUPTED`] on Ctrl-C.
 impl<const D: usize> Termination for Recorded<D> {
     fn report(self) -> ExitCode {
         let certificate = self.history.certificate();
@@ -215,7 +218,8 @@ impl<const D: usize> Termination for Recorded<D> {
     }
 }
 
-/// For `main`: the result's exit code, or 2 with the error on the standard error.
+/// For `main`: the exit code of the result, or 2 on an error, which is printed on the standard
+/// error.
 pub fn exit<T: Termination>(result: Result<T, impl Display>) -> ExitCode {
     match result {
         Ok(done) => done.report(),
@@ -226,7 +230,7 @@ pub fn exit<T: Termination>(result: Result<T, impl Display>) -> ExitCode {
     }
 }
 
-/// Prints a line on the standard output. That nobody reads it, as after `| head`, is no error, nor worth a panic.
+/// Prints a line on the standard output. A closed pipe, as after `| head`, is ignored.
 pub fn print(line: impl Display) {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => eprintln!("cannot print: {error}"),

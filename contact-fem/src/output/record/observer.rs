@@ -1,4 +1,4 @@
-//! What a run leaves on disk while it goes on.
+//! The observer of a recorded run, which writes files during the run.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -12,23 +12,24 @@ use crate::output::snapshot::Snapshot;
 use crate::output::vtk::Series;
 use crate::simulation::{History, StepRecord, StepView};
 
-/// The observer of a run: writes tables and `.vtu` files, shows progress, and keeps what pictures need.
+/// The observer of a run: writes tables and `.vtu` files, shows progress, and keeps the states for
+/// pictures.
 pub(super) struct Observer<'a, const D: usize> {
     recording: &'a Plan<'a, D>,
     series: Series,
     tables: Tables,
     progress: Progress,
-    /// One a converged step.
+    /// One entry for each converged step.
     pub(super) records: Vec<StepRecord<D>>,
-    /// The states at rest, half way and at the last converged step, as far as the run came.
+    /// The states at rest, half way and at the last converged step, as far as the run reached them.
     pub(super) stages: Vec<Stage<D>>,
-    /// Seconds spent in here.
+    /// The time spent in the observer (s).
     pub(super) seconds: f64,
     failure: Option<Error>,
 }
 
 impl<'a, const D: usize> Observer<'a, D> {
-    /// Makes the files, with the state at rest as the first one.
+    /// Creates the files, with the state at rest as the first one.
     pub(super) fn new(recording: &'a Plan<'a, D>, problem: &Problem<D>) -> Result<Self, Error> {
         let (folder, name) = (&recording.folder, &recording.name);
         let mut series = Series::create(folder, name)?;
@@ -53,7 +54,7 @@ impl<'a, const D: usize> Observer<'a, D> {
         })
     }
 
-    /// To be called for every converged step; stops the run when a file cannot be written.
+    /// Records a converged step; stops the run if a file cannot be written.
     pub(super) fn observe(&mut self, step: &StepView<'_, D>) -> ControlFlow<()> {
         let clock = Instant::now();
         let record = step.record;
@@ -79,7 +80,7 @@ impl<'a, const D: usize> Observer<'a, D> {
         if is_due {
             self.series.write(record.factor, step.problem, &snapshot)?;
         }
-        // the last stage is replaced by the next one unless it is worth keeping
+        // the last stage is replaced by the next one unless it is at rest or half way
         if self.stages.len() > 1 && !self.stages[self.stages.len() - 1].is_half_way {
             self.stages.pop();
         }
@@ -95,7 +96,8 @@ impl<'a, const D: usize> Observer<'a, D> {
         Ok(())
     }
 
-    /// To be called after the run: failed attempts come into the tables. Reports what could not be written on the way.
+    /// Ends the recording: adds the failed attempts to the tables, or returns the error of a file
+    /// that could not be written during the run.
     pub(super) fn finish(&mut self, history: Option<&History<D>>) -> Result<(), Error> {
         let clock = Instant::now();
         self.progress.finish();

@@ -1,4 +1,4 @@
-//! How far a run has come: a bar in a terminal, plain lines elsewhere.
+//! The progress of a run: a bar in a terminal, plain lines elsewhere.
 
 use std::io::IsTerminal;
 
@@ -6,18 +6,18 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::print;
 
-/// Shows one message a converged step.
+/// Shows one message for each converged step.
 pub(super) enum Progress {
-    /// In a terminal.
+    /// A bar, in a terminal.
     Bar(ProgressBar),
-    /// In a file or a pipe.
+    /// Plain lines, in a file or a pipe.
     Lines,
-    /// Not at all.
+    /// No output.
     Quiet,
 }
 
 impl Progress {
-    /// For a run of so many increments.
+    /// Progress of a run with this number of increments.
     pub fn new(increments: usize, quiet: bool) -> Self {
         if quiet {
             return Progress::Quiet;
@@ -32,7 +32,7 @@ impl Progress {
         Progress::Bar(bar)
     }
 
-    /// A step has converged; `increment` is the one it completes, if any.
+    /// Shows a converged step; `increment` is the increment that it completes, if any.
     pub fn step(&self, increment: Option<usize>, factor: f64, message: String) {
         match self {
             Progress::Bar(bar) => {
@@ -46,7 +46,7 @@ impl Progress {
         }
     }
 
-    /// Clears the line for what follows.
+    /// Clears the line for later output.
     pub fn finish(&self) {
         if let Progress::Bar(bar) = self {
             bar.finish_and_clear();

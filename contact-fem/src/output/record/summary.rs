@@ -1,4 +1,4 @@
-//! `summary.json`: what a run was, how it ended, and what it took.
+//! `summary.json`: the input of a run, its ending, results and cost.
 
 use contact_core::Ending;
 use contact_core::cost::{Cost, FactorSize};
@@ -14,8 +14,8 @@ use crate::left_out::LeftOut;
 use crate::model::Problem;
 use crate::simulation::History;
 
-/// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL; what only a converged step has is
-/// null if there is none, and so is what does not apply.
+/// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL. Values that
+/// require a converged step are null if there is none, and so are values that do not apply.
 #[derive(Serialize)]
 pub(super) struct Summary {
     scene: String,
@@ -32,7 +32,7 @@ pub(super) struct Summary {
     min_j: Option<f64>,
     penetration: Option<f64>,
     weak_penetration: Option<f64>,
-    /// The worst of all steps.
+    /// The worst values of all steps.
     certificate: Option<Value>,
     fixed_point_iterations: usize,
     ipopt_iterations: usize,
@@ -44,13 +44,13 @@ pub(super) struct Summary {
     peak_memory_bytes: Option<u64>,
     factor: Option<Value>,
     versions: Value,
-    /// For people.
+    /// The summary as text.
     #[serde(skip)]
     table: String,
 }
 
 impl Summary {
-    /// Of a run that `observer` has seen, all in all `wall` seconds long.
+    /// The summary of a run that `observer` has followed; `wall` is its total time in seconds.
     pub(super) fn new<const D: usize>(
         plan: &Plan<'_, D>,
         problem: &Problem<D>,
@@ -130,7 +130,7 @@ impl Summary {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
-    /// A short table for people.
+    /// A short table as text.
     pub(super) fn table(&self) -> &str {
         &self.table
     }
@@ -152,7 +152,7 @@ fn status<const D: usize>(
     }
 }
 
-/// How large the problem is, all bodies together.
+/// The size of the problem, over all bodies.
 fn mesh<const D: usize>(problem: &Problem<D>) -> Value {
     let bodies = problem.scene().bodies();
     let mut contact_facets = vec![0; bodies.len()];
@@ -229,7 +229,7 @@ fn time_lines(shares: &[(&str, f64)], wall: f64) -> Vec<String> {
     lines
 }
 
-/// What the program was built from, and which linear algebra it has loaded.
+/// The version of the program, and the linear algebra that it has loaded.
 fn program() -> Value {
     let versions = versions();
     let solvers = doctor::inspect().map_or(Vec::new(), |found| {

@@ -12,8 +12,8 @@ use crate::tensor::Vector;
 /// Boundaries: `inner`, `outer`.
 ///
 /// # Errors
-/// As [`rectangle`](super::rectangle()); `segments` < 3; an inner radius that is not positive; more
-/// than 10⁸ triangles.
+/// As [`rectangle`](super::rectangle()); also if `segments` < 3, the inner radius is not positive,
+/// or there are more than 10⁸ triangles.
 pub fn annulus(radii: &[f64], segments: usize, diagonals: Diagonals) -> Result<Mesh<2>, Error> {
     affordable(2.0 * radii.len() as f64 * segments as f64)?;
     let angles = full_circle(segments, 0.0)?;
@@ -21,8 +21,8 @@ pub fn annulus(radii: &[f64], segments: usize, diagonals: Diagonals) -> Result<M
     polar(radii, &angles, true, diagonals)
 }
 
-/// A disc of the given radius (UL) around the origin: `rings` rings of `segments` nodes at angles
-/// `phase` + 2πi/`segments`, a fan at the centre. Boundary: `boundary`.
+/// A disc of the given radius (UL) around the origin: `rings` rings with `segments` nodes at angles
+/// `phase` + 2πi/`segments`, and a fan at the centre. Boundary: `boundary`.
 ///
 /// # Errors
 /// As [`annulus`].
@@ -42,11 +42,11 @@ pub fn disc(radius: f64, segments: usize, rings: usize, phase: f64) -> Result<Me
     Ok(mesh)
 }
 
-/// A disc of the given radius (UL) around the origin in 6 `rings`² nearly equilateral triangles: the
-/// k-th of `rings` equidistant rings has 6k nodes. Boundary: `boundary`.
+/// A disc of the given radius (UL) around the origin with 6 `rings`² nearly equilateral triangles:
+/// the k-th of `rings` equidistant rings has 6k nodes. Boundary: `boundary`.
 ///
 /// # Errors
-/// A radius that is not positive and finite, no rings, more than 10⁸ triangles.
+/// If the radius is not positive and finite, `rings` is 0, or there are more than 10⁸ triangles.
 pub fn equilateral_disc(radius: f64, rings: usize) -> Result<Mesh<2>, Error> {
     positive("radius", Some(radius))?;
     positive("rings", Some(rings as f64))?;
@@ -83,13 +83,14 @@ pub fn equilateral_disc(radius: f64, rings: usize) -> Result<Mesh<2>, Error> {
 /// `angles` (ascending from π to 2π). Boundaries: `arc`, `flat`.
 ///
 /// # Errors
-/// As [`rectangle`](super::rectangle()); angles that do not run from π to 2π.
+/// As [`rectangle`](super::rectangle()); also if the angles do not run from π to 2π.
 pub fn half_disc(radii: &[f64], angles: &[f64], diagonals: Diagonals) -> Result<Mesh<2>, Error> {
     sector(radii, angles, PI, diagonals)
 }
 
-/// The quarter of a disc from straight below the origin to its right, for scenes symmetric about
-/// x = 0: `angles` ascend from 3π/2 to 2π. Boundaries: `arc`, `flat` (y = 0) and `axis` (x = 0).
+/// A quarter of a disc, from straight below the origin to its right, for scenes that are symmetric
+/// about x = 0. The `angles` ascend from 3π/2 to 2π. Boundaries: `arc`, `flat` (y = 0) and `axis`
+/// (x = 0).
 ///
 /// # Errors
 /// As [`half_disc`].
@@ -99,7 +100,7 @@ pub fn quarter_disc(radii: &[f64], angles: &[f64], diagonals: Diagonals) -> Resu
     Ok(mesh)
 }
 
-/// A sector of a disc from `first` to 2π with its straight edge on y = 0 called `flat`.
+/// A sector of a disc from angle `first` to 2π, with the boundary `flat` on y = 0.
 fn sector(
     radii: &[f64],
     angles: &[f64],
@@ -129,8 +130,8 @@ fn sector(
     Ok(mesh)
 }
 
-/// A grid in polar coordinates; a first radius of 0 collapses to one node with a fan around it.
-/// Boundaries: `outer`, and `inner` unless collapsed.
+/// A grid in polar coordinates; a first radius of 0 gives one node with a fan of triangles around
+/// it. Boundaries: `outer`, and `inner` unless the first radius is 0.
 fn polar(
     radii: &[f64],
     angles: &[f64],
@@ -175,7 +176,7 @@ fn polar(
     Ok(mesh)
 }
 
-/// The point at this radius and angle; one that should lie on an axis lies there exactly.
+/// The point at this radius and angle; points on an axis lie on it exactly.
 fn on_circle(r: f64, angle: f64) -> [f64; 2] {
     let (s, c) = angle.sin_cos();
     [c, s].map(|v| {

@@ -1,4 +1,4 @@
-//! Triangles.
+//! Generators of triangle meshes.
 
 mod disc;
 mod rectangle;

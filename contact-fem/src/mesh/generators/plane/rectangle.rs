@@ -1,30 +1,31 @@
-//! Grids of quadrilaterals, each cut in two triangles.
+//! Grids of quadrilaterals, each divided into two triangles.
 
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::mesh::generators::{affordable, ascending};
 
-/// How the quadrilaterals of a grid are cut into triangles.
+/// The diagonals along which the quadrilaterals of a grid are divided into triangles.
 ///
-/// Along one diagonal every node has the same surroundings, which keeps contact pressures smooth;
-/// alternating diagonals make two kinds of nodes, and pressures of linear triangles alternate with
-/// them by a few percent. In polar grids the radius takes the place of x and the angle that of y.
+/// With parallel diagonals all interior nodes have the same neighbourhood, which keeps contact
+/// pressures smooth. Alternating diagonals produce two kinds of nodes, between which the pressures
+/// of linear triangles oscillate by a few per cent. In polar grids the radius takes the role of x
+/// and the angle that of y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Diagonals {
     /// From the corner with the smallest x and y to the one with the largest.
     #[default]
     Rising,
-    /// Across that.
+    /// From the corner with the largest x and smallest y to the opposite one.
     Falling,
-    /// Alternating like a chessboard.
+    /// Alternating like the fields of a chessboard.
     Alternating,
 }
 
-/// A rectangle on the grid `xs` × `ys` (both ascending, UL), each cell of the grid cut in two.
+/// A rectangle on the grid `xs` × `ys` (both ascending, UL), each cell of the grid divided in two.
 /// Boundaries: `bottom`, `right`, `top`, `left`.
 ///
 /// # Errors
-/// As [`Mesh::new`], for values that do not ascend or are fewer than two.
+/// As [`Mesh::new`]; also if the values do not ascend or are fewer than two.
 pub fn rectangle(xs: &[f64], ys: &[f64], diagonals: Diagonals) -> Result<Mesh<2>, Error> {
     ascending("xs", xs)?;
     ascending("ys", ys)?;
@@ -49,7 +50,7 @@ pub fn rectangle(xs: &[f64], ys: &[f64], diagonals: Diagonals) -> Result<Mesh<2>
 }
 
 impl Diagonals {
-    /// Whether the cell whose grid indices sum to `index` is cut along its first diagonal.
+    /// Whether the cell whose grid indices sum to `index` is divided along its first diagonal.
     pub(super) fn first(self, index: usize) -> bool {
         match self {
             Diagonals::Rising => true,
@@ -59,7 +60,7 @@ impl Diagonals {
     }
 }
 
-/// Cuts a counter-clockwise quadrilateral along its first or second diagonal.
+/// Divides a counter-clockwise quadrilateral along its first or second diagonal.
 pub(super) fn split(cells: &mut Vec<usize>, [a, b, c, d]: [usize; 4], first: bool) {
     if first {
         cells.extend([a, b, c, a, c, d]);

@@ -1,4 +1,4 @@
-//! Balls and parts of them: the octants of an octahedron, blown up.
+//! Balls and their parts, from the octants of an octahedron projected on spheres.
 
 use std::collections::HashMap;
 
@@ -11,21 +11,21 @@ use crate::tensor::Vector;
 /// A ball of the given radius (UL) around the origin, with its nodes on `shells` equidistant
 /// spheres and 8 `shells`³ tetrahedra. Boundary: `surface`.
 ///
-/// An octahedron is cut along the lattice of its `shells` divisions, and each of its layers is
-/// drawn out along the radius to a sphere. At the six poles on the axes the edges on the surface
-/// are as long as the shells are apart; half-way between three poles they are 2.4 times as long.
-/// Dihedral angles lie between 33° and 126° for any number of shells.
+/// An octahedron is divided along the lattice of its `shells` divisions, and each of its layers is
+/// projected along the radius on a sphere. At the six poles on the axes, the edges on the surface
+/// are as long as the distance of the shells; half-way between three poles they are 2.4 times as
+/// long. The dihedral angles are between 33° and 126° for any number of shells.
 ///
 /// # Errors
-/// A radius that is not positive and finite or so small that volumes underflow, no shells, more
-/// than 10⁸ tetrahedra.
+/// If the radius is not positive and finite or so small that volumes underflow, `shells` is 0, or
+/// there are more than 10⁸ tetrahedra.
 pub fn sphere(radius: f64, shells: usize) -> Result<Mesh<3>, Error> {
     let signs = [1, -1];
     let octants = signs.map(|x| signs.map(|y| signs.map(|z| [x, y, z])));
     ball(radius, shells, octants.as_flattened().as_flattened())
 }
 
-/// The half of a ball below the plane z = 0, as [`sphere`] with 4 `shells`³ tetrahedra.
+/// The half of a ball below the plane z = 0, as [`sphere`], with 4 `shells`³ tetrahedra.
 /// Boundaries: `surface`, the dome with its pole at z = −`radius`, and `flat` (z = 0).
 ///
 /// # Errors
@@ -37,8 +37,9 @@ pub fn hemisphere(radius: f64, shells: usize) -> Result<Mesh<3>, Error> {
     Ok(mesh)
 }
 
-/// The quarter of a [`hemisphere`] with x ≥ 0 and y ≥ 0, for scenes symmetric about both planes.
-/// Boundaries: `surface`, `flat` (z = 0), `left` (x = 0) and `front` (y = 0), as of a cuboid.
+/// The quarter of a [`hemisphere`] with x ≥ 0 and y ≥ 0, for scenes that are symmetric about both
+/// planes. Boundaries: `surface`, `flat` (z = 0), `left` (x = 0) and `front` (y = 0), as of a
+/// cuboid.
 ///
 /// # Errors
 /// As [`sphere`].
@@ -53,7 +54,7 @@ pub fn eighth_sphere(radius: f64, shells: usize) -> Result<Mesh<3>, Error> {
 /// A point of the lattice: i₁ + i₂ + i₃ is the number of its shell.
 type Point = [i64; 3];
 
-/// These octants of a ball, each given by the signs of its coordinates. Boundary: `surface`.
+/// The given octants of a ball, each denoted by the signs of its coordinates. Boundary: `surface`.
 fn ball(radius: f64, shells: usize, octants: &[Point]) -> Result<Mesh<3>, Error> {
     positive("radius", Some(radius))?;
     positive("shells", Some(shells as f64))?;
@@ -76,18 +77,18 @@ fn ball(radius: f64, shells: usize, octants: &[Point]) -> Result<Mesh<3>, Error>
     Ok(mesh)
 }
 
-/// A point of the lattice on the sphere of its shell, these being one apart.
+/// A point of the lattice projected on the sphere of its shell; the shells have a distance of 1.
 fn on_shell(point: Point) -> Vector<3> {
     let shell = point.iter().map(|i| i.abs()).sum::<i64>() as f64;
     let X = Vector::from(point.map(|i| i as f64));
     X * (shell / X.norm().max(1.0))
 }
 
-/// The positive octant x + y + z ≤ `shells` of the lattice cut in `shells`³ tetrahedra.
+/// The positive octant x + y + z ≤ `shells` of the lattice, divided into `shells`³ tetrahedra.
 ///
-/// The planes of the lattice leave tetrahedra and octahedra. An octahedron may be cut along any of
-/// its three diagonals without a change to its facets; the one that is shortest in the ball gives
-/// the roundest tetrahedra.
+/// The planes of the lattice divide it into tetrahedra and octahedra. An octahedron may be divided
+/// along any of its three diagonals without a change to its facets; the diagonal that is shortest
+/// in the ball gives the best-shaped tetrahedra.
 fn octant(shells: i64) -> Vec<[Point; 4]> {
     let mut cells = Vec::new();
     for x in 0..shells {
@@ -110,10 +111,11 @@ fn octant(shells: i64) -> Vec<[Point; 4]> {
     cells
 }
 
-/// The octahedron with these corners, k of `low` opposite to k of `high`, in four tetrahedra around
+/// The octahedron with these corners, k of `low` opposite to k of `high`, as four tetrahedra around
 /// its shortest diagonal.
 fn octahedron(low: [Point; 3], high: [Point; 3]) -> [[Point; 4]; 4] {
-    // of equally long ones always the last, whatever the round-off
+    // diagonals whose lengths differ by no more than this factor are equal; the last of them is
+    // chosen
     const TIE: f64 = 1.0 + 1e-9;
     let length = |k: usize| (on_shell(low[k]) - on_shell(high[k])).norm();
     let shorter = |best: usize, k: usize| {

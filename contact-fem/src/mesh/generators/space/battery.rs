@@ -1,12 +1,12 @@
-//! What every mesh of tetrahedra is checked for.
+//! The checks that every mesh of tetrahedra passes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::mesh::Mesh;
 use crate::tensor::{Vector, facet_normal};
 
-/// Checks orientation, Euler's V − E + F − T, that the boundaries share out a closed exterior, and
-/// volume and areas to a relative tolerance.
+/// Checks the orientation, Euler's V − E + F − T, that the boundaries partition a closed exterior,
+/// and the volume and areas to a relative tolerance.
 pub fn check(mesh: &Mesh<3>, euler: i64, volume: f64, areas: &[(&str, f64)], tolerance: f64) {
     assert!((0..mesh.len()).all(|k| mesh.volume(k) > 0.0));
     assert_eq!(euler_characteristic(mesh), euler);
@@ -18,7 +18,7 @@ pub fn check(mesh: &Mesh<3>, euler: i64, volume: f64, areas: &[(&str, f64)], tol
         })
         .sum();
     let filled: f64 = (0..mesh.len()).map(|k| mesh.volume(k)).sum();
-    // ∫ div X = ∫ X·n: facets look outward and none is missing
+    // ∫ div X = ∫ X·n: all facets are present and outward
     assert!((flux - filled).abs() < 1e-12 * filled, "{flux} {filled}");
     assert!((filled - volume).abs() <= tolerance * volume, "{filled}");
     let mut names: BTreeMap<&[usize], Vec<String>> = BTreeMap::new();

@@ -1,15 +1,15 @@
-//! Boxes of a grid, each cut in six tetrahedra.
+//! Grids of boxes, each divided into six tetrahedra.
 
 use super::tetrahedra;
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::mesh::generators::{affordable, ascending, linspace, positive};
 
-/// A cuboid from its corner `low` (UL) with edges of length `size` (UL) and equal divisions.
-/// Cut and boundaries as [`cuboid_graded`].
+/// A cuboid from its corner `low` (UL) with edges of length `size` (UL) and uniform divisions.
+/// Tetrahedra and boundaries are those of [`cuboid_graded`].
 ///
 /// # Errors
-/// As [`cuboid_graded`]; a size that is not positive, divisions of 0.
+/// As [`cuboid_graded`]; also if a size is not positive or a division is 0.
 pub fn cuboid(low: [f64; 3], size: [f64; 3], divisions: [usize; 3]) -> Result<Mesh<3>, Error> {
     const SIZE: [&str; 3] = ["size[0]", "size[1]", "size[2]"];
     const DIVISIONS: [&str; 3] = ["divisions[0]", "divisions[1]", "divisions[2]"];
@@ -27,22 +27,23 @@ pub fn cuboid(low: [f64; 3], size: [f64; 3], divisions: [usize; 3]) -> Result<Me
 /// Boundaries: `left` and `right` (lowest and highest x), `front` and `back` (y), `bottom` and
 /// `top` (z).
 ///
-/// Each box of the grid is cut in Kuhn's six tetrahedra around a space diagonal, mirrored along
-/// every axis in which the box's index is odd. Boxes with a common face are then mirror images in
-/// it and cut it alike. No direction is preferred, and with even divisions of a symmetric grid the
-/// mesh has the cuboid's three mirror planes, which one diagonal for all boxes would break.
+/// Each box of the grid is divided into Kuhn's six tetrahedra around a space diagonal, mirrored
+/// along every axis in which the index of the box is odd. Boxes with a common face are then mirror
+/// images in it and divide it in the same way. No direction is preferred, and with even divisions
+/// of a symmetric grid the mesh has the three mirror planes of the cuboid, which a single diagonal
+/// for all boxes would not give.
 ///
-/// The price is that not all nodes have the same surroundings: inside, those with all indices even
-/// or all odd touch 48 tetrahedra, the others 16. Pressures of linear elements alternate with them,
-/// as with [`Diagonals::Alternating`]; the top of an [`extruded`](super::extrude) rectangle that is
-/// cut along [`Diagonals::Rising`] has nodes of one kind.
+/// The nodes do not all have the same neighbourhood: inside, nodes with all indices even or all odd
+/// belong to 48 tetrahedra, the others to 16. The pressures of linear elements oscillate between
+/// them, as with [`Diagonals::Alternating`]. The top of an [`extruded`](super::extrude) rectangle
+/// with [`Diagonals::Rising`] has nodes of one kind only.
 ///
 /// [`Diagonals::Alternating`]: crate::mesh::generators::Diagonals::Alternating
 /// [`Diagonals::Rising`]: crate::mesh::generators::Diagonals::Rising
 ///
 /// # Errors
-/// As [`Mesh::new`], for values that do not ascend or are fewer than two, and for more than 10⁸
-/// tetrahedra.
+/// As [`Mesh::new`]; also if the values do not ascend or are fewer than two, or there are more than
+/// 10⁸ tetrahedra.
 pub fn cuboid_graded(x: &[f64], y: &[f64], z: &[f64]) -> Result<Mesh<3>, Error> {
     let grid = [x, y, z];
     for (name, values) in ["x", "y", "z"].into_iter().zip(grid) {
@@ -74,8 +75,8 @@ pub fn cuboid_graded(x: &[f64], y: &[f64], z: &[f64]) -> Result<Mesh<3>, Error> 
     Ok(mesh)
 }
 
-/// Kuhn's six tetrahedra of the box with this index, four grid points each: the paths along its
-/// edges from the corner with even indices to the opposite one, whose indices are odd.
+/// Kuhn's six tetrahedra of the box with this index, four grid points each: the paths along the
+/// edges of the box from the corner with even indices to the opposite one, whose indices are odd.
 fn kuhn(index: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     const ORDERS: [[usize; 3]; 6] = [
         [0, 1, 2],

@@ -1,4 +1,4 @@
-//! Plane meshes drawn out along z.
+//! Extrusion of plane meshes along z.
 
 use std::collections::HashMap;
 
@@ -8,13 +8,14 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::mesh::generators::{affordable, ascending, equilateral_disc, linspace, positive};
 
-/// A plane mesh drawn out along z, with a layer of prisms between two values of `z` (ascending, UL).
-/// Boundaries: those of the plane mesh, now its sides, and the two `caps`, lowest and highest.
+/// A plane mesh extruded along z, with a layer of prisms between successive values of `z`
+/// (ascending, UL). Boundaries: those of the plane mesh, which become the sides, and the two
+/// `caps`, lowest and highest.
 ///
-/// Each prism is cut in three tetrahedra. On every side the cut rises from the node with the
-/// smaller number in the plane to the one with the larger, and in odd layers falls, so that
-/// neighbours agree and an even number of layers is symmetric about the middle. A node of the plane
-/// mesh in layer l has the number l `plane.nodes().len()` + its own.
+/// Each prism is divided into three tetrahedra. On every side the diagonal rises from the node with
+/// the smaller number in the plane to the one with the larger, and falls in odd layers. Neighbours
+/// therefore match, and an even number of layers is symmetric about the middle. A node of the plane
+/// mesh has in layer l the number l `plane.nodes().len()` + its own number.
 ///
 /// ```
 /// use contact_fem::mesh::generators::{Diagonals, extrude, linspace, rectangle};
@@ -27,8 +28,9 @@ use crate::mesh::generators::{affordable, ascending, equilateral_disc, linspace,
 /// ```
 ///
 /// # Errors
-/// A quadratic mesh, values of `z` that do not ascend or are fewer than two, a cap named as a boundary of the plane
-/// mesh is, more than 10⁸ tetrahedra; else as [`Mesh::new`].
+/// As [`Mesh::new`]; also if the mesh is quadratic, the values of `z` do not ascend or are fewer
+/// than two, a cap has the name of a boundary of the plane mesh, or there are more than 10⁸
+/// tetrahedra.
 pub fn extrude(plane: &Mesh<2>, z: &[f64], caps: [&str; 2]) -> Result<Mesh<3>, Error> {
     ascending("z", z)?;
     if let Some(name) = caps.iter().find(|&&cap| plane.boundaries.contains_key(cap)) {
@@ -61,8 +63,8 @@ pub fn extrude(plane: &Mesh<2>, z: &[f64], caps: [&str; 2]) -> Result<Mesh<3>, E
     Ok(mesh)
 }
 
-/// The prism over a triangle of the plane in three tetrahedra: the paths from one of its ends to
-/// the other, the triangle's nodes being taken in ascending order.
+/// The prism over a triangle of the plane, as three tetrahedra: the paths from one end to the other
+/// with the triangle's nodes in ascending order.
 fn prism(triangle: &[usize], layer: usize, nodes: usize) -> impl Iterator<Item = usize> + use<> {
     let mut corners = [triangle[0], triangle[1], triangle[2]];
     corners.sort_unstable();
@@ -75,7 +77,7 @@ fn prism(triangle: &[usize], layer: usize, nodes: usize) -> impl Iterator<Item =
     })
 }
 
-/// Gives the sides of an extruded mesh the names of the edges that they stand on.
+/// Names the sides of an extruded mesh after the edges of the plane mesh below them.
 fn name_sides(mesh: &mut Mesh<3>, plane: &Mesh<2>) {
     let sorted = |a: usize, b: usize| [a.min(b), a.max(b)];
     let edges = plane.exterior().enumerate();
@@ -85,7 +87,7 @@ fn name_sides(mesh: &mut Mesh<3>, plane: &Mesh<2>) {
     let mut sides = vec![Vec::new(); edge_at.len()];
     for (f, facet) in mesh.exterior().enumerate() {
         let [a, b, c] = [0, 1, 2].map(|k| facet[k] % plane.nodes.len());
-        // of a side's three nodes two stand above each other; those of a cap never do
+        // of a side's three nodes, two have the same node of the plane; those of a cap do not
         let edge = if a == b || a == c {
             sorted(b, c)
         } else {
@@ -103,15 +105,16 @@ fn name_sides(mesh: &mut Mesh<3>, plane: &Mesh<2>) {
     }
 }
 
-/// A cylinder around the z axis, from z = 0 to `height` (UL), of the given radius (UL): an
-/// [`equilateral_disc`] with `rings` rings in `layers` equal layers, 18 `rings`² `layers`
-/// tetrahedra. Boundaries: `bottom`, `top`, `side`.
+/// A cylinder around the z axis from z = 0 to `height` (UL), of the given radius (UL): an
+/// [`equilateral_disc`] with `rings` rings, extruded in `layers` equal layers, with 18 `rings`²
+/// `layers` tetrahedra. Boundaries: `bottom`, `top`, `side`.
 ///
-/// With layers as high as the rings are apart, dihedral angles lie between 33° and 126°.
+/// If the layers are as high as the distance of the rings, the dihedral angles are between 33° and
+/// 126°.
 ///
 /// # Errors
-/// A radius or height that is not positive and finite, no rings, no layers, more than 10⁸
-/// tetrahedra.
+/// If the radius or height is not positive and finite, `rings` or `layers` is 0, or there are more
+/// than 10⁸ tetrahedra.
 pub fn cylinder(radius: f64, height: f64, rings: usize, layers: usize) -> Result<Mesh<3>, Error> {
     positive("height", Some(height))?;
     positive("layers", Some(layers as f64))?;

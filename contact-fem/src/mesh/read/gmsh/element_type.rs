@@ -1,9 +1,9 @@
-//! Gmsh's numbers for kinds of elements.
+//! Gmsh's numbers of element types.
 
 use super::ElementKind;
 use crate::mesh::read::Problem;
 
-/// What Gmsh calls `number`.
+/// The element type with Gmsh's `number`.
 pub(super) fn kind(number: i64) -> Result<ElementKind, Problem> {
     Ok(match number {
         1 => ElementKind::Segment,

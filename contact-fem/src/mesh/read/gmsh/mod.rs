@@ -1,7 +1,7 @@
 //! Gmsh's MSH files, versions 4.1 and 2.2, text and binary.
 //!
-//! Sections between `$Name` and `$EndName`. What no mesh is made of is passed over, comments
-//! included.
+//! A file consists of sections between `$Name` and `$EndName`. Sections without mesh data are
+//! skipped, comments as well.
 
 mod element_type;
 mod v22;
@@ -14,11 +14,11 @@ use super::cursor::Cursor;
 use super::problem::{Fault, Problem, excerpt};
 use super::{ElementKind, Format};
 
-/// A file on its way in.
+/// A reader of a file.
 struct Reader<'a> {
     file: Cursor<'a>,
     contents: Contents,
-    /// Vertices by the numbers that the file has for them, which may have holes.
+    /// Vertices by their numbers in the file, which need not be contiguous.
     numbers: HashMap<u64, usize>,
 }
 
@@ -39,7 +39,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Format, Contents), Fault> {
     Ok((format, reader.contents))
 }
 
-/// Reads on to the end of `$MeshFormat` and sets whether numbers are binary.
+/// Reads to the end of `$MeshFormat` and determines whether numbers are binary.
 fn header(file: &mut Cursor) -> Result<Format, Fault> {
     const REMEDY: &str = "save it as version 4.1 or 2.2 (Gmsh: -format msh41)";
     let unsupported = |found: String, remedy| Problem::Unsupported { found, remedy };
@@ -92,7 +92,7 @@ fn header(file: &mut Cursor) -> Result<Format, Fault> {
     Ok(format)
 }
 
-/// The name of the next section, or none at the end of the file.
+/// The name of the next section, or `None` at the end of the file.
 fn section<'a>(file: &mut Cursor<'a>) -> Result<Option<&'a [u8]>, Fault> {
     match file.word() {
         None => Ok(None),
@@ -103,7 +103,7 @@ fn section<'a>(file: &mut Cursor<'a>) -> Result<Option<&'a [u8]>, Fault> {
     }
 }
 
-/// Goes past the end of a section that is not read.
+/// Skips to the end of a section.
 fn skip(file: &mut Cursor, name: &[u8]) -> Result<(), Fault> {
     match std::str::from_utf8(name) {
         Ok(name) => file.find(&format!("$End{name}")),
@@ -119,7 +119,7 @@ impl Reader<'_> {
         self.file.fault(problem)
     }
 
-    /// Goes past the line of the section's name, if binary values begin behind it.
+    /// Skips the rest of the line with the section's name if binary values follow it.
     fn begin(&mut self) -> Result<(), Fault> {
         match self.file.binary {
             true => self.file.end_of_line(),
@@ -127,7 +127,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `$PhysicalNames`, text in binary files too.
+    /// `$PhysicalNames`, which is text in binary files, too.
     fn physical_names(&mut self) -> Result<(), Fault> {
         let count = self.file.text_size("the number of names")?;
         for _ in 0..count {
@@ -158,7 +158,7 @@ impl Reader<'_> {
         added.map_err(|problem| self.fault(problem))
     }
 
-    /// Turns the numbers that the file has for an element's nodes into vertices, in VTK's order.
+    /// Converts the node numbers of an element in the file to vertices, in VTK's order.
     fn vertices(&self, kind: ElementKind, numbers: &[u64]) -> Result<[usize; 10], Fault> {
         let mut vertices = [0; 10];
         for (vertex, number) in vertices.iter_mut().zip(numbers) {

@@ -4,7 +4,7 @@ use super::{Reader, element_type, section, skip};
 use crate::mesh::read::ElementKind;
 use crate::mesh::read::problem::{Fault, Problem};
 
-/// Reads all sections behind the header.
+/// Reads all sections after the header.
 pub(super) fn sections(reader: &mut Reader) -> Result<(), Fault> {
     while let Some(name) = section(&mut reader.file)? {
         match name {
@@ -18,7 +18,7 @@ pub(super) fn sections(reader: &mut Reader) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Number and coordinates of each node; then, if parametric, the entity it lies on and the
+/// Reads the number and coordinates of each node; for a parametric node also its entity and its
 /// parameters there.
 fn nodes(reader: &mut Reader, parametric: bool, end: &str) -> Result<(), Fault> {
     let count = reader.file.text_size("the number of nodes")?;
@@ -33,7 +33,7 @@ fn nodes(reader: &mut Reader, parametric: bool, end: &str) -> Result<(), Fault> 
         if parametric {
             let dimension = reader.file.integer("the dimension of an entity")?;
             reader.file.integer("the number of an entity")?;
-            // of a node in a volume, Gmsh writes none
+            // Gmsh writes no parameters for nodes in a volume
             for _ in 0..if dimension == 3 {
                 0
             } else {
@@ -81,13 +81,13 @@ fn element_kind(reader: &mut Reader) -> Result<ElementKind, Fault> {
     kind.map_err(|problem| reader.fault(problem))
 }
 
-/// Tags (the physical group or 0, the entity, partitions) and nodes.
+/// Reads tags (the physical group or 0, the entity, partitions) and nodes.
 fn element(reader: &mut Reader, kind: ElementKind, tags: i64) -> Result<(), Fault> {
     let mut group = 0;
     for tag in 0..tags {
         let value = reader.file.integer("a tag of an element")?;
         match tag {
-            // a negative number turns the element around, which does not matter here
+            // a negative number reverses the element, which is irrelevant here
             0 => group = value.saturating_abs(),
             2 if value > 0 => return Err(reader.fault(Problem::Partitioned)),
             _ => {}
@@ -109,7 +109,7 @@ fn element(reader: &mut Reader, kind: ElementKind, tags: i64) -> Result<(), Faul
     Ok(())
 }
 
-/// The number of a node; of four bytes in binary files.
+/// The number of a node, which has four bytes in binary files.
 fn number(reader: &mut Reader, what: &str) -> Result<u64, Fault> {
     let number = reader.file.integer(what)?;
     let positive = u64::try_from(number).ok();

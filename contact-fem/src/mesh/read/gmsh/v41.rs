@@ -1,18 +1,19 @@
-//! The sections of MSH 4.1, which are the same numbers in text and binary files.
+//! The sections of MSH 4.1, which contain the same numbers in text and binary files.
 
 use std::collections::{BTreeSet, HashMap};
 
 use super::{Reader, element_type, section, skip};
 use crate::mesh::read::problem::{Fault, Problem};
 
-/// The groups of geometrical entities, by dimension and number. None if the file lists no entities.
+/// The groups of geometrical entities, by dimension and number; `None` if the file lists no
+/// entities.
 type Entities = Option<HashMap<(usize, i64), BTreeSet<usize>>>;
 
-/// Each facet of an entity is stored once for each of its groups, of which a file of a few bytes
-/// could have any number.
+/// The largest number of groups of an entity. Each facet is stored once for each group of its
+/// entity, so that a small file could otherwise exhaust the memory.
 const MOST_GROUPS: usize = 64;
 
-/// Reads all sections behind the header.
+/// Reads all sections after the header.
 pub(super) fn sections(reader: &mut Reader) -> Result<(), Fault> {
     let mut entities: Entities = None;
     while let Some(name) = section(&mut reader.file)? {
@@ -30,7 +31,8 @@ pub(super) fn sections(reader: &mut Reader) -> Result<(), Fault> {
     Ok(())
 }
 
-/// For each dimension, entities: number, box (a point's coordinates), groups, bounding entities.
+/// Reads the entities of each dimension: number, box (coordinates of a point), groups, bounding
+/// entities.
 fn read_entities(reader: &mut Reader, entities: &mut Entities) -> Result<(), Fault> {
     reader.begin()?;
     let entities = entities.get_or_insert_default();
@@ -48,7 +50,7 @@ fn read_entities(reader: &mut Reader, entities: &mut Entities) -> Result<(), Fau
             let set = entities.entry((dimension, entity)).or_default();
             for _ in 0..groups {
                 let number = reader.file.integer("the number of a physical group")?;
-                // a negative number turns the elements around, which does not matter here
+                // a negative number reverses the elements, which is irrelevant here
                 let number = number.saturating_abs();
                 set.insert(reader.contents.group(dimension, number));
                 if set.len() > MOST_GROUPS {
@@ -69,7 +71,7 @@ fn read_entities(reader: &mut Reader, entities: &mut Entities) -> Result<(), Fau
     reader.file.expect("$EndEntities")
 }
 
-/// For each entity, the numbers of its nodes and then their coordinates.
+/// Reads, for each entity, the numbers of its nodes and then their coordinates.
 fn nodes(reader: &mut Reader) -> Result<(), Fault> {
     reader.begin()?;
     let blocks = reader.file.size("the number of blocks")?;
@@ -104,7 +106,7 @@ fn nodes(reader: &mut Reader) -> Result<(), Fault> {
     total(reader, "nodes", announced, found)
 }
 
-/// For each entity and type, the numbers of its elements and of their nodes.
+/// Reads, for each entity and type, the numbers of its elements and of their nodes.
 fn elements(reader: &mut Reader, entities: &Entities) -> Result<(), Fault> {
     reader.begin()?;
     let blocks = reader.file.size("the number of blocks")?;
@@ -154,7 +156,7 @@ fn elements(reader: &mut Reader, entities: &Entities) -> Result<(), Fault> {
     total(reader, "elements", announced, found)
 }
 
-/// Checks that the blocks add up.
+/// Checks that the sizes of the blocks add up to the announced size.
 fn total(reader: &Reader, what: &'static str, announced: u64, found: u64) -> Result<(), Fault> {
     match announced == found {
         true => Ok(()),
