@@ -85,6 +85,35 @@ pub type DefaultSolver = contact_core::Retry<contact_core::InteriorPoint>;
 pub type DefaultSolver = Box<dyn Equilibrium>;
 
 /// The solution procedure of a scene: load increments up to full load and the solver of each.
+///
+/// A bar of length 4 is drawn by σ = 2: it grows by σL/E, and stores half of the load's work.
+/// ```
+/// # #[cfg(feature = "ipopt")]
+/// # fn main() -> Result<(), contact_fem::Error> {
+/// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+/// use contact_fem::{Body, LinearElastic, Scene, Simulation};
+///
+/// let mesh = rectangle(&linspace(0.0, 4.0, 8), &linspace(0.0, 1.0, 2), Diagonals::Alternating)?;
+/// let end = mesh.boundary_nodes("right")?;
+/// let mut bar = Body::new(mesh, LinearElastic::new(200.0, 0.0)?);
+/// bar.prescribe("left", [Some(0.0), Some(0.0)])?;
+/// bar.traction("right", [2.0, 0.0])?;
+/// let mut scene = Scene::new();
+/// scene.add("bar", bar);
+/// let mut problem = scene.problem()?;
+///
+/// let history = Simulation::with_increments(2).run(&mut problem)?;
+/// assert!(history.is_complete());
+/// let growth = 2.0 * 4.0 / 200.0;
+/// let u = problem.displacements(&history.run.state.u);
+/// assert!(end.iter().all(|&node| (u[node][0] - growth).abs() < 1e-9));
+/// // at full load strain stores F·δ/2, and the load has lost F·δ
+/// assert!((history.steps[1].energy + 0.5 * 2.0 * growth).abs() < 1e-9);
+/// # Ok(())
+/// # }
+/// # #[cfg(not(feature = "ipopt"))]
+/// # fn main() {}
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Simulation<S = DefaultSolver> {
     /// Increments, predictor, step reduction, and the stop request.

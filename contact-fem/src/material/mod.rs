@@ -61,8 +61,14 @@ use crate::tensor::{Matrix, Vector};
 ///     }
 /// }
 ///
-/// let report = conformance::check::<3>(&StVenantKirchhoff(Lame::new(210.0, 0.3)?));
+/// let law = StVenantKirchhoff(Lame::new(210.0, 0.3)?);
+/// let report = conformance::check::<3>(&law);
 /// assert!(report.holds(), "{report}");
+/// // stretched by s in one direction and held in the others: P₁₁ = s (λ + 2μ) (s² − 1) / 2
+/// let (s, mut F) = (1.2, Matrix::<3>::identity());
+/// F[(0, 0)] = s;
+/// let by_hand = s * (law.0.lambda + 2.0 * law.0.mu) * (s * s - 1.0) / 2.0;
+/// assert!((law.stress(&Deformation::new(F))[(0, 0)] - by_hand).abs() < 1e-12 * by_hand);
 /// # Ok::<(), contact_fem::Error>(())
 /// ```
 pub trait Material<const D: usize>: Clone + Send + Sync + 'static {

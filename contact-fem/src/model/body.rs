@@ -20,8 +20,15 @@ use crate::tensor::Vector;
 /// let mut beam = Body::new(beam.quadratic(), NeoHookean::new(1000.0, 0.3)?);
 /// beam.prescribe("left", [Some(0.0); 3])?;
 /// beam.traction("right", [0.0, 0.0, -2.5])?;
-/// let force: f64 = beam.forces().iter().sum();
-/// assert!((force + 2.5).abs() < 1e-12, "on an area of 1");
+///
+/// // nodal forces have the resultant of the traction, on an area of 1, and its moment about X = (0, ½, ½)
+/// let (mut force, mut moment) = ([0.0; 3], 0.0);
+/// for (X, f) in beam.mesh().nodes().iter().zip(beam.forces().chunks(3)) {
+///     force = [0, 1, 2].map(|i| force[i] + f[i]);
+///     moment += X[0] * f[2] - (X[2] - 0.5) * f[0];
+/// }
+/// assert!(force[0].abs() + force[1].abs() + (force[2] + 2.5).abs() < 1e-12);
+/// assert!((moment + 4.0 * 2.5).abs() < 1e-12);
 /// # Ok(())
 /// # }
 /// ```

@@ -13,6 +13,35 @@ use crate::tensor::Vector;
 /// Displacement, contact pressure and stress of all bodies at one load.
 ///
 /// Nodes and cells are numbered body by body, in the order of the bodies.
+///
+/// A block under pressure has σ_yy = −3, and σ_zz = ν σ_yy in plane strain, in every cell:
+/// ```
+/// # #[cfg(feature = "ipopt")]
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+/// use contact_fem::output::Snapshot;
+/// use contact_fem::{Body, LinearElastic, Scene, Simulation};
+///
+/// let sides = linspace(0.0, 1.0, 3);
+/// let mut block = Body::new(rectangle(&sides, &sides, Diagonals::Rising)?, LinearElastic::new(100.0, 0.3)?);
+/// block.prescribe("bottom", [None, Some(0.0)])?;
+/// block.prescribe("left", [Some(0.0), None])?;
+/// block.traction("top", [0.0, -3.0])?;
+/// let mut scene = Scene::new();
+/// scene.add("block", block);
+/// let mut problem = scene.problem()?;
+///
+/// let history = Simulation::with_increments(1).run(&mut problem)?;
+/// let solution = history.run.solution.as_ref().ok_or("not converged")?;
+/// for cell in Snapshot::new(&problem, solution)?.cells {
+///     assert!((cell.sigma[(1, 1)] + 3.0).abs() < 1e-9 && cell.sigma[(0, 0)].abs() < 1e-9);
+///     assert!((cell.sigma_zz + 0.3 * 3.0).abs() < 1e-9);
+/// }
+/// # Ok(())
+/// # }
+/// # #[cfg(not(feature = "ipopt"))]
+/// # fn main() {}
+/// ```
 #[derive(Clone, Debug)]
 pub struct Snapshot<const D: usize> {
     /// u at every node (UL).

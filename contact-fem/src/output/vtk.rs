@@ -31,6 +31,34 @@ use crate::tensor::Vector;
 /// | `J` | cells | 1 | volume ratio |
 /// | `cauchy_stress` | cells | 6: xx, yy, zz, xy, yz, xz | UF/UL² |
 /// | `certificate_…` | the file | 1 | see [`Certificate`]; converged steps only |
+///
+/// ```
+/// use contact_fem::mesh::generators::{Diagonals, rectangle};
+/// use contact_fem::output::{Snapshot, vtk::Series};
+/// use contact_fem::{Body, NeoHookean, Scene};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut square = Body::new(rectangle(&[0.0, 1.0], &[0.0, 1.0], Diagonals::Rising)?, NeoHookean::new(1.0, 0.3)?);
+/// square.prescribe("bottom", [Some(0.0); 2])?;
+/// let mut scene = Scene::new();
+/// scene.add("square", square);
+/// let problem = scene.problem()?;
+///
+/// let folder = std::env::temp_dir().join(format!("series-{}", std::process::id()));
+/// let mut series = Series::create(&folder, "run")?;
+/// for time in [0.0, 0.5] {
+///     series.write(time, &problem, &Snapshot::at_rest(&problem)?)?;
+/// }
+/// // the `.pvd` file names the two others in the folder, and nothing else is there
+/// let listing = std::fs::read_to_string(series.collection())?;
+/// let named: Vec<&str> = listing.split("file=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+/// assert_eq!(named, ["run_0000.vtu", "run_0001.vtu"]);
+/// assert!(named.iter().all(|file| folder.join(file).is_file()));
+/// assert_eq!(std::fs::read_dir(&folder)?.count(), 3);
+/// std::fs::remove_dir_all(&folder)?;
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug)]
 pub struct Series {
     folder: PathBuf,
