@@ -148,7 +148,9 @@ impl Penalization {
                 if moves == Self::MOVES {
                     break (
                         run,
-                        Some(format!("move limit still active after {moves} enlargements")),
+                        Some(format!(
+                            "move limit still active after {moves} enlargements"
+                        )),
                     );
                 }
                 moves += 1;
