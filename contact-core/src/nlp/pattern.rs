@@ -40,7 +40,7 @@ impl Entries {
 }
 
 impl Pattern {
-    /// The entries (`rows[k]`, `cols[k]`). [`Structure::new`] checks that both have the same length.
+    /// The entries (`rows[k]`, `cols[k]`). [`Structure::new`](super::Structure::new) checks that both have the same length.
     pub fn new(rows: Vec<usize>, cols: Vec<usize>) -> Self {
         Self(Arc::new(Entries::new(rows, cols)))
     }
