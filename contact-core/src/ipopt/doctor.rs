@@ -1,4 +1,4 @@
-//! What this Ipopt is and has: for reports, and when a solve is slow or does not start.
+//! Diagnosis of the installed Ipopt, for reports and for solves that are slow or do not start.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use super::library::{dotted, mismatch};
 use super::{Error, Libraries, OptionError, Options, Ordering, Solver, Start, Status};
 use crate::nlp::{Bounds, Nlp, Pattern, Structure};
 
-/// What [`diagnose`] finds; its `Display` form is a report for people.
+/// The result of [`diagnose`]; its `Display` form is a readable report.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Diagnosis {
@@ -25,7 +25,7 @@ pub struct Diagnosis {
     pub trials: Vec<Trial>,
 }
 
-/// Whether Ipopt has a linear solver: it has solved a problem with it, or it has not.
+/// A linear solver, and whether Ipopt could solve a test problem with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LinearSolverFound {
@@ -70,7 +70,10 @@ const LINEAR_SOLVERS: [&str; 10] = [
 /// Points along an edge of the cube whose matrix is factorised in a [`Trial`]; three unknowns each.
 const TRIAL_POINTS: usize = 16;
 
-/// Which Ipopt, linear solvers and BLAS there are, in some milliseconds.
+/// The ratio to the smallest factor in a [`Trial`] beyond which MUMPS' own choice of ordering gives a remark.
+const MUCH: f64 = 1.3;
+
+/// Finds the versions of Ipopt, its working linear solvers and its BLAS, in some milliseconds.
 ///
 /// # Errors
 /// [`Error::Reentrant`] inside a callback.
@@ -127,7 +130,7 @@ impl Diagnosis {
             .map(|found| found.name)
     }
 
-    /// What is wrong or slow, and the remedy; empty if all is well.
+    /// Problems found, each with its remedy; empty if there are none.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         remarks.extend(
@@ -156,9 +159,8 @@ impl Diagnosis {
         remarks
     }
 
-    /// That MUMPS chooses an ordering which costs much more than another one.
+    /// A remark if the ordering that MUMPS chooses makes a much larger factor than the best one.
     fn ordering_remark(&self) -> Option<String> {
-        const MUCH: f64 = 1.3;
         let automatic = self
             .trials
             .iter()

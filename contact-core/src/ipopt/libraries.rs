@@ -1,4 +1,4 @@
-//! Which shared libraries this process runs on.
+//! The shared libraries loaded by this process.
 
 use std::{
     fmt,
@@ -23,7 +23,7 @@ pub struct Libraries {
 pub struct Blas {
     /// The file, symbolic links resolved.
     pub path: PathBuf,
-    /// Whose it is, as far as its path tells.
+    /// The implementation, as far as its path tells.
     pub kind: BlasKind,
 }
 
@@ -41,7 +41,7 @@ pub enum BlasKind {
     Mkl,
     /// BLIS.
     Blis,
-    /// A path that does not say.
+    /// Not recognisable from its path.
     Unknown,
 }
 

@@ -1,4 +1,4 @@
-//! Where Ipopt's log goes.
+//! The target of Ipopt's log.
 
 use std::{
     fmt,
@@ -9,20 +9,20 @@ use std::{
 
 use thiserror::Error;
 
-/// Where Ipopt's log goes: see [`Solver::set_log`](super::Solver::set_log). Never to standard output.
+/// The target of Ipopt's log, see [`Solver::set_log`](super::Solver::set_log); it is never standard output.
 ///
-/// The option [`print_level`](super::Options::print_level) says how much of it there is: 0 nothing but a few warnings,
-/// 3 a summary, 5 a line an iteration, 12 everything. Where it is not set, it is 0, and 5 for a [`Log::Writer`].
+/// The option [`print_level`](super::Options::print_level) sets its detail: 0 a few warnings only, 3 a summary, 5 a
+/// line per iteration, 12 everything. The default is 0, and 5 for a [`Log::Writer`].
 #[derive(Default)]
 #[non_exhaustive]
 pub enum Log {
-    /// Nowhere. Ipopt makes no text at all.
+    /// Discarded; Ipopt generates no text.
     Off,
-    /// To the `log` crate, line by line: target `ipopt`, level debug. Where its logger does not want that, Ipopt makes
-    /// no text.
+    /// To the `log` crate, line by line: target `ipopt`, level debug. If that level is disabled, Ipopt generates no
+    /// text.
     #[default]
     Crate,
-    /// To a file, a buffer, a channel: as Ipopt writes it, while it runs.
+    /// To a file, a buffer or a channel, while Ipopt runs.
     Writer(Box<dyn Write + Send>),
 }
 
@@ -32,7 +32,7 @@ impl Log {
         Self::Writer(Box::new(writer))
     }
 
-    /// To a text, which the [`LogText`] gives.
+    /// A log that is kept as a string, and the [`LogText`] to read it.
     ///
     /// ```
     /// # use contact_core::ipopt::{Log, Options, Solver, Start};
@@ -61,7 +61,7 @@ impl Log {
 pub struct LogText(Arc<Mutex<Vec<u8>>>);
 
 impl LogText {
-    /// The text since the last time, or since the beginning.
+    /// The text logged since the last call, or since the beginning.
     pub fn take(&self) -> String {
         let bytes = mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
         String::from_utf8_lossy(&bytes).into_owned()
@@ -90,14 +90,14 @@ impl fmt::Debug for Log {
     }
 }
 
-/// Why the [`Log::Writer`] has not got all of the log. The solve goes on without.
+/// The error that kept the [`Log::Writer`] from receiving the whole log. The solve continues without it.
 #[derive(Clone, PartialEq, Eq, Error)]
 #[error("Ipopt's log could not be written: {message}")]
 #[non_exhaustive]
 pub struct LogError {
-    /// What kind of error the writer had.
+    /// The kind of the writer's error.
     pub kind: io::ErrorKind,
-    /// What it said.
+    /// Its message.
     pub message: String,
 }
 
@@ -118,7 +118,7 @@ impl<'a> Sink<'a> {
         }
     }
 
-    /// Whether Ipopt need make any text.
+    /// Whether Ipopt has to generate text.
     pub(super) fn is_open(&self) -> bool {
         match self.log {
             Log::Off => false,
@@ -145,7 +145,7 @@ impl<'a> Sink<'a> {
         }
     }
 
-    /// Whatever is held back.
+    /// Emits the last, incomplete line and flushes the writer.
     pub(super) fn finish(&mut self) {
         if !self.line.is_empty() {
             emit(&mem::take(&mut self.line));

@@ -1,24 +1,24 @@
-//! Ipopt, safely: an [`Nlp`](crate::nlp::Nlp) in, a [`Solution`] out.
+//! A safe driver of Ipopt: it takes an [`Nlp`](crate::nlp::Nlp) and returns a [`Solution`].
 //!
-//! [Ipopt](https://coin-or.github.io/Ipopt/) finds local solutions of smooth nonlinear problems, large and sparse ones
-//! too, by a primal–dual interior-point method:
+//! [Ipopt](https://coin-or.github.io/Ipopt/) finds local solutions of smooth nonlinear problems, including large sparse
+//! ones, by a primal–dual interior-point method:
 //!
 //! min f(x) subject to x_L ≤ x ≤ x_U and g_L ≤ g(x) ≤ g_U.
 //!
 //! # What to install
 //! Ipopt 3.11 or later with its headers, a C++ compiler, `pkg-config` and libclang; on Debian and Ubuntu
 //! `apt-get install coinor-libipopt-dev g++ pkg-config libclang-dev`. The crate's feature `ipopt`, on by default,
-//! switches this module on.
+//! enables this module.
 //!
 //! # From zero to a solution
-//! 1. The **structure** ([`Structure`](crate::nlp::Structure)): bounds (equal ones make an equality or fix a variable,
-//!    infinite ones are none) and where the Jacobian of g and the lower triangle of the Hessian of
-//!    L = σ f + λᵀ g have entries. It is checked once; no wrong index can reach Ipopt.
+//! 1. The **structure** ([`Structure`](crate::nlp::Structure)): bounds (equal bounds make a constraint an equality or
+//!    fix a variable, infinite ones mean no bound) and the sparsity patterns of the Jacobian of g and of the lower
+//!    triangle of the Hessian of L = σ f + λᵀ g. It is checked once, so that no invalid index can reach Ipopt.
 //! 2. The **functions** ([`Nlp`](crate::nlp::Nlp)): f, ∇f, g and the values of those entries, in their order. Without
 //!    a Hessian, Ipopt approximates it.
 //! 3. A **solver** for that structure, with [`Options`].
 //! 4. A **start**, and [`Solver::solve`].
-//! 5. The **[`Status`]**, before anything else; then x, f, g and the multipliers.
+//! 5. The **result**: check the [`Status`] first; then read x, f, g and the multipliers.
 //!
 //! Problem 71 of Hock and Schittkowski: min x₀ x₃ (x₀ + x₁ + x₂) + x₂ subject to x₀ x₁ x₂ x₃ ≥ 25, Σ xᵢ² = 40 and
 //! 1 ≤ x ≤ 5.
@@ -89,40 +89,40 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Where to go on
-//! - **Wrong derivatives** are the most frequent reason for a solve that crawls or fails. [`check::nlp`](crate::check::nlp)
-//!   finds them, or Ipopt's own checker: [`Options::derivative_test`] and [`Solution::derivative_check`].
-//! - **Options**: typed, by Ipopt's own names. [`KNOWN_OPTIONS`] has the table with defaults and versions; those that
-//!   this driver changes are with [`Options`]. Presets: [`Options::newton`], [`Options::quadratic`],
+//! # Further topics
+//! - **Wrong derivatives** are the most frequent cause of slow or failing solves. [`check::nlp`](crate::check::nlp)
+//!   finds them, as does Ipopt's own checker: [`Options::derivative_test`] and [`Solution::derivative_check`].
+//! - **Options** are typed and have Ipopt's own names. [`KNOWN_OPTIONS`] lists them with defaults and versions;
+//!   [`Options`] lists the defaults that this driver changes. Presets: [`Options::newton`], [`Options::quadratic`],
 //!   [`Options::convex_quadratic`], [`Options::least_change`], [`Options::warm_start`].
-//! - **What a [`Status`] means**, and what to do about it, is the table there.
-//! - **Runs of similar problems**: [`Sequence`] starts each from the solution of the one before and, where that leads
-//!   nowhere, repeats it cold.
-//! - **Which Ipopt is this?** [`diagnose`] says which linear solvers it really has, how MUMPS orders, whether the BLAS
-//!   is a slow one: `cargo run --release -p contact-core --example doctor`.
-//! - **Watching and stopping**: [`Solver::solve_with`], or [`Nlp::iterate`](crate::nlp::Nlp::iterate). An
+//! - **Status**: the table in [`Status`] explains each one and its remedy.
+//! - **Runs of similar problems**: [`Sequence`] starts each problem from the solution of the previous one and repeats
+//!   it from a cold start if the warm start fails.
+//! - **Diagnosis**: [`diagnose`] reports which linear solvers work, which ordering MUMPS uses and whether the BLAS is
+//!   the slow reference one: `cargo run --release -p contact-core --example doctor`.
+//! - **Monitoring and stopping**: [`Solver::solve_with`], or [`Nlp::iterate`](crate::nlp::Nlp::iterate). An
 //!   [`Iterate`](crate::nlp::Iterate) has x, g, multipliers, slacks and violations.
-//! - **The log**: [`Solver::set_log`], to a writer or, by [`Log::text`], to a text.
-//! - **Scaling**: [`Solver::set_scaling`]. Ipopt's own only makes gradients smaller. Choose units so that x, f and g
-//!   are about 1.
+//! - **The log**: [`Solver::set_log`] sends it to a writer or, with [`Log::text`], to a string.
+//! - **Scaling**: [`Solver::set_scaling`]. Ipopt's own scaling can only reduce gradients. Choose units so that x, f and
+//!   g are about 1.
 //!
-//! # What to expect
-//! - **A status is not an error.** `Err` is misuse only. Whatever Ipopt ends with is [`Solution::status`].
-//! - **One solve at a time in a process.** Ipopt's linear solvers are not reentrant, so solves of other threads wait,
-//!   those of [`doctor::inspect`] and [`diagnose`] included. Nothing else does: solvers are made, set and dropped
-//!   while another solves. A solve from inside a callback is [`Error::Reentrant`]. A callback that waits for another
-//!   thread's solve never returns. A [`Solver`] is [`Send`] and not [`Sync`]. Beside the lock, a process shares the
-//!   version that its Ipopt has told in a log, and that a warning of another than was compiled with has been given.
-//! - **Dependent equalities** make multipliers that are not unique, and Ipopt divides its errors by their size: it may
-//!   then call something solved that is not, unless `dual_inf_tol` (1 by default, unscaled) is set to what counts.
-//! - **Panics** in a callback, a watching closure or a log's writer stop the solve and then go on in the caller.
-//! - **Silence.** Nothing is printed, and `print_level` is 0. With [`print_level(5)`](Options::print_level) the log goes
-//!   to the `log` crate, target `ipopt`, level debug, or to where [`Solver::set_log`] says. A file `ipopt.opt` in the
+//! # Behaviour
+//! - **A status is not an error.** `Err` reports misuse only. The ending of a solve is [`Solution::status`].
+//! - **One solve at a time per process.** Ipopt's linear solvers are not reentrant, so that solves of other threads
+//!   wait, those of [`doctor::inspect`] and [`diagnose`] included. Solvers can be made, set and dropped meanwhile. A
+//!   solve started inside a callback is [`Error::Reentrant`]. A callback that waits for another thread's solve
+//!   deadlocks. A [`Solver`] is [`Send`] but not [`Sync`]. Besides the lock, a process shares two facts: the version
+//!   that its Ipopt reported in a log, and whether the warning about a version other than the headers' was given.
+//! - **Dependent equalities** have multipliers that are not unique, and Ipopt divides its errors by their size. It may
+//!   then report `Solved` too early, unless `dual_inf_tol` (1 by default, unscaled) is set to the accuracy needed.
+//! - **Panics** in a callback, a watching closure or a log's writer stop the solve and are then resumed in the caller.
+//! - **Output.** Nothing is printed: `print_level` is 0. With [`print_level(5)`](Options::print_level) the log goes to
+//!   the `log` crate, target `ipopt`, level debug, or to the target of [`Solver::set_log`]. A file `ipopt.opt` in the
 //!   working directory is not read.
 //! - **Signs**: see [`nlp`](crate::nlp). Bounds are not relaxed (`bound_relax_factor` 0): x may
 //!   leave them by round-off at most.
-//! - **Versions**: 3.11 to 3.14. [`VERSION`] is the one compiled with; an option it lacks is an
-//!   [`OptionError::Unknown`] that says since when there is one.
+//! - **Versions**: 3.11 to 3.14. [`VERSION`] is that of the headers compiled with. An option it lacks gives an
+//!   [`OptionError::Unknown`] that names the version that introduced it.
 
 mod callbacks;
 mod context;
@@ -166,26 +166,26 @@ pub use self::{
 };
 use crate::nlp::NlpError;
 
-/// The version of Ipopt's headers that this was compiled with, such as (3, 11, 9).
+/// The version of the Ipopt headers that this crate was compiled with, such as (3, 11, 9).
 pub const VERSION: (u32, u32, u32) = ipopt_sys::HEADER_VERSION;
 
-/// Misuse of the driver. How a solve went is a [`Status`].
+/// Misuse of the driver. The ending of a solve is a [`Status`].
 #[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A structure, bounds, a starting point or multipliers that cannot be.
+    /// Invalid structure, bounds, starting point or multipliers.
     #[error(transparent)]
     Nlp(#[from] NlpError),
-    /// An option Ipopt does not have, or a value it refuses.
+    /// An option that Ipopt does not have, or a value that it rejects.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// The option `warm_start_init_point` is "yes" and the start has no multipliers, as those of cold solves.
+    /// The option `warm_start_init_point` is "yes", but the start has no multipliers, as in a cold solve.
     #[error(
         "`warm_start_init_point` is set to \"yes\", but the start has no multipliers: give it some, or leave the \
          option out (it is set to \"yes\" for a start with multipliers)"
     )]
     MissingMultipliers,
-    /// A [`Scaling`] was given, and an option says that it is not to be used.
+    /// A [`Scaling`] was given, but an option disables it.
     #[error(
         "a scaling was given, but the option `nlp_scaling_method` is set to {method}, which ignores it: leave the \
          option out (it is set to \"user-scaling\" for a solver with a scaling), or call `clear_scaling`"
@@ -199,7 +199,7 @@ pub enum Error {
         "a solve was started inside a callback of another: Ipopt is not reentrant; collect what it needs and solve afterwards"
     )]
     Reentrant,
-    /// Ipopt could not even be set up.
+    /// Ipopt could not be set up.
     #[error("Ipopt could not be set up: out of memory")]
     OutOfMemory,
 }

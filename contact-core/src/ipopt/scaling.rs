@@ -1,4 +1,4 @@
-//! Scaling by the caller's factors, which is never silently ignored.
+//! Scaling by the caller's factors; it is an error if an option makes Ipopt ignore them.
 
 use ipopt_sys as sys;
 
@@ -6,7 +6,7 @@ use super::{Error, Options, solver::Solver, start::check_finite};
 use crate::nlp::{NlpError, Structure};
 
 /// Factors by which Ipopt multiplies f, x and g before it solves: see [`Solver::set_scaling`](super::Solver::set_scaling).
-/// They change the path and what `tol` means, not the problem: a [`Solution`](super::Solution) is unscaled. Choose them
+/// They change the iterates and the meaning of `tol`, not the problem: a [`Solution`](super::Solution) is unscaled. Choose them
 /// so that the derivatives become about 1.
 ///
 /// **A negative factor of f maximises, and reverses the signs of all [`Multipliers`](crate::nlp::Multipliers)**, those
@@ -61,7 +61,7 @@ impl Solver {
         self.apply_one("nlp_scaling_method", &USER_SCALING.into())
     }
 
-    /// Back to what the option `nlp_scaling_method` says, or to Ipopt's default.
+    /// Removes the factors: scaling is again that of the option `nlp_scaling_method`, or Ipopt's default.
     ///
     /// # Errors
     /// As [`Solver::set_options`], but the options were taken before.

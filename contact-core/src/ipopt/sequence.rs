@@ -10,9 +10,9 @@ use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Structure};
 
 /// Ipopt on a run of similar problems: load steps, parameters, a path.
 ///
-/// Each solve starts from x and the multipliers of the last one that was solved. Where that leads nowhere, to another
-/// status than solved or to too many iterations, it is repeated cold from the same x, which is not hidden: see
-/// [`Run::retried`] and [`Totals::cold_retries`]. A solve that both fail leaves the memory as it was.
+/// Each solve starts from x and the multipliers of the last one that was solved. If this warm start fails, by its
+/// status or by too many iterations, the solve is repeated from a cold start at the same x; [`Run::retried`] and
+/// [`Totals::cold_retries`] report that. If both fail, the next solve starts from the same point again.
 ///
 /// ```
 /// # use contact_core::ipopt::{Sequence, SequenceSettings};
@@ -64,11 +64,11 @@ pub struct Run {
     pub retried: Option<Retried>,
 }
 
-/// A warm solve that led nowhere.
+/// A warm solve that failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Retried {
-    /// How it ended; [`Status::IterationLimit`] for a blow-up.
+    /// Its status; [`Status::IterationLimit`] if it took too many iterations.
     pub status: Status,
     /// Its iterations.
     pub iterations: usize,
@@ -173,9 +173,9 @@ impl Sequence {
         self.solver.set_bounds(variables, constraints)
     }
 
-    /// Another structure for the problems to come: the next one starts at `x`, warm if `multipliers` of the new
-    /// structure are given, as where constraints come and go and the caller knows which is which. Log and scaling stay.
-    /// No warm solve counts as blown up before a cold one has solved a problem of the new structure.
+    /// Replaces the structure: the next problem starts at `x`, warm if `multipliers` of the new structure are given,
+    /// for instance where constraints come and go and the caller can match them. Log and scaling are kept. The limit
+    /// on iterations of warm solves applies once a cold one has solved a problem of the new structure.
     ///
     /// # Errors
     /// As [`Sequence::new`] and [`Sequence::restart`]; also a scaling for other sizes, which is to be cleared before.
@@ -201,8 +201,8 @@ impl Sequence {
         self.restart(x, multipliers)
     }
 
-    /// The next problem starts at `x`, warm if there are `multipliers`. It is still a problem of the same kind: when it
-    /// counts as blown up does not change.
+    /// Sets the start `x` of the next problem, warm if `multipliers` are given. The limit on iterations of warm solves
+    /// does not change.
     ///
     /// # Errors
     /// Values that are not finite, or of another number; the start then stays as it was.

@@ -8,20 +8,20 @@ use crate::nlp::Structure;
 /// How the solves of a [`Sequence`] start and when one is given up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SequenceSettings {
-    /// Options of all solves. `warm_start_init_point` is no business of theirs: it is set for warm solves.
+    /// Options of all solves. Do not set `warm_start_init_point` here: it is set for warm solves.
     pub options: Options,
     /// Options of warm solves, in addition; [`Options::warm_start`] by default.
     pub warm: Options,
-    /// A warm solve has blown up, and is repeated cold, beyond this many times the iterations of the last cold solve,
-    /// but never before [`SequenceSettings::LEAST`] iterations.
+    /// A warm solve is stopped and repeated from a cold start beyond this multiple of the iterations of the last cold
+    /// solve, but not before [`SequenceSettings::LEAST`] iterations.
     pub blow_up: f64,
-    /// A solve that cannot make progress any more counts as solved if Ipopt's scaled error
+    /// A solve that can make no further progress counts as solved if Ipopt's scaled error
     /// ([`Statistics::scaled_error`](super::Statistics::scaled_error)) is at most this; 0 by default.
     pub attainable_error: f64,
 }
 
 impl SequenceSettings {
-    /// Iterations that every warm solve is given.
+    /// The number of iterations granted to every warm solve.
     pub const LEAST: usize = 20;
 }
 
@@ -37,7 +37,7 @@ impl Default for SequenceSettings {
 }
 
 impl SequenceSettings {
-    /// What is wrong with any of the options is said now.
+    /// A solver for `structure`; the options of both cold and warm solves are checked here.
     pub(super) fn solver(&self, structure: Structure) -> Result<Solver, Error> {
         if self.options.get("warm_start_init_point") == Some(&"yes".into()) {
             return Err(Error::MissingMultipliers);

@@ -1,4 +1,4 @@
-//! What a solve gives back.
+//! The result of a solve.
 
 use super::{DerivativeCheck, LogError, Statistics, Status};
 #[cfg(doc)]
@@ -9,7 +9,7 @@ use crate::nlp::{IterationRecord, Multipliers};
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {
-    /// How it ended. Look at it first.
+    /// The status. Check it first.
     pub status: Status,
     /// x; the start if Ipopt ended without a final point.
     pub x: Vec<f64>,
@@ -18,17 +18,17 @@ pub struct Solution {
     pub objective: f64,
     /// g(x); NaN as above.
     pub g: Vec<f64>,
-    /// The multipliers at x, `None` where Ipopt has none worth the name: after an invalid number, a time limit, in
-    /// the restoration phase, where one is not finite, or with nothing to iterate because all variables are fixed.
-    /// For fixed variables among others Ipopt has them since 3.14, and zeros before. Signs are those of
+    /// The multipliers at x. `None` where Ipopt has no valid ones: after an invalid number, a time limit or an end in
+    /// the restoration phase, where one is not finite, or where all variables are fixed so that nothing is iterated.
+    /// If some variables are fixed, Ipopt returns their multipliers since 3.14, and zeros before. Signs are those of
     /// [`nlp`](crate::nlp), reversed where f is [maximised](super::Scaling).
     pub multipliers: Option<Multipliers>,
-    /// What it cost.
+    /// Its cost and accuracy.
     pub statistics: Statistics,
     /// Every iteration, the starting point first.
     pub history: Vec<IterationRecord>,
     /// What the derivative checker found, if [`Options::derivative_test`] asked for it.
     pub derivative_check: Option<DerivativeCheck>,
-    /// Why a [`Log::Writer`] has not got all of the log, if so.
+    /// The error that kept a [`Log::Writer`] from receiving the whole log, if any.
     pub log_error: Option<LogError>,
 }

@@ -17,10 +17,10 @@ use super::{
 };
 use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Phase, Structure};
 
-/// Ipopt for one [`Structure`], for as many solves as wanted.
+/// Ipopt for one [`Structure`] and any number of solves.
 ///
-/// It may move between threads; solves of the whole process run one after the other, and nothing else waits for them.
-/// Between solves it holds the pattern and the options, not the memory of the linear solver.
+/// It may move between threads. The solves of a process run one after the other; nothing else waits for them. Between
+/// solves it keeps the pattern and the options, but not the memory of the linear solver.
 pub struct Solver {
     pub(super) shim: NonNull<sys::ipopt_shim>,
     pub(super) structure: Structure,
@@ -70,7 +70,7 @@ impl Solver {
         Ok(solver)
     }
 
-    /// What is solved.
+    /// The structure of the problem.
     pub fn structure(&self) -> &Structure {
         &self.structure
     }
@@ -102,7 +102,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Says where Ipopt's log goes from the next solve on; [`Log::Crate`] unless this is called.
+    /// Sets the target of Ipopt's log from the next solve on; the default is [`Log::Crate`].
     ///
     /// ```
     /// # use contact_core::ipopt::{Log, Options, Solver};
@@ -120,8 +120,8 @@ impl Solver {
         std::mem::take(&mut self.log)
     }
 
-    /// Ipopt's own default of an option; `None` if this version has no such option. What the driver sets instead is
-    /// in the table of [`Options`].
+    /// Ipopt's own default of an option; `None` if this version has no such option. The driver's defaults are listed
+    /// in [`Options`].
     pub fn ipopt_default(&self, name: &str) -> Option<OptionValue> {
         // SAFETY: the shim is valid.
         unsafe { options::default_of(self.shim.as_ptr(), name) }
@@ -140,11 +140,11 @@ impl Solver {
     /// Solves `nlp` from `start`.
     ///
     /// # Errors
-    /// Only for misuse: a start of the wrong size or with values that are not finite, a warm start without
-    /// multipliers, or a solve inside a callback. How the solve went is [`Solution::status`].
+    /// Misuse only: a start of the wrong size or with values that are not finite, a warm start without multipliers,
+    /// or a solve inside a callback. The ending of the solve is [`Solution::status`].
     ///
     /// # Panics
-    /// Resumes a panic of a callback, after Ipopt has come to an end.
+    /// Resumes a panic of a callback after Ipopt has returned.
     pub fn solve(&mut self, nlp: &mut dyn Nlp, start: &Start<'_>) -> Result<Solution, Error> {
         self.run(nlp, start, None)
     }
@@ -243,7 +243,7 @@ impl Solver {
         Ok(unsafe { options::apply_one(self.shim.as_ptr(), name, value) }?)
     }
 
-    /// A writer that nobody asked to be silent gets a line an iteration.
+    /// A writer gets one line per iteration, unless `print_level` is set.
     fn prepare_log(&mut self) -> Result<(), Error> {
         if self.options.get("print_level").is_some() {
             return Ok(());

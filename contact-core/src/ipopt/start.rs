@@ -1,10 +1,10 @@
-//! Where a solve starts, and the arrays it ends in.
+//! The starting point of a solve, and the arrays of its result.
 
 use ipopt_sys as sys;
 
 use crate::nlp::{Multipliers, NlpError, Structure};
 
-/// Where a solve starts.
+/// The starting point of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Start<'a> {
     /// x, n finite values. Ipopt moves them inside their bounds.
@@ -34,7 +34,7 @@ impl<'a> Start<'a> {
     }
 }
 
-/// The arrays Ipopt starts from and ends in.
+/// The arrays that hold the start and then the result.
 pub(super) struct Point {
     pub(super) x: Vec<f64>,
     pub(super) g: Vec<f64>,

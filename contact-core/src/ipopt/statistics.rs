@@ -1,4 +1,4 @@
-//! What a solve cost.
+//! Cost and accuracy of a solve.
 
 use std::{fmt, time::Duration};
 
@@ -18,11 +18,11 @@ pub struct Time {
 pub struct CallbackStatistics {
     /// How often it was called.
     pub calls: usize,
-    /// How long that took.
+    /// Its time.
     pub time: Duration,
 }
 
-/// What a solve cost and how accurate it became.
+/// Cost and accuracy of a solve.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Statistics {
@@ -40,7 +40,7 @@ pub struct Statistics {
     pub hessian: CallbackStatistics,
     /// Of the whole solve, callbacks included.
     pub total: Time,
-    /// Choosing pivots, once a solve. Timed around the calls of MUMPS; with another linear solver, what Ipopt says.
+    /// Symbolic analysis, once per solve. Measured around the calls of MUMPS; as reported by Ipopt for another linear solver.
     /// `None` if Ipopt did not get that far.
     pub symbolic_factorization: Option<Time>,
     /// Numerical factorisations.
@@ -54,7 +54,7 @@ pub struct Statistics {
     pub back_solves: Option<usize>,
     /// Numbers stored in the last factor; `None` as above.
     pub factor_entries: Option<u64>,
-    /// How MUMPS eliminated and what it took; `None` with another linear solver, or without a factorisation.
+    /// Ordering and memory of MUMPS; `None` with another linear solver, or without a factorisation.
     pub mumps: Option<MumpsUse>,
     /// ∇L, max-norm, unscaled. NaN here and below if Ipopt ended without a final point.
     pub dual_infeasibility: f64,
@@ -66,16 +66,16 @@ pub struct Statistics {
     pub scaled_error: f64,
 }
 
-/// How MUMPS eliminated, and what that took.
+/// Ordering and memory of MUMPS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct MumpsUse {
-    /// The ordering it really used: the one asked for, or what it has instead.
+    /// The ordering used: the one requested, or its replacement if MUMPS lacks that.
     pub ordering: Ordering,
-    /// Bytes that the last factor fills, indices included.
+    /// Bytes of the last factor, indices included.
     pub factor_bytes: u64,
-    /// Bytes that were allocated in the first factorisation, by an estimate raised by `mumps_mem_percent`. Allocations
-    /// of other threads meanwhile count, too; `None` where the system does not tell (glibc from 2.33 does).
+    /// Bytes allocated in the first factorisation, from an estimate raised by `mumps_mem_percent`. Simultaneous
+    /// allocations of other threads are included; `None` where the system does not report them (glibc from 2.33 does).
     pub workspace_bytes: Option<u64>,
     /// How often the workspace was too small, and a factorisation was repeated with more.
     pub reallocations: usize,
@@ -87,7 +87,7 @@ pub struct MumpsUse {
 pub enum Ordering {
     /// 0: approximate minimum degree.
     Amd,
-    /// 1: given by the caller, which Ipopt does not do.
+    /// 1: given by the caller; Ipopt does not use it.
     Given,
     /// 2: approximate minimum fill.
     Amf,
@@ -99,7 +99,7 @@ pub enum Ordering {
     Metis,
     /// 6: approximate minimum degree with detection of quasi-dense rows.
     Qamd,
-    /// 7: MUMPS' own choice among those it was built with.
+    /// 7: MUMPS chooses among those it was built with.
     Automatic,
     /// A number this crate does not know.
     Other(i32),

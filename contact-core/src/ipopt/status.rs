@@ -6,9 +6,9 @@ use std::fmt;
 ///
 /// | status | code | what it means | what to do about it |
 /// |---|---|---|---|
-/// | `Solved` | 0 | The scaled error is below `tol`: a local solution, as good as the derivatives are right. | Nothing. |
-/// | `SolvedToAcceptableLevel` | 1 | No progress for `acceptable_iter` iterations, but below `acceptable_tol`. | Scale f, x and g to about 1; ask for a larger `tol`, for round-off may be near; check the derivatives. |
-/// | `Infeasible` | 2 | A local minimum of the constraint violation. | See which `g` of the solution is outside its bounds; try another start; make sure that the constraints agree. |
+/// | `Solved` | 0 | The scaled error is below `tol`: a local solution, provided that the derivatives are correct. | Nothing. |
+/// | `SolvedToAcceptableLevel` | 1 | The error stayed below `acceptable_tol` for `acceptable_iter` iterations, but did not reach `tol`. | Scale f, x and g to about 1; ask for a larger `tol`, for round-off may be near; check the derivatives. |
+/// | `Infeasible` | 2 | A local minimum of the constraint violation. | See which `g` of the solution is outside its bounds; try another start; make sure that the constraints are consistent. |
 /// | `SearchDirectionTooSmall` | 3 | Steps vanish in round-off, close to a solution in general. | Look at the errors in the [`Statistics`](super::Statistics); scale; ask for a larger `tol`. |
 /// | `Diverging` | 4 | x grows beyond `diverging_iterates_tol`. | The problem may be unbounded: add bounds, or check the sign of f. |
 /// | `StoppedByUser` | 5 | [`Nlp::iterate`](crate::nlp::Nlp::iterate) or the closure of [`Solver::solve_with`](super::Solver::solve_with) asked for it. | Use x, or go on from it. |
@@ -34,7 +34,7 @@ pub enum Status {
     Infeasible,
     /// Steps have become too small to change x.
     SearchDirectionTooSmall,
-    /// x grows beyond all bounds.
+    /// x grows beyond `diverging_iterates_tol`.
     Diverging,
     /// [`Nlp::iterate`](crate::nlp::Nlp::iterate) or a watching closure asked for it.
     StoppedByUser,
@@ -56,7 +56,7 @@ pub enum Status {
     InvalidProblem,
     /// Ipopt refuses an option, or lacks the linear solver.
     InvalidOption,
-    /// NaN or ∞ where there is no way back.
+    /// NaN or ∞ in a derivative, or in a function at the start.
     InvalidNumber,
     /// An exception of Ipopt's.
     UnrecoverableException,
@@ -139,8 +139,8 @@ impl Status {
         )
     }
 
-    /// Whether Ipopt ends with the multipliers of its last iterate. After the others they are zero, those of another
-    /// problem, or missing.
+    /// Whether Ipopt returns the multipliers of its last iterate. With any other status they are zero, belong to another
+    /// problem, or are missing.
     pub(super) fn keeps_multipliers(self) -> bool {
         matches!(
             self,
@@ -158,25 +158,40 @@ impl fmt::Display for Status {
         f.write_str(match self {
             Self::Solved => "solved to the tolerance",
             Self::SolvedToAcceptableLevel => "solved to the acceptable tolerance only",
-            Self::Infeasible => "locally infeasible: a point of least constraint violation was found, but not of none",
-            Self::SearchDirectionTooSmall => "the steps became too small to go on, close to the accuracy attainable",
+            Self::Infeasible => {
+                "locally infeasible: the constraint violation has a local minimum above zero"
+            }
+            Self::SearchDirectionTooSmall => {
+                "the steps became too small to go on, close to the accuracy attainable"
+            }
             Self::Diverging => "the iterates diverge: the objective may be unbounded below",
             Self::StoppedByUser => "stopped by the caller",
             Self::FeasiblePointFound => "the constraints of a square problem are solved",
             Self::IterationLimit => "the iteration limit (max_iter) was reached",
             Self::RestorationFailed => "the restoration phase found no acceptable point",
-            Self::StepComputationFailed => "no step could be computed: the linear systems resist regularisation",
+            Self::StepComputationFailed => {
+                "no step could be computed: the linear systems resist regularisation"
+            }
             Self::CpuTimeLimit => "the limit of processor time (max_cpu_time) was reached",
             Self::WallTimeLimit => "the limit of time (max_wall_time) was reached",
             Self::TooFewDegreesOfFreedom => "more equality constraints than variables",
             Self::InvalidProblem => "Ipopt refuses the problem as ill-defined",
-            Self::InvalidOption => "Ipopt refuses an option, or was built without the linear solver asked for",
-            Self::InvalidNumber => "a derivative, or a function at the starting point, is not finite",
+            Self::InvalidOption => {
+                "Ipopt refuses an option, or was built without the linear solver asked for"
+            }
+            Self::InvalidNumber => {
+                "a derivative, or a function at the starting point, is not finite"
+            }
             Self::UnrecoverableException => "Ipopt gave up with an exception",
             Self::ForeignException => "an exception that is not Ipopt's ended the solve",
             Self::InsufficientMemory => "out of memory",
             Self::InternalError => "internal error of Ipopt",
-            Self::Other(code) => return write!(f, "Ipopt status {code}, unknown to this version of the driver"),
+            Self::Other(code) => {
+                return write!(
+                    f,
+                    "Ipopt status {code}, unknown to this version of the driver"
+                );
+            }
         })
     }
 }

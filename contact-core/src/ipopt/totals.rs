@@ -1,4 +1,4 @@
-//! What a run of problems cost.
+//! The total cost of a sequence of problems.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use std::fmt;
 use super::Sequence;
 use super::Statistics;
 
-/// What all solves of a [`Sequence`] cost together; its `Display` form is one line.
+/// The total cost of all solves of a [`Sequence`]; its `Display` form is one line.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Totals {
@@ -24,7 +24,7 @@ pub struct Totals {
     pub iterations: usize,
     /// Calls of all functions.
     pub evaluations: usize,
-    /// Factorisations; 0 where the linear solver does not tell.
+    /// Factorisations; 0 where the linear solver does not report them.
     pub factorizations: usize,
     /// Wall seconds.
     pub seconds: f64,

@@ -1,4 +1,4 @@
-//! From [`Options`] to Ipopt, one by one.
+//! Passes [`Options`] to Ipopt.
 
 use std::ffi::{CStr, CString};
 
@@ -11,12 +11,18 @@ use super::{
 };
 use crate::nlp::Structure;
 
-/// Variables above which the driver chooses MUMPS' ordering.
+/// The number of variables above which the driver chooses MUMPS' ordering.
 const LARGE: usize = 10_000;
 
-/// Entries of the Hessian's lower triangle a variable, from which a problem is taken for one in space: elasticity has
-/// 7 on a mesh of triangles, 22 and more on one of tetrahedra.
+/// The number of entries per variable in the Hessian's lower triangle from which a problem is treated as spatial:
+/// elasticity has 7 on triangles, 22 and more on tetrahedra.
 const DENSE: usize = 15;
+
+/// As [`DENSE`], to tell quadratic tetrahedra (40 entries per variable and more) from linear ones.
+const DENSER: usize = 32;
+
+/// The number of variables above which PORD is slower than METIS on linear tetrahedra.
+const LARGER: usize = 20_000;
 
 /// The driver's defaults for a problem.
 fn defaults(structure: &Structure) -> Options {
@@ -40,16 +46,11 @@ fn defaults(structure: &Structure) -> Options {
     options
 }
 
-/// As above, for a mesh of quadratic tetrahedra, which has 40 and more.
-const DENSER: usize = 32;
-
-/// Variables above which PORD falls behind on linear tetrahedra.
-const LARGER: usize = 20_000;
-
-/// PORD for what is dense like a problem in space, as minimum fill leads to far larger factors there; METIS for large
-/// ones on linear tetrahedra, or SCOTCH, which MUMPS takes where it has none: solves then take a fifth less time.
-/// Minimum fill for the others: its factors are as small, and it takes the least time to find them, while SCOTCH takes
-/// several times as long, in threads that wait.
+/// The default ordering of MUMPS for a large problem.
+///
+/// In space PORD, since the factors of minimum fill are far larger there. On large meshes of linear tetrahedra METIS,
+/// which shortens solves by a fifth; MUMPS takes SCOTCH where it lacks METIS. Elsewhere minimum fill: its factors are
+/// as small as others and its analysis is the fastest; that of SCOTCH takes several times as long, in waiting threads.
 fn ordering(structure: &Structure) -> Ordering {
     let variables = structure.variables();
     let entries = structure.hessian().map_or(0, |hessian| hessian.len());
@@ -172,7 +173,7 @@ unsafe fn set(
     }
 }
 
-/// Which values an option takes, in words.
+/// A description of the values that an option takes.
 ///
 /// # Safety
 /// `shim` must be valid.

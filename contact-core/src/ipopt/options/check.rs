@@ -1,16 +1,16 @@
-//! What the driver knows of a name and its value before Ipopt takes them, or takes them amiss.
+//! Checks of option names and values that Ipopt would accept but misread.
 
 use super::{KnownOption, OptionError, OptionValue};
 use crate::nlp::Structure;
 
-/// Before the names of options for the restoration phase; Ipopt looks for no other prefix.
+/// The prefix of options for the restoration phase; Ipopt knows no other prefix.
 const RESTORATION: &str = "resto.";
 
-/// The largest default of any of Ipopt's numbers. Far above, they overflow, and Ipopt may iterate without end where
-/// it looks at no limit.
+/// The largest magnitude accepted for a number: the largest default of any of Ipopt's options. Much larger values
+/// overflow, and Ipopt may then iterate without end where it checks no limit.
 const LARGEST: f64 = 1e30;
 
-/// The numbers that may exceed it, up to what stands for no limit and no bound.
+/// Options whose numbers may exceed [`LARGEST`], up to the value that stands for no limit or no bound.
 const OPEN: [(&str, f64); 4] = [
     ("max_cpu_time", f64::INFINITY),
     ("max_wall_time", f64::INFINITY),
@@ -59,7 +59,7 @@ pub(super) fn unusable(name: &str, number: f64) -> Option<String> {
     }
 }
 
-/// What Ipopt would take without a word, or crash with, because it does not go with the structure.
+/// Rejects values that conflict with the structure, which Ipopt would accept silently or crash with.
 pub(super) fn fits(
     structure: &Structure,
     name: &str,

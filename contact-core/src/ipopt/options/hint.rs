@@ -1,10 +1,10 @@
-//! What a name that Ipopt does not have was meant to be.
+//! Suggestions for misspelt option names.
 
 use super::{KNOWN_OPTIONS, check::bare};
 use crate::ipopt::VERSION;
 
-/// The known option, of this version of Ipopt, whose name is nearest, if it is near enough to be a slip of the pen:
-/// one letter in three may be wrong, up to three.
+/// The option of this version of Ipopt whose name is nearest, if it is near enough for a typing error: at most one
+/// wrong letter in three, and at most three.
 pub(super) fn nearest(name: &str) -> Option<String> {
     let bare = bare(name);
     let typed = bare.to_ascii_lowercase();
@@ -21,7 +21,7 @@ pub(super) fn nearest(name: &str) -> Option<String> {
     (distance <= (typed.len() / 3).clamp(1, 3)).then(|| format!("{prefix}{nearest}"))
 }
 
-/// Letters to insert, to leave out or to change.
+/// The edit distance: letters to insert, delete or replace.
 fn distance(a: &[u8], b: &[u8]) -> usize {
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, x) in a.iter().enumerate() {

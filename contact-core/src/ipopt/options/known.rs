@@ -1,4 +1,4 @@
-//! What is known of an option before Ipopt is asked.
+//! The data of options with typed setters.
 
 use super::{Available, OptionValue, Word, table::KNOWN_OPTIONS};
 

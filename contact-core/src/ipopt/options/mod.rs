@@ -18,7 +18,7 @@ pub use self::{
 #[cfg(doc)]
 use crate::nlp::Structure;
 
-/// Options to set, in order. Those not named keep the driver's defaults, then Ipopt's.
+/// Options to set, in order. All others keep the driver's default or, where it has none, Ipopt's.
 ///
 /// ```
 /// use contact_core::ipopt::{MuStrategy, Options};
@@ -33,13 +33,13 @@ use crate::nlp::Structure;
 /// Each setter puts its value in place of an earlier one; the names and values are checked when a
 /// [`Solver`](super::Solver) takes them.
 ///
-/// The driver's defaults, all of which can be set otherwise:
+/// The driver's defaults, all of which can be changed:
 ///
 /// | option | value | why |
 /// |---|---|---|
-/// | `option_file_name` | `""` | an `ipopt.opt` in the working directory is nobody's intention |
-/// | `print_level`, `sb` | 0, `yes` | the log is for those who ask |
-/// | `bound_relax_factor` | 0 | Ipopt's 1e-8 would be a real penetration |
+/// | `option_file_name` | `""` | a file `ipopt.opt` in the working directory must not change results unnoticed |
+/// | `print_level`, `sb` | 0, `yes` | no log unless requested |
+/// | `bound_relax_factor` | 0 | Ipopt's default of 1e-8 would be a real penetration |
 /// | `mumps_mem_percent` | 200 | 1000 (Ipopt's) estimates eleven times the workspace, 50 too little: factorisations are repeated |
 /// | `mumps_pivot_order` | above 10 000 variables: 4 (PORD) if the Hessian has 15 entries a variable, else 2 (AMF); above 20 000 with 15 to 31 entries a variable: 5 (METIS) | small factors in space; fast analysis in the plane |
 /// | `hessian_approximation` | `limited-memory` without a Hessian | |
@@ -52,9 +52,9 @@ use crate::nlp::Structure;
 /// With the prefix `resto.`, as in `resto.max_iter`, an option is for the restoration phase alone. There is no other
 /// prefix.
 ///
-/// Numbers are finite and between −1e30 and 1e30, the largest default of Ipopt's, whatever their name: beyond, some make
-/// Ipopt crash or iterate without end. `max_cpu_time` and `max_wall_time` may be larger up to ∞ for no limit,
-/// `nlp_lower_bound_inf` and `nlp_upper_bound_inf` down to −∞ and up to ∞ for bounds of any size. Ipopt keeps six digits.
+/// Numbers must be finite and between −1e30 and 1e30, the largest of Ipopt's defaults: some larger ones make Ipopt
+/// crash or iterate without end. Exceptions are `max_cpu_time` and `max_wall_time`, up to ∞ for no limit, and
+/// `nlp_lower_bound_inf` and `nlp_upper_bound_inf`, ±∞ for bounds of any size. Ipopt keeps six digits.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
     entries: Vec<(String, OptionValue)>,

@@ -1,4 +1,4 @@
-//! Values of options, and why Ipopt would not take one.
+//! Values of options, and errors for those that Ipopt rejects.
 
 use std::fmt;
 
@@ -66,11 +66,11 @@ impl fmt::Display for OptionValue {
     }
 }
 
-/// An option Ipopt would not take.
+/// An option that Ipopt rejects.
 #[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum OptionError {
-    /// No such name, or one with a prefix that Ipopt looks for nowhere.
+    /// An unknown name, or an unknown prefix.
     #[error("Ipopt {} has no option `{name}` (set to {value}): {}", version(), remedy(.name, *.since))]
     Unknown {
         /// The name.
@@ -80,7 +80,7 @@ pub enum OptionError {
         /// The version of Ipopt that it came with, if that is known here.
         since: Option<&'static str>,
     },
-    /// A number for a word, or so.
+    /// A value of the wrong type.
     #[error("Ipopt's option `{name}` was set to {value} and takes {expected}")]
     WrongType {
         /// The name.
@@ -90,7 +90,7 @@ pub enum OptionError {
         /// What it takes instead.
         expected: String,
     },
-    /// Of the right type, but not allowed.
+    /// A value of the right type that is not allowed.
     #[error(
         "Ipopt's option `{name}` was set to {value}, which is not allowed: it takes {expected}"
     )]
@@ -102,7 +102,7 @@ pub enum OptionError {
         /// What it takes instead.
         expected: String,
     },
-    /// Finite differences of a Jacobian that names a place twice.
+    /// Finite differences for a Jacobian whose pattern repeats an entry.
     #[error(
         "Ipopt's option `{name}` was set to {value}, which needs a Jacobian with each place once: its entry {entry} \
          repeats ({row}, {col}); add the values up in one entry, or leave the option out"
