@@ -49,6 +49,14 @@ pub fn disc_in_disc_scene(segments: usize, passes: Passes, order: Order) -> Scen
     scene
 }
 
+/// Units of length and modulus: about those from mm and N to m and N, and to something stiff and large. As powers of two
+/// they leave round-off as it is, which otherwise may decide on an iteration more or less.
+pub const UNITS: [(f64, f64); 3] = [
+    (1.0 / 1024.0, (1u64 << 20) as f64),
+    (1024.0, (1u64 << 30) as f64),
+    (1.0, 1.0 / (1u64 << 20) as f64),
+];
+
 /// A coarse disc-in-disc with lengths times `length` and moduli times `modulus`.
 pub fn scaled_discs(length: f64, modulus: f64) -> Problem<2> {
     let radii: Vec<f64> = [0.7, 0.8, 0.95, 1.2, 1.5, 2.0].map(|r| r * length).to_vec();
