@@ -5,12 +5,13 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 valgrind lint bench bench-overhead report report-quick package msrv bindings fuzz-readers
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint bench bench-overhead report report-quick package msrv bindings fuzz-readers
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
 	@echo "make test              all tests of all crates, with and without optional features"
 	@echo "make test-ipopt-3.14   the tests of the Ipopt binding with a binary Ipopt 3.14, fetched aside"
+	@echo "make test-blas         all tests with each BLAS, as on an old processor, and compiled for this one"
 	@echo "make valgrind          the tests of the Ipopt binding under memcheck"
 	@echo "make lint              formatting, clippy and documentation, warnings as errors"
 	@echo "make bench             times the disc-in-disc and the three beams"
@@ -44,6 +45,9 @@ test: install
 
 test-ipopt-3.14: install
 	@./scripts/test_ipopt_3_14.sh
+
+test-blas: install
+	@./scripts/test_blas.sh
 
 valgrind: install
 	@./scripts/valgrind.sh

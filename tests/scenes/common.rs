@@ -29,6 +29,14 @@ pub fn run<const D: usize>(
     )
 }
 
+/// Units of length and modulus: about those from mm and N to m and N, and to something stiff and large. As powers of two
+/// they leave round-off as it is, which otherwise may decide on an iteration more or less.
+pub const UNITS: [(f64, f64); 3] = [
+    (1.0 / 1024.0, (1u64 << 20) as f64),
+    (1024.0, (1u64 << 30) as f64),
+    (1.0, 1.0 / (1u64 << 20) as f64),
+];
+
 /// As [`run`], by a method of one's own.
 pub fn run_with<const D: usize>(
     method: &mut dyn Method,

@@ -134,7 +134,7 @@ pub(super) fn nested_dissection(pattern: &SymmetricPattern) -> Option<Vec<usize>
             )
         }
     };
-    if status != metis_sys::rstatus_et_METIS_OK as i32 {
+    if status != metis_sys::rstatus_et_METIS_OK {
         return None;
     }
     let order: Vec<usize> = order.into_iter().map(|k| k as usize).collect();
