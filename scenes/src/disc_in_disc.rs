@@ -10,6 +10,30 @@ use crate::mirrored;
 /// The displacement of the inner disc at full load (UL).
 pub const PUSH: f64 = 1.125;
 
+/// Energy and force at full load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FullLoad {
+    /// Energy (UF·UL).
+    pub energy: f64,
+    /// The force on the disc (UF).
+    pub force: f64,
+}
+
+/// The ends of [`Fineness::REFERENCE`] in 100 increments, with 4 Gauss points a segment and the fixed point to 1e-8, to
+/// all digits that README shows.
+pub const ENDS: [(Passes, FullLoad); 3] = [
+    (Passes::Both, full_load(965.2329, 2377.76)),
+    (Passes::FirstIsSlave, full_load(963.41, 2366.97)),
+    (Passes::SecondIsSlave, full_load(965.2329, 2377.91)),
+];
+
+/// The end with both passes and exact integration.
+pub const EXACT_END: FullLoad = full_load(965.2273, 2377.605);
+
+const fn full_load(energy: f64, force: f64) -> FullLoad {
+    FullLoad { energy, force }
+}
+
 /// The fineness of the two meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fineness {
