@@ -40,7 +40,7 @@ fn check_tables(folder: &Path) -> usize {
     let converged: Vec<_> = steps.iter().filter(outcome).collect();
     for (k, line) in converged.iter().enumerate() {
         assert_eq!(line[column("increment")], (k + 1).to_string());
-        for name in ["energy", "min_j", "reaction_0_y", "seconds_total"] {
+        for name in ["energy", "min_j", "reaction_ring_y", "seconds_total"] {
             let value: Result<f64, _> = line[column(name)].parse();
             assert!(value.is_ok(), "{name} of step {k}: {value:?}");
         }

@@ -116,13 +116,14 @@ impl LinearGaps {
     /// The union of these rows and `others`, merged pass by pass: step 4 of Algorithm 2, which joins the
     /// rows of both roles. Within a pass these rows precede `others`; either keep their order.
     pub fn and(self, others: LinearGaps) -> LinearGaps {
+        let exact = self.exact && others.exact;
         if others.is_empty() {
-            return self;
+            return LinearGaps { exact, ..self };
         }
         if self.is_empty() {
-            return others;
+            return LinearGaps { exact, ..others };
         }
-        let mut all = LinearGaps::new(self.exact && others.exact).sampled_at(self.sampling);
+        let mut all = LinearGaps::new(exact).sampled_at(self.sampling);
         let mut left = (0..self.len()).peekable();
         let mut right = (0..others.len()).peekable();
         loop {

@@ -183,8 +183,9 @@ impl LoadSteps {
             solution: None,
             attempts: Vec::new(),
         };
-        let ending = path.walk(problem, solver, &mut observe)?;
+        let walked = path.walk(problem, solver, &mut observe);
         problem.set_load(path.last.factor)?;
+        let ending = walked?;
         Ok(Run {
             ending,
             factor: path.last.factor,

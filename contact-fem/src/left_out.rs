@@ -2,8 +2,9 @@
 
 use std::fmt;
 
+use crate::certificate::Condition;
 use crate::model::Problem;
-use crate::simulation::History;
+use crate::simulation::{History, StepRecord};
 
 /// Work that a scene made unnecessary and that was left out. The results do not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,7 +35,7 @@ impl LeftOut {
         LeftOut {
             dofs: problem.dofs().prescribed(),
             cells: cells - assembled,
-            rows: last.map_or(0, |step| problem.contact_nodes() - step.rows),
+            rows: last.map_or(0, dropped),
             solves: match problem.is_exact() {
                 true => history.run.attempts.len(),
                 false => 0,
@@ -42,6 +43,12 @@ impl LeftOut {
             hessians: cost.iterations.saturating_sub(cost.hessians),
         }
     }
+}
+
+/// The contact nodes without a row, also where rows are integration points.
+fn dropped<const D: usize>(step: &StepRecord<D>) -> usize {
+    let dropped = step.certificate.left(Condition::Dropped);
+    dropped.map_or(0, |count| count as usize) // NaN, of a state that is none, counts as 0
 }
 
 impl fmt::Display for LeftOut {

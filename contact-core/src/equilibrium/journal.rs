@@ -96,7 +96,11 @@ impl<'a> Journal<'a> {
     }
 
     /// Records U_n, tests the stopping criteria and, unless one is met, forms the next iterate.
-    pub fn accept(&mut self, gaps: LinearGaps, minimum: Minimum, error: f64) {
+    pub fn accept(&mut self, gaps: LinearGaps, mut minimum: Minimum, error: f64) {
+        if minimum.solved == Solved::Optimal && !is_finite(&minimum) {
+            minimum.solved =
+                Solved::Failed("the method returned a value that is not finite".into());
+        }
         let error = match minimum.solved {
             Solved::Optimal => error,
             _ => f64::INFINITY,
@@ -163,4 +167,9 @@ impl<'a> Journal<'a> {
             ..self.solution
         }
     }
+}
+
+fn is_finite(minimum: &Minimum) -> bool {
+    let mut values = minimum.u.iter().chain(&minimum.lambda);
+    values.all(|value| value.is_finite()) && minimum.energy.is_finite()
 }

@@ -159,6 +159,11 @@ impl Entry {
     }
 }
 
+/// The larger of two values; a NaN is worse than any number.
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
 impl Certificate {
     /// A certificate with the same residual for every condition.
     pub(crate) fn uniform(left: f64, roundoff: f64) -> Self {

@@ -6,7 +6,7 @@ use contact_core::equilibrium::Solution;
 use contact_core::gaps::Sampling;
 use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 
-use super::{Certificate, Condition, Limits};
+use super::{Certificate, Condition, Limits, worse};
 use crate::contact::Pass;
 use crate::model::Problem;
 use crate::tensor::Vector;
@@ -52,7 +52,7 @@ impl Certificate {
                 let product = (multipliers.of(*key) * c).abs();
                 over(product, force(key) * problem.scale().resolution)
             });
-            products.fold(0.0, f64::max)
+            products.fold(0.0, worse)
         };
         let drift = || {
             let lambda: Vec<f64> = same.keys().iter().map(|&k| multipliers.of(k)).collect();
@@ -60,7 +60,7 @@ impl Certificate {
             let bodies = 0..problem.scene().bodies().len();
             let nodes = bodies.flat_map(|b| problem.nodes(b).map(move |a| (a, b)));
             let change = nodes.map(|(a, b)| over((forces[a] - now[a]).amax(), force_of(b)));
-            change.fold(0.0, f64::max)
+            change.fold(0.0, worse)
         };
         let action_reaction = {
             let all: Vector<D> = forces.iter().sum();
@@ -79,7 +79,7 @@ impl Certificate {
         let left = |condition| match condition {
             Condition::NodalPenetration => Some(problem.relative_penetration(u)),
             Condition::WeakPenetration => Some(deepest(&relative)),
-            Condition::Adhesion => Some(pulls.clone().fold(0.0, f64::max)),
+            Condition::Adhesion => Some(pulls.clone().fold(0.0, worse)),
             Condition::Complementarity => Some(complementarity),
             Condition::Stationarity => Some(residual.free),
             Condition::Drift => has_names.then(drift),
@@ -174,7 +174,7 @@ fn values(rows: &LinearGaps, u: &[f64]) -> Vec<f64> {
 
 /// max(−c_i), at least 0.
 fn deepest(gaps: &[f64]) -> f64 {
-    gaps.iter().fold(0.0, |depth, c| depth.max(-c))
+    gaps.iter().fold(0.0, |depth, c| worse(depth, -c))
 }
 
 /// The number of closed constraints present at the state but missing from the solver's rows. `relative`
@@ -238,7 +238,7 @@ impl Residual {
                         Some(_) => rest,
                         None => 0.0,
                     };
-                    rest_free = (rest - reaction).abs().max(rest_free);
+                    rest_free = worse((rest - reaction).abs(), rest_free);
                     sum[i] += load + reaction;
                     magnitude += (load + reaction).abs();
                     for force in [load, reaction, contact[node][i]] {
@@ -246,7 +246,7 @@ impl Residual {
                     }
                 }
             }
-            free = over(rest_free, largest).max(free);
+            free = worse(over(rest_free, largest), free);
             forces.push(largest);
         }
         Residual {

@@ -19,7 +19,7 @@ use crate::simulation::{History, StepRecord};
 /// only at the end of the run: [`Tables::finish`] writes both files anew with all attempts in
 /// order. The column `outcome` contains the ending of an attempt; columns that require a converged
 /// state are empty for failed attempts. Columns with a body and an axis in their name, such as
-/// `reaction_0_x`, exist for every body.
+/// `reaction_ring_x` of the body `ring`, exist for every body.
 #[derive(Debug)]
 pub struct Tables {
     steps: Table,
@@ -29,11 +29,15 @@ pub struct Tables {
 
 impl Tables {
     /// Empty tables called `name` in `folder`, which is created if it does not exist, for a scene
-    /// with this number of bodies.
+    /// with these names of its bodies.
     ///
     /// # Errors
     /// [`Error::Write`].
-    pub fn create<const D: usize>(folder: &Path, name: &str, bodies: usize) -> Result<Self, Error> {
+    pub fn create<const D: usize>(
+        folder: &Path,
+        name: &str,
+        bodies: &[String],
+    ) -> Result<Self, Error> {
         file::create_folder(folder)?;
         Ok(Tables {
             steps: Table::create(
@@ -44,7 +48,7 @@ impl Tables {
                 folder.join(format!("{name}_iterations.csv")),
                 strings(&ITERATION_COLUMNS),
             )?,
-            bodies,
+            bodies: bodies.len(),
         })
     }
 
@@ -128,10 +132,10 @@ const ITERATION_COLUMNS: [&str; 16] = [
     "seconds_optimizer",
 ];
 
-fn step_columns<const D: usize>(bodies: usize) -> Vec<String> {
+fn step_columns<const D: usize>(bodies: &[String]) -> Vec<String> {
     let mut columns = strings(&["increment", "from", "factor", "outcome", "energy"]);
     for quantity in ["reaction", "contact_force"] {
-        for body in 0..bodies {
+        for body in bodies {
             let axes = ["x", "y", "z"].into_iter().take(D);
             columns.extend(axes.map(|axis| format!("{quantity}_{body}_{axis}")));
         }
@@ -359,14 +363,14 @@ mod tests {
     #[test]
     fn converged_steps_at_once_and_failures_at_the_end() {
         let folder = std::env::temp_dir().join(format!("contact-fem-csv-{}", std::process::id()));
-        let mut tables = Tables::create::<2>(&folder, "run", 1).expect("tables");
+        let mut tables = Tables::create::<2>(&folder, "run", &["ring".into()]).expect("tables");
         tables.write(&record(1.0)).expect("written");
-        let columns = step_columns::<2>(1);
+        let columns = step_columns::<2>(&["ring".into()]);
         let at = |name: &str| columns.iter().position(|c| c == name).expect(name);
         let steps = read(tables.path());
         assert_eq!(steps.len(), 1);
-        assert_eq!(steps[0][at("reaction_0_x")], "1e-7");
-        assert_eq!(steps[0][at("contact_force_0_y")], "4.5");
+        assert_eq!(steps[0][at("reaction_ring_x")], "1e-7");
+        assert_eq!(steps[0][at("contact_force_ring_y")], "4.5");
         assert_eq!(steps[0][at("rows")], "7");
         assert_eq!(steps[0][at("penetration")], "0");
         assert_eq!(steps[0][at("weak_penetration")], "1e-12");
@@ -393,7 +397,7 @@ mod tests {
             steps[0][at("outcome")],
             "iteration limit of the fixed point"
         );
-        assert_eq!(steps[0][at("reaction_0_y")], "");
+        assert_eq!(steps[0][at("reaction_ring_y")], "");
         assert_eq!(steps[0][at("min_j")], "0.75");
         assert_eq!(steps[0][at("certificate_holds")], "");
         assert_eq!(steps[0][at("rows")], "");

@@ -30,6 +30,7 @@ use crate::tensor::Vector;
 /// | `von_mises` | cells | 1 | UF/UL² |
 /// | `J` | cells | 1 | volume ratio |
 /// | `cauchy_stress` | cells | 6: xx, yy, zz, xy, yz, xz | UF/UL² |
+/// | `body_NAME` | the file | 1 | the number of the body with this name |
 /// | `certificate_…` | the file | 1 | see [`Certificate`]; converged steps only |
 ///
 /// ```
@@ -112,9 +113,8 @@ impl Series {
         let mut bytes = Vec::new();
         grid.write_xml(&mut bytes)
             .map_err(|source| file::failed(&path, source))?;
-        if let Some(certificate) = &snapshot.certificate {
-            insert(&mut bytes, &metadata(certificate));
-        }
+        let names = problem.scene().names();
+        insert(&mut bytes, &metadata(names, snapshot.certificate.as_ref()));
         file::replace(&path, &bytes)?;
         self.times.push(time);
         file::replace(&self.collection(), self.listing().as_bytes())
@@ -155,9 +155,19 @@ impl Series {
 }
 
 /// A certificate as field data of the file.
-fn metadata(certificate: &Certificate) -> String {
+fn metadata(names: &[String], certificate: Option<&Certificate>) -> String {
     let limits = Limits::default();
     let mut text = String::from("\n<FieldData>");
+    for (number, name) in names.iter().enumerate() {
+        text += &format!(
+            "\n<DataArray type=\"Int32\" Name=\"body_{}\" NumberOfTuples=\"1\" \
+             format=\"ascii\">{number}</DataArray>",
+            escaped(name)
+        );
+    }
+    let Some(certificate) = certificate else {
+        return text + "\n</FieldData>";
+    };
     let mut array = |name: &str, value: f64| {
         text += &format!(
             "\n<DataArray type=\"Float64\" Name=\"certificate_{name}\" NumberOfTuples=\"1\" \
@@ -172,6 +182,18 @@ fn metadata(certificate: &Certificate) -> String {
     array("roundoff", certificate.roundoff());
     array("holds", f64::from(u8::from(certificate.holds(&limits))));
     text + "\n</FieldData>"
+}
+
+/// A name as the value of an XML attribute.
+fn escaped(name: &str) -> String {
+    let special = [
+        ("&", "&amp;"),
+        ("<", "&lt;"),
+        (">", "&gt;"),
+        ("\"", "&quot;"),
+    ];
+    let replace = |text: String, (from, to): (&str, &str)| text.replace(from, to);
+    special.into_iter().fold(name.to_string(), replace)
 }
 
 /// Inserts `text` at the beginning of the grid, which the writer does not support. Offsets of the

@@ -33,7 +33,7 @@ impl<'a, const D: usize> Observer<'a, D> {
     pub(super) fn new(recording: &'a Plan<'a, D>, problem: &Problem<D>) -> Result<Self, Error> {
         let (folder, name) = (&recording.folder, &recording.name);
         let mut series = Series::create(folder, name)?;
-        let tables = Tables::create::<D>(folder, name, problem.scene().bodies().len())?;
+        let tables = Tables::create::<D>(folder, name, problem.scene().names())?;
         let rest = Snapshot::at_rest(problem)?;
         if recording.vtu_every > 0 {
             series.write(0.0, problem, &rest)?;

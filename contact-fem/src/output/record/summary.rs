@@ -19,6 +19,8 @@ use crate::simulation::History;
 #[derive(Serialize)]
 pub(super) struct Summary {
     scene: String,
+    /// The names of the bodies, in the order of the reactions.
+    bodies: Vec<String>,
     mesh: Value,
     increments: usize,
     converged: bool,
@@ -87,6 +89,7 @@ impl Summary {
         table.extend(program_lines());
         Summary {
             scene: plan.name.clone(),
+            bodies: problem.scene().names().to_vec(),
             mesh: mesh(problem),
             increments: plan.increments,
             converged: history.is_some_and(|h| h.run.ending == Ending::Complete),
