@@ -1,15 +1,16 @@
 //! Frictionless contact between elastic bodies by energy minimisation with Ipopt: symmetric, with no master and slave
 //! to choose.
 //!
-//! The total energy of all bodies is minimised under weak non-penetration constraints, which both sides of every
-//! contact impose on each other. Constraints are linear for a frozen projection; a fixed point renews the projection
-//! until the displacement stands still, and load steps walk the load up to its full value. The method is that of
-//! Houssein, Garnotel and Hecht, *Contact problems in industrial applications using FreeFEM*.
+//! The library minimises the total energy of all bodies under weak non-penetration constraints, which both sides of
+//! every contact impose on each other. With projections and normals held, the constraints are linear. A fixed-point
+//! iteration updates the projections until the displacement no longer changes, and load steps increase the load to its
+//! full value. The method is that of Houssein, Garnotel and Hecht, *Contact problems in industrial applications using
+//! FreeFEM*.
 //!
-//! This crate re-exports the two that do the work and has a [`prelude`] for scenes:
+//! This crate re-exports two crates and has a [`prelude`] for scenes:
 //! - [`contact_fem`]: meshes, materials, assembly, contact constraints, scenes, load histories, output;
 //! - [`contact_core`]: energies, the interior point method, the fixed point and load steps in ℝⁿ, and the safe Ipopt
-//!   driver, all without a mesh in sight.
+//!   driver; it knows no mesh.
 //!
 //! [`nalgebra`], whose vectors and matrices are in the interface of [`contact_fem`], is re-exported in the version used.
 //!

@@ -7,7 +7,7 @@ use contact_core::load_steps::Run;
 use contact_core::nlp::{Bounds, Pattern};
 use contact_core::{
     ContactProblem, DirectSum, Ending, Energy, Error, InteriorPoint, LinearGaps, LoadStepped,
-    LoadSteps, Retry, Scale, State,
+    LoadSteps, Method, Penalty, Retry, Scale, State,
 };
 use contact_fem::assembly::{BodyEnergy, DofMap, StrainEnergy};
 use contact_fem::contact::Master;
@@ -467,4 +467,20 @@ fn no_pair_no_rows() {
     let history = run_with(&mut InteriorPoint::default(), &mut problem, 1, 1e-6);
     let step = history.steps.last().expect("converged");
     assert_eq!((step.rows, step.attempt.iterations.len()), (0, 1));
+}
+
+/// Rows that are integration points are not counted as if they were contact nodes.
+#[test]
+fn nodes_without_a_row_are_counted_whatever_the_rows_are() {
+    let law = LinearElastic::new(10.0, 0.3).expect("law");
+    let rows = |method: &mut dyn Method| {
+        let scene = disc_on_block(law, Order::Linear);
+        let mut problem = scene.problem().expect("valid scene");
+        let history = run_with(method, &mut problem, 1, 1e-6);
+        assert!(history.is_complete(), "{}", history.run.ending);
+        LeftOut::new(&problem, &history).rows
+    };
+    let of_nodes = rows(&mut InteriorPoint::default());
+    assert!(of_nodes > 0);
+    assert_eq!(rows(&mut Penalty::default()), of_nodes);
 }

@@ -3,12 +3,13 @@
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
+use contact_core::equilibrium::StepContext;
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalty, Subproblem};
 use contact_core::nlp::{Bounds, Pattern};
 use contact_core::{
-    Acceleration, ContactProblem, Ending, Energy, Error, FixedPoint, InteriorPoint, LoadStepped,
-    LoadSteps, Outcome, Retry, Solved, State,
+    Acceleration, ContactProblem, Ending, Energy, Equilibrium, Error, FixedPoint, InteriorPoint,
+    LoadStepped, LoadSteps, Outcome, Retry, Solved, State, Stop,
 };
 
 /// E(u) = ½ k |u|² − t f·u with load factor t for one point in the plane, outside the unit disc around (0, −1).
@@ -327,6 +328,56 @@ fn a_subproblem_that_was_not_solved_never_counts_as_converged() {
         assert_eq!(solution.history.len(), 1);
         assert_eq!(solution.history[0].error, f64::INFINITY);
     }
+}
+
+/// A method that calls anything a minimum.
+struct Careless {
+    u: f64,
+    energy: f64,
+}
+
+impl Method for Careless {
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, _: &State) -> Result<Minimum, Error> {
+        Ok(Minimum {
+            u: vec![self.u; 2],
+            lambda: vec![0.0; subproblem.gaps.len()],
+            energy: self.energy,
+            solved: Solved::Optimal,
+            cost: Default::default(),
+        })
+    }
+}
+
+/// Values that are not finite are no solution, and a NaN is no change of zero.
+#[test]
+fn a_minimum_that_is_not_finite_is_a_failure() {
+    for (u, energy) in [(f64::NAN, 0.0), (0.5, f64::NAN), (f64::INFINITY, 0.0)] {
+        let start = State {
+            u: vec![0.0; 2],
+            ..State::default()
+        };
+        let problem = Point::pulled([0.6, -1.3]);
+        let solution = FixedPoint::with(Careless { u, energy }).solve_from(&problem, start);
+        let outcome = solution.expect("no misuse").outcome;
+        assert!(outcome.to_string().contains("not finite"), "{outcome}");
+    }
+}
+
+/// A method that does not look at the request to stop is stopped after its solve.
+#[test]
+fn a_request_to_stop_ends_the_iteration() {
+    let start = State {
+        u: vec![0.0; 2],
+        ..State::default()
+    };
+    let (stop, problem) = (Stop::new(), Point::pulled([0.6, -1.3]));
+    stop.request();
+    let (again, lifted) = (start.clone(), || start.clone());
+    let context = StepContext::single(&again, &lifted, &stop);
+    let solution = FixedPoint::with(Flip(1e-3)).solve(&problem, start.clone(), &context);
+    let solution = solution.expect("no misuse");
+    assert_eq!(solution.outcome, Outcome::Interrupted);
+    assert_eq!(solution.history.len(), 1);
 }
 
 /// A method that jumps between two points.

@@ -27,6 +27,8 @@ pub(super) struct Journal<'a> {
     clock: Instant,
     projection: f64,
     asked: f64,
+    /// Whether a stop was requested before this iteration's subproblem.
+    stop_requested: bool,
 }
 
 impl<'a> Journal<'a> {
@@ -67,6 +69,7 @@ impl<'a> Journal<'a> {
             clock: Instant::now(),
             projection: 0.0,
             asked: 0.0,
+            stop_requested: false,
         })
     }
 
@@ -81,6 +84,7 @@ impl<'a> Journal<'a> {
         'a: 'b,
     {
         self.projection = self.clock.elapsed().as_secs_f64();
+        self.stop_requested = stop.is_requested();
         let history = &self.solution.history;
         let change = history.last().map_or(Self::GUESS, |last| last.error);
         self.asked = self.accuracy.of(history.len(), change, gaps.is_exact());
@@ -150,6 +154,9 @@ impl<'a> Journal<'a> {
         let is_accurate = self.asked == 0.0;
         if is_accurate && (error < self.tolerance || is_exact) {
             return Some(Outcome::Converged);
+        }
+        if self.stop_requested {
+            return Some(Outcome::Interrupted);
         }
         if let Some(period) = self.cycles.period(&minimum.u, error) {
             return Some(Outcome::Cycle {

@@ -261,7 +261,8 @@ impl<const D: usize> Scene<D> {
     /// The positions at which contact is searched: those that were set, or the default.
     ///
     /// # Errors
-    /// If bodies with small-strain and other laws are in contact pairs, and no geometry was set.
+    /// If a scene with contact pairs has bodies with small-strain and with other laws, whether they are
+    /// in a pair or not, and no geometry was set.
     pub(super) fn geometry(&self) -> Result<Geometry, Error> {
         let body_of = |small: bool| {
             let mut bodies = self.bodies.iter().zip(&self.names);

@@ -116,7 +116,7 @@ impl<S: Equilibrium> Simulation<S> {
             reactions.fold(0.0, f64::max)
         };
         let plan = Plan {
-            name: name.map_or("run".into(), Into::into),
+            name: name.map_or("run".into(), |name| plain(&name)),
             folder,
             vtu_every: 1,
             picture: "meshes.svg".into(),
@@ -131,6 +131,14 @@ impl<S: Equilibrium> Simulation<S> {
             plan,
         }
     }
+}
+
+/// A folder's name as the name of a series, which has fewer characters.
+fn plain(name: &str) -> String {
+    let allowed = |c: char| c.is_alphanumeric() || "_-.".contains(c);
+    name.chars()
+        .map(|c| if allowed(c) { c } else { '_' })
+        .collect()
 }
 
 impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
@@ -150,7 +158,8 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
     /// Solves the problem from rest to full load, as [`Simulation::run`] does.
     ///
     /// # Errors
-    /// As [`Simulation::run`], and if a file cannot be written. The summary is written in any case.
+    /// As [`Simulation::run`], and if a file cannot be written. A run that ends with an error leaves a
+    /// summary, too, unless its files could not be created at all.
     pub fn run(self, problem: &mut Problem<D>) -> Result<Recorded<D>, Error> {
         let Recording { simulation, plan } = self;
         let clock = Instant::now();
