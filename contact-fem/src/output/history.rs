@@ -347,6 +347,7 @@ mod tests {
             certificate: Certificate::uniform(0.0, 0.0)
                 .with(Condition::WeakPenetration, Some(0.5))
                 .with(Condition::Stationarity, Some(1e-9))
+                .with(Condition::Drift, None)
                 .with(Condition::Dropped, Some(3.0)),
             attempt: attempt(to, Outcome::Converged),
         }
