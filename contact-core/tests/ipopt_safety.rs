@@ -333,10 +333,6 @@ fn bad_structures_are_refused_by_name() {
     let none = Pattern::empty;
     let entries = |list: &[(usize, usize)]| list.iter().copied().collect::<Pattern>();
 
-    assert_eq!(
-        structure(Bounds::default(), one(), none(), none()),
-        Err(NlpError::NoVariables)
-    );
     let short = Bounds {
         lower: vec![0.0; 2],
         upper: vec![1.0],

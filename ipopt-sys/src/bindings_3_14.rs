@@ -524,6 +524,12 @@ unsafe extern "C" {
         text: *mut ::std::os::raw::c_char,
         size: usize,
     ) -> ::std::os::raw::c_int;
+    pub fn ipopt_shim_option_name(
+        shim: *mut ipopt_shim,
+        place: usize,
+        name: *mut ::std::os::raw::c_char,
+        size: usize,
+    ) -> ::std::os::raw::c_int;
     pub fn ipopt_shim_clear_options(shim: *mut ipopt_shim);
     pub fn ipopt_shim_set_text(
         shim: *mut ipopt_shim,

@@ -24,6 +24,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <iterator>
 #include <limits>
 #include <new>
 #include <sstream>
@@ -706,6 +707,19 @@ int ipopt_shim_option_default(ipopt_shim *shim, const char *name, double *number
             std::snprintf(text, size, "%s", option->DefaultString().c_str());
         }
         return type;
+    });
+}
+
+int ipopt_shim_option_name(ipopt_shim *shim, size_t place, char *name, size_t size) {
+    return guarded(0, [&] {
+        const auto &options = shim->options->RegOptions()->RegisteredOptionsList();
+        if (place >= options.size()) {
+            return 0;
+        }
+        auto option = options.begin();
+        std::advance(option, static_cast<std::ptrdiff_t>(place));
+        std::snprintf(name, size, "%s", option->first.c_str());
+        return 1;
     });
 }
 

@@ -126,6 +126,9 @@ int ipopt_shim_option_type(ipopt_shim *shim, const char *name);
 void ipopt_shim_option_range(ipopt_shim *shim, const char *name, char *text, size_t size);
 /** Its type, and its default: in `number`, or in `text` of `size` bytes with the final 0. */
 int ipopt_shim_option_default(ipopt_shim *shim, const char *name, double *number, char *text, size_t size);
+/** Writes the name of the option of this place in the order of names, at most `size` bytes with the final 0; 0 beyond
+ *  the last. */
+int ipopt_shim_option_name(ipopt_shim *shim, size_t place, char *name, size_t size);
 /** Back to Ipopt's defaults. */
 void ipopt_shim_clear_options(ipopt_shim *shim);
 /** 1 if set, 0 if Ipopt has no such option or refuses the value. Prints nothing. */

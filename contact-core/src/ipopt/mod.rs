@@ -118,7 +118,9 @@
 //! - **Panics** in a callback, a watching closure or a log's writer stop the solve and are then resumed in the caller.
 //! - **Output.** Nothing is printed: `print_level` is 0. With [`print_level(5)`](Options::print_level) the log goes to
 //!   the `log` crate, target `ipopt`, level debug, or to the target of [`Solver::set_log`]. A file `ipopt.opt` in the
-//!   working directory is not read.
+//!   working directory is not read; [`Options::read`] reads one.
+//! - **What Ipopt crashes with** is kept away from it: values whose squares overflow count as infinite, problems without
+//!   a free variable are answered without it, and some options are refused ([`OptionError::Refused`]).
 //! - **Signs**: see [`nlp`](crate::nlp). Bounds are not relaxed (`bound_relax_factor` 0): x may
 //!   leave them by round-off at most.
 //! - **Versions**: 3.11 to 3.14. [`VERSION`] is that of the headers compiled with. An option it lacks gives an
@@ -128,6 +130,7 @@ mod callbacks;
 mod context;
 mod derivatives;
 pub mod doctor;
+mod fixed;
 mod iterate;
 mod libraries;
 mod library;

@@ -19,7 +19,8 @@ pub struct Solution {
     /// g(x); NaN as above.
     pub g: Vec<f64>,
     /// The multipliers at x. `None` where Ipopt has no valid ones: after an invalid number, a time limit or an end in
-    /// the restoration phase, where one is not finite, or where all variables are fixed so that nothing is iterated.
+    /// the restoration phase, where one is not finite, or where all variables are fixed so that nothing is iterated: the
+    /// history is empty then, too.
     /// If some variables are fixed, Ipopt returns their multipliers since 3.14, and zeros before. Signs are those of
     /// [`nlp`](crate::nlp), reversed where f is [maximised](super::Scaling).
     pub multipliers: Option<Multipliers>,

@@ -8,7 +8,7 @@ use super::{
     Error, Log, OptionValue, Options, Solution, Start, Status,
     context::{Context, Gate, Watch},
     derivatives::Reader,
-    library,
+    fixed, library,
     lock::Exclusive,
     log::Sink,
     options,
@@ -127,6 +127,12 @@ impl Solver {
         unsafe { options::default_of(self.shim.as_ptr(), name) }
     }
 
+    /// The names of all options that this version of Ipopt has, in alphabetical order.
+    pub fn ipopt_options(&self) -> Vec<String> {
+        // SAFETY: the shim is valid.
+        unsafe { options::names(self.shim.as_ptr()) }
+    }
+
     /// Replaces the bounds.
     ///
     /// # Errors
@@ -138,6 +144,9 @@ impl Solver {
     }
 
     /// Solves `nlp` from `start`.
+    ///
+    /// Where all variables are fixed, or there are none, Ipopt is not asked: f and g are evaluated at the only point
+    /// there is.
     ///
     /// # Errors
     /// Misuse only: a start of the wrong size or with values that are not finite, a warm start without multipliers,
@@ -177,6 +186,9 @@ impl Solver {
         self.prepare_warm_start(start)?;
         self.prepare_log()?;
         nlp.begin(start.x);
+        if fixed::are_all_fixed(&self.structure) {
+            return Ok(fixed::solution(nlp, &self.structure, self.number("tol")));
+        }
 
         let shim = self.shim.as_ptr();
         let sink = Sink::new(&mut self.log);
@@ -241,6 +253,16 @@ impl Solver {
     pub(super) fn apply_one(&mut self, name: &str, value: &OptionValue) -> Result<(), Error> {
         // SAFETY: the shim is valid.
         Ok(unsafe { options::apply_one(self.shim.as_ptr(), name, value) }?)
+    }
+
+    /// The value of an option that is a number, set or Ipopt's own; NaN if there is no such number.
+    pub(super) fn number(&self, name: &str) -> f64 {
+        let default = || self.ipopt_default(name);
+        match self.options.get(name).cloned().or_else(default) {
+            Some(OptionValue::Number(value)) => value,
+            Some(OptionValue::Integer(value)) => value.into(),
+            Some(OptionValue::Text(_)) | None => f64::NAN,
+        }
     }
 
     /// A writer gets one line per iteration, unless `print_level` is set.

@@ -8,6 +8,7 @@ use super::super::Ordering;
 use super::{
     Available, KnownOption, OptionError, OptionValue, Options,
     check::{bare, fits, has_other_prefix, unusable},
+    refused,
 };
 use crate::nlp::Structure;
 
@@ -30,6 +31,7 @@ fn defaults(structure: &Structure) -> Options {
         .with("option_file_name", "")
         .with("print_level", 0)
         .with("sb", true)
+        .with("resto.mehrotra_algorithm", false)
         .with("bound_relax_factor", 0.0)
         .with("mumps_mem_percent", 200)
         .with("timing_statistics", true)
@@ -109,6 +111,7 @@ pub(in crate::ipopt) unsafe fn apply_one(
         sys::IPOPT_SHIM_OPTION_UNKNOWN => return Err(unknown()),
         kind => kind,
     };
+    refused::check(name, value)?;
     // SAFETY: as above.
     let Err(refused) = (unsafe { set(shim, name, &c_name, kind, value) }) else {
         return Ok(());
@@ -235,4 +238,24 @@ pub(in crate::ipopt) unsafe fn default_of(
         }
         _ => None,
     }
+}
+
+/// The names of all options that this Ipopt has, in order.
+///
+/// # Safety
+/// `shim` must be valid.
+pub(in crate::ipopt) unsafe fn names(shim: *mut sys::ipopt_shim) -> Vec<String> {
+    let mut text = [0; 256];
+    let name = |place| {
+        // SAFETY: the shim is valid by the caller's promise, and `text` has the size given.
+        let found =
+            unsafe { sys::ipopt_shim_option_name(shim, place, text.as_mut_ptr(), text.len()) };
+        // SAFETY: the shim ends what it writes with 0.
+        (found != 0).then(|| {
+            unsafe { CStr::from_ptr(text.as_ptr()) }
+                .to_string_lossy()
+                .into_owned()
+        })
+    };
+    (0..).map_while(name).collect()
 }
