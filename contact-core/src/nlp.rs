@@ -260,7 +260,8 @@ impl Structure {
         self
     }
 
-    /// Promises that ∂g/∂x does not depend on x: a solver then asks for it once.
+    /// Promises that ∂g/∂x does not depend on x: a solver then asks for it once, and once
+    /// more to check the solution.
     #[must_use]
     pub fn with_constant_jacobian(mut self, constant: bool) -> Self {
         self.jacobian_constant = constant;

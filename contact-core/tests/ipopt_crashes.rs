@@ -262,6 +262,7 @@ fn options_that_spoil_a_solve_are_refused() {
         ("resto.option_file_name", "ipopt.opt"),
         ("nlp_scaling_constr_target_gradient", "1"),
         ("resto.line_search_method", "cg-penalty"),
+        ("resto.hessian_approximation", "limited-memory"),
         ("warm_start_target_mu", "1"),
         ("bound_mult_init_method", "mu-based"),
     ] {

@@ -51,6 +51,7 @@ pub(super) fn solution(nlp: &mut dyn Nlp, structure: &Structure, tol: f64) -> So
             vec![f64::NAN; structure.constraints()]
         },
         multipliers: None,
+        contradiction: None,
         statistics,
         history: Vec::new(),
         derivative_check: None,

@@ -113,6 +113,9 @@
 //!   solve started inside a callback is [`Error::Reentrant`]. A callback that waits for another thread's solve
 //!   deadlocks. A [`Solver`] is [`Send`] but not [`Sync`]. Besides the lock, a process shares two facts: the version
 //!   that its Ipopt reported in a log, and whether the warning about a version other than the headers' was given.
+//! - **A solution is checked.** Where Ipopt reports one, the functions and their first derivatives are evaluated once
+//!   more, at its x. If they contradict it, the status is [`Status::Contradicted`], and
+//!   [`Solution::contradiction`] says what is wrong.
 //! - **Dependent equalities** have multipliers that are not unique, and Ipopt divides its errors by their size. It may
 //!   then report `Solved` too early, unless `dual_inf_tol` (1 by default, unscaled) is set to the accuracy needed.
 //! - **Panics** in a callback, a watching closure or a log's writer stop the solve and are then resumed in the caller.
@@ -146,6 +149,7 @@ mod start;
 mod statistics;
 mod status;
 mod totals;
+mod verify;
 mod versions;
 
 use thiserror::Error;
@@ -165,6 +169,7 @@ pub use self::{
     statistics::{CallbackStatistics, MumpsUse, Ordering, Statistics, Time},
     status::Status,
     totals::Totals,
+    verify::Contradiction,
     versions::{Versions, versions},
 };
 use crate::nlp::NlpError;

@@ -1,6 +1,6 @@
 //! The result of a solve.
 
-use super::{DerivativeCheck, LogError, Statistics, Status};
+use super::{Contradiction, DerivativeCheck, LogError, Statistics, Status};
 #[cfg(doc)]
 use super::{Log, Options};
 use crate::nlp::{IterationRecord, Multipliers};
@@ -24,6 +24,8 @@ pub struct Solution {
     /// If some variables are fixed, Ipopt returns their multipliers since 3.14, and zeros before. Signs are those of
     /// [`nlp`](crate::nlp), reversed where f is [maximised](super::Scaling).
     pub multipliers: Option<Multipliers>,
+    /// What contradicts the solution that Ipopt reports, where the status is [`Status::Contradicted`].
+    pub contradiction: Option<Contradiction>,
     /// Its cost and accuracy.
     pub statistics: Statistics,
     /// Every iteration, the starting point first.

@@ -14,6 +14,7 @@ use super::{
     options,
     scaling::{USER_SCALING, scaling_is_used},
     start::{Point, are_finite},
+    verify,
 };
 use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Phase, Structure};
 
@@ -220,7 +221,6 @@ impl Solver {
             ..
         } = context;
         let log_error = log.error;
-        drop(exclusive);
         if let Some(payload) = panic {
             resume_unwind(payload);
         }
@@ -235,7 +235,7 @@ impl Solver {
         let regular = history
             .last()
             .is_some_and(|last| last.phase == Phase::Regular);
-        Ok(Solution {
+        let mut solution = Solution {
             status,
             x: point.x,
             objective: if finalized { objective } else { f64::NAN },
@@ -243,11 +243,21 @@ impl Solver {
             multipliers: (finalized && regular && status.keeps_multipliers())
                 .then_some(point.multipliers)
                 .filter(are_finite),
+            contradiction: None,
             statistics,
             history,
             derivative_check: derivatives.map(Reader::finish),
             log_error,
-        })
+        };
+        if status.is_acceptable() {
+            solution.contradiction = verify::contradiction(self, nlp, &mut solution);
+            if solution.contradiction.is_some() {
+                solution.status = Status::Contradicted;
+                solution.multipliers = None;
+            }
+        }
+        drop(exclusive);
+        Ok(solution)
     }
 
     pub(super) fn apply_one(&mut self, name: &str, value: &OptionValue) -> Result<(), Error> {
@@ -262,6 +272,14 @@ impl Solver {
             Some(OptionValue::Number(value)) => value,
             Some(OptionValue::Integer(value)) => value.into(),
             Some(OptionValue::Text(_)) | None => f64::NAN,
+        }
+    }
+
+    /// The factor by which bounds are relaxed, relative to their size: the driver's default is 0.
+    pub(super) fn bound_relaxation(&self) -> f64 {
+        match self.options.get("bound_relax_factor") {
+            Some(_) => self.number("bound_relax_factor"),
+            None => 0.0,
         }
     }
 

@@ -22,6 +22,7 @@ use std::fmt;
 /// | `InvalidOption` | −12 | The linear solver is missing, or options contradict each other. | Ask for `LinearSolver::Mumps`; for HSL in a place of its own, set `hsllib` to its path (since 3.14); see the log. |
 /// | `InvalidNumber` | −13 | A derivative was not finite, or a function at the start. | Start inside the domain, keep x there by bounds; f and g may be infinite at trial points only. |
 /// | `UnrecoverableException`, `ForeignException`, `InternalError` | −100, −101, −199 | An exception, Ipopt's or another; a bug. The first too where a function fails during the derivative check. | See the log. |
+/// | `Contradicted` | −1000, this driver's | Ipopt reports a solution, but at its x the functions have other values, or violate what `constr_viol_tol` and `dual_inf_tol` allow. | See [`Solution::contradiction`](super::Solution::contradiction); make functions depend on x alone; check the derivatives; scale x to about 1. |
 /// | `InsufficientMemory` | −102 | Out of memory. | A smaller problem, a sparser ordering (`mumps_pivot_order`), a smaller `mumps_mem_percent`. |
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -66,6 +67,8 @@ pub enum Status {
     InsufficientMemory,
     /// A bug in Ipopt.
     InternalError,
+    /// Ipopt reports a solution that the functions of the problem contradict.
+    Contradicted,
     /// A code this crate does not know.
     Other(i32),
 }
@@ -94,11 +97,12 @@ impl Status {
             -101 => Self::ForeignException,
             -102 => Self::InsufficientMemory,
             -199 => Self::InternalError,
+            -1000 => Self::Contradicted,
             other => Self::Other(other),
         }
     }
 
-    /// Ipopt's number.
+    /// Ipopt's number; −1000 for [`Status::Contradicted`].
     pub fn code(self) -> i32 {
         match self {
             Self::Solved => 0,
@@ -121,6 +125,7 @@ impl Status {
             Self::ForeignException => -101,
             Self::InsufficientMemory => -102,
             Self::InternalError => -199,
+            Self::Contradicted => -1000,
             Self::Other(code) => code,
         }
     }
@@ -186,6 +191,9 @@ impl fmt::Display for Status {
             Self::ForeignException => "an exception that is not Ipopt's ended the solve",
             Self::InsufficientMemory => "out of memory",
             Self::InternalError => "internal error of Ipopt",
+            Self::Contradicted => {
+                "Ipopt reports a solution that the functions of the problem contradict"
+            }
             Self::Other(code) => {
                 return write!(
                     f,

@@ -33,6 +33,7 @@ fn defaults(structure: &Structure) -> Options {
         .with("sb", true)
         .with("resto.mehrotra_algorithm", false)
         .with("bound_relax_factor", 0.0)
+        .with("honor_original_bounds", false)
         .with("mumps_mem_percent", 200)
         .with("timing_statistics", true)
         .with("hessian_constant", structure.hessian_constant())

@@ -42,6 +42,7 @@ use crate::nlp::Structure;
 /// | `option_file_name` | `""` | a file `ipopt.opt` in the working directory must not change results unnoticed; [`Options::read`] reads one |
 /// | `print_level`, `sb` | 0, `yes` | no log unless requested |
 /// | `bound_relax_factor` | 0 | Ipopt's default of 1e-8 would be a real penetration |
+/// | `honor_original_bounds` | `no` | x, f and g belong together; before 3.14 Ipopt moves x alone |
 /// | `mumps_mem_percent` | 200 | 1000 (Ipopt's) estimates eleven times the workspace, 50 too little: factorisations are repeated |
 /// | `mumps_pivot_order` | above 10 000 variables: 4 (PORD) if the Hessian has 15 entries a variable, else 2 (AMF); above 20 000 with 15 to 31 entries a variable: 5 (METIS) | small factors in space; fast analysis in the plane |
 /// | `hessian_approximation` | `limited-memory` without a Hessian | |

@@ -13,7 +13,7 @@ struct Refusal {
     remedy: &'static str,
 }
 
-const REFUSALS: [Refusal; 10] = [
+const REFUSALS: [Refusal; 11] = [
     Refusal {
         name: "option_file_name",
         restoration_only: false,
@@ -55,6 +55,13 @@ const REFUSALS: [Refusal; 10] = [
         is_refused: |value| !is_zero(value),
         why: "Ipopt then divides by the largest derivative at the start, be it 0, and may iterate without end",
         remedy: "leave the option out, and scale with `Solver::set_scaling`",
+    },
+    Refusal {
+        name: "hessian_approximation",
+        restoration_only: true,
+        is_refused: |_| true,
+        why: "Ipopt crashes in its restoration phase where it is not that of the other phase",
+        remedy: "leave the prefix out",
     },
     Refusal {
         name: "line_search_method",

@@ -115,7 +115,7 @@ options! {
 
     /// Bounds are relaxed by this, relative to their size; this driver's default is 0.
     bound_relax_factor: f64 = Number(1e-8);
-    /// The solution is projected to the bounds as they were.
+    /// The solution is projected to the bounds as they were; this driver's default is `false`.
     honor_original_bounds: bool = Text("no"), before "3.14.0" "yes";
     /// What becomes of variables with equal bounds.
     fixed_variable_treatment: FixedVariableTreatment = Text("make_parameter");
