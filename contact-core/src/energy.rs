@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use crate::nlp::Pattern;
+use crate::linear::SymmetricPattern;
 
 /// E : ℝⁿ → ℝ ∪ {+∞} over the FREE unknowns (equation (2) of the paper).
 ///
 /// `gradient` is ∇E (n, UF) and `hessian` fills the lower triangle of ∇²E (UF/UL) at the positions
-/// of `hessian_pattern`, which stays the same for the life of the energy.
+/// (slots) of `hessian_pattern`, which stays the same for the life of the energy.
 /// [`check::energy`](crate::check::energy) compares all three with central differences.
 pub trait Energy {
     /// n, the number of free unknowns.
@@ -16,9 +16,9 @@ pub trait Energy {
     fn value(&self, u: &[f64]) -> f64;
     /// ∇E(u) into `g` (n); overwritten.
     fn gradient(&self, u: &[f64], g: &mut [f64]);
-    /// Positions of the Hessian's lower triangle.
-    fn hessian_pattern(&self) -> &Pattern;
-    /// ∇²E(u) into `values` (one per position); overwritten.
+    /// The pattern of the Hessian.
+    fn hessian_pattern(&self) -> &SymmetricPattern;
+    /// ∇²E(u) into `values` (one per slot); overwritten.
     fn hessian(&self, u: &[f64], values: &mut [f64]);
     /// Ranges of unknowns, ascending, that the Hessian does not couple with each other: one for each body.
     fn blocks(&self) -> Vec<Range<usize>> {
@@ -46,29 +46,25 @@ pub struct DirectSum<E> {
     dofs: Vec<usize>,
     entries: Vec<usize>,
     domains: Vec<usize>,
-    pattern: Pattern,
+    pattern: SymmetricPattern,
 }
 
 impl<E: Energy> DirectSum<E> {
     /// Stacks the parts in the order given.
     pub fn new(parts: Vec<E>) -> Self {
-        let (mut dofs, mut entries, mut domains) = (vec![0], vec![0], vec![0]);
-        let mut pattern = Pattern::empty();
-        for part in &parts {
-            let offset = dofs[dofs.len() - 1];
-            for (row, col) in part.hessian_pattern().iter() {
-                pattern.push(offset + row, offset + col);
+        let totals = |len: &dyn Fn(&E) -> usize| {
+            let mut totals = vec![0];
+            for part in &parts {
+                totals.push(totals[totals.len() - 1] + len(part));
             }
-            dofs.push(offset + part.dofs());
-            entries.push(pattern.len());
-            domains.push(domains[domains.len() - 1] + part.domain_len());
-        }
+            totals
+        };
         DirectSum {
+            dofs: totals(&|part| part.dofs()),
+            entries: totals(&|part| part.hessian_pattern().len()),
+            domains: totals(&|part| part.domain_len()),
+            pattern: SymmetricPattern::direct_sum(parts.iter().map(Energy::hessian_pattern)),
             parts,
-            dofs,
-            entries,
-            domains,
-            pattern,
         }
     }
 
@@ -104,7 +100,7 @@ impl<E: Energy> Energy for DirectSum<E> {
         }
     }
 
-    fn hessian_pattern(&self) -> &Pattern {
+    fn hessian_pattern(&self) -> &SymmetricPattern {
         &self.pattern
     }
 
@@ -154,7 +150,7 @@ impl<E: Energy + ?Sized> Energy for Box<E> {
     fn gradient(&self, u: &[f64], g: &mut [f64]) {
         (**self).gradient(u, g)
     }
-    fn hessian_pattern(&self) -> &Pattern {
+    fn hessian_pattern(&self) -> &SymmetricPattern {
         (**self).hessian_pattern()
     }
     fn hessian(&self, u: &[f64], values: &mut [f64]) {

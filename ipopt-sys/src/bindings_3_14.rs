@@ -494,6 +494,17 @@ unsafe extern "C" {
         hessian_cols: *const ::std::os::raw::c_int,
     ) -> *mut ipopt_shim;
     pub fn ipopt_shim_free(shim: *mut ipopt_shim);
+    pub fn ipopt_shim_set_structure(
+        shim: *mut ipopt_shim,
+        n: ::std::os::raw::c_int,
+        m: ::std::os::raw::c_int,
+        jacobian_entries: ::std::os::raw::c_int,
+        jacobian_rows: *const ::std::os::raw::c_int,
+        jacobian_cols: *const ::std::os::raw::c_int,
+        hessian_entries: ::std::os::raw::c_int,
+        hessian_rows: *const ::std::os::raw::c_int,
+        hessian_cols: *const ::std::os::raw::c_int,
+    ) -> ::std::os::raw::c_int;
     pub fn ipopt_shim_set_bounds(
         shim: *mut ipopt_shim,
         x_lower: *const f64,

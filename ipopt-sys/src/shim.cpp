@@ -627,6 +627,20 @@ ipopt_shim *ipopt_shim_create(int n, int m, int jacobian_entries, const int *jac
     try {
         shim = new ipopt_shim();
         shim->options = new IpoptApplication(false);
+        if (ipopt_shim_set_structure(shim, n, m, jacobian_entries, jacobian_rows, jacobian_cols, hessian_entries,
+                                     hessian_rows, hessian_cols) != 0) {
+            return shim;
+        }
+    } catch (...) {
+    }
+    delete shim;
+    return nullptr;
+}
+
+int ipopt_shim_set_structure(ipopt_shim *shim, int n, int m, int jacobian_entries, const int *jacobian_rows,
+                             const int *jacobian_cols, int hessian_entries, const int *hessian_rows,
+                             const int *hessian_cols) {
+    return guarded(0, [&] {
         shim->n = n;
         shim->m = m;
         shim->jacobian_rows.assign(jacobian_rows, jacobian_rows + jacobian_entries);
@@ -637,11 +651,8 @@ ipopt_shim *ipopt_shim_create(int n, int m, int jacobian_entries, const int *jac
         shim->x_upper.assign(static_cast<size_t>(n), 1e300);
         shim->g_lower.assign(static_cast<size_t>(m), -1e300);
         shim->g_upper.assign(static_cast<size_t>(m), 1e300);
-        return shim;
-    } catch (...) {
-        delete shim;
-        return nullptr;
-    }
+        return ipopt_shim_set_scaling(shim, 1.0, nullptr, nullptr);
+    });
 }
 
 void ipopt_shim_free(ipopt_shim *shim) {

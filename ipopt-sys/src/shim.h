@@ -113,6 +113,11 @@ typedef struct ipopt_shim_statistics {
 ipopt_shim *ipopt_shim_create(int n, int m, int jacobian_entries, const int *jacobian_rows, const int *jacobian_cols,
                               int hessian_entries, const int *hessian_rows, const int *hessian_cols);
 void ipopt_shim_free(ipopt_shim *shim);
+/** Replaces the problem, as ipopt_shim_create; without bounds and scaling. 0 if out of memory: the shim is then only
+ *  to be freed. */
+int ipopt_shim_set_structure(ipopt_shim *shim, int n, int m, int jacobian_entries, const int *jacobian_rows,
+                             const int *jacobian_cols, int hessian_entries, const int *hessian_rows,
+                             const int *hessian_cols);
 
 /** Copies the bounds. */
 void ipopt_shim_set_bounds(ipopt_shim *shim, const double *x_lower, const double *x_upper, const double *g_lower,

@@ -3,8 +3,9 @@
 use std::ops::ControlFlow;
 
 use contact_core::gaps::Sampling;
+use contact_core::linear::SymmetricPattern;
 use contact_core::load_steps::Run;
-use contact_core::nlp::{Bounds, Pattern};
+use contact_core::nlp::Bounds;
 use contact_core::{
     ContactProblem, DirectSum, Ending, Energy, Error, InteriorPoint, LinearGaps, LoadStepped,
     LoadSteps, Method, Penalty, Retry, Scale, State,
@@ -100,7 +101,7 @@ impl<const D: usize> Energy for Changing<D> {
     fn gradient(&self, u: &[f64], g: &mut [f64]) {
         self.0.gradient(u, g);
     }
-    fn hessian_pattern(&self) -> &Pattern {
+    fn hessian_pattern(&self) -> &SymmetricPattern {
         self.0.hessian_pattern()
     }
     fn hessian(&self, u: &[f64], values: &mut [f64]) {

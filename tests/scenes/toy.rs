@@ -5,8 +5,9 @@ use std::ops::ControlFlow;
 
 use contact_core::equilibrium::StepContext;
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
+use contact_core::linear::SymmetricPattern;
 use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalty, Subproblem};
-use contact_core::nlp::{Bounds, Pattern};
+use contact_core::nlp::Bounds;
 use contact_core::{
     Acceleration, ContactProblem, Ending, Energy, Equilibrium, Error, FixedPoint, InteriorPoint,
     LoadStepped, LoadSteps, Outcome, Retry, Solved, State, Stop,
@@ -17,7 +18,7 @@ struct Point {
     factor: f64,
     force: [f64; 2],
     stiffness: f64,
-    pattern: Pattern,
+    pattern: SymmetricPattern,
     bounds: Bounds,
     linearizations: Cell<usize>,
 }
@@ -28,7 +29,7 @@ impl Point {
             factor: 1.0,
             force,
             stiffness: 1.0,
-            pattern: Pattern::diagonal(2),
+            pattern: SymmetricPattern::diagonal(2),
             bounds: Bounds::free(2),
             linearizations: Cell::new(0),
         }
@@ -50,7 +51,7 @@ impl Energy for Point {
             g[i] = self.stiffness * u[i] - self.factor * self.force[i];
         }
     }
-    fn hessian_pattern(&self) -> &Pattern {
+    fn hessian_pattern(&self) -> &SymmetricPattern {
         &self.pattern
     }
     fn hessian(&self, _: &[f64], values: &mut [f64]) {
@@ -496,7 +497,7 @@ fn a_run_that_gives_up_says_where_and_why() {
 
 /// E(u) = 1000 u − ln(1 + u) with domain 1 + u > 0, which remembers where its gradient was asked.
 struct Cliff {
-    pattern: Pattern,
+    pattern: SymmetricPattern,
     bounds: Bounds,
     accepted: RefCell<Vec<f64>>,
 }
@@ -515,7 +516,7 @@ impl Energy for Cliff {
         self.accepted.borrow_mut().push(1.0 + u[0]);
         g[0] = 1000.0 - 1.0 / (1.0 + u[0]);
     }
-    fn hessian_pattern(&self) -> &Pattern {
+    fn hessian_pattern(&self) -> &SymmetricPattern {
         &self.pattern
     }
     fn hessian(&self, u: &[f64], values: &mut [f64]) {
@@ -545,7 +546,7 @@ impl ContactProblem for Cliff {
 #[test]
 fn nothing_collapses_in_one_step() {
     let problem = Cliff {
-        pattern: Pattern::diagonal(1),
+        pattern: SymmetricPattern::diagonal(1),
         bounds: Bounds::free(1),
         accepted: RefCell::default(),
     };

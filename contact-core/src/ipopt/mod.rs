@@ -143,6 +143,7 @@ mod options;
 mod scaling;
 mod sequence;
 mod sequence_settings;
+mod shim;
 mod solution;
 mod solver;
 mod start;

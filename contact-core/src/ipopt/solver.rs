@@ -1,6 +1,6 @@
 //! The driver.
 
-use std::{fmt, ops::ControlFlow, panic::resume_unwind, ptr::NonNull, time::Instant};
+use std::{fmt, ops::ControlFlow, panic::resume_unwind, time::Instant};
 
 use ipopt_sys as sys;
 
@@ -13,17 +13,18 @@ use super::{
     log::Sink,
     options,
     scaling::{USER_SCALING, scaling_is_used},
+    shim::Shim,
     start::{Point, are_finite},
     verify,
 };
-use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Phase, Structure};
+use crate::nlp::{Bounds, Iterate, Nlp, Phase, Structure};
 
 /// Ipopt for one [`Structure`] and any number of solves.
 ///
 /// It may move between threads. The solves of a process run one after the other; nothing else waits for them. Between
 /// solves it keeps the pattern and the options, but not the memory of the linear solver.
 pub struct Solver {
-    pub(super) shim: NonNull<sys::ipopt_shim>,
+    pub(super) shim: Shim,
     pub(super) structure: Structure,
     /// What the caller set.
     pub(super) options: Options,
@@ -32,35 +33,14 @@ pub struct Solver {
     pub(super) scaled: bool,
 }
 
-// SAFETY: the shim has no ties to a thread, and shares with others of its kind only the linear solver's global state,
-// which solves alone touch, under the process-wide lock.
-unsafe impl Send for Solver {}
-
 impl Solver {
     /// A solver for problems of this structure.
     ///
     /// # Errors
     /// [`Error::Option`] names the option Ipopt refuses.
     pub fn new(structure: Structure, options: &Options) -> Result<Self, Error> {
-        let (rows, cols) = structure.jacobian().narrow();
-        let none = Pattern::empty();
-        let (h_rows, h_cols) = structure.hessian().unwrap_or(&none).narrow();
-        // SAFETY: the structure is valid: indices in range, counts within 32 bits.
-        let shim = unsafe {
-            sys::ipopt_shim_create(
-                count(structure.variables()),
-                count(structure.constraints()),
-                count(rows.len()),
-                rows.as_ptr(),
-                cols.as_ptr(),
-                count(h_rows.len()),
-                h_rows.as_ptr(),
-                h_cols.as_ptr(),
-            )
-        };
-        let shim = NonNull::new(shim).ok_or(Error::OutOfMemory)?;
         let mut solver = Self {
-            shim,
+            shim: Shim::new(&structure).ok_or(Error::OutOfMemory)?,
             structure,
             options: Options::new(),
             log: Log::default(),
@@ -325,22 +305,10 @@ impl Solver {
     }
 }
 
-impl Drop for Solver {
-    fn drop(&mut self) {
-        // SAFETY: the shim is valid, and nobody uses it after this.
-        unsafe { sys::ipopt_shim_free(self.shim.as_ptr()) };
-    }
-}
-
 impl fmt::Debug for Solver {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Solver")
             .field("structure", &self.structure)
             .finish_non_exhaustive()
     }
-}
-
-/// A validated count: [`Structure::new`] lets none pass that does not fit.
-fn count(value: usize) -> i32 {
-    i32::try_from(value).unwrap_or(i32::MAX)
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::nlp::NlpError;
+use crate::nlp::{NlpError, Pattern};
 
 /// The lower triangle of a symmetric n × n matrix in compressed columns, sorted by column, then by row, with no entry
 /// repeated. Read as compressed rows, it is the upper triangle.
@@ -17,8 +17,7 @@ pub struct SymmetricPattern(Arc<Columns>);
 struct Columns {
     /// The first slot of each column, and the number of slots.
     starts: Vec<usize>,
-    rows: Vec<usize>,
-    cols: Vec<usize>,
+    entries: Pattern,
 }
 
 impl SymmetricPattern {
@@ -52,25 +51,40 @@ impl SymmetricPattern {
         let by_row = counting_sort(n, (0..entries.len()).collect(), |k| lower(k).0);
         let sorted = counting_sort(n, by_row, |k| lower(k).1);
         let mut slots = vec![0; entries.len()];
-        let mut columns = Columns::default();
+        let (mut rows, mut cols) = (Vec::new(), Vec::new());
         let mut last = None;
         for k in sorted {
             if last != Some(lower(k)) {
                 let (row, col) = lower(k);
-                columns.rows.push(row);
-                columns.cols.push(col);
+                rows.push(row);
+                cols.push(col);
                 last = Some((row, col));
             }
-            slots[k] = columns.rows.len() - 1;
+            slots[k] = rows.len() - 1;
         }
-        columns.starts = vec![0; n + 1];
-        for &col in &columns.cols {
-            columns.starts[col + 1] += 1;
-        }
-        for col in 0..n {
-            columns.starts[col + 1] += columns.starts[col];
-        }
-        Ok((SymmetricPattern(Arc::new(columns)), slots))
+        let mut starts = vec![0; n + 1];
+        cols.iter().for_each(|&col| starts[col + 1] += 1);
+        (0..n).for_each(|col| starts[col + 1] += starts[col]);
+        Ok((Self::of(starts, rows, cols), slots))
+    }
+
+    /// Every entry of an n × n matrix.
+    pub fn dense(n: usize) -> Self {
+        let entries = (0..n).flat_map(|j| (j..n).map(move |i| (i, j)));
+        let (rows, cols) = entries.unzip();
+        let starts = (0..=n).map(|j| j * (2 * n + 1 - j) / 2).collect();
+        Self::of(starts, rows, cols)
+    }
+
+    /// The diagonal of an n × n matrix.
+    pub fn diagonal(n: usize) -> Self {
+        let all: Vec<usize> = (0..n).collect();
+        Self::of((0..=n).collect(), all.clone(), all)
+    }
+
+    fn of(starts: Vec<usize>, rows: Vec<usize>, cols: Vec<usize>) -> Self {
+        let entries = Pattern::new(rows, cols);
+        SymmetricPattern(Arc::new(Columns { starts, entries }))
     }
 
     /// The pattern of entries with values, as [`SymmetricPattern::from_entries`], and the sum of the values in each
@@ -92,18 +106,14 @@ impl SymmetricPattern {
 
     /// The block diagonal pattern with these blocks; their slots are consecutive.
     pub fn direct_sum<'a>(blocks: impl IntoIterator<Item = &'a SymmetricPattern>) -> Self {
-        let mut sum = Columns {
-            starts: vec![0],
-            ..Columns::default()
-        };
+        let (mut starts, mut rows, mut cols) = (vec![0], Vec::new(), Vec::new());
         for block in blocks {
-            let (n, slots) = (sum.starts.len() - 1, sum.rows.len());
-            sum.starts
-                .extend(block.starts()[1..].iter().map(|s| slots + s));
-            sum.rows.extend(block.rows().iter().map(|i| n + i));
-            sum.cols.extend(block.cols().iter().map(|j| n + j));
+            let (n, slots) = (starts.len() - 1, rows.len());
+            starts.extend(block.starts()[1..].iter().map(|s| slots + s));
+            rows.extend(block.rows().iter().map(|i| n + i));
+            cols.extend(block.cols().iter().map(|j| n + j));
         }
-        SymmetricPattern(Arc::new(sum))
+        Self::of(starts, rows, cols)
     }
 
     /// n, the number of unknowns.
@@ -113,22 +123,22 @@ impl SymmetricPattern {
 
     /// Number of slots.
     pub fn len(&self) -> usize {
-        self.0.rows.len()
+        self.0.entries.len()
     }
 
     /// Whether it has no slots.
     pub fn is_empty(&self) -> bool {
-        self.0.rows.is_empty()
+        self.0.entries.is_empty()
     }
 
     /// The row of each slot, on or below the diagonal.
     pub fn rows(&self) -> &[usize] {
-        &self.0.rows
+        self.0.entries.rows()
     }
 
     /// The column of each slot.
     pub fn cols(&self) -> &[usize] {
-        &self.0.cols
+        self.0.entries.cols()
     }
 
     /// The first slot of each column and, last, the number of slots: n + 1 in all.
@@ -146,7 +156,12 @@ impl SymmetricPattern {
 
     /// Row and column of each slot.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
-        self.rows().iter().copied().zip(self.cols().iter().copied())
+        self.0.entries.iter()
+    }
+
+    /// Row and column of each slot, as a list for an [`Nlp`](crate::nlp::Nlp).
+    pub fn entries(&self) -> &Pattern {
+        &self.0.entries
     }
 
     /// The slot of the entry (i, j), which it shares with (j, i).
@@ -159,10 +174,11 @@ impl SymmetricPattern {
     /// y = A x of the symmetric matrix A with these `values`.
     pub fn product(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
+        let rows = self.rows();
         for j in 0..self.dim() {
             let mut sum = 0.0;
             for slot in self.column(j) {
-                let (i, a) = (self.0.rows[slot], values[slot]);
+                let (i, a) = (rows[slot], values[slot]);
                 sum += a * x[i];
                 if i != j {
                     y[i] += a * x[j];
@@ -236,6 +252,17 @@ mod tests {
         let (empty, blocks) = (of(0, &[]), [of(2, &first), of(3, &second)]);
         let sum = SymmetricPattern::direct_sum([&blocks[0], &empty, &blocks[1]]);
         assert_eq!(sum, of(5, &[&first[..], &shifted[..]].concat()));
+    }
+
+    #[test]
+    fn full_and_diagonal_patterns() {
+        let of = |n, entries: &[_]| SymmetricPattern::from_entries(n, entries).expect("fits").0;
+        for n in 0..4 {
+            let all: Vec<_> = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).collect();
+            assert_eq!(SymmetricPattern::dense(n), of(n, &all));
+            let diagonal: Vec<_> = (0..n).map(|i| (i, i)).collect();
+            assert_eq!(SymmetricPattern::diagonal(n), of(n, &diagonal));
+        }
     }
 
     #[test]

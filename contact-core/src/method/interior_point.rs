@@ -158,7 +158,7 @@ fn structure(subproblem: &Subproblem<'_>) -> Result<Structure, Error> {
         },
     };
     let jacobian: Pattern = gaps.entries().map(|(i, j, _)| (i, j)).collect();
-    let hessian = energy.hessian_pattern().clone();
+    let hessian = energy.hessian_pattern().entries().clone();
     let constraints = Bounds::nonnegative(gaps.len());
     Ok(
         Structure::new(variables, constraints, jacobian, Some(hessian))?

@@ -10,7 +10,7 @@ use super::scaled::{Scaled, attainable, check_tolerance, settings};
 use super::{Continuation, Minimum, Subproblem};
 use crate::ipopt::{Options, Run, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
-use crate::{Cost, Error, Scale, Solved, State};
+use crate::{Cost, Energy, Error, Scale, Solved, State};
 
 /// η of (38) with its first and second derivative: 0, −x³, and 3x² + 3x + 1 below −1; convex and
 /// twice continuously differentiable.
@@ -60,6 +60,28 @@ pub struct Penalization {
     pub options: Options,
     /// μ at the last solution, with which a warm start continues.
     reached: f64,
+    /// The Hessian's pattern in the last solve.
+    hessian: Lift,
+}
+
+/// The pattern of ∇²E with a diagonal entry for each slack. It is kept as long as ∇²E has the same pattern and there are as many
+/// slacks.
+#[derive(Clone, Debug, Default)]
+struct Lift {
+    energy: Pattern,
+    lifted: Pattern,
+}
+
+impl Lift {
+    fn with_slacks(&mut self, energy: &dyn Energy, m: usize) -> Pattern {
+        let (n, of_energy) = (energy.dofs(), energy.hessian_pattern().entries());
+        if self.lifted.len() != of_energy.len() + m || self.energy != *of_energy {
+            let slacks = (n..n + m).map(|k| (k, k));
+            self.lifted = of_energy.iter().chain(slacks).collect();
+            self.energy = of_energy.clone();
+        }
+        self.lifted.clone()
+    }
 }
 
 impl Default for Penalization {
@@ -70,6 +92,7 @@ impl Default for Penalization {
             max_iterations: 300,
             options: Options::new(),
             reached: 0.0,
+            hessian: Lift::default(),
         }
     }
 }
@@ -132,7 +155,10 @@ impl Penalization {
         let n = lifted.scaled.dofs();
         let mut limit = problem.move_limit.map(|limit| limit / scale.length);
         let (mut x, multipliers) = lifted.start(start, problem.slack_bound);
-        let structure = problem.structure(problem.bounds(&x, limit))?;
+        let hessian = self
+            .hessian
+            .with_slacks(problem.subproblem.energy, x.len() - n);
+        let structure = problem.structure(problem.bounds(&x, limit), hessian)?;
         let mut sequence = Sequence::new(structure, self.settings(&scale), &x)?;
         sequence.restart(&x, multipliers)?;
         let mut moves = 0;
@@ -218,15 +244,11 @@ impl Penalized<'_> {
     }
 
     /// The variables (u, s)/L within `bounds`, and the equalities C u + c₀ − s = 0.
-    fn structure(&self, bounds: Bounds) -> Result<Structure, Error> {
+    fn structure(&self, bounds: Bounds, hessian: Pattern) -> Result<Structure, Error> {
         let Subproblem { energy, gaps, .. } = *self.subproblem;
         let (n, m) = (energy.dofs(), gaps.len());
-        let mut jacobian: Pattern = gaps.entries().map(|(i, j, _)| (i, j)).collect();
-        let mut hessian = energy.hessian_pattern().clone();
-        for i in 0..m {
-            jacobian.push(i, n + i);
-            hessian.push(n + i, n + i);
-        }
+        let of_u = gaps.entries().map(|(i, j, _)| (i, j));
+        let jacobian = of_u.chain((0..m).map(|i| (i, n + i))).collect();
         let structure = Structure::new(bounds, Bounds::zero(m), jacobian, Some(hessian))?;
         Ok(structure.with_constant_jacobian(true))
     }

@@ -1,7 +1,7 @@
 //! The quadratic energy of a linear law, whose stiffness is assembled once.
 
 use contact_core::Energy;
-use contact_core::nlp::Pattern;
+use contact_core::linear::SymmetricPattern;
 
 use super::{BodyEnergy, CellState, DofMap, StrainEnergy};
 use crate::element::Element;
@@ -27,7 +27,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> QuadraticEnergy<D, E, M> {
     pub fn new(elastic: StrainEnergy<D, E, M>) -> Self {
         assert!(M::QUADRATIC, "a quadratic energy needs a linear law");
         let n = elastic.dofs();
-        let mut K = vec![0.0; elastic.pattern().len()];
+        let mut K = vec![0.0; elastic.hessian_pattern().len()];
         elastic.hessian(&vec![0.0; n], &mut K);
         let mut energy = QuadraticEnergy {
             K,
@@ -47,18 +47,18 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for QuadraticEnergy<D
 
     // E₀ + g₀·u + ½ Σ_ij K_ij u_i u_j; an off-diagonal entry counts twice
     fn value(&self, u: &[f64]) -> f64 {
-        let entries = self.elastic.pattern().iter().zip(&self.K);
+        let entries = self.elastic.hessian_pattern().iter().zip(&self.K);
         let double = entries.map(|((i, j), k)| if i == j { 1.0 } else { 2.0 } * k * u[i] * u[j]);
         let work: f64 = self.g_0.iter().zip(u).map(|(g, u)| g * u).sum();
         self.E_0 + work + 0.5 * double.sum::<f64>()
     }
 
     fn gradient(&self, u: &[f64], g: &mut [f64]) {
-        self.elastic.pattern().product(&self.K, u, g);
+        self.elastic.hessian_pattern().product(&self.K, u, g);
         g.iter_mut().zip(&self.g_0).for_each(|(g, g_0)| *g += g_0);
     }
 
-    fn hessian_pattern(&self) -> &Pattern {
+    fn hessian_pattern(&self) -> &SymmetricPattern {
         self.elastic.hessian_pattern()
     }
 

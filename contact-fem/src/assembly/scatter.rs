@@ -20,6 +20,7 @@ const NOWHERE: u32 = u32::MAX;
 impl<const D: usize> SlotMap<D> {
     /// Adds the block of the nodes a and b ≤ a of cell `k`, numbered within the cell, to `values`.
     /// The row of `entry(i, j)` belongs to the node with the larger number in the mesh.
+    #[inline]
     pub fn add(
         &self,
         k: usize,

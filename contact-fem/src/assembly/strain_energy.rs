@@ -4,7 +4,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use contact_core::Energy;
 use contact_core::linear::SymmetricPattern;
-use contact_core::nlp::Pattern;
 
 use super::dofs::{Dof, DofMap};
 use super::extension::Extension;
@@ -36,8 +35,6 @@ pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     factor: f64,
     prescribed: Vec<f64>,
     pattern: SymmetricPattern,
-    /// The pattern as a list of entries, which the trait requires.
-    entries: Pattern,
     slots: SlotMap<D>,
     /// The harmonic extension of the prescribed displacements, built on first use.
     extension: Mutex<Option<Extension<D>>>,
@@ -70,7 +67,6 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             prescribed: vec![0.0; prescribed.len()],
             full_prescribed: prescribed,
             factor: 0.0,
-            entries: pattern.iter().collect(),
             pattern,
             slots,
             extension: Mutex::new(None),
@@ -95,11 +91,6 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             return 0.0;
         }
         *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1
-    }
-
-    /// The Hessian's pattern.
-    pub(super) fn pattern(&self) -> &SymmetricPattern {
-        &self.pattern
     }
 
     /// The assembled cells with their quadrature points.
@@ -268,8 +259,8 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
         });
     }
 
-    fn hessian_pattern(&self) -> &Pattern {
-        &self.entries
+    fn hessian_pattern(&self) -> &SymmetricPattern {
+        &self.pattern
     }
 
     // K_ab = Σ_q w_q A : (∇N_a ⊗ ∇N_b), lower triangle

@@ -10,6 +10,8 @@ pub struct Deformation<const D: usize> {
     pub F: Matrix<D>,
     /// J = det F.
     pub J: f64,
+    /// ln J; not finite where J ≤ 0.
+    pub ln_J: f64,
     /// F⁻ᵀ; not finite where J = 0.
     pub F_inv_T: Matrix<D>,
 }
@@ -21,6 +23,7 @@ impl<const D: usize> Deformation<D> {
         Deformation {
             F,
             J,
+            ln_J: J.ln(),
             F_inv_T: cofactors(&F) / J,
         }
     }

@@ -31,21 +31,20 @@ impl<const D: usize> Material<D> for NeoHookean {
         if at.J <= 0.0 {
             return f64::INFINITY;
         }
-        let ln_J = at.J.ln();
         // tr C − 3 = tr(FᵀF) − D in both dimensions
-        0.5 * self.lame.mu * (at.F.norm_squared() - D as f64 - 2.0 * ln_J)
-            + 0.5 * self.lame.lambda * ln_J * ln_J
+        0.5 * self.lame.mu * (at.F.norm_squared() - D as f64 - 2.0 * at.ln_J)
+            + 0.5 * self.lame.lambda * at.ln_J * at.ln_J
     }
 
     fn stress(&self, at: &Deformation<D>) -> Matrix<D> {
         let Lame { lambda, mu } = self.lame;
-        mu * at.F + at.F_inv_T * (lambda * at.J.ln() - mu)
+        mu * at.F + at.F_inv_T * (lambda * at.ln_J - mu)
     }
 
     fn contraction(&self, at: &Deformation<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D> {
         let Lame { lambda, mu } = self.lame;
         let F_inv_T = at.F_inv_T;
-        let softened = mu - lambda * at.J.ln();
+        let softened = mu - lambda * at.ln_J;
         move |A, B| {
             // a = F⁻ᵀA and b = F⁻ᵀB: the reference gradients pushed forward
             let (a, b) = (F_inv_T * A, F_inv_T * B);
@@ -57,7 +56,7 @@ impl<const D: usize> Material<D> for NeoHookean {
 
     fn cauchy_stress(&self, at: &Deformation<D>) -> (Matrix<D>, f64) {
         let sigma = self.stress(at) * at.F.transpose() / at.J;
-        let out_of_plane = self.lame.lambda * at.J.ln() / at.J;
+        let out_of_plane = self.lame.lambda * at.ln_J / at.J;
         (sigma, if D == 2 { out_of_plane } else { 0.0 })
     }
 }
