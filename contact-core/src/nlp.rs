@@ -415,6 +415,12 @@ pub trait Nlp {
         missing("hessian", "entries of the Hessian", values.len());
     }
 
+    /// Whether the solve is to stop, asked often between iterations: while it waits for those of other threads, and
+    /// before each factorisation. It must be fast. The default is `false`.
+    fn is_to_stop(&mut self) -> bool {
+        false
+    }
+
     /// Called once per iteration, the starting point (iteration 0) included. [`ControlFlow::Break`] ends the solve.
     fn iterate(&mut self, iterate: &Iterate<'_>) -> ControlFlow<()> {
         let _ = iterate;

@@ -10,7 +10,7 @@ use std::fmt;
 pub enum Solved {
     /// Solved to the requested tolerance.
     Optimal,
-    /// Stopped on request; the result is not a minimum.
+    /// Stopped on request or at a limit of time; the result is not a minimum.
     Interrupted,
     /// Not solved, with the reason as the solver states it; the result is not a minimum.
     Failed(String),
@@ -40,7 +40,7 @@ pub enum Outcome {
     },
     /// The energy is infinite at the start (J ≤ 0 somewhere), so that the iteration cannot start.
     InadmissibleStart,
-    /// Stopped on request.
+    /// Stopped on request, or at a limit of time.
     Interrupted,
 }
 
@@ -77,7 +77,7 @@ pub enum Ending {
         /// The outcome of the last attempt.
         why: Outcome,
     },
-    /// Stopped on request.
+    /// Stopped on request, or at a limit of time.
     Interrupted {
         /// The last converged load factor.
         at: f64,

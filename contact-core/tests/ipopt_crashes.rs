@@ -376,3 +376,29 @@ fn differences_for_a_jacobian_without_entries() {
         }
     });
 }
+
+/// Ipopt factorises for ever where its regularisation has no effect.
+#[test]
+fn a_regularisation_without_effect_ends() {
+    in_a_child("a_regularisation_without_effect_ends", || {
+        let options = Options::new().with("jacobian_regularization_exponent", 2500.0);
+        // the two equalities are one, so that the system is singular
+        let structure = Structure::new(
+            Bounds::free(2),
+            Bounds::uniform(2, 1.0, 1.0),
+            Pattern::dense(2, 2),
+            Some(Pattern::diagonal(2)),
+        );
+        let mut nlp = Formulas {
+            g: |x, to| to.fill(x[0] + x[1]),
+            ..FIXED
+        };
+        let mut solver = Solver::new(structure.unwrap(), &options).unwrap();
+        let solution = solver.solve(&mut nlp, &Start::at(&[3.0, 4.0])).unwrap();
+        assert!(
+            solution.statistics.iterations < 3000,
+            "{:?}",
+            solution.status
+        );
+    });
+}

@@ -34,6 +34,7 @@ impl Gate<'_> {
             jacobian: Some(jacobian),
             hessian: Some(hessian),
             intermediate: Some(intermediate),
+            stops: Some(stops),
         }
     }
 }
@@ -219,6 +220,11 @@ unsafe extern "C" fn intermediate(
     };
     // SAFETY: see `objective`.
     unsafe { enter(user, body) }
+}
+
+unsafe extern "C" fn stops(user: *mut c_void) -> c_int {
+    // SAFETY: see `objective`.
+    unsafe { enter(user, |this| this.nlp.is_to_stop()) }
 }
 
 unsafe extern "C" fn log(user: *mut c_void, text: *const c_char, length: usize) {

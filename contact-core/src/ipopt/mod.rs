@@ -111,7 +111,7 @@
 //! - **One solve at a time per process.** Ipopt's linear solvers are not reentrant, so that solves of other threads
 //!   wait, those of [`doctor::inspect`] and [`diagnose`] included. Solvers can be made, set and dropped meanwhile. A
 //!   solve started inside a callback is [`Error::Reentrant`]. A callback that waits for another thread's solve
-//!   deadlocks. A [`Solver`] is [`Send`] but not [`Sync`]. Besides the lock, a process shares two facts: the version
+//!   deadlocks, unless [`Nlp::is_to_stop`](crate::nlp::Nlp::is_to_stop) ends that one. A [`Solver`] is [`Send`] but not [`Sync`]. Besides the lock, a process shares two facts: the version
 //!   that its Ipopt reported in a log, and whether the warning about a version other than the headers' was given.
 //! - **A solution is checked.** Where Ipopt reports one, the functions and their first derivatives are evaluated once
 //!   more, at its x. If they contradict it, the status is [`Status::Contradicted`], and

@@ -1,5 +1,6 @@
 //! The result of a solve.
 
+use super::start::Point;
 use super::{Contradiction, DerivativeCheck, LogError, Statistics, Status};
 #[cfg(doc)]
 use super::{Log, Options};
@@ -34,4 +35,22 @@ pub struct Solution {
     pub derivative_check: Option<DerivativeCheck>,
     /// The error that kept a [`Log::Writer`] from receiving the whole log, if any.
     pub log_error: Option<LogError>,
+}
+
+impl Solution {
+    /// Of a solve that was stopped before it began.
+    pub(super) fn not_begun(point: Point) -> Self {
+        Self {
+            status: Status::StoppedByUser,
+            x: point.x,
+            objective: f64::NAN,
+            g: point.g,
+            multipliers: None,
+            contradiction: None,
+            statistics: Statistics::unknown(),
+            history: Vec::new(),
+            derivative_check: None,
+            log_error: None,
+        }
+    }
 }

@@ -9,7 +9,7 @@ use super::{
     context::{Context, Gate, Watch},
     derivatives::Reader,
     fixed, library,
-    lock::Exclusive,
+    lock::{Exclusive, Refused},
     log::Sink,
     options,
     scaling::{USER_SCALING, scaling_is_used},
@@ -163,7 +163,11 @@ impl Solver {
         watch: Option<Watch<'_>>,
     ) -> Result<Solution, Error> {
         let mut point = Point::new(&self.structure, start)?;
-        let exclusive = Exclusive::unless_held().ok_or(Error::Reentrant)?;
+        let exclusive = match Exclusive::wait(|| nlp.is_to_stop()) {
+            Ok(exclusive) => exclusive,
+            Err(Refused::Held) => return Err(Error::Reentrant),
+            Err(Refused::Stopped) => return Ok(Solution::not_begun(point)),
+        };
         self.prepare_warm_start(start)?;
         self.prepare_log()?;
         nlp.begin(start.x);

@@ -11,7 +11,7 @@ use std::fmt;
 /// | `Infeasible` | 2 | A local minimum of the constraint violation. | See which `g` of the solution is outside its bounds; try another start; make sure that the constraints are consistent. |
 /// | `SearchDirectionTooSmall` | 3 | Steps vanish in round-off, close to a solution in general. | Look at the errors in the [`Statistics`](super::Statistics); scale; ask for a larger `tol`. |
 /// | `Diverging` | 4 | x grows beyond `diverging_iterates_tol`. | The problem may be unbounded: add bounds, or check the sign of f. |
-/// | `StoppedByUser` | 5 | [`Nlp::iterate`](crate::nlp::Nlp::iterate) or the closure of [`Solver::solve_with`](super::Solver::solve_with) asked for it. | Use x, or go on from it. |
+/// | `StoppedByUser` | 5 | [`Nlp::iterate`](crate::nlp::Nlp::iterate), [`Nlp::is_to_stop`](crate::nlp::Nlp::is_to_stop) or the closure of [`Solver::solve_with`](super::Solver::solve_with) asked for it. | Use x, or go on from it; f and g are there after `iterate` and the closure only. |
 /// | `FeasiblePointFound` | 6 | The restoration phase has solved the constraints of a square problem, with as many equalities as free variables: there is nothing left to minimise. A square problem that never needs that phase ends as `Solved`. | Nothing; there are no multipliers. |
 /// | `IterationLimit` | −1 | `max_iter`. | Look at the history: if it still converges, allow more; if not, check the derivatives, scale, try `mu_strategy(MuStrategy::Adaptive)` or another start. |
 /// | `RestorationFailed` | −2 | No less infeasible point was found. | As for `Infeasible`; check the derivatives of g; make functions finite in a wider neighbourhood. |
@@ -37,7 +37,8 @@ pub enum Status {
     SearchDirectionTooSmall,
     /// x grows beyond `diverging_iterates_tol`.
     Diverging,
-    /// [`Nlp::iterate`](crate::nlp::Nlp::iterate) or a watching closure asked for it.
+    /// [`Nlp::iterate`](crate::nlp::Nlp::iterate), [`Nlp::is_to_stop`](crate::nlp::Nlp::is_to_stop) or a watching
+    /// closure asked for it.
     StoppedByUser,
     /// The constraints of a square problem are solved, in the restoration phase.
     FeasiblePointFound,
@@ -141,6 +142,14 @@ impl Status {
         matches!(
             self,
             Self::Solved | Self::SolvedToAcceptableLevel | Self::FeasiblePointFound
+        )
+    }
+
+    /// Whether the caller or a limit of time ended it.
+    pub fn is_interrupted(self) -> bool {
+        matches!(
+            self,
+            Self::StoppedByUser | Self::CpuTimeLimit | Self::WallTimeLimit
         )
     }
 

@@ -200,6 +200,10 @@ impl Nlp for Scaled<'_> {
         self.hessian(x, objective_factor, values);
     }
 
+    fn is_to_stop(&mut self) -> bool {
+        Scaled::is_to_stop(self)
+    }
+
     fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {
         self.flow()
     }

@@ -367,6 +367,10 @@ impl Nlp for Lifted<'_> {
         self.curvatures(x, objective_factor, multipliers, of_s);
     }
 
+    fn is_to_stop(&mut self) -> bool {
+        self.scaled.is_to_stop()
+    }
+
     fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {
         self.scaled.flow()
     }
