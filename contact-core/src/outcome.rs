@@ -38,7 +38,8 @@ pub enum Outcome {
         /// The depth of a node inside another body, or the distance by which it has passed through one (UL).
         depth: f64,
     },
-    /// The energy is infinite at the start (J ≤ 0 somewhere), so that the iteration cannot start.
+    /// The energy is not finite at the start (J ≤ 0 somewhere, or a load that is no number), so that the iteration cannot
+    /// start.
     InadmissibleStart,
     /// Stopped on request, or at a limit of time.
     Interrupted,
@@ -58,7 +59,10 @@ impl fmt::Display for Outcome {
                 f,
                 "bodies penetrate or have passed through each other by {depth:.2e}: take smaller steps or a longer reach"
             ),
-            Outcome::InadmissibleStart => write!(f, "inadmissible start (J ≤ 0)"),
+            Outcome::InadmissibleStart => write!(
+                f,
+                "inadmissible start: the energy is not finite (J ≤ 0, or a load that is no number)"
+            ),
             Outcome::Interrupted => write!(f, "interrupted"),
         }
     }
@@ -82,6 +86,13 @@ pub enum Ending {
         /// The last converged load factor.
         at: f64,
     },
+    /// An error of the problem or the solver, after at least one converged step.
+    Failed {
+        /// The last converged load factor.
+        at: f64,
+        /// The error, which [`Run::error`](crate::load_steps::Run::error) has as a value.
+        why: String,
+    },
 }
 
 impl fmt::Display for Ending {
@@ -92,6 +103,7 @@ impl fmt::Display for Ending {
                 write!(f, "not converged beyond load factor {at}: {why}")
             }
             Ending::Interrupted { at } => write!(f, "interrupted at load factor {at}"),
+            Ending::Failed { at, why } => write!(f, "failed beyond load factor {at}: {why}"),
         }
     }
 }

@@ -347,15 +347,14 @@ fn holds(problem: &Problem, set: &Options, solution: &Solution) -> Result<(), St
     }
     let allowed = number("constr_viol_tol", 1e-4);
     let inside = |bounds: &Bounds, values: &[f64], allowed: f64| {
-        let rows = bounds.lower.iter().zip(&bounds.upper).zip(values);
+        let mut rows = bounds.lower.iter().zip(&bounds.upper).zip(values);
         let far = |bound: f64| allowed + (relaxed + 1e-8) * bound.abs().max(1.0);
         // what Ipopt takes for no bound
-        rows.map(|((&l, &u), &value)| {
+        rows.all(|((&l, &u), &value)| {
             let below = l <= number("nlp_lower_bound_inf", -1e19) || value >= l - far(l);
             let above = u >= number("nlp_upper_bound_inf", 1e19) || value <= u + far(u);
             below && above
         })
-        .all(|holds| holds)
     };
     if !inside(structure.variable_bounds(), x, 0.0) {
         return Err(format!("solved: x = {x:?} is outside its bounds"));

@@ -18,7 +18,6 @@ const PATIENCE: Duration = Duration::from_secs(20);
 const BATCH: u64 = 500;
 
 /// What went wrong, and with which seed.
-#[derive(Debug)]
 pub struct Found {
     pub seed: u64,
     pub what: String,

@@ -247,16 +247,14 @@ pub(in crate::ipopt) unsafe fn default_of(
 /// `shim` must be valid.
 pub(in crate::ipopt) unsafe fn names(shim: *mut sys::ipopt_shim) -> Vec<String> {
     let mut text = [0; 256];
-    let name = |place| {
-        // SAFETY: the shim is valid by the caller's promise, and `text` has the size given.
-        let found =
-            unsafe { sys::ipopt_shim_option_name(shim, place, text.as_mut_ptr(), text.len()) };
+    let mut names = Vec::new();
+    // SAFETY: the shim is valid by the caller's promise, and `text` has the size given.
+    while unsafe {
+        sys::ipopt_shim_option_name(shim, names.len(), text.as_mut_ptr(), text.len()) != 0
+    } {
         // SAFETY: the shim ends what it writes with 0.
-        (found != 0).then(|| {
-            unsafe { CStr::from_ptr(text.as_ptr()) }
-                .to_string_lossy()
-                .into_owned()
-        })
-    };
-    (0..).map_while(name).collect()
+        let name = unsafe { CStr::from_ptr(text.as_ptr()) };
+        names.push(name.to_string_lossy().into_owned());
+    }
+    names
 }
