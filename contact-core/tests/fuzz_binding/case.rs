@@ -15,7 +15,7 @@ use fastrand::Rng;
 use super::problem::{Functions, Problem, number};
 
 /// The iteration limit, unless it is one of the random options.
-const MOST: usize = 200;
+const MOST: usize = 60;
 
 /// The payload of panics that are part of a case.
 pub struct Intended;
