@@ -15,9 +15,9 @@ pub(super) fn are_all_fixed(structure: &Structure) -> bool {
     lower.iter().zip(upper).all(|(lower, upper)| lower == upper)
 }
 
-/// f and g at the only point there is: [`Status::Solved`] if no g violates its bounds by more than `tol`,
+/// f and g at the only point there is: [`Status::Solved`] if no g violates its bounds by more than is `allowed`,
 /// [`Status::Infeasible`] if one does, [`Status::InvalidNumber`] if a value is not finite.
-pub(super) fn solution(nlp: &mut dyn Nlp, structure: &Structure, tol: f64) -> Solution {
+pub(super) fn solution(nlp: &mut dyn Nlp, structure: &Structure, allowed: f64) -> Solution {
     let clock = Instant::now();
     let x = structure.variable_bounds().lower.clone();
     let mut statistics = Statistics::unknown();
@@ -33,7 +33,7 @@ pub(super) fn solution(nlp: &mut dyn Nlp, structure: &Structure, tol: f64) -> So
     let violation = violations.fold(0.0, f64::max);
     let status = if !(is_usable(objective) && are_usable(&g)) {
         Status::InvalidNumber
-    } else if violation <= tol {
+    } else if violation <= allowed {
         Status::Solved
     } else {
         Status::Infeasible

@@ -172,7 +172,8 @@ impl Solver {
         self.prepare_log()?;
         nlp.begin(start.x);
         if fixed::are_all_fixed(&self.structure) {
-            return Ok(fixed::solution(nlp, &self.structure, self.number("tol")));
+            let allowed = self.number("tol").min(self.number("constr_viol_tol"));
+            return Ok(fixed::solution(nlp, &self.structure, allowed));
         }
 
         let shim = self.shim.as_ptr();
