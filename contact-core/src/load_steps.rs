@@ -12,11 +12,11 @@ pub trait LoadStepped: ContactProblem {
     /// Sets loads and prescribed displacements to `factor` times their full value.
     fn set_load(&mut self, factor: f64) -> Result<(), Error>;
 
-    /// The depth (UL) to which bodies penetrate or have passed through each other at `u`, or on the
-    /// way there from `last`, converged at load factor `from`; `None` if they have not. Weak
-    /// constraints leave a small penetration; one deeper than a facet was missed by the contact
-    /// search. A step that tunnels is rejected and cut back. The default does not check.
-    fn tunnels(&self, _u: &[f64], _last: &[f64], _from: f64) -> Option<f64> {
+    /// Where bodies penetrate or have passed through each other at `u`, or on the way there from
+    /// `last`, converged at load factor `from`; `None` if they have not. Weak constraints leave a
+    /// small penetration; a deeper one was missed by the contact search. A step that tunnels is
+    /// rejected and cut back. The default does not check.
+    fn tunnels(&self, _u: &[f64], _last: &[f64], _from: f64) -> Option<Passage> {
         None
     }
 
@@ -25,6 +25,15 @@ pub trait LoadStepped: ContactProblem {
     fn lift(&self, u: &[f64], _from: f64) -> Vec<f64> {
         u.to_vec()
     }
+}
+
+/// Bodies that penetrate or have passed through each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passage {
+    /// The depth of a point inside another body, or the distance by which it has passed through one (UL).
+    pub depth: f64,
+    /// The bodies and the place.
+    pub place: String,
 }
 
 /// Settings of the load stepping.
@@ -293,8 +302,10 @@ impl Path<'_> {
         let mut solution = solver.solve(&*problem, start, &context)?;
         if solution.outcome == Outcome::Converged {
             let last = &self.last;
-            if let Some(depth) = problem.tunnels(&solution.state.u, &last.state.u, last.factor) {
-                solution.outcome = Outcome::Tunnelled { depth };
+            if let Some(Passage { depth, place }) =
+                problem.tunnels(&solution.state.u, &last.state.u, last.factor)
+            {
+                solution.outcome = Outcome::Tunnelled { depth, place };
             }
         }
         self.attempts.push(Attempt {

@@ -33,10 +33,12 @@ pub enum Outcome {
     IterationLimit,
     /// The method did not solve its subproblem, with the reason as the solver states it.
     SubproblemFailed(String),
-    /// Converged to a state in which a body penetrates another by more than a facet, or has passed through it.
+    /// Converged to a state in which bodies are deep inside each other or have passed through each other.
     Tunnelled {
-        /// The depth of a node inside another body, or the distance by which it has passed through one (UL).
+        /// The depth of a point inside another body, or the distance by which it has passed through one (UL).
         depth: f64,
+        /// The bodies and the place.
+        place: String,
     },
     /// The energy is not finite at the start (J ≤ 0 somewhere, or a load that is no number), so that the iteration cannot
     /// start.
@@ -55,9 +57,9 @@ impl fmt::Display for Outcome {
             ),
             Outcome::IterationLimit => write!(f, "iteration limit of the fixed point"),
             Outcome::SubproblemFailed(why) => write!(f, "subproblem not solved: {why}"),
-            Outcome::Tunnelled { depth } => write!(
+            Outcome::Tunnelled { depth, place } => write!(
                 f,
-                "bodies penetrate or have passed through each other by {depth:.2e}: take smaller steps or a longer reach"
+                "{place} by {depth:.2e}: take smaller steps or a longer reach, and declare every surface that may touch"
             ),
             Outcome::InadmissibleStart => write!(
                 f,

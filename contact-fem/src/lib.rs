@@ -11,6 +11,7 @@
 #![allow(non_snake_case)]
 
 pub mod assembly;
+pub mod audit;
 pub mod certificate;
 pub mod contact;
 pub mod element;

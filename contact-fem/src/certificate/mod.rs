@@ -5,6 +5,8 @@ mod state;
 
 use std::fmt;
 
+use crate::audit::Overlap;
+
 /// A condition that a solution satisfies. Its residual is dimensionless.
 ///
 /// Lengths are divided by the mean facet size around a node. Weak gaps are divided by the expected
@@ -38,7 +40,9 @@ pub enum Condition {
     /// All forces are in equilibrium: |Σ reactions + Σ loads| divided by the sum of their
     /// magnitudes.
     Balance,
-    /// No element is inverted: the number of points with J ≤ 0.
+    /// No element is inverted: the number of quadrature points with J ≤ 0 or, if that is larger, of
+    /// [simplices](crate::audit) whose volume is not positive, also in bodies with a law for small
+    /// strains.
     Inverted,
     /// The solver had every closed row: the number of closed constraints present at the solution
     /// but missing from the solver's rows. A row is closed if its gap is below the default limit of
@@ -53,6 +57,17 @@ pub enum Condition {
     /// The number of contact nodes without a row, without a limit. In method (39), whose rows are
     /// points, the rows at the state count.
     Dropped,
+    /// No exteriors overlap, whether declared for contact or not: the
+    /// [relative depth](crate::audit::Overlap::relative) of the worst overlap at X + u, found without
+    /// the contact search.
+    Overlap,
+    /// Laws for small strains are used at small strains: the largest strain or rotation in bodies
+    /// with such a law. Their error is of the order of this number; beyond the limit not even the
+    /// first digit is right. `None` without such bodies.
+    SmallStrain,
+    /// Contact forces have no moment, without a limit: |Σ x ∧ Cᵀλ| divided by Σ |x − c| |Cᵀλ|. Forces
+    /// along averaged normals have one on finite facets.
+    Moment,
 }
 
 /// One line of the table of conditions.
@@ -80,7 +95,7 @@ const fn line(condition: Condition, name: &'static str, limit: f64) -> Line {
 
 /// The table of conditions from which limits, files and summaries are generated, in the order of
 /// [`Condition`].
-const TABLE: [Line; 12] = [
+const TABLE: [Line; 15] = [
     line(Condition::NodalPenetration, "nodal_penetration", 0.2),
     line(Condition::WeakPenetration, "weak_penetration", 2e-3),
     line(Condition::Adhesion, "adhesion", 1e-9),
@@ -93,6 +108,9 @@ const TABLE: [Line; 12] = [
     line(Condition::Closed, "closed", 0.0),
     line(Condition::OtherSide, "other_side", f64::INFINITY),
     line(Condition::Dropped, "dropped", f64::INFINITY),
+    line(Condition::Overlap, "overlap", Overlap::<2>::LIMIT),
+    line(Condition::SmallStrain, "small_strain", 0.5),
+    line(Condition::Moment, "moment", f64::INFINITY),
 ];
 
 impl Condition {

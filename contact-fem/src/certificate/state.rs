@@ -8,15 +8,16 @@ use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 
 use super::{Certificate, Condition, Limits, worse};
 use crate::contact::Pass;
-use crate::model::Problem;
-use crate::tensor::Vector;
+use crate::model::{Body, Geometry, Problem};
+use crate::tensor::{Matrix, Vector};
 
 impl Certificate {
     /// The certificate of `solution`; `problem` must be at the load of the solution.
     pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
         let u = &solution.state.u;
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
-        if !u.iter().chain(lambda).all(|value| value.is_finite()) {
+        let is_complete = u.len() == problem.dofs().free() && lambda.len() == gaps.len();
+        if !is_complete || !u.iter().chain(lambda).all(|value| value.is_finite()) {
             return Certificate::uniform(f64::NAN, 0.0);
         }
         let multipliers = Multipliers::new(gaps, lambda);
@@ -76,6 +77,12 @@ impl Certificate {
         };
         let dropped = problem.contact_nodes().saturating_sub(present);
         let balance = over(residual.sum, residual.magnitude.max(any_force));
+        let audit = problem.audit(u);
+        let has_small_strain = problem.scene().bodies().iter().any(Body::is_small_strain);
+        let positions = match problem.geometry() {
+            Geometry::Reference => problem.reference().to_vec(),
+            Geometry::Current => problem.positions(u),
+        };
         let left = |condition| match condition {
             Condition::NodalPenetration => Some(problem.relative_penetration(u)),
             Condition::WeakPenetration => Some(deepest(&relative)),
@@ -85,7 +92,10 @@ impl Certificate {
             Condition::Drift => has_names.then(drift),
             Condition::ActionReaction => Some(action_reaction),
             Condition::Balance => Some(balance),
-            Condition::Inverted => Some(problem.inverted(u) as f64),
+            Condition::Inverted => Some(problem.inverted(u).max(audit.inverted) as f64),
+            Condition::Overlap => Some(audit.overlap.map_or(0.0, |overlap| overlap.relative)),
+            Condition::SmallStrain => has_small_strain.then(|| audit.strain.max(audit.rotation)),
+            Condition::Moment => Some(moment(&positions, &forces)),
             Condition::Closed => Some(closed as f64),
             Condition::OtherSide => units.other_side(problem, u),
             Condition::Dropped => Some(dropped as f64),
@@ -158,6 +168,18 @@ impl Units {
         let rows = problem.rows_of(&others, u, Sampling::Nodes);
         (!others.is_empty()).then(|| deepest(&self.relative(&rows, u, &others)))
     }
+}
+
+/// |Σ x ∧ f| of the contact forces, divided by Σ |x − c| |f| with the centre c of all nodes.
+fn moment<const D: usize>(x: &[Vector<D>], forces: &[Vector<D>]) -> f64 {
+    let centre = x.iter().sum::<Vector<D>>() / x.len().max(1) as f64;
+    let (mut sum, mut magnitude) = (Matrix::<D>::zeros(), 0.0);
+    for (x, f) in x.iter().zip(forces) {
+        let arm = x - centre;
+        sum += arm * f.transpose() - f * arm.transpose();
+        magnitude += arm.norm() * f.norm();
+    }
+    over(sum.norm() / std::f64::consts::SQRT_2, magnitude)
 }
 
 /// `value` / `unit`; 0 if the value is 0, for any unit.

@@ -129,7 +129,9 @@ impl<const D: usize> Master<D> {
 
     /// The point that `seeker` must not penetrate, or `None`. It is the closest point of the
     /// surface if that counts: it is within the search radius, not off the master's end, faces the
-    /// seeker, and is not separated from it by material. On the seeker's own body it is the closest
+    /// seeker, and is not separated from it by material. If the seeker is inside a body beyond its
+    /// middle, the closest point is on the far side: then it is the closest one that counts and is a
+    /// local minimum of the distance. On the seeker's own body it is the closest
     /// of those points that count, are on no facet of the neighbourhood, and are local minima of
     /// the distance.
     pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<Projection<D>> {
@@ -145,7 +147,17 @@ impl<const D: usize> Master<D> {
                 && !self.is_through_material(p, seeker)
         };
         let Some(own) = seeker.own else {
-            return self.project(&seeker.x).filter(counts);
+            let nearest = self.project(&seeker.x)?;
+            let is_beyond_the_middle =
+                nearest.gap < 0.0 && seeker.facing.dot(&nearest.normal) >= 0.0;
+            if !is_beyond_the_middle || nearest.off_the_end {
+                return Some(nearest).filter(counts);
+            }
+            let behind = self.tree().nearest_neighbor_iter_with_distance_2(x);
+            return behind
+                .take_while(|(_, distance_2)| *distance_2 <= reach_2)
+                .map(|(leaf, _)| self.project_on(leaf, &seeker.x))
+                .find(|p| counts(p) && self.is_local_minimum(p, &seeker.x));
         };
         let is_own = |node: usize| own.nodes.iter().any(|&a| own.surface.nodes()[a] == node);
         let neighbour = |facet: usize| {

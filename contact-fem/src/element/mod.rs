@@ -13,6 +13,7 @@ pub use facet::{
 };
 pub use facet_rule::FacetRule;
 pub use p1::P1;
+pub(crate) use p2::CELL_EDGES;
 pub use p2::P2;
 
 use crate::tensor::Vector;

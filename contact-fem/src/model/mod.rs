@@ -16,4 +16,4 @@ pub use crate::contact::Integration;
 pub use body::Body;
 pub use handle::{BodyId, Side};
 pub use problem::Problem;
-pub use scene::{Geometry, Pair, Passes, Scene};
+pub use scene::{Geometry, Overlaps, Pair, Passes, Scene};

@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use contact_core::gaps::{LinearGaps, Sampling};
+use contact_core::load_steps::Passage;
 use contact_core::nlp::Bounds;
 use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale};
 
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
-use super::{BodyId, Geometry, Scene, scale};
+use super::{BodyId, Geometry, Overlaps, Scene, scale};
 use crate::assembly::{BodyEnergy, DofMap};
+use crate::audit::{Audit, Overlap};
 use crate::contact::{Pass, Surface};
 use crate::tensor::Vector;
 
@@ -23,6 +25,7 @@ pub struct Problem<const D: usize> {
     pub(super) kinematics: Kinematics<D>,
     pub(super) contact: ContactSet<D>,
     scale: Scale,
+    pub(super) audit: Audit<D>,
     /// `None`: prescribed displacements are eliminated, not unknowns.
     bounds: Bounds,
 }
@@ -37,6 +40,7 @@ impl<const D: usize> Problem<D> {
         Problem {
             scale: scale::estimate(&scene, geometry, &energies, lengths),
             energy: DirectSum::new(energies),
+            audit: Audit::new(&scene, &kinematics.X),
             scene,
             kinematics,
             contact,
@@ -57,6 +61,11 @@ impl<const D: usize> Problem<D> {
     /// The present load factor.
     pub fn load(&self) -> f64 {
         self.kinematics.factor
+    }
+
+    /// Where contact is looked for.
+    pub fn geometry(&self) -> Geometry {
+        self.contact.geometry
     }
 
     /// Reference positions X of all nodes (UL).
@@ -173,8 +182,35 @@ impl<const D: usize> LoadStepped for Problem<D> {
         Ok(())
     }
 
-    fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<f64> {
-        self.contact.tunnels(&self.kinematics, u, (last, from))
+    fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage> {
+        let before = self.kinematics.positions_at(last, from);
+        let after = self.kinematics.positions(u);
+        let deep = |overlap: &Overlap<D>| overlap.relative > Overlap::<D>::LIMIT;
+        // cutting a step does not change the solution of a linear scene; its certificate tells
+        let overlap = match (self.contact.geometry, self.scene.overlaps) {
+            (Geometry::Current, Overlaps::Refused) => {
+                let now = self.audit.overlap(&after).filter(deep);
+                now.or_else(|| self.audit.passage(&before, &after))
+            }
+            _ => None,
+        };
+        if let Some(Overlap {
+            bodies, at, depth, ..
+        }) = overlap
+        {
+            let [first, second] = bodies.map(|body| &self.scene.names()[body]);
+            let at: Vec<String> = at.iter().map(|x| format!("{x:.3e}")).collect();
+            let place = format!(
+                "body `{first}` is inside body `{second}` at ({})",
+                at.join(", ")
+            );
+            return Some(Passage { depth, place });
+        }
+        let depth = self
+            .contact
+            .tunnels(&self.kinematics, u, (&before, &after))?;
+        let place = "bodies penetrate or have passed through each other".to_string();
+        Some(Passage { depth, place })
     }
 
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {

@@ -4,6 +4,7 @@ use contact_core::{Energy, LinearGaps};
 
 use super::{BodyId, Problem};
 use crate::Error;
+use crate::audit::Findings;
 use crate::contact::{Pass, Surface, pressure};
 use crate::tensor::Vector;
 
@@ -83,6 +84,11 @@ impl<const D: usize> Problem<D> {
     pub fn relative_penetration(&self, u: &[f64]) -> f64 {
         self.contact
             .deepest(&self.kinematics, u, Surface::node_sizes)
+    }
+
+    /// What the bodies do to each other and to themselves at `u`, found without the contact search.
+    pub fn audit(&self, u: &[f64]) -> Findings<D> {
+        self.audit.at(&self.positions(u))
     }
 
     /// The number of quadrature points of the assembled cells where J > 0 does not hold; 0 for

@@ -16,6 +16,18 @@ pub enum Passes {
     SecondIsSlave,
 }
 
+/// What happens to a load step in [`Geometry::Current`] at whose end bodies are deep inside each
+/// other or themselves, deeper than [`Overlap::LIMIT`](crate::audit::Overlap::LIMIT). The certificate
+/// of such a state does not hold in either case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Overlaps {
+    /// It is rejected and cut back, whether the surfaces are declared for contact or not.
+    #[default]
+    Refused,
+    /// It is accepted unless the surfaces are declared, as for bodies that are meant to pass through each other.
+    Allowed,
+}
+
 /// The positions at which contact is searched and the constraints are linearised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Geometry {
@@ -93,6 +105,8 @@ pub struct Scene<const D: usize> {
     /// The largest overlap of bodies in the reference configuration that is accepted, as a share of
     /// the facet size: polygons of touching curves overlap slightly. 0.05 by default.
     pub overlap_tolerance: f64,
+    /// What happens to a load step at whose end bodies are deep inside each other or themselves.
+    pub overlaps: Overlaps,
 }
 
 impl<const D: usize> Default for Scene<D> {
@@ -106,6 +120,7 @@ impl<const D: usize> Default for Scene<D> {
             geometry: None,
             reach: None,
             overlap_tolerance: 0.05,
+            overlaps: Overlaps::default(),
         }
     }
 }

@@ -1,0 +1,278 @@
+//! An audit of states: what the bodies of a scene do to each other and to themselves, whether their
+//! surfaces are declared for contact or not.
+//!
+//! It shares nothing with the contact search. Bodies are cut into flat simplices on their nodes, a
+//! quadratic cell into 2ᴰ, a quadratic facet into 2ᴰ⁻¹. A node in a cell of another body, or in a
+//! cell of its own body outside its neighbourhood, is inside material; an exterior edge through an
+//! exterior facet is an intersection. Depths are shares of what the material allows there: of the
+//! facets, or of the thickness where that is smaller.
+
+mod simplex;
+mod thickness;
+mod topology;
+
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+
+use crate::model::Scene;
+use crate::tensor::{Matrix, Vector};
+use simplex::{distance, pierced};
+use topology::Topology;
+
+/// The audit of a scene: the topology of its bodies in simplices.
+pub struct Audit<const D: usize> {
+    topology: Topology<D>,
+    /// X (UL).
+    reference: Vec<Vector<D>>,
+    /// Whether a body's law is for small strains.
+    is_linear: Vec<bool>,
+}
+
+/// The findings of an audit at one state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Findings<const D: usize> {
+    /// The worst overlap of exteriors.
+    pub overlap: Option<Overlap<D>>,
+    /// The number of simplices whose volume is not positive.
+    pub inverted: usize,
+    /// The smallest ratio of a simplex' volume to its reference volume; `+∞` without cells.
+    pub least_volume_ratio: f64,
+    /// The largest norm of ½(∇u + ∇uᵀ) in bodies with a law for small strains; 0 without such.
+    pub strain: f64,
+    /// The largest rotation (radians) in bodies with a law for small strains: |½(∇u − ∇uᵀ)|/√2.
+    pub rotation: f64,
+}
+
+/// Two exteriors that overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap<const D: usize> {
+    /// The indices of the bodies; they are equal where a body overlaps itself.
+    pub bodies: [usize; 2],
+    /// A point of the first body inside the second (UL).
+    pub at: Vector<D>,
+    /// The distance of that point from the exterior of the second (UL).
+    pub depth: f64,
+    /// The depth divided by the length of the facets there, or by the thickness of either body there if
+    /// that is smaller.
+    pub relative: f64,
+    /// The depth divided by the thickness, or by twice the largest face if that is smaller.
+    of_thickness: f64,
+}
+
+/// The boxes of all cells and faces at one state.
+struct Trees<const D: usize> {
+    cells: Boxes<D>,
+    faces: Boxes<D>,
+}
+
+impl<const D: usize> Overlap<D> {
+    /// The largest relative depth of bodies that are in contact. Weak constraints leave less: the
+    /// deepest nodes of sound scenes, at corners, are at 0.2.
+    pub const LIMIT: f64 = 0.3;
+}
+
+/// A search tree over boxes with the index of what is in each.
+type Boxes<const D: usize> = RTree<GeomWithData<Rectangle<[f64; D]>, usize>>;
+
+impl<const D: usize> Audit<D> {
+    /// The audit of `scene` with reference positions `X` of all its nodes (UL), body by body.
+    pub fn new(scene: &Scene<D>, X: &[Vector<D>]) -> Self {
+        Audit {
+            topology: Topology::new(scene, X),
+            reference: X.to_vec(),
+            is_linear: scene.bodies().iter().map(|b| b.is_small_strain()).collect(),
+        }
+    }
+
+    /// All findings at positions `x` of all nodes (UL).
+    pub fn at(&self, x: &[Vector<D>]) -> Findings<D> {
+        let mut findings = Findings {
+            overlap: self.overlap(x),
+            least_volume_ratio: f64::INFINITY,
+            ..Findings::default()
+        };
+        for (k, cell) in self.topology.cells.iter().enumerate() {
+            let F = self.deformation(k, x);
+            let ratio = crate::tensor::determinant(&F);
+            // NaN is no volume either
+            findings.inverted += usize::from(ratio.is_nan() || ratio <= 0.0);
+            findings.least_volume_ratio = findings.least_volume_ratio.min(ratio);
+            if self.is_linear[cell.body] {
+                let H = F - Matrix::identity();
+                let strain = (H + H.transpose()).norm() / 2.0;
+                let rotation = (H - H.transpose()).norm() / 8f64.sqrt();
+                findings.strain = findings.strain.max(strain);
+                findings.rotation = findings.rotation.max(rotation);
+            }
+        }
+        findings
+    }
+
+    /// F of a simplex: the gradient of x by X.
+    fn deformation(&self, cell: usize, x: &[Vector<D>]) -> Matrix<D> {
+        let nodes = &self.topology.cells[cell].nodes;
+        let edges = |x: &[Vector<D>]| {
+            let columns: [_; D] = std::array::from_fn(|i| x[nodes[i + 1]] - x[nodes[0]]);
+            Matrix::from_columns(&columns)
+        };
+        edges(x) * crate::tensor::inverse_transpose(&edges(&self.reference)).transpose()
+    }
+
+    /// The worst overlap at positions `x` of all nodes (UL), or `None` where nothing overlaps.
+    pub fn overlap(&self, x: &[Vector<D>]) -> Option<Overlap<D>> {
+        let worse = |a: Overlap<D>, b: Overlap<D>| if b.relative > a.relative { b } else { a };
+        self.overlaps(x).into_iter().reduce(worse)
+    }
+
+    /// All overlaps at positions `x` of all nodes (UL).
+    fn overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
+        let Topology { cells, faces, .. } = &self.topology;
+        let trees = Trees {
+            cells: tree(cells.iter().map(|cell| aabb(&cell.nodes[..=D], x))),
+            faces: tree(faces.iter().map(|face| aabb(&face.nodes, x))),
+        };
+        let mut overlaps = self.nodes_inside(x, &trees);
+        overlaps.extend(self.edges_inside(x, &trees));
+        overlaps
+    }
+
+    /// Whether exteriors are deep in each other on the straight way of all nodes from `before` to
+    /// `after`: an overlap deeper than [`Overlap::LIMIT`] of the thickness. Bodies
+    /// that slide on each other do not move on straight lines, and overlap a little on the way.
+    pub fn passage(&self, before: &[Vector<D>], after: &[Vector<D>]) -> Option<Overlap<D>> {
+        let moved = before.iter().zip(after).map(|(a, b)| (b - a).norm());
+        let moved = moved.fold(0.0, f64::max);
+        let thinnest = self.topology.thinnest();
+        let stops = (moved / (0.5 * thinnest)).ceil().min(Self::MOST_STOPS);
+        let at = |k: usize| {
+            let t = k as f64 / stops;
+            let way = before.iter().zip(after);
+            let x: Vec<_> = way.map(|(a, b)| a * (1.0 - t) + b * t).collect();
+            let mut overlaps = self.overlaps(&x).into_iter();
+            overlaps.find(|overlap| overlap.of_thickness > Overlap::<D>::LIMIT)
+        };
+        (1..stops as usize).find_map(at)
+    }
+
+    /// The relative depth of bodies that touch, from round-off.
+    const TOUCHES: f64 = 1e-9;
+    /// The largest number of stops on a way.
+    const MOST_STOPS: f64 = 16.0;
+
+    /// The overlaps of exterior nodes with other bodies, or with other parts of their own.
+    fn nodes_inside(&self, x: &[Vector<D>], trees: &Trees<D>) -> Vec<Overlap<D>> {
+        let exterior = self.topology.exterior_nodes.iter();
+        exterior
+            .flat_map(|&a| self.inside(x, trees, &[a], x[a]))
+            .collect()
+    }
+
+    /// The overlaps of exterior edges that pass through exterior faces: of the middle of each part of an
+    /// edge between two such points.
+    fn edges_inside(&self, x: &[Vector<D>], trees: &Trees<D>) -> Vec<Overlap<D>> {
+        let mut found = Vec::new();
+        for edge in &self.topology.edges {
+            let near = trees.faces.locate_in_envelope_intersecting(aabb(edge, x));
+            let others = near.map(|leaf| &self.topology.faces[leaf.data]);
+            let others = others.filter(|face| !self.is_own(edge, face.body, &face.nodes));
+            let ends = edge.map(|a| x[a]);
+            let cuts = others.filter_map(|face| pierced(&ends, &face.nodes.map(|b| x[b])));
+            let mut cuts: Vec<f64> = cuts.collect();
+            if cuts.is_empty() {
+                continue;
+            }
+            cuts.extend([0.0, 1.0]);
+            cuts.sort_by(f64::total_cmp);
+            for part in cuts.windows(2) {
+                let middle = 0.5 * (part[0] + part[1]);
+                let point = ends[0] * (1.0 - middle) + ends[1] * middle;
+                found.extend(self.inside(x, trees, edge, point));
+            }
+        }
+        found
+    }
+
+    /// The overlaps of a point on these exterior nodes with each body in whose cells it is.
+    fn inside(
+        &self,
+        x: &[Vector<D>],
+        trees: &Trees<D>,
+        owners: &[usize],
+        point: Vector<D>,
+    ) -> Vec<Overlap<D>> {
+        let topology = &self.topology;
+        let near = trees.cells.locate_all_at_point(point.into());
+        let cells = near.map(|leaf| &topology.cells[leaf.data]);
+        let holding = cells.filter(|cell| {
+            !self.is_own(owners, cell.body, &cell.nodes) && simplex::holds(&cell.nodes, x, &point)
+        });
+        let mut bodies: Vec<usize> = holding.map(|cell| cell.body).collect();
+        bodies.sort_unstable();
+        bodies.dedup();
+        let overlap = |body: usize| {
+            let (depth, face) = self.nearest(x, trees, owners, (point, body))?;
+            let (size, thickness) = topology.around(owners[0]);
+            let face = &topology.faces[face];
+            let thickness = thickness.min(face.thickness);
+            let unit = size.max(face.size).min(thickness);
+            let overlap = Overlap {
+                bodies: [topology.body_of[owners[0]], body],
+                at: point,
+                depth,
+                relative: depth / unit,
+                of_thickness: depth / thickness.min(topology.thick),
+            };
+            (overlap.relative > Self::TOUCHES).then_some(overlap)
+        };
+        bodies.into_iter().filter_map(overlap).collect()
+    }
+
+    /// Whether `nodes` of `body` belong to the neighbourhood of `owners` on their own body.
+    fn is_own(&self, owners: &[usize], body: usize, nodes: &[usize]) -> bool {
+        let topology = &self.topology;
+        body == topology.body_of[owners[0]] && owners.iter().any(|&a| topology.is_near(a, nodes))
+    }
+
+    /// The distance of a point on `owners` from the exterior of a body (UL), and the nearest face.
+    fn nearest(
+        &self,
+        x: &[Vector<D>],
+        trees: &Trees<D>,
+        owners: &[usize],
+        (point, body): (Vector<D>, usize),
+    ) -> Option<(f64, usize)> {
+        let mut nearest: Option<(f64, usize)> = None;
+        // by the distance of their boxes, which is at most their own
+        for (leaf, at_least_2) in trees
+            .faces
+            .nearest_neighbor_iter_with_distance_2(point.into())
+        {
+            if nearest.is_some_and(|(distance, _)| at_least_2 > distance * distance) {
+                break;
+            }
+            let face = &self.topology.faces[leaf.data];
+            if face.body != body || self.is_own(owners, body, &face.nodes) {
+                continue;
+            }
+            let depth = distance(&point, &face.nodes.map(|b| x[b]));
+            if nearest.is_none_or(|(least, _)| depth < least) {
+                nearest = Some((depth, leaf.data));
+            }
+        }
+        nearest
+    }
+}
+
+fn tree<const D: usize>(boxes: impl Iterator<Item = AABB<[f64; D]>>) -> Boxes<D> {
+    let leaf = |(k, envelope)| GeomWithData::new(Rectangle::from_aabb(envelope), k);
+    RTree::bulk_load(boxes.enumerate().map(leaf).collect())
+}
+
+fn aabb<const D: usize>(nodes: &[usize], x: &[Vector<D>]) -> AABB<[f64; D]> {
+    let low = nodes.iter().fold(x[nodes[0]], |low, &a| low.inf(&x[a]));
+    let high = nodes.iter().fold(x[nodes[0]], |high, &a| high.sup(&x[a]));
+    AABB::from_corners(low.into(), high.into())
+}
+
+#[cfg(test)]
+mod tests;

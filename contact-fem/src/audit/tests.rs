@@ -1,0 +1,184 @@
+use super::topology::Topology;
+use super::*;
+use crate::element::{Element, P1, P2};
+use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle, sphere};
+use crate::model::{Body, Scene};
+use crate::tensor::facet_normal;
+use crate::{LinearElastic, Mesh, NeoHookean};
+
+fn scene<const D: usize>(meshes: Vec<Mesh<D>>) -> (Scene<D>, Vec<Vector<D>>)
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let X = meshes.iter().flat_map(|mesh| mesh.nodes().to_vec());
+    let X = X.collect();
+    let law = || NeoHookean::new(1.0, 0.3).expect("law");
+    let bodies = meshes.into_iter().map(|mesh| Body::new(mesh, law()));
+    (Scene::of(bodies.collect()), X)
+}
+
+fn block(low: [f64; 2], size: [f64; 2], cells: [usize; 2]) -> Mesh<2> {
+    let [x, y] = [0, 1].map(|i| linspace(low[i], low[i] + size[i], cells[i]));
+    rectangle(&x, &y, Diagonals::Alternating).expect("mesh")
+}
+
+/// The worst overlap of bodies where they are meshed.
+fn overlap<const D: usize>(meshes: Vec<Mesh<D>>) -> Option<Overlap<D>>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let (scene, X) = scene(meshes);
+    Audit::new(&scene, &X).overlap(&X)
+}
+
+/// Simplices and faces fill a body and its exterior, with positive volumes and outward normals.
+fn fills<const D: usize>(mesh: Mesh<D>, volume: f64)
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let (scene, X) = scene(vec![mesh]);
+    let Topology { cells, faces, .. } = Topology::new(&scene, &X);
+    let factorial = if D == 2 { 2.0 } else { 6.0 };
+    let volumes = cells.iter().map(|cell| {
+        let columns: [_; D] = std::array::from_fn(|i| X[cell.nodes[i + 1]] - X[cell.nodes[0]]);
+        crate::tensor::determinant(&Matrix::from_columns(&columns)) / factorial
+    });
+    let volumes: Vec<f64> = volumes.collect();
+    assert!(volumes.iter().all(|&v| v > 0.0));
+    assert!((volumes.iter().sum::<f64>() - volume).abs() < 1e-12 * volume);
+    // ∫ x·n dA = D · volume over the same polyhedron
+    let flux = faces.iter().map(|face| {
+        let corners = face.nodes.map(|a| X[a]);
+        corners
+            .iter()
+            .sum::<Vector<D>>()
+            .dot(&facet_normal(&corners))
+            / D as f64
+    });
+    let flux: f64 = flux.sum();
+    assert!((flux - D as f64 * volume).abs() < 1e-12 * volume, "{flux}");
+}
+
+#[test]
+fn simplices_fill_bodies() {
+    fills(block([0.0; 2], [2.0, 3.0], [3, 2]), 6.0);
+    fills(block([0.0; 2], [2.0, 3.0], [3, 2]).quadratic(), 6.0);
+    let cube = || cuboid([0.5; 3], [1.0, 2.0, 3.0], [2, 1, 2]).expect("mesh");
+    fills(cube(), 6.0);
+    fills(cube().quadratic(), 6.0);
+    let ball = sphere(1.0, 2).expect("mesh");
+    let volume = (0..ball.len()).map(|k| ball.volume(k)).sum();
+    fills(ball.quadratic(), volume);
+}
+
+#[test]
+fn the_thickness_behind_a_face() {
+    let (scene, X) = scene(vec![block([0.0; 2], [4.0, 0.01], [8, 1])]);
+    let topology = Topology::new(&scene, &X);
+    for face in &topology.faces {
+        let thickness = if face.size > 0.1 { 0.01 } else { f64::INFINITY };
+        assert!(face.thickness == thickness || (face.thickness - thickness).abs() < 1e-15);
+    }
+    assert!((topology.thinnest() - 0.01).abs() < 1e-15);
+}
+
+#[test]
+fn bodies_that_touch_do_not_overlap() {
+    let lower = || block([0.0; 2], [1.0, 1.0], [2, 2]);
+    assert_eq!(overlap(vec![lower()]), None);
+    let touching = block([0.3, 1.0], [1.0, 1.0], [3, 3]);
+    assert_eq!(overlap(vec![lower(), touching]), None);
+    let cubes = [0.0, 1.0].map(|z| cuboid([0.2 * z, 0.0, z], [1.0; 3], [2, 2, 2]).expect("mesh"));
+    assert_eq!(overlap(cubes.to_vec()), None);
+}
+
+/// A node at depth d in a body with facets of length ½, and in one that is thinner.
+#[test]
+fn depths_are_shares_of_facets_or_of_the_thickness() {
+    let lower = |thickness: f64| block([0.0, -thickness], [2.0, thickness], [4, 1]);
+    let upper = |y: f64| block([0.6, y], [0.5, 0.5], [1, 1]);
+    let found = overlap(vec![lower(1.0), upper(-0.1)]).expect("overlaps");
+    assert!((found.depth - 0.1).abs() < 1e-14, "{found:?}");
+    assert!((found.relative - 0.2).abs() < 1e-14, "{found:?}");
+    let found = overlap(vec![lower(0.01), upper(-0.004)]).expect("overlaps");
+    assert!((found.depth - 0.004).abs() < 1e-14, "{found:?}");
+    assert!((found.relative - 0.4).abs() < 1e-13, "{found:?}");
+}
+
+/// Two bars cross edge on edge: no node of one is in the other.
+#[test]
+fn bars_that_cross() {
+    let along = cuboid([-2.0, -0.1, -0.1], [4.0, 0.2, 0.2], [1, 1, 1]).expect("mesh");
+    let across = cuboid([-0.1, -2.0, 0.0], [0.2, 4.0, 0.2], [1, 1, 1]).expect("mesh");
+    let found = overlap(vec![along, across]).expect("overlaps");
+    assert_ne!(found.bodies[0], found.bodies[1]);
+    // the lower edges of the upper bar are at half the height of the lower one
+    assert!((found.depth - 0.1).abs() < 1e-14, "{found:?}");
+}
+
+/// A strip whose right end is folded over onto, and into, its left end.
+#[test]
+fn a_body_in_itself() {
+    let strip = block([0.0; 2], [8.0, 0.5], [16, 1]);
+    let (scene, X) = scene(vec![strip]);
+    let audit = Audit::new(&scene, &X);
+    let fold = |gap: f64| -> Vec<Vector<2>> {
+        let bent = |X: &Vector<2>| {
+            // a half circle around (4, ½ + gap/2), with straight arms
+            let (radius, from) = (0.5 + gap / 2.0 - X[1], 2.5);
+            let turn = (X[0] - from) / 3.0 * std::f64::consts::PI;
+            let centre = Vector::<2>::new(from, 0.5 + gap / 2.0);
+            match turn {
+                t if t <= 0.0 => *X,
+                t if t < std::f64::consts::PI => {
+                    centre + Vector::<2>::new(t.sin(), -t.cos()) * radius
+                }
+                _ => Vector::<2>::new(centre[0] - (X[0] - 5.5), 2.0 * centre[1] - X[1]),
+            }
+        };
+        X.iter().map(bent).collect()
+    };
+    assert_eq!(audit.overlap(&fold(1.0)), None);
+    let found = audit.overlap(&fold(-0.1)).expect("overlaps");
+    assert_eq!(found.bodies, [0, 0]);
+    assert!(found.depth > 0.04, "{found:?}");
+}
+
+/// A block that jumps over a thin one in a single step.
+#[test]
+fn a_passage_between_two_states() {
+    let wall = block([0.0, -0.1], [2.0, 0.1], [4, 1]);
+    let (scene, before) = scene(vec![wall, block([0.6, 0.1], [0.5, 0.5], [1, 1])]);
+    let audit = Audit::new(&scene, &before);
+    let moved = |by: f64| {
+        let wall = |a: usize| a < scene.bodies()[0].mesh().nodes().len();
+        let step = |a: usize| Vector::<2>::new(0.0, if wall(a) { 0.0 } else { by });
+        let x = before.iter().enumerate().map(|(a, x)| x + step(a));
+        x.collect::<Vec<_>>()
+    };
+    let below = moved(-1.0);
+    assert_eq!(audit.overlap(&below), None, "the ends tell nothing");
+    assert!(audit.passage(&before, &below).is_some());
+    assert_eq!(audit.passage(&before, &moved(3.0)), None);
+}
+
+#[test]
+fn strain_rotation_and_volume() {
+    let mesh = block([0.0; 2], [1.0, 1.0], [2, 2]);
+    let X = mesh.nodes().to_vec();
+    let law = LinearElastic::new(1.0, 0.3).expect("law");
+    let audit = Audit::new(&Scene::of(vec![Body::new(mesh, law)]), &X);
+    let x: Vec<_> = X
+        .iter()
+        .map(|X| X + Vector::<2>::new(-1.2 * X[0] + 0.3 * X[1], 0.1 * X[0]))
+        .collect();
+    let found = audit.at(&x);
+    // H = [−1.2 .3; .1 0]
+    assert!((found.strain - (1.44f64 + 2.0 * 0.04).sqrt()).abs() < 1e-14);
+    assert!((found.rotation - 0.1).abs() < 1e-14);
+    assert!((found.least_volume_ratio + 0.2 + 0.03).abs() < 1e-14);
+    assert_eq!(found.inverted, 8);
+}

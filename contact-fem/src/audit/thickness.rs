@@ -1,0 +1,67 @@
+//! The thickness of bodies behind their faces.
+
+use rstar::AABB;
+
+use super::topology::Face;
+use super::{aabb, tree};
+use crate::tensor::{Vector, facet_normal};
+
+/// The largest thickness that is measured: twice the largest face (UL).
+pub(super) fn far<const D: usize>(faces: &[Face<D>]) -> f64 {
+    2.0 * faces.iter().map(|face| face.size).fold(0.0, f64::max)
+}
+
+/// Sets the thickness of each face: the way from its centroid along the inward normal to where it
+/// leaves the body, if that is at most twice the largest face.
+pub(super) fn measure<const D: usize>(faces: &mut [Face<D>], X: &[Vector<D>]) {
+    let far = far(faces);
+    let boxes = tree(faces.iter().map(|face| aabb(&face.nodes, X)));
+    let thickness = |face: &Face<D>| {
+        let corners = face.nodes.map(|a| X[a]);
+        let inward = -facet_normal(&corners).normalize();
+        let from = corners.iter().sum::<Vector<D>>() / D as f64;
+        let to = from + inward * far;
+        let ray = AABB::from_corners(from.inf(&to).into(), from.sup(&to).into());
+        let hits = boxes
+            .locate_in_envelope_intersecting(ray)
+            .filter_map(|leaf| {
+                let other = &faces[leaf.data];
+                if other.body != face.body {
+                    return None;
+                }
+                let corners = other.nodes.map(|a| X[a]);
+                leaving(&from, &inward, &corners).filter(|&way| way > 1e-9 * face.size)
+            });
+        hits.fold(f64::INFINITY, f64::min)
+    };
+    let all: Vec<f64> = faces.iter().map(thickness).collect();
+    let all = all
+        .into_iter()
+        .map(|way| if way <= far { way } else { f64::INFINITY });
+    faces
+        .iter_mut()
+        .zip(all)
+        .for_each(|(face, way)| face.thickness = way);
+}
+
+/// The way from a point along a unit vector to a facet through which it leaves the body.
+fn leaving<const D: usize>(
+    from: &Vector<D>,
+    along: &Vector<D>,
+    facet: &[Vector<D>; D],
+) -> Option<f64> {
+    let normal = facet_normal(facet);
+    let speed = along.dot(&normal);
+    if speed <= 0.0 {
+        return None;
+    }
+    let way = (facet[0] - from).dot(&normal) / speed;
+    let point = from + along * way;
+    // seen from the point, every side of the facet has the facet's orientation
+    let is_inside = (0..D).all(|k| {
+        let mut part = *facet;
+        part[k] = point;
+        facet_normal(&part).dot(&normal) >= -1e-12 * normal.norm_squared()
+    });
+    (way > 0.0 && is_inside).then_some(way)
+}
