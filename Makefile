@@ -2,10 +2,10 @@
 
 CARGO ?= cargo
 
-# How long to look for mesh files that the readers fail on.
+# How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint bench bench-overhead report report-quick extremes extremes-quick package msrv bindings fuzz-readers
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint bench bench-overhead report report-quick extremes extremes-quick package msrv bindings fuzz-readers fuzz-binding
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -23,6 +23,7 @@ help:
 	@echo "make package           the crates as packages, each checked on its own, and their documentation without Ipopt"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
+	@echo "make fuzz-binding      solves random problems with random options and faults for SECONDS (60), in other processes"
 	@echo "make bindings          renews the bindings to Ipopt kept in the source"
 
 install:
@@ -91,3 +92,7 @@ bindings: install
 # The dev profile again, for its checks for overflow.
 fuzz-readers:
 	$(CARGO) run -p contact-fem --example fuzz_readers -- $(SECONDS) $(SEED)
+
+# Half of the time with default options, half with random ones. The arguments "case random 7" show case 7 of these again.
+fuzz-binding: install
+	$(CARGO) run -p contact-core --features ipopt --example fuzz_binding -- $(SECONDS) $(SEED)

@@ -114,12 +114,24 @@ fn redundant() -> Vec<Case> {
         let name = format!("stack in {dimension}D, {faces} declared");
         stack.case(name, "redundant rows")
     };
-    let cases = [2, 3].map(|d| [of(d, false), of(d, true)]);
-    let twin =
-        |case: Case, of: usize| case.twin(format!("stack in {of}D, the faces between declared"));
-    let [plane, space] = cases;
-    let twins = plane.map(|case| twin(case, 2)).into_iter();
-    twins.chain(space.map(|case| twin(case, 3))).collect()
+    // with one layer of cells, the nodes between the blocks have as many rows as displacements across
+    let one_layer = Stack {
+        nu: 0.0,
+        press: 0.02,
+        cells: vec![[10, 1], [13, 1]],
+        ..Stack::default()
+    };
+    let benign = |dimension: usize| format!("stack in {dimension}D, the faces between declared");
+    let mut cases = vec![
+        one_layer
+            .case("one layer of cells in each block", "redundant rows")
+            .twin(benign(2)),
+    ];
+    for dimension in [2, 3] {
+        let both = [false, true].map(|both_faces| of(dimension, both_faces));
+        cases.extend(both.map(|case| case.twin(benign(dimension))));
+    }
+    cases
 }
 
 /// Lengths and moduli over many decades.
@@ -222,7 +234,7 @@ fn thickness() -> Vec<Case> {
                 heights: vec![t; count],
                 press: 0.02 * t * count as f64,
                 cells: (0..count)
-                    .map(|k| [if dimension == 2 { 10 + 3 * k } else { 3 + k }, 1])
+                    .map(|k| [if dimension == 2 { 10 + 3 * k } else { 3 + k }, 2])
                     .collect(),
                 both_faces: true,
                 ..Stack::default()
