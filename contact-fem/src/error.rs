@@ -124,6 +124,17 @@ pub enum Error {
         /// The names that exist.
         known: Vec<String>,
     },
+    /// A support or a traction on a boundary without facets.
+    #[error(
+        "the {what} acts on nothing, since boundary `{name}` has no facets: check the predicate that names it, \
+         which must hold at all corners of a facet"
+    )]
+    EmptyBoundary {
+        /// The name of the boundary.
+        name: String,
+        /// What acts on it: a support or a traction.
+        what: &'static str,
+    },
     /// A boundary name that is in use.
     #[error("a boundary is called `{name}` already: choose another name")]
     BoundaryExists {
@@ -197,7 +208,7 @@ pub enum Error {
     /// A body that can move rigidly.
     #[error(
         "body `{body}` can move rigidly ({free} of {modes} rigid motions of the part with node {node} \
-         are free) and has no contact pair there: prescribe some of its displacements or declare \
+         are free, {motions}) and has no contact pair there: prescribe some of its displacements or declare \
          a contact pair"
     )]
     Unsupported {
@@ -209,6 +220,8 @@ pub enum Error {
         free: usize,
         /// The number of rigid-body modes in this dimension.
         modes: usize,
+        /// The names of the free ones.
+        motions: String,
     },
     /// A scene without any prescribed displacement.
     #[error(
@@ -229,8 +242,9 @@ pub enum Error {
     },
     /// Bodies that overlap in the reference configuration.
     #[error(
-        "body `{slave}` starts inside body `{master}`: gap {gap:.3e} at node {node} ({x:?}) against a \
-         tolerance of {tolerance:.3e}; move the bodies apart or raise `Scene::overlap_tolerance`"
+        "body `{slave}` starts inside body `{master}`: gap {gap:.3e} at node {node} ({x:?}) against the \
+         {tolerance:.3e} that `Scene::overlap_tolerance` grants chords of touching curves; move the bodies apart, and \
+         press a press-fit together by prescribed displacements"
     )]
     Overlap {
         /// The body whose node is inside.
@@ -248,8 +262,9 @@ pub enum Error {
     },
     /// Bodies that intersect in the reference configuration.
     #[error(
-        "bodies `{first}` and `{second}` cross at {x:?}, {depth:.3e} deep against a tolerance of \
-         {tolerance:.3e}; move them apart or raise `Scene::overlap_tolerance`"
+        "bodies `{first}` and `{second}` cross at {x:?}, {depth:.3e} deep against the {tolerance:.3e} that \
+         `Scene::overlap_tolerance` grants chords of touching curves; move them apart, and press a press-fit \
+         together by prescribed displacements"
     )]
     Crossing {
         /// The body with the intersecting edge.
@@ -262,6 +277,18 @@ pub enum Error {
         depth: f64,
         /// The accepted overlap (UL).
         tolerance: f64,
+    },
+    /// Loads and prescribed displacements that are lost in round-off.
+    #[error(
+        "loads and prescribed displacements move the scene by {share:.1e} of its size, which round-off hides below \
+         {limit:.0e}: check their units, or scale them up"
+    )]
+    Negligible {
+        /// The largest prescribed displacement, or a large estimate of that under the loads, divided by the diagonal
+        /// of the scene.
+        share: f64,
+        /// The smallest share that is accepted.
+        limit: f64,
     },
     /// One dof prescribed twice with different values.
     #[error("component {component} of node {node} is prescribed twice: {first} and {second}")]

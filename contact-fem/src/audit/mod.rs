@@ -86,6 +86,13 @@ impl<const D: usize> Audit<D> {
         }
     }
 
+    /// The flat pieces of all exteriors: nodes by their scene numbers, longest edge (UL), and the thickness of the
+    /// material behind (UL), `+∞` if it is more than twice the largest piece.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = (&[usize], f64, f64)> {
+        let faces = self.topology.faces.iter();
+        faces.map(|face| (&face.nodes[..], face.size, face.thickness))
+    }
+
     /// All findings at positions `x` of all nodes (UL).
     pub fn at(&self, x: &[Vector<D>]) -> Findings<D> {
         let mut findings = Findings {

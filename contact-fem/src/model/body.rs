@@ -5,9 +5,9 @@ use crate::assembly::{
 };
 use crate::element::{Element, Order, P1, P2};
 use crate::error::Error;
-use crate::material::Material;
+use crate::material::{Deformation, Material};
 use crate::mesh::Mesh;
-use crate::tensor::Vector;
+use crate::tensor::{Matrix, Vector, unit_vector};
 
 /// An elastic body: a mesh, a material law, prescribed displacements and loads.
 ///
@@ -69,7 +69,7 @@ impl<const D: usize> Body<D> {
     /// components that are `None` stay free.
     ///
     /// # Errors
-    /// If the boundary is unknown, a value is not finite, or a dof is prescribed twice with
+    /// If the boundary is unknown or has no facets, a value is not finite, or a dof is prescribed twice with
     /// different values.
     pub fn prescribe(
         &mut self,
@@ -77,6 +77,12 @@ impl<const D: usize> Body<D> {
         components: [Option<f64>; D],
     ) -> Result<&mut Self, Error> {
         let nodes = self.mesh.boundary_nodes(boundary)?;
+        if nodes.is_empty() {
+            return Err(Error::EmptyBoundary {
+                name: boundary.to_string(),
+                what: "support",
+            });
+        }
         self.prescribe_nodes(&nodes, components)
     }
 
@@ -133,7 +139,7 @@ impl<const D: usize> Body<D> {
     /// boundary.
     ///
     /// # Errors
-    /// If the boundary is unknown or a value is not finite.
+    /// If the boundary is unknown or has no facets, or a value is not finite.
     pub fn traction(&mut self, boundary: &str, traction: [f64; D]) -> Result<&mut Self, Error> {
         self.traction_field(boundary, |_| traction.into())
     }
@@ -148,6 +154,12 @@ impl<const D: usize> Body<D> {
         traction: impl Fn(&Vector<D>) -> Vector<D>,
     ) -> Result<&mut Self, Error> {
         let facets = self.mesh.boundary(boundary)?;
+        if facets.is_empty() {
+            return Err(Error::EmptyBoundary {
+                name: boundary.to_string(),
+                what: "traction",
+            });
+        }
         let mut forces = vec![0.0; self.forces.len()];
         add_traction(&self.mesh, &facets, traction, &mut forces);
         self.add_forces("traction", &forces)
@@ -197,6 +209,12 @@ impl<const D: usize> Body<D> {
         self.law.is_small_strain()
     }
 
+    /// The shear modulus and the modulus of stretching without lateral strain (UF/UL²) at rest, along the
+    /// first two axes.
+    pub(super) fn rest_moduli(&self) -> (f64, f64) {
+        self.law.rest_moduli()
+    }
+
     /// For each dof, whether it is prescribed.
     pub(super) fn is_prescribed(&self) -> Vec<bool> {
         self.prescribed.iter().map(Option::is_some).collect()
@@ -216,6 +234,7 @@ impl<const D: usize> Body<D> {
 /// Erases the types of element and material.
 trait Law<const D: usize>: Send + Sync {
     fn is_small_strain(&self) -> bool;
+    fn rest_moduli(&self) -> (f64, f64);
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>>;
     fn add_body_force(
         &self,
@@ -230,6 +249,16 @@ struct ElasticLaw<E, M>(E, M);
 impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> {
     fn is_small_strain(&self) -> bool {
         M::QUADRATIC
+    }
+
+    fn rest_moduli(&self) -> (f64, f64) {
+        let rest = Deformation::new(Matrix::identity());
+        let contraction = self.1.contraction(&rest);
+        let along = |axis: usize| {
+            let e = unit_vector(axis);
+            contraction(&e, &e)[(0, 0)]
+        };
+        (along(1), along(0))
     }
 
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {

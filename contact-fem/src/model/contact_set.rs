@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use contact_core::gaps::{LinearGaps, Sampling};
 
 use super::kinematics::Kinematics;
-use super::{Geometry, Integration, Passes, Scene, Side};
+use super::{Geometry, Integration, Pair, Passes, Scene, Side};
 use crate::contact::motion::Motion;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::search::nodes_inside;
@@ -26,7 +26,7 @@ pub(super) struct ContactSet<const D: usize> {
     pub geometry: Geometry,
     integration: Integration,
     /// The search radius of integration points (UL).
-    reach: f64,
+    pub reach: f64,
     /// The surfaces at the most recent positions, and how many sets of positions there have been.
     located: Mutex<Option<Arc<Located<D>>>>,
     built: AtomicUsize,
@@ -45,8 +45,13 @@ pub(super) struct Located<const D: usize> {
 impl<const D: usize> ContactSet<D> {
     /// Builds each surface once, even where several pairs name it, and the passes over the
     /// surfaces.
-    pub fn new(scene: &Scene<D>, geometry: Geometry, kinematics: &Kinematics<D>) -> Self {
-        let (sides, passes) = sides_and_passes(scene);
+    pub fn new(
+        scene: &Scene<D>,
+        pairs: &[Pair],
+        geometry: Geometry,
+        kinematics: &Kinematics<D>,
+    ) -> Self {
+        let (sides, passes) = sides_and_passes(pairs);
         let (passes, reversed) = passes.into_iter().unzip();
         let surface = |side: &&Side| {
             let body = side.body.index();
@@ -239,9 +244,9 @@ impl<const D: usize> ContactSet<D> {
 }
 
 /// Every side that a pair names, once; and every pass with whether it exchanges the declared roles.
-fn sides_and_passes<const D: usize>(scene: &Scene<D>) -> (Vec<&Side>, Vec<(Pass, bool)>) {
+pub(super) fn sides_and_passes(pairs: &[Pair]) -> (Vec<&Side>, Vec<(Pass, bool)>) {
     let (mut sides, mut passes) = (Vec::<&Side>::new(), Vec::new());
-    for pair in scene.pairs() {
+    for pair in pairs {
         let [a, b] = [&pair.first, &pair.second].map(|side| {
             sides.iter().position(|s| *s == side).unwrap_or_else(|| {
                 sides.push(side);

@@ -9,7 +9,8 @@ use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale}
 
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
-use super::{BodyId, Geometry, Overlaps, Scene, scale};
+use super::preflight::{self, Setup};
+use super::{BodyId, Finding, Geometry, Overlaps, Scene, scale};
 use crate::assembly::{BodyEnergy, DofMap};
 use crate::audit::{Audit, Overlap};
 use crate::contact::{Pass, Surface};
@@ -28,13 +29,14 @@ pub struct Problem<const D: usize> {
     pub(super) audit: Audit<D>,
     /// `None`: prescribed displacements are eliminated, not unknowns.
     bounds: Bounds,
+    pub(super) findings: Vec<Finding>,
 }
 
 impl<const D: usize> Problem<D> {
     pub(super) fn new(scene: Scene<D>, geometry: Geometry) -> Self {
         let energies: Vec<_> = scene.bodies().iter().map(|body| body.energy()).collect();
         let kinematics = Kinematics::new(scene.bodies());
-        let contact = ContactSet::new(&scene, geometry, &kinematics);
+        let contact = ContactSet::new(&scene, scene.pairs(), geometry, &kinematics);
         let length = kinematics.diagonal();
         let lengths = (length, contact.smallest_facet(length));
         Problem {
@@ -45,7 +47,30 @@ impl<const D: usize> Problem<D> {
             kinematics,
             contact,
             bounds: Bounds::default(),
+            findings: Vec::new(),
         }
+    }
+
+    /// What the checks of a built problem need.
+    pub(super) fn setup(&self) -> Setup<'_, D> {
+        Setup {
+            scene: &self.scene,
+            pairs: self.scene.pairs(),
+            kinematics: &self.kinematics,
+            contact: &self.contact,
+            audit: &self.audit,
+        }
+    }
+
+    /// The warnings and notes of the checks, see [`Scene::preflight`]; warnings come first.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// As [`Problem::findings`], for a run in `increments` equal load increments. A step longer than the search
+    /// radius is then a warning; where no step is, the finding is left out.
+    pub fn findings_in(&self, increments: usize) -> Vec<Finding> {
+        preflight::at_increments(&self.findings, increments)
     }
 
     /// The scene from which the problem was built.

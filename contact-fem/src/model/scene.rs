@@ -1,6 +1,10 @@
 //! Scenes: named bodies and contact pairs.
 
-use super::{Body, BodyId, Integration, Problem, Side, overlap, preflight};
+use super::contact_set::ContactSet;
+use super::kinematics::Kinematics;
+use super::preflight::{self, Report, Setup};
+use super::{Body, BodyId, Finding, Integration, Problem, Side};
+use crate::audit::Audit;
 use crate::element::Order;
 use crate::error::Error;
 
@@ -218,8 +222,10 @@ impl<const D: usize> Scene<D> {
         Ok(())
     }
 
-    /// The pairs that follow from the declared surfaces and were not declared themselves.
-    fn pair_surfaces(&mut self) -> Result<(), Error> {
+    /// The declared pairs, and those that follow from the declared surfaces and were not declared
+    /// themselves.
+    fn all_pairs(&self) -> Result<Vec<Pair>, Error> {
+        let mut pairs = self.pairs.clone();
         let first_body = self.surfaces.first().map(|surface| surface.body);
         if first_body.is_some() && self.surfaces.iter().all(|s| Some(s.body) == first_body) {
             return Err(Error::Setting {
@@ -234,8 +240,8 @@ impl<const D: usize> Scene<D> {
                 let both = [first, second];
                 let is_named =
                     |pair: &Pair| both.contains(&&pair.first) && both.contains(&&pair.second);
-                if !self.pairs.iter().any(is_named) {
-                    self.pairs.push(Pair {
+                if !pairs.iter().any(is_named) {
+                    pairs.push(Pair {
                         first: first.clone(),
                         second: second.clone(),
                         passes: Passes::Both,
@@ -243,7 +249,7 @@ impl<const D: usize> Scene<D> {
                 }
             }
         }
-        Ok(())
+        Ok(pairs)
     }
 
     /// The side, if it exists and has facets.
@@ -278,7 +284,7 @@ impl<const D: usize> Scene<D> {
     /// # Errors
     /// If a scene with contact pairs has bodies with small-strain and with other laws, whether they are
     /// in a pair or not, and no geometry was set.
-    pub(super) fn geometry(&self) -> Result<Geometry, Error> {
+    fn geometry(&self, pairs: &[Pair]) -> Result<Geometry, Error> {
         let body_of = |small: bool| {
             let mut bodies = self.bodies.iter().zip(&self.names);
             bodies.find(|(body, _)| body.is_small_strain() == small)
@@ -286,7 +292,7 @@ impl<const D: usize> Scene<D> {
         match (self.geometry, body_of(true), body_of(false)) {
             (Some(chosen), _, _) => Ok(chosen),
             (None, _, None) => Ok(Geometry::Reference),
-            (None, Some((_, small)), Some((_, large))) if !self.pairs.is_empty() => {
+            (None, Some((_, small)), Some((_, large))) if !pairs.is_empty() => {
                 Err(Error::GeometryNotChosen {
                     small: small.clone(),
                     large: large.clone(),
@@ -296,20 +302,76 @@ impl<const D: usize> Scene<D> {
         }
     }
 
-    /// Checks the scene and builds its contact problem, at load factor 0.
+    /// Checks the scene without solving: what is wrong, what may not be meant, and what is worth
+    /// knowing, the worst first. Findings of [`Severity::Error`](super::Severity::Error) are those for which
+    /// [`Scene::problem`] refuses the scene. The checks cost much less than one factorisation.
+    ///
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::model::{FindingKind, Severity};
+    /// use contact_fem::{Body, LinearElastic, Scene};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let block = |y| rectangle(&linspace(0.0, 1.0, 4), &linspace(y, y + 1.0, 4), Diagonals::Rising);
+    /// let mut lower = Body::new(block(0.0)?, LinearElastic::new(210.0, 0.3)?);
+    /// lower.prescribe("bottom", [Some(0.0), Some(0.0)])?;
+    /// let mut upper = Body::new(block(1.0)?, LinearElastic::new(210.0, 0.49)?);
+    /// upper.traction("top", [0.0, -1.0])?;
+    ///
+    /// let mut scene = Scene::new();
+    /// let (lower, upper) = (scene.add("lower", lower), scene.add("upper", upper));
+    /// scene.contact(lower.on("top"), upper.on("bottom"))?;
+    /// let findings = scene.preflight();
+    /// for finding in &findings {
+    ///     println!("{finding}");
+    /// }
+    /// let found = findings.iter().map(|finding| (finding.severity, finding.kind));
+    /// let locks = (Severity::Warning, FindingKind::Locking);
+    /// assert_eq!(found.collect::<Vec<_>>(), [locks, (Severity::Note, FindingKind::HeldByContact)]);
+    /// assert_eq!(findings[1].what, "only contact holds body `upper`: translation x, translation y, rotation");
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn preflight(&self) -> Vec<Finding> {
+        let mut report = Report::default();
+        let pairs = report.take(self.all_pairs());
+        let declared = pairs.as_deref().unwrap_or(&self.pairs);
+        preflight::without_surfaces(self, declared, &mut report);
+        let geometry = report.take(self.geometry(declared));
+        if self.bodies.is_empty() {
+            return report.into_findings();
+        }
+        let kinematics = Kinematics::new(&self.bodies);
+        let geometry = geometry.unwrap_or(Geometry::Current);
+        preflight::with_surfaces(
+            &Setup {
+                scene: self,
+                pairs: declared,
+                contact: &ContactSet::new(self, declared, geometry, &kinematics),
+                audit: &Audit::new(self, &kinematics.X),
+                kinematics: &kinematics,
+            },
+            &mut report,
+        );
+        report.into_findings()
+    }
+
+    /// Checks the scene and builds its contact problem, at load factor 0. Warnings and notes of the checks are
+    /// [`Problem::findings`].
     ///
     /// # Errors
     /// If a check before the solve fails: an empty or repeated name, a body without support, bodies
-    /// that overlap, a setting out of range, laws of two kinds without a choice of geometry.
+    /// that overlap, a setting out of range, laws of two kinds without a choice of geometry, loads that round-off hides.
+    /// [`Scene::preflight`] finds all of them at once.
     pub fn problem(mut self) -> Result<Problem<D>, Error> {
-        self.pair_surfaces()?;
-        preflight::names(&self)?;
-        preflight::settings(&self)?;
-        preflight::loads(&self)?;
-        preflight::supports(&self)?;
-        let geometry = self.geometry()?;
-        let problem = Problem::new(self, geometry);
-        overlap::check(&problem)?;
+        self.pairs = self.all_pairs()?;
+        let mut report = Report::default();
+        preflight::without_surfaces(&self, &self.pairs, &mut report);
+        let mut report = report.accepted()?;
+        let geometry = self.geometry(&self.pairs)?;
+        let mut problem = Problem::new(self, geometry);
+        preflight::with_surfaces(&problem.setup(), &mut report);
+        problem.findings = report.accepted()?.into_findings();
         Ok(problem)
     }
 }

@@ -41,7 +41,7 @@ type Message<'a, const D: usize> = Box<dyn Fn(&StepView<'_, D>) -> String + 'a>;
 /// | `NAME.csv`, `NAME_iterations.csv` | the load steps and their iterations, see [`Tables`](super::history::Tables) |
 /// | `NAME.pvd`, `NAME_0000.vtu`, … | the states for ParaView, see [`Series`](super::vtk::Series) |
 /// | `meshes.svg` | the deformed bodies at rest, half way and at the end |
-/// | `summary.json` | what ran on what, how it ended, the results and what they cost |
+/// | `summary.json` | what ran on what, the findings before the run, how it ended, the results and what they cost |
 pub struct Recording<'a, const D: usize, S = DefaultSolver> {
     simulation: &'a mut Simulation<S>,
     /// The files and the output.
@@ -88,7 +88,8 @@ pub struct Stage<const D: usize> {
 }
 
 impl<S: Equilibrium> Simulation<S> {
-    /// Records the run: it writes all files to `folder`, shows progress and stops on Ctrl-C.
+    /// Records the run: it prints the findings of the scene, writes all files to `folder`, shows progress and stops on
+    /// Ctrl-C.
     ///
     /// ```
     /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
@@ -164,6 +165,10 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
         let Recording { simulation, plan } = self;
         let clock = Instant::now();
         stop_on_ctrl_c(&simulation.load_steps.stop);
+        if !plan.quiet {
+            let findings = problem.findings_in(plan.increments);
+            findings.iter().for_each(print);
+        }
         let mut observer = Observer::new(&plan, problem)?;
         let result = simulation.run_observed(problem, |step| observer.observe(step));
         let written = observer.finish(result.as_ref().ok());

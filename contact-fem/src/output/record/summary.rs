@@ -11,7 +11,7 @@ use super::{Plan, peak_memory};
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
-use crate::model::Problem;
+use crate::model::{Finding, Problem};
 use crate::simulation::History;
 
 /// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL. Values that
@@ -22,6 +22,8 @@ pub(super) struct Summary {
     /// The names of the bodies, in the order of the reactions.
     bodies: Vec<String>,
     mesh: Value,
+    /// What the checks of the scene found, the worst first.
+    findings: Vec<Value>,
     increments: usize,
     converged: bool,
     status: String,
@@ -91,6 +93,11 @@ impl Summary {
             scene: plan.name.clone(),
             bodies: problem.scene().names().to_vec(),
             mesh: mesh(problem),
+            findings: problem
+                .findings_in(plan.increments)
+                .iter()
+                .map(finding)
+                .collect(),
             increments: plan.increments,
             converged: history.is_some_and(|h| h.run.ending == Ending::Complete),
             status,
@@ -167,6 +174,20 @@ fn mesh<const D: usize>(problem: &Problem<D>) -> Value {
         "cells": bodies.iter().map(|body| body.mesh().len()).sum::<usize>(),
         "free_dofs": problem.dofs().free(),
         "contact_facets": contact_facets,
+    })
+}
+
+fn finding(finding: &Finding) -> Value {
+    json!({
+        "severity": finding.severity.to_string(),
+        "kind": format!("{:?}", finding.kind),
+        "bodies": finding.bodies,
+        "place": finding.place,
+        // null where there is none
+        "value": finding.value,
+        "limit": finding.limit,
+        "what": finding.what,
+        "remedy": finding.remedy,
     })
 }
 

@@ -7,7 +7,7 @@ use rstar::{
     primitives::{GeomWithData, Rectangle},
 };
 
-use super::Problem;
+use super::Setup;
 use crate::contact::projection::closest;
 use crate::contact::{Master, Surface};
 use crate::element::Facet;
@@ -15,46 +15,45 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::tensor::{Vector, facet_normal};
 
-/// Checks that no body starts inside another body of a contact pair.
-pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
-    nodes_inside(problem)?;
-    problem.scene().pairs().iter().try_for_each(|pair| {
+/// Checks that no body starts inside another body of a contact pair; `inside` is the result of [`deepest`].
+pub(super) fn check<const D: usize>(
+    setup: &Setup<'_, D>,
+    inside: &[(usize, usize, Inside<D>)],
+) -> Result<(), Error> {
+    nodes_inside(setup, inside)?;
+    setup.pairs.iter().try_for_each(|pair| {
         let [first, second] = [&pair.first, &pair.second].map(|side| side.body.index());
-        crossing(problem, first, second)?;
-        crossing(problem, second, first)?;
-        coincident(problem, first, second)?;
-        coincident(problem, second, first)
+        crossing(setup, first, second)?;
+        crossing(setup, second, first)?;
+        coincident(setup, first, second)?;
+        coincident(setup, second, first)
     })
 }
 
-/// Checks that no contact node starts inside the other body.
-fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
-    let name = |body: usize| problem.scene().names()[body].clone();
-    let x = problem.reference();
-    let located = problem.contact.located_at(x);
-    let inside = problem.contact.inside(&located, x);
-    for (pass, facing) in problem.passes().iter().zip(inside) {
-        let slave = &problem.surfaces()[pass.slave];
-        let master = &located.masters[pass.master];
-        let facing = facing.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        let facing = facing.map(|(k, gap)| (slave.nodes()[k], gap));
-        let other = master.surface().body();
-        let swallowed = || match slave.body() == other {
-            true => None,
-            false => swallowed_node(problem, slave, other),
-        };
-        let Some((node, gap)) = facing.or_else(swallowed) else {
-            continue;
-        };
-        let size = slave.facet_size().max(master.surface().facet_size());
-        let tolerance = problem.scene().overlap_tolerance * size;
-        if -gap > tolerance {
+/// A contact node that starts inside the other body of its pass.
+pub(super) struct Inside<const D: usize> {
+    /// The node, by its scene number, and its position (UL).
+    node: usize,
+    pub x: Vector<D>,
+    /// Its depth, and the larger facet size of the two surfaces (UL).
+    pub depth: f64,
+    pub size: f64,
+}
+
+/// Checks that no contact node starts inside the other body by more than the tolerance.
+fn nodes_inside<const D: usize>(
+    setup: &Setup<'_, D>,
+    inside: &[(usize, usize, Inside<D>)],
+) -> Result<(), Error> {
+    for &(slave, master, ref inside) in inside {
+        let tolerance = setup.scene.overlap_tolerance * inside.size;
+        if inside.depth > tolerance {
             return Err(Error::Overlap {
-                slave: name(slave.body()),
-                master: name(master.surface().body()),
-                node: node - problem.first_node(slave.body()),
-                x: x[node].iter().copied().collect(),
-                gap,
+                slave: setup.scene.names()[slave].clone(),
+                master: setup.scene.names()[master].clone(),
+                node: inside.node - setup.kinematics.nodes(slave).start,
+                x: inside.x.iter().copied().collect(),
+                gap: -inside.depth,
                 tolerance,
             });
         }
@@ -62,24 +61,52 @@ fn nodes_inside<const D: usize>(problem: &Problem<D>) -> Result<(), Error> {
     Ok(())
 }
 
+/// For each pass with contact nodes inside the other body: the bodies of slave and master, and the deepest node.
+pub(super) fn deepest<const D: usize>(setup: &Setup<'_, D>) -> Vec<(usize, usize, Inside<D>)> {
+    let x = &setup.kinematics.X[..];
+    let located = setup.contact.located_at(x);
+    let inside = setup.contact.inside(&located, x);
+    let passes = setup.contact.passes.iter().zip(inside);
+    let found = passes.filter_map(|(pass, facing)| {
+        let slave = &setup.contact.surfaces[pass.slave];
+        let master = &located.masters[pass.master];
+        let facing = facing.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let facing = facing.map(|(k, gap)| (slave.nodes()[k], gap));
+        let other = master.surface().body();
+        let swallowed = || match slave.body() == other {
+            true => None,
+            false => swallowed_node(setup, slave, other),
+        };
+        let (node, gap) = facing.or_else(swallowed)?;
+        let inside = Inside {
+            node,
+            x: x[node],
+            depth: -gap,
+            size: slave.facet_size().max(master.surface().facet_size()),
+        };
+        Some((slave.body(), other, inside))
+    });
+    found.collect()
+}
+
 /// The deepest contact node of `slave` in a cell of the master's body where no master facet faces
 /// it, as when one body starts wholly inside another. Returns (scene node, minus its distance from
 /// the boundary of the master's body).
 fn swallowed_node<const D: usize>(
-    problem: &Problem<D>,
+    setup: &Setup<'_, D>,
     slave: &Surface<D>,
     body: usize,
 ) -> Option<(usize, f64)> {
-    let mesh = problem.scene().bodies()[body].mesh();
+    let mesh = setup.scene.bodies()[body].mesh();
     let (low, high) = mesh.bounding_box();
-    let x = problem.reference();
+    let x = &setup.kinematics.X[..];
     let in_box = |x: &Vector<D>| (0..D).all(|i| low[i] <= x[i] && x[i] <= high[i]);
     let inside = |&a: &usize| in_box(&x[a]) && mesh.contains(&x[a]);
     let inside: Vec<usize> = slave.nodes().iter().copied().filter(inside).collect();
     if inside.is_empty() {
         return None;
     }
-    let first = problem.first_node(body);
+    let first = setup.kinematics.nodes(body).start;
     let facet = |nodes: &[usize]| nodes.iter().map(|a| a + first).collect::<Vec<_>>();
     let facets: Vec<Vec<usize>> = mesh.exterior().map(facet).collect();
     let exterior = Surface::new(body, mesh.order(), facets.iter().map(Vec::as_slice), x);
@@ -92,8 +119,8 @@ fn swallowed_node<const D: usize>(
 
 /// Checks that no exterior edge of body `a` intersects an exterior facet of body `b`, as where
 /// slender bodies cross and no node is inside.
-fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<(), Error> {
-    let [a_mesh, b_mesh] = [a, b].map(|body| problem.scene().bodies()[body].mesh());
+fn crossing<const D: usize>(setup: &Setup<'_, D>, a: usize, b: usize) -> Result<(), Error> {
+    let [a_mesh, b_mesh] = [a, b].map(|body| setup.scene.bodies()[body].mesh());
     let facets = flat_facets(b_mesh);
     let tree = RTree::bulk_load(
         facets
@@ -112,12 +139,12 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
                     continue;
                 }
                 let size = (edge[1] - edge[0]).norm().max((other[1] - other[0]).norm());
-                let tolerance = problem.scene().overlap_tolerance * size;
+                let tolerance = setup.scene.overlap_tolerance * size;
                 let crossed = pierce(&edge, other).filter(|(_, depth)| *depth > tolerance);
                 if let Some((point, depth)) = crossed {
                     return Err(Error::Crossing {
-                        first: problem.scene().names()[a].clone(),
-                        second: problem.scene().names()[b].clone(),
+                        first: setup.scene.names()[a].clone(),
+                        second: setup.scene.names()[b].clone(),
                         x: point.iter().copied().collect(),
                         depth,
                         tolerance,
@@ -132,8 +159,8 @@ fn crossing<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<
 /// Checks that no exterior cell of body `a` has its centroid in a cell of body `b`, as where one
 /// body is a copy of the other, or a ring overlaps its own end: there no node is inside and no edge
 /// intersects a facet.
-fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Result<(), Error> {
-    let [mesh, other] = [a, b].map(|body| problem.scene().bodies()[body].mesh());
+fn coincident<const D: usize>(setup: &Setup<'_, D>, a: usize, b: usize) -> Result<(), Error> {
+    let [mesh, other] = [a, b].map(|body| setup.scene.bodies()[body].mesh());
     let common = {
         let [(a_low, a_high), (b_low, b_high)] = [mesh, other].map(Mesh::bounding_box);
         AABB::from_corners(a_low.sup(&b_low).into(), a_high.inf(&b_high).into())
@@ -169,11 +196,11 @@ fn coincident<const D: usize>(problem: &Problem<D>, a: usize, b: usize) -> Resul
         let other_corners = corners(other, found.data);
         let edge = |corners: &[Vector<D>]| (corners[1] - corners[0]).norm();
         let size = edge(&x).max(edge(&other_corners));
-        let tolerance = problem.scene().overlap_tolerance * size;
+        let tolerance = setup.scene.overlap_tolerance * size;
         if depth > tolerance {
             return Err(Error::Crossing {
-                first: problem.scene().names()[a].clone(),
-                second: problem.scene().names()[b].clone(),
+                first: setup.scene.names()[a].clone(),
+                second: setup.scene.names()[b].clone(),
                 x: centroid.iter().copied().collect(),
                 depth,
                 tolerance,

@@ -1,0 +1,76 @@
+//! Names, settings, numbers and boundaries.
+
+use super::{Finding, FindingKind, Report, Severity};
+use crate::error::Error;
+use crate::model::{Integration, Scene};
+
+/// Checks that every body has a unique name.
+pub(super) fn names<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
+    for (body, name) in scene.names().iter().enumerate() {
+        if name.is_empty() {
+            return Err(Error::UnnamedBody { body });
+        }
+        if let Some(first) = scene.names()[..body].iter().position(|other| other == name) {
+            return Err(Error::BodyExists {
+                name: name.clone(),
+                bodies: [first, body],
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the settings are within their ranges.
+pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
+    let setting = |name, value, remedy| {
+        Err(Error::Setting {
+            name,
+            value,
+            remedy,
+        })
+    };
+    if scene.bodies().is_empty() {
+        return setting("bodies", 0.0, "a scene needs at least one body");
+    }
+    if let Some(Integration::Gauss(points)) = scene.integration {
+        if !(1..=64).contains(&points) {
+            return setting("integration", points as f64, "choose 1 to 64 Gauss points");
+        }
+    }
+    match scene.reach {
+        Some(reach) if reach.is_nan() || reach <= 0.0 => {
+            setting("reach", reach, "a positive length, or None for the default")
+        }
+        _ if !scene.overlap_tolerance.is_finite() || scene.overlap_tolerance < 0.0 => setting(
+            "overlap_tolerance",
+            scene.overlap_tolerance,
+            "a finite share of the facet size, 0 or more",
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// Checks that the sum of the nodal forces is finite.
+pub(super) fn forces<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
+    let mut bodies = scene.bodies().iter().zip(scene.names());
+    bodies.try_for_each(|(body, name)| {
+        let what = format!("the sum of the nodal forces of body `{name}`");
+        Error::check_finite(&what, body.forces())
+    })
+}
+
+/// Finds boundaries without facets.
+pub(super) fn boundaries<const D: usize>(scene: &Scene<D>, report: &mut Report) {
+    for (body, name) in scene.bodies().iter().zip(scene.names()) {
+        let mesh = body.mesh();
+        let is_empty = |boundary: &&str| mesh.boundary(boundary).is_ok_and(|f| f.is_empty());
+        for boundary in mesh.boundary_names().filter(is_empty) {
+            let finding = Finding::new(Severity::Warning, FindingKind::EmptyBoundary, &[name]);
+            report.add(finding.measured(0.0, 1.0).says(
+                format!("boundary `{boundary}` of body `{name}` has no facets"),
+                "check the predicate that names it: it must hold at all corners of a facet, up to the \
+                 round-off of their coordinates",
+            ));
+        }
+    }
+}

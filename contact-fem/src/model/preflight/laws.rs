@@ -1,0 +1,124 @@
+//! Laws against elements and motions.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::limits::{AT_LIMIT, BEYOND_FACET, LOCKING, ROTATION};
+use super::steps::relative_motion;
+use super::surfaces::one_pass_a_pair;
+use super::{Finding, FindingKind, Report, Setup, Severity};
+use crate::element::Order;
+use crate::model::{Body, Geometry};
+
+/// Finds linear elements that lock, and laws for small strains whose bodies move too far or turn too much.
+pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
+    for (body, name) in setup.scene.bodies().iter().zip(setup.scene.names()) {
+        locking(body, name, report);
+        if body.is_small_strain() {
+            rotation(body, name, report);
+        }
+    }
+    if setup.contact.geometry == Geometry::Reference {
+        beyond_facets(setup, report);
+    }
+}
+
+fn locking<const D: usize>(body: &Body<D>, name: &String, report: &mut Report) {
+    let is_rigid = body.prescribed().iter().all(Option::is_some);
+    let (shear, longitudinal) = body.rest_moduli();
+    let nu = (longitudinal - 2.0 * shear) / (2.0 * (longitudinal - shear));
+    if body.mesh().order() == Order::Linear && !is_rigid && nu > LOCKING * (1.0 + AT_LIMIT) {
+        let finding = Finding::new(Severity::Warning, FindingKind::Locking, &[name]);
+        report.add(finding.measured(nu, LOCKING).says(
+            format!("body `{name}` has linear elements and a Poisson's ratio of {nu:.4}: it is too stiff"),
+            "take quadratic elements, as by `Mesh::quadratic`",
+        ));
+    }
+}
+
+fn rotation<const D: usize>(body: &Body<D>, name: &String, report: &mut Report) {
+    let degrees = prescribed_rotation(body).to_degrees();
+    if degrees > ROTATION {
+        let finding = Finding::new(Severity::Warning, FindingKind::Rotation, &[name]);
+        report.add(finding.measured(degrees, ROTATION).says(
+            format!(
+                "body `{name}` has a law for small strains and is turned by {degrees:.1}°, which strains it"
+            ),
+            "take a law for large strains, as `NeoHookean`",
+        ));
+    }
+}
+
+/// The rotation (radians) that the prescribed displacements of a body have as a rigid motion, the best fit to nodes of which
+/// all components are prescribed. It is a rotation only where they move as a rigid body does: what the
+/// fit leaves is taken off.
+fn prescribed_rotation<const D: usize>(body: &Body<D>) -> f64 {
+    let nodes = body
+        .mesh()
+        .nodes()
+        .iter()
+        .zip(body.prescribed().chunks_exact(D));
+    let spatial =
+        |v: &dyn Fn(usize) -> f64| Vector3::from_fn(|i, _| if i < D { v(i) } else { 0.0 });
+    let held = nodes.filter_map(|(X, u)| {
+        let u: Vec<f64> = u.iter().copied().collect::<Option<_>>()?;
+        Some((spatial(&|i| X[i]), spatial(&|i| u[i])))
+    });
+    let held: Vec<(Vector3<f64>, Vector3<f64>)> = held.collect();
+    if held.is_empty() {
+        return 0.0;
+    }
+    let count = held.len() as f64;
+    let sums = held
+        .iter()
+        .fold((Vector3::zeros(), Vector3::zeros()), |s, (X, u)| {
+            (s.0 + X, s.1 + u)
+        });
+    let (centre, mean) = (sums.0 / count, sums.1 / count);
+    let (mut inertia, mut moment) = (Matrix3::zeros(), Vector3::zeros());
+    for (X, u) in &held {
+        let (r, u) = (X - centre, u - mean);
+        inertia += Matrix3::identity() * r.norm_squared() - r * r.transpose();
+        moment += r.cross(&u);
+    }
+    // nodes on a line do not tell the rotation about it
+    let largest = inertia.amax();
+    let inverse = inertia.pseudo_inverse(AT_LIMIT * largest);
+    let turn = match inverse {
+        Ok(inverse) if largest > 0.0 => inverse * moment,
+        _ => return 0.0,
+    };
+    let left = held
+        .iter()
+        .map(|(X, u)| (u - mean - turn.cross(&(X - centre))).norm_squared());
+    let fitted = held
+        .iter()
+        .map(|(X, _)| turn.cross(&(X - centre)).norm_squared());
+    match left.sum::<f64>() <= fitted.sum::<f64>() * 0.25 {
+        true => turn.norm(),
+        false => 0.0,
+    }
+}
+
+/// Finds pairs of bodies with laws for small strains that are moved along each other, with contact at
+/// the reference positions, further than a facet.
+fn beyond_facets<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
+    let surfaces = &setup.contact.surfaces;
+    for pass in one_pass_a_pair(setup) {
+        let sides = [&surfaces[pass.slave], &surfaces[pass.master]];
+        let bodies = sides.map(|side| side.body());
+        let names = bodies.map(|body| &setup.scene.names()[body]);
+        let facet = sides[0].facet_size().min(sides[1].facet_size());
+        let ratio = relative_motion(setup.scene, bodies) / facet;
+        if ratio > BEYOND_FACET * (1.0 + AT_LIMIT) {
+            let finding = Finding::new(Severity::Warning, FindingKind::BeyondFacet, &names);
+            report.add(finding.measured(ratio, BEYOND_FACET).says(
+                format!(
+                    "bodies `{}` and `{}` are moved by {ratio:.1} facets against each other, but contact is looked \
+                     for at the reference positions",
+                    names[0], names[1]
+                ),
+                "take a law for large strains and `Geometry::Current`, or prescribe less",
+            ));
+        }
+    }
+}

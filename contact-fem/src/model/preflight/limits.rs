@@ -1,0 +1,64 @@
+//! The thresholds of the preflight. Each has its unit, its source and what depends on it.
+
+/// The smallest singular value that counts of the rigid-body modes restricted to the prescribed dofs,
+/// as a share of the largest. Smaller ones are round-off of the coordinates, as where all supported
+/// nodes are on a line. The number of free motions depends on it.
+pub(super) const HOLDS: f64 = 1e-7;
+
+/// The largest number of pieces of a part, joined at nodes or edges only, whose motions are counted. The count costs the
+/// third power of it.
+pub(super) const MOST_PIECES: usize = 64;
+
+/// The depth of bodies inside each other below which they only touch, as a share of the facet size: far above the
+/// round-off of coordinates. The note on interference depends on it.
+pub(super) const TOUCHES: f64 = 1e-6;
+
+/// The smallest −n·n̄ (no unit) of surfaces that face each other. The contact search takes any positive value; this
+/// is above round-off.
+pub(super) const FACES: f64 = 0.01;
+
+/// The smallest cosine (no unit) between the averaged normal at a node and the normals of its facets: that of a wedge of
+/// 6° at its tip, where every push along the averaged normal is nearly tangential.
+pub(super) const OUTWARD: f64 = 0.05;
+
+/// The distance of nodes of a body that lie on each other, as a share of the facets there: above the digits that
+/// mesh files keep.
+pub(super) const COINCIDES: f64 = 1e-6;
+
+/// The smallest thickness behind a contact facet, as a share of its length. The contact search does not see
+/// material that is thinner (its share for overlaps of two bodies), and takes a body's far side for its near one.
+pub(super) const THIN: f64 = 0.2;
+
+/// The largest ratio of a cell's longest edge to its smallest height (no unit). The condition number of the stiffness
+/// grows with its square: 4 digits are lost here.
+pub(super) const SLIVER: f64 = 100.0;
+
+/// The largest ratio of the facet lengths of two surfaces (no unit): within a coarse facet that many fine ones
+/// share one linear pressure, and Gauss points (4 a facet by default) skip fine facets.
+pub(super) const MESH_RATIO: f64 = 10.0;
+
+/// The largest Poisson's ratio (no unit) of linear elements. Bulk and shear modulus differ tenfold there, and
+/// linear simplices have about as many volumes to keep as unknowns.
+pub(super) const LOCKING: f64 = 0.45;
+
+/// The largest motion of surfaces along each other under contact at the reference positions, as a share of the facet
+/// length: beyond it a point is opposite another facet than the one that holds it.
+pub(super) const BEYOND_FACET: f64 = 1.0;
+
+/// The largest rotation (degrees) of a law for small strains: it stretches a body by 1 − cos 5° = 0.4 %.
+pub(super) const ROTATION: f64 = 5.0;
+
+/// The smallest share of the scene's size that displacements may have with laws for small strains (no unit). Gaps, as
+/// differences of positions, keep 3 to 4 digits there.
+pub(super) const SMALLEST_LINEAR: f64 = 1e-12;
+
+/// As [`SMALLEST_LINEAR`], with a law of F: strains are differences of F and I, and keep 7 digits here, their
+/// squares in the energy none.
+pub(super) const SMALLEST_OF_F: f64 = 1e-9;
+
+/// The largest ratio of bodies' sizes or stiffnesses (no unit). A thousand is the step of prefixes, as from mm to m and
+/// from MPa to GPa; a million is that from Pa to MPa, and beyond it no pair of solids goes.
+pub(super) const UNITS: f64 = 1e6;
+
+/// The relative round-off (no unit) that is granted to values at a threshold which scenes meet exactly.
+pub(super) const AT_LIMIT: f64 = 1e-6;

@@ -1,0 +1,140 @@
+//! Loads and prescribed displacements against round-off and against each other; sizes and stiffnesses of bodies.
+
+use super::limits::{AT_LIMIT, SMALLEST_LINEAR, SMALLEST_OF_F, UNITS};
+use super::{Finding, FindingKind, Report, Severity};
+use crate::error::Error;
+use crate::model::{Body, Pair, Scene};
+use crate::tensor::{Vector, facet_normal};
+
+/// Checks the loads, and compares bodies.
+pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &mut Report) {
+    let bodies = scene.bodies();
+    let (low, high) = bounding_box(bodies);
+    let size = (high - low).norm();
+    let prescribed = bodies.iter().map(largest_prescribed).fold(0.0, f64::max);
+    let stretches: Vec<f64> = stretches(scene, size);
+    let stretch = stretches.iter().copied().fold(0.0, f64::max);
+    let largest = prescribed.max(stretch);
+    let limit = match bodies.iter().all(Body::is_small_strain) {
+        true => SMALLEST_LINEAR,
+        false => SMALLEST_OF_F,
+    };
+    if largest == 0.0 {
+        report.add(
+            Finding::new(Severity::Note, FindingKind::Unloaded, &[]).says(
+                "no body is loaded, and all prescribed displacements are zero".into(),
+                "prescribe a displacement or add a load, unless the bodies are to stay as they are",
+            ),
+        );
+    } else if largest / size < limit {
+        let share = largest / size;
+        report.take::<()>(Err(Error::Negligible { share, limit }));
+    } else {
+        let farthest = low.amax().max(high.amax());
+        if !pairs.is_empty() && largest / farthest < limit {
+            let finding = Finding::new(Severity::Warning, FindingKind::RoundOff, &[]);
+            report.add(finding.measured(largest / farthest, limit).says(
+                format!(
+                    "displacements of about {largest:.1e} are lost in the round-off of positions as far from \
+                     the origin as {farthest:.1e}"
+                ),
+                "move the scene to the origin",
+            ));
+        }
+        for ((name, &own), body) in scene.names().iter().zip(&stretches).zip(bodies) {
+            if own > 0.0 && own / largest < SMALLEST_LINEAR {
+                let finding = Finding::new(Severity::Warning, FindingKind::RoundOff, &[name]);
+                let force: f64 = body.forces().iter().map(|f| f.abs()).sum();
+                report.add(finding.measured(own / largest, SMALLEST_LINEAR).says(
+                    format!(
+                        "the load of {force:.1e} on body `{name}` stretches it by {own:.1e}, which is lost beside \
+                         displacements of {largest:.1e}"
+                    ),
+                    "check the units of the load, or leave it out",
+                ));
+            }
+        }
+    }
+    units(scene, report);
+}
+
+/// The largest prescribed displacement (UL).
+fn largest_prescribed<const D: usize>(body: &Body<D>) -> f64 {
+    let values = body.prescribed().iter().flatten();
+    values.fold(0.0, |m: f64, v| m.max(v.abs()))
+}
+
+/// For each body, a large estimate of the displacement (UL) under its loads: of a bar as long as the scene's `size`
+/// and as thin as the thinnest body, bent by the sum of the forces, of the softest material. Scenes have bodies that
+/// pass loads on, so that a body's own stiffness does not tell.
+fn stretches<const D: usize>(scene: &Scene<D>, size: f64) -> Vec<f64> {
+    let deformable = || scene.bodies().iter().filter(|body| is_deformable(body));
+    let shear = |body: &Body<D>| body.rest_moduli().0;
+    let softest = deformable().map(shear).fold(f64::INFINITY, f64::min);
+    let thinnest = deformable().map(mean_thickness).fold(size, f64::min);
+    let stretch = |body: &Body<D>| {
+        let force: f64 = body.forces().iter().map(|f| f.abs()).sum();
+        let stretch = force / softest / size.powi(D as i32 - 2) * (size / thinnest).powi(3);
+        // laws without stiffness at rest tell nothing
+        if stretch.is_finite() && stretch >= 0.0 {
+            stretch
+        } else {
+            size
+        }
+    };
+    scene.bodies().iter().map(stretch).collect()
+}
+
+/// Whether a body has unknowns.
+fn is_deformable<const D: usize>(body: &Body<D>) -> bool {
+    body.prescribed().iter().any(Option::is_none)
+}
+
+/// Twice the volume divided by the surface (UL): the thickness of a plate or a shell.
+fn mean_thickness<const D: usize>(body: &Body<D>) -> f64 {
+    let mesh = body.mesh();
+    let volume: f64 = (0..mesh.len()).map(|cell| mesh.volume(cell)).sum();
+    let area = |facet: &[usize]| {
+        let corners: [Vector<D>; D] = std::array::from_fn(|k| mesh.nodes()[facet[k]]);
+        facet_normal(&corners).norm()
+    };
+    2.0 * volume / mesh.exterior().map(area).sum::<f64>()
+}
+
+/// The corners of the box around all bodies (UL).
+fn bounding_box<const D: usize>(bodies: &[Body<D>]) -> (Vector<D>, Vector<D>) {
+    let boxes = bodies.iter().map(|body| body.mesh().bounding_box());
+    let around = boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+    around.unwrap_or((Vector::zeros(), Vector::zeros()))
+}
+
+/// Finds bodies whose sizes or stiffnesses differ as units do.
+fn units<const D: usize>(scene: &Scene<D>, report: &mut Report) {
+    let size = |body: &Body<D>| {
+        let (low, high) = body.mesh().bounding_box();
+        Some((high - low).norm())
+    };
+    let shear = |body: &Body<D>| is_deformable(body).then_some(body.rest_moduli().0);
+    type Measure<'a, const D: usize> = &'a dyn Fn(&Body<D>) -> Option<f64>;
+    let measures: [(&str, Measure<'_, D>); 2] = [("size", &size), ("stiffness", &shear)];
+    for (what, measure) in measures {
+        let values = scene.bodies().iter().zip(scene.names());
+        let values = values.filter_map(|(body, name)| Some((measure(body)?, name)));
+        let mut values: Vec<_> = values.filter(|(value, _)| *value > 0.0).collect();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let [(least, small), .., (most, large)] = &values[..] else {
+            continue;
+        };
+        let ratio = most / least;
+        if ratio > UNITS * (1.0 + AT_LIMIT) {
+            let finding = Finding::new(Severity::Warning, FindingKind::Units, &[small, large]);
+            report.add(finding.measured(ratio, UNITS).says(
+                format!(
+                    "the {what} of body `{large}` is {ratio:.1e} times that of body `{small}` ({most:.3e} and \
+                     {least:.3e})"
+                ),
+                "check that all bodies have the same units; prescribe a body that is to be rigid",
+            ));
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Checks of a scene before any solve. They cost much less than one factorisation.
+
+mod finding;
+mod input;
+mod interference;
+mod laws;
+mod limits;
+mod loads;
+mod meshes;
+mod overlap;
+mod pieces;
+mod steps;
+mod supports;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+
+pub use finding::{Finding, FindingKind, Severity};
+pub(super) use steps::at_increments;
+
+use super::contact_set::ContactSet;
+use super::kinematics::Kinematics;
+use super::{Pair, Scene};
+use crate::audit::Audit;
+use crate::error::Error;
+
+/// The findings so far, and the errors among them.
+#[derive(Default)]
+pub(super) struct Report {
+    findings: Vec<Finding>,
+    errors: Vec<Error>,
+}
+
+impl Report {
+    pub fn add(&mut self, finding: Finding) {
+        self.findings.push(finding);
+    }
+
+    /// The value of a check that passed; else `None`, and the error is reported.
+    pub fn take<T>(&mut self, result: Result<T, Error>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(error) => {
+                self.findings.push(Finding::of(&error));
+                self.errors.push(error);
+                None
+            }
+        }
+    }
+
+    /// The findings, the worst first.
+    pub fn into_findings(mut self) -> Vec<Finding> {
+        self.findings
+            .sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        self.findings
+    }
+
+    /// The findings, the worst first.
+    ///
+    /// # Errors
+    /// The first error, if there is one.
+    pub fn accepted(self) -> Result<Self, Error> {
+        let Report { findings, errors } = self;
+        match errors.into_iter().next() {
+            Some(error) => Err(error),
+            None => Ok(Report {
+                findings,
+                errors: Vec::new(),
+            }),
+        }
+    }
+}
+
+/// A scene with all its pairs, its surfaces and its audit.
+pub(super) struct Setup<'a, const D: usize> {
+    pub scene: &'a Scene<D>,
+    pub pairs: &'a [Pair],
+    pub kinematics: &'a Kinematics<D>,
+    pub contact: &'a ContactSet<D>,
+    pub audit: &'a Audit<D>,
+}
+
+/// The checks of names, numbers, supports and loads. They need neither surfaces nor assembly.
+pub(super) fn without_surfaces<const D: usize>(
+    scene: &Scene<D>,
+    pairs: &[Pair],
+    report: &mut Report,
+) {
+    report.take(input::names(scene));
+    if report.take(input::settings(scene)).is_none() {
+        return;
+    }
+    report.take(input::forces(scene));
+    input::boundaries(scene, report);
+    supports::check(scene, pairs, report);
+    loads::check(scene, pairs, report);
+}
+
+/// The checks that need surfaces and thicknesses.
+pub(super) fn with_surfaces<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
+    interference::check(setup, report);
+    surfaces::check(setup, report);
+    meshes::check(setup, report);
+    laws::check(setup, report);
+    steps::check(setup, report);
+}

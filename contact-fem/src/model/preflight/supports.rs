@@ -1,0 +1,276 @@
+//! Rigid motions that supports leave free.
+
+use nalgebra::{DMatrix, SVD};
+
+use super::limits::HOLDS;
+use super::{Finding, FindingKind, Report, Severity, pieces};
+use crate::error::Error;
+use crate::model::{Body, Pair, Scene};
+use crate::tensor::Vector;
+
+/// The smallest part of a unit vector along a coordinate axis that is outside the motions it belongs to (no unit).
+const ALONG: f64 = 1e-6;
+
+/// Checks that every part of every body is supported or may touch another body, and that at least
+/// one displacement is prescribed; names the motions that contact alone holds.
+pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &mut Report) {
+    let held = |body: &Body<D>| body.prescribed().iter().any(Option::is_some);
+    if !scene.bodies().iter().any(held) {
+        report.take::<()>(Err(Error::NoSupport));
+        return;
+    }
+    let is_free = |body: &Body<D>| body.prescribed().iter().any(Option::is_none);
+    if !scene.bodies().iter().any(is_free) {
+        report.take::<()>(Err(Error::NothingFree));
+    }
+    for (index, (body, name)) in scene.bodies().iter().zip(scene.names()).enumerate() {
+        let mut touches = vec![false; body.mesh().nodes().len()];
+        let surfaces = pairs.iter().flat_map(|pair| [&pair.first, &pair.second]);
+        for side in surfaces.filter(|side| side.body.index() == index) {
+            // the side was checked when the pair was declared
+            let nodes = body.mesh().boundary_nodes(&side.boundary);
+            nodes
+                .into_iter()
+                .flatten()
+                .for_each(|node| touches[node] = true);
+        }
+        let parts = body.mesh().parts();
+        for part in &parts {
+            let motions = free_motions(body, part);
+            if motions.is_empty() {
+                continue;
+            }
+            let free = motions.len();
+            if !part.iter().any(|&node| touches[node]) {
+                report.take::<()>(Err(Error::Unsupported {
+                    body: name.clone(),
+                    node: part[0],
+                    free,
+                    modes: modes::<D>(),
+                    motions: motions.join(", "),
+                }));
+                continue;
+            }
+            let finding = Finding::new(Severity::Note, FindingKind::HeldByContact, &[name]);
+            report.add(finding.measured(free as f64, 0.0).says(
+                format!("only contact holds body `{name}`: {}", motions.join(", ")),
+                "prescribe displacements if loads or steps may part it from what holds it",
+            ));
+        }
+        pieces::check(body, name, &parts, report);
+    }
+}
+
+/// The number of rigid motions in ℝᴰ.
+pub(super) const fn modes<const D: usize>() -> usize {
+    D * (D + 1) / 2
+}
+
+/// The displacement of component `component` at `arm` from the centre of mode `k`: translations, then
+/// rotations.
+pub(super) fn mode<const D: usize>(k: usize, arm: &Vector<D>, component: usize) -> f64 {
+    if k < D {
+        return f64::from(u8::from(component == k));
+    }
+    let mut planes = (0..D).flat_map(|i| (0..i).map(move |j| (i, j)));
+    match planes.nth(k - D) {
+        Some((i, j)) if component == i => -arm[j],
+        Some((i, j)) if component == j => arm[i],
+        _ => 0.0,
+    }
+}
+
+/// The names of independent rigid motions of a part of a body that its prescribed dofs leave free: the null space
+/// of the modes restricted to these dofs.
+///
+/// Lever arms are measured from the centroid of the supported nodes in units of their extent, so
+/// that the result does not depend on position and size.
+fn free_motions<const D: usize>(body: &Body<D>, part: &[usize]) -> Vec<String> {
+    let is_held = |&dof: &usize| body.prescribed()[dof].is_some();
+    let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
+    let held: Vec<usize> = dofs.filter(is_held).collect();
+    let nodes = body.mesh().nodes();
+    let centre =
+        held.iter().map(|dof| nodes[dof / D]).sum::<Vector<D>>() / held.len().max(1) as f64;
+    let extent = held
+        .iter()
+        .map(|dof| (nodes[dof / D] - centre).norm())
+        .fold(f64::MIN_POSITIVE, f64::max);
+    let row = |dof: &usize| {
+        let arm = (nodes[dof / D] - centre) / extent;
+        (0..modes::<D>()).map(|k| mode(k, &arm, dof % D)).collect()
+    };
+    let free = null_space(held.iter().map(row), modes::<D>(), HOLDS);
+    names::<D>(&free)
+}
+
+/// An orthonormal basis, column by column, of the vectors that all `rows` of `width` numbers annul. Singular
+/// values up to `least` times the largest count as zero.
+pub(super) fn null_space(
+    rows: impl Iterator<Item = Vec<f64>>,
+    width: usize,
+    least: f64,
+) -> DMatrix<f64> {
+    // only R of a QR factorisation is kept: it is small for any number of rows
+    let mut R = DMatrix::zeros(0, width);
+    let mut rows = rows.peekable();
+    while rows.peek().is_some() {
+        let next: Vec<f64> = rows.by_ref().take(100).flatten().collect();
+        let below = DMatrix::from_row_slice(next.len() / width, width, &next);
+        let stacked = DMatrix::from_fn(R.nrows() + below.nrows(), width, |row, k| {
+            match row < R.nrows() {
+                true => R[(row, k)],
+                false => below[(row - R.nrows(), k)],
+            }
+        });
+        R = stacked.qr().r();
+    }
+    let height = width.max(R.nrows());
+    let square = R.resize_vertically(height, 0.0);
+    let Some((values, Some(v_t))) = decompose(square) else {
+        return DMatrix::zeros(width, 0);
+    };
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let is_zero = |k: &usize| values[*k] <= least * largest;
+    let free: Vec<_> = (0..width).filter(is_zero).collect();
+    DMatrix::from_fn(width, free.len(), |i, j| v_t[(free[j], i)])
+}
+
+/// Singular values and Vᵀ of a matrix that is not wider than high; `None` if the iteration does not end.
+fn decompose(matrix: DMatrix<f64>) -> Option<(Vec<f64>, Option<DMatrix<f64>>)> {
+    let svd = SVD::try_new(matrix, false, true, 5.0 * f64::EPSILON, 1000)?;
+    Some((svd.singular_values.iter().copied().collect(), svd.v_t))
+}
+
+/// Names of the motions with these modes, column by column: along and about coordinate axes where possible.
+fn names<const D: usize>(free: &DMatrix<f64>) -> Vec<String> {
+    let turns = free.rows(D, free.nrows() - D).into_owned();
+    let rows = |matrix: &DMatrix<f64>| -> Vec<Vec<f64>> {
+        matrix
+            .row_iter()
+            .map(|row| row.iter().copied().collect())
+            .collect()
+    };
+    // combinations of the modes without rotation, and the rotations of the others
+    let still = match free.ncols() {
+        0 => return Vec::new(),
+        count => null_space(rows(&turns).into_iter(), count, ALONG),
+    };
+    let still = match turns.amax() <= ALONG {
+        true => DMatrix::identity(free.ncols(), free.ncols()),
+        false => still,
+    };
+    let moving = null_space(rows(&still.transpose()).into_iter(), free.ncols(), ALONG);
+    let translations = free.rows(0, D) * &still;
+    let mut names = directions::<D>(&translations, "translation ", "translation along ");
+    if moving.ncols() == 0 {
+        return names;
+    }
+    if D == 2 {
+        names.push("rotation".into());
+        return names;
+    }
+    // modes turn from the j-th to the i-th axis: about −z, y and −x
+    let turns = turns * moving;
+    let about = DMatrix::from_fn(3, turns.ncols(), |axis, k| match axis {
+        0 => -turns[(2, k)],
+        1 => turns[(1, k)],
+        _ => -turns[(0, k)],
+    });
+    names.extend(directions::<D>(
+        &about,
+        "rotation about ",
+        "rotation about ",
+    ));
+    names
+}
+
+/// Names of the directions that these columns span, with one word before the name of an axis and another one before the
+/// components of a direction.
+fn directions<const D: usize>(columns: &DMatrix<f64>, axis: &str, other: &str) -> Vec<String> {
+    let count = columns.ncols();
+    // what is orthogonal to all columns
+    let columns = columns.transpose();
+    let rows = columns.row_iter().map(|row| row.iter().copied().collect());
+    let outside = null_space(rows, D, ALONG);
+    let is_spanned = |i: &usize| outside.row(*i).norm() <= ALONG;
+    let axes: Vec<usize> = (0..D).filter(is_spanned).take(count).collect();
+    let word = |i: &usize| format!("{axis}{}", ["x", "y", "z"][*i]);
+    let mut names: Vec<String> = axes.iter().map(word).collect();
+    // the rest is orthogonal to these axes and to what is outside
+    let unit = |i: &usize| {
+        (0..D)
+            .map(|k| f64::from(u8::from(k == *i)))
+            .collect::<Vec<f64>>()
+    };
+    let outside = outside.transpose();
+    let outside = outside.row_iter().map(|row| row.iter().copied().collect());
+    let rest = null_space(axes.iter().map(unit).chain(outside), D, ALONG);
+    names.extend(rest.column_iter().map(|column| {
+        let largest = column.iamax();
+        let sign = column[largest].signum();
+        // without −0
+        let parts = column.iter().map(|v| format!("{:.3}", sign * v + 0.0));
+        format!("{other}({})", parts.collect::<Vec<_>>().join(", "))
+    }));
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::LinearElastic;
+    use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
+
+    fn plane(held: &[usize], components: [Option<f64>; 2]) -> Vec<String> {
+        let sides = linspace(3.0, 4.0, 2);
+        let mesh = rectangle(&sides, &sides, Diagonals::Rising).expect("mesh");
+        let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.3).expect("law"));
+        body.prescribe_nodes(held, components).expect("support");
+        free_motions(&body, &(0..9).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn motions_in_the_plane() {
+        let both = [Some(0.0); 2];
+        let all = ["translation x", "translation y", "rotation"];
+        assert_eq!(plane(&[], both), all);
+        assert_eq!(plane(&[0], both), ["rotation"]);
+        assert!(plane(&[0, 1], both).is_empty());
+        assert_eq!(plane(&[0, 1], [None, Some(0.0)]), ["translation x"]);
+        assert_eq!(
+            plane(&[0, 1], [Some(0.0), None]),
+            ["translation y", "rotation"]
+        );
+    }
+
+    fn space(holds: impl Fn(&Vector<3>) -> bool, components: [Option<f64>; 3]) -> Vec<String> {
+        let mesh = cuboid([2.0, 0.0, 0.0], [1.0; 3], [1, 1, 1]).expect("mesh");
+        let nodes = mesh.nodes().iter().enumerate();
+        let held: Vec<usize> = nodes.filter(|(_, X)| holds(X)).map(|(a, _)| a).collect();
+        let all: Vec<usize> = (0..mesh.nodes().len()).collect();
+        let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.3).expect("law"));
+        body.prescribe_nodes(&held, components).expect("support");
+        free_motions(&body, &all)
+    }
+
+    #[test]
+    fn motions_in_space() {
+        let all = [Some(0.0); 3];
+        assert_eq!(space(|_| false, all).len(), 6);
+        let turns = ["rotation about x", "rotation about y", "rotation about z"];
+        assert_eq!(space(|X| X.norm() == 2.0, all), turns);
+        let hinge = |X: &Vector<3>| X[0] == 2.0 && X[1] == 0.0;
+        assert_eq!(space(hinge, all), ["rotation about z"]);
+        let diagonal = |X: &Vector<3>| X[2] == 0.0 && X[0] - 2.0 == X[1];
+        assert_eq!(
+            space(diagonal, all),
+            ["rotation about (0.707, 0.707, 0.000)"]
+        );
+        let rollers = space(|X| X[2] == 0.0, [None, None, Some(0.0)]);
+        assert_eq!(
+            rollers,
+            ["translation x", "translation y", "rotation about z"]
+        );
+    }
+}

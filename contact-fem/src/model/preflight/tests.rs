@@ -1,0 +1,556 @@
+//! Each rule finds its scene, and not the benign twin of it.
+
+use super::{Finding, FindingKind, Severity};
+use crate::mesh::generators::{Diagonals, linspace, rectangle};
+use crate::model::{Geometry, Integration, Overlaps};
+use crate::tensor::Vector;
+use crate::{Body, Error, LinearElastic, Material, Mesh, NeoHookean, Scene};
+
+/// A block with its lower left corner at `low`.
+fn mesh(low: [f64; 2], size: [f64; 2], cells: [usize; 2]) -> Mesh<2> {
+    let line = |i: usize| linspace(low[i], low[i] + size[i], cells[i]);
+    rectangle(&line(0), &line(1), Diagonals::Alternating).expect("mesh")
+}
+
+fn unit(y: f64) -> Mesh<2> {
+    mesh([0.0, y], [1.0; 2], [4, 4])
+}
+
+fn linear() -> LinearElastic {
+    LinearElastic::new(1e3, 0.3).expect("law")
+}
+
+fn large() -> NeoHookean {
+    NeoHookean::new(1e3, 0.3).expect("law")
+}
+
+fn held(mesh: Mesh<2>, law: impl Material<2>) -> Body<2> {
+    let mut body = Body::new(mesh, law);
+    body.prescribe("bottom", [Some(0.0); 2]).expect("support");
+    body
+}
+
+fn pushed(mesh: Mesh<2>, law: impl Material<2>, by: [f64; 2]) -> Body<2> {
+    let mut body = Body::new(mesh, law);
+    body.prescribe("top", by.map(Some)).expect("support");
+    body
+}
+
+/// Two blocks, the second on top of the first.
+fn stacked(lower: Body<2>, upper: Body<2>) -> Scene<2> {
+    let mut scene = Scene::new();
+    let lower = scene.add("lower", lower).on("top");
+    let upper = scene.add("upper", upper).on("bottom");
+    scene.contact(lower, upper).expect("a pair");
+    scene
+}
+
+/// A linear block that is pressed on another one by 0.01.
+fn pressed(law: impl Material<2>) -> Scene<2> {
+    stacked(
+        held(unit(0.0), law.clone()),
+        pushed(unit(1.0), law, [0.0, -0.01]),
+    )
+}
+
+fn alone(body: Body<2>) -> Scene<2> {
+    let mut scene = Scene::new();
+    scene.add("body", body);
+    scene
+}
+
+/// The findings of a kind.
+fn of(scene: &Scene<2>, kind: FindingKind) -> Vec<Finding> {
+    let findings = scene.preflight().into_iter();
+    findings.filter(|finding| finding.kind == kind).collect()
+}
+
+/// The one finding of a kind in the first scene, of which the second, sound one has none.
+fn differ(scene: &Scene<2>, twin: &Scene<2>, kind: FindingKind) -> Finding {
+    let loud = |f: &&Finding| f.severity > Severity::Note;
+    let twins = twin.preflight();
+    assert!(!twins.iter().any(|f| f.kind == kind), "{twins:?}");
+    assert_eq!(twins.iter().find(loud), None);
+    let mut found = of(scene, kind);
+    assert_eq!(found.len(), 1, "{:?}", scene.preflight());
+    let found = found.remove(0);
+    assert!(
+        !found.what.is_empty() && !found.remedy.is_empty(),
+        "{found:?}"
+    );
+    found
+}
+
+#[test]
+fn a_sound_scene() {
+    for scene in [pressed(linear()), pressed(large())] {
+        assert_eq!(scene.preflight(), []);
+        assert_eq!(scene.problem().expect("sound").findings(), []);
+    }
+}
+
+#[test]
+fn input_that_is_not_valid() {
+    for tolerance in [f64::INFINITY, f64::NAN, -0.1] {
+        let mut scene = pressed(linear());
+        scene.overlap_tolerance = tolerance;
+        let found = differ(&scene, &pressed(linear()), FindingKind::Input);
+        assert_eq!(found.severity, Severity::Error);
+        assert!(found.remedy.contains("facet size"), "{found}");
+        let error = scene.problem().err().expect("refused");
+        assert!(matches!(
+            error,
+            Error::Setting {
+                name: "overlap_tolerance",
+                ..
+            }
+        ));
+    }
+    let mut scene = Scene::<2>::new();
+    assert_eq!(of(&scene, FindingKind::Input)[0].severity, Severity::Error);
+    let body = scene.add("", held(unit(0.0), linear()));
+    scene.contact_surface(body.on("top")).expect("a surface");
+    let errors = scene.preflight();
+    let errors = errors.iter().filter(|f| f.severity == Severity::Error);
+    assert_eq!(errors.count(), 2, "the name and the lone surface");
+}
+
+#[test]
+fn empty_boundaries() {
+    let mut empty = unit(0.0);
+    empty.name_boundary("nowhere", |x| x[0] > 7.0);
+    let named = |mesh: Mesh<2>| {
+        stacked(
+            held(mesh, linear()),
+            pushed(unit(1.0), linear(), [0.0, -0.01]),
+        )
+    };
+    let found = differ(
+        &named(empty.clone()),
+        &named(unit(0.0)),
+        FindingKind::EmptyBoundary,
+    );
+    assert!(found.what.contains("nowhere") && found.bodies == ["lower"]);
+    let mut body = held(empty, linear());
+    let support = body
+        .prescribe("nowhere", [Some(0.0); 2])
+        .err()
+        .expect("refused");
+    let traction = body.traction("nowhere", [1.0, 0.0]).err().expect("refused");
+    for error in [support, traction] {
+        assert!(matches!(error, Error::EmptyBoundary { .. }), "{error}");
+    }
+}
+
+#[test]
+fn motions_that_are_free_or_held_by_contact() {
+    let mut floating = Body::new(unit(1.0), linear());
+    floating.body_force([0.0, -1.0]).expect("load");
+    let by_contact = stacked(held(unit(0.0), linear()), floating);
+    let found = differ(&by_contact, &pressed(linear()), FindingKind::HeldByContact);
+    assert_eq!((found.severity, found.value), (Severity::Note, 3.0));
+    assert!(
+        found
+            .what
+            .ends_with("`upper`: translation x, translation y, rotation"),
+        "{found}"
+    );
+
+    let roller = |held_at: &[usize]| {
+        let mut body = Body::new(unit(0.0), linear());
+        body.prescribe("bottom", [None, Some(0.0)])
+            .expect("support");
+        body.prescribe_nodes(held_at, [Some(0.0), None])
+            .expect("support");
+        body.traction("top", [0.0, -1.0]).expect("load");
+        alone(body)
+    };
+    let found = differ(&roller(&[]), &roller(&[0]), FindingKind::FreeMotion);
+    assert_eq!((found.severity, found.value), (Severity::Error, 1.0));
+    assert!(found.what.contains("translation x"), "{found}");
+    let error = roller(&[]).problem().err().expect("refused");
+    assert!(error.to_string().contains("translation x"), "{error}");
+}
+
+/// Two triangles that share a node, or a side.
+#[test]
+fn a_hinge() {
+    let scene = |cells: Vec<usize>, nodes: &[[f64; 2]], at_rest: &[usize]| {
+        let mut body = Body::new(Mesh::new(nodes.to_vec(), cells).expect("mesh"), linear());
+        body.prescribe_nodes(at_rest, [Some(0.0); 2])
+            .expect("support");
+        body.body_force([0.0, -1.0]).expect("load");
+        alone(body)
+    };
+    let bow = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0]];
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let hinge = scene(vec![0, 1, 2, 1, 3, 4], &bow, &[0, 2]);
+    let found = differ(
+        &hinge,
+        &scene(vec![0, 1, 2, 0, 2, 3], &square, &[0, 1]),
+        FindingKind::Mechanism,
+    );
+    assert_eq!((found.value, found.place), (1.0, Some(vec![1.0, 0.0])));
+    let braced = scene(vec![0, 1, 2, 1, 3, 4], &bow, &[0, 2, 4]);
+    assert!(of(&braced, FindingKind::Mechanism).is_empty());
+}
+
+#[test]
+fn bodies_that_start_inside_each_other() {
+    let at = |y: f64| {
+        stacked(
+            held(unit(0.0), large()),
+            pushed(unit(y), large(), [0.0, -0.01]),
+        )
+    };
+    let found = differ(&at(0.95), &at(1.0), FindingKind::Interference);
+    assert_eq!(found.severity, Severity::Error);
+    assert!((found.value - 0.05).abs() < 1e-12 && (found.limit - 0.0125).abs() < 1e-12);
+    assert!(!found.remedy.contains("overlap_tolerance"), "{found}");
+    let slight = of(&at(0.999), FindingKind::Interference);
+    assert!(
+        !slight.is_empty() && slight.iter().all(|f| f.severity == Severity::Note),
+        "{slight:?}"
+    );
+    assert!((slight[0].value - 1e-3).abs() < 1e-12);
+
+    // no pair parts these
+    let undeclared = |y: f64, overlaps: Overlaps| {
+        let mut scene = Scene::new();
+        scene.overlaps = overlaps;
+        scene.add("lower", held(unit(0.0), large()));
+        scene.add("upper", pushed(unit(y), large(), [0.0, -0.01]));
+        scene
+    };
+    let inside = undeclared(0.6, Overlaps::Refused);
+    let found = differ(
+        &inside,
+        &undeclared(1.0, Overlaps::Refused),
+        FindingKind::Interference,
+    );
+    assert_eq!(found.severity, Severity::Warning);
+    assert_eq!(undeclared(0.6, Overlaps::Allowed).preflight(), []);
+}
+
+#[test]
+fn surfaces_out_of_reach() {
+    let at = |y: f64, by: f64, reach: Option<f64>| {
+        let mut scene = stacked(
+            held(unit(0.0), large()),
+            pushed(unit(y), large(), [0.0, by]),
+        );
+        scene.reach = reach;
+        scene
+    };
+    let found = differ(
+        &at(3.0, -0.2, None),
+        &at(1.1, -0.2, None),
+        FindingKind::OutOfReach,
+    );
+    assert!((found.value - 2.0).abs() < 1e-12, "{found}");
+    let prescribed = at(3.0, -2.01, None);
+    assert!(
+        of(&prescribed, FindingKind::OutOfReach).is_empty(),
+        "it gets there"
+    );
+    assert!(of(&at(3.0, -0.2, Some(3.0)), FindingKind::OutOfReach).is_empty());
+}
+
+#[test]
+fn surfaces_that_do_not_face_each_other() {
+    let scene = |side: &str| {
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", held(unit(0.0), large()));
+        let upper = scene.add("upper", pushed(unit(1.0), large(), [0.0, -0.01]));
+        scene
+            .contact(lower.on("top"), upper.on(side))
+            .expect("a pair");
+        scene
+    };
+    let found = differ(&scene("top"), &scene("bottom"), FindingKind::FacingAway);
+    assert!((found.value + 1.0).abs() < 1e-12, "{found}");
+}
+
+#[test]
+fn normals_at_sharp_edges() {
+    // a wedge with its tip at the right end of the bottom
+    let scene = |height: f64| {
+        let nodes = vec![[-2.0, 0.0], [0.0, 0.0], [-2.0, height]];
+        let mut wedge = Mesh::new(nodes, vec![0, 1, 2]).expect("mesh");
+        wedge.name_boundary("sides", |x| x[0] > -3.0);
+        let mut wedge = Body::new(wedge, large());
+        wedge
+            .prescribe_nodes(&[0, 2], [Some(0.1), Some(0.0)])
+            .expect("support");
+        let mut scene = Scene::new();
+        let wedge = scene.add("wedge", wedge);
+        let block = scene.add("block", held(mesh([0.05, 0.0], [1.0; 2], [2, 2]), large()));
+        scene
+            .contact(wedge.on("sides"), block.on("left"))
+            .expect("a pair");
+        scene
+    };
+    let found = of(&scene(0.1), FindingKind::InwardNormal);
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].place.as_deref(), Some(&[0.0, 0.0][..]));
+    assert!(of(&scene(1.0), FindingKind::InwardNormal).is_empty());
+}
+
+#[test]
+fn cracks_that_are_open() {
+    // two columns that meet at x = 1 in nodes of their own, or in one
+    let columns = |apart: f64| {
+        let (left, right) = (unit(0.0), mesh([1.0 + apart, 0.0], [1.0; 2], [4, 4]));
+        let count = left.nodes().len();
+        let nodes = left
+            .nodes()
+            .iter()
+            .chain(right.nodes())
+            .map(|x| [x[0], x[1]]);
+        let cells = left.cells().flatten().copied();
+        let cells = cells.chain(right.cells().flatten().map(|a| a + count));
+        let mut mesh = Mesh::new(nodes.collect(), cells.collect()).expect("mesh");
+        mesh.name_boundary("bottom", |x| x[1] == 0.0);
+        mesh.name_boundary("seam", |x| (x[0] - 1.0).abs() < 0.01);
+        let mut body = held(mesh, linear());
+        body.body_force([1.0, 0.0]).expect("load");
+        body
+    };
+    let found = differ(
+        &alone(columns(0.0)),
+        &alone(columns(0.1)),
+        FindingKind::OpenSeam,
+    );
+    assert_eq!(found.value, 5.0);
+    let mut declared = Scene::new();
+    let body = declared.add("body", columns(0.0));
+    declared.self_contact(body.on("seam")).expect("a pair");
+    assert!(of(&declared, FindingKind::OpenSeam).is_empty());
+}
+
+#[test]
+fn thin_bodies() {
+    let plate = |cells: usize| {
+        let plate = mesh([0.0, 1.0], [1.0, 0.01], [cells, 1]);
+        stacked(
+            held(mesh([0.0, 0.0], [1.0; 2], [cells.min(20), 4]), large()),
+            pushed(plate, large(), [0.0, -1e-3]),
+        )
+    };
+    let found = differ(&plate(10), &plate(100), FindingKind::ThinBody);
+    assert!(
+        (found.value - 0.1).abs() < 1e-9 && found.bodies == ["upper"],
+        "{found}"
+    );
+    // the same facets, curved or not, are as long
+    let quadratic = || {
+        let plate = mesh([0.0, 1.0], [1.0, 0.01], [10, 1]).quadratic();
+        let block = unit(0.0).quadratic();
+        stacked(held(block, large()), pushed(plate, large(), [0.0, -1e-3]))
+    };
+    let found = of(&quadratic(), FindingKind::ThinBody);
+    assert!((found[0].value - 0.1).abs() < 1e-9, "{found:?}");
+}
+
+#[test]
+fn slivers() {
+    let scene = |over: usize| {
+        let mut body = held(mesh([0.0, 0.0], [1.0; 2], [1, over]), linear());
+        body.traction("top", [0.0, -1.0]).expect("load");
+        alone(body)
+    };
+    let found = differ(&scene(200), &scene(20), FindingKind::Sliver);
+    assert!(
+        (found.value - (200f64.powi(2) + 1.0) / 200.0).abs() < 1.0,
+        "{found}"
+    );
+}
+
+#[test]
+fn meshes_of_different_fineness() {
+    let scene = |cells: usize| {
+        let upper = mesh([0.0, 1.0], [1.0; 2], [cells, cells]);
+        stacked(
+            held(mesh([0.0, 0.0], [1.0; 2], [2, 2]), large()),
+            pushed(upper, large(), [0.0, -0.01]),
+        )
+    };
+    let found = differ(&scene(40), &scene(10), FindingKind::MeshRatio);
+    assert!((found.value - 20.0).abs() < 1e-9, "{found}");
+    let mut exact = scene(40);
+    exact.integration = Some(Integration::Exact);
+    assert!(
+        !of(&exact, FindingKind::MeshRatio).is_empty(),
+        "the pressure is still linear"
+    );
+}
+
+#[test]
+fn linear_elements_that_lock() {
+    let scene = |nu: f64, mesh: Mesh<2>| {
+        let law = LinearElastic::new(1e3, nu).expect("law");
+        let mut body = held(mesh, law);
+        body.traction("top", [0.0, -1.0]).expect("load");
+        alone(body)
+    };
+    let found = differ(
+        &scene(0.49, unit(0.0)),
+        &scene(0.45, unit(0.0)),
+        FindingKind::Locking,
+    );
+    assert!((found.value - 0.49).abs() < 1e-9, "{found}");
+    assert!(scene(0.49, unit(0.0).quadratic()).preflight().is_empty());
+}
+
+#[test]
+fn laws_for_small_strains() {
+    let moved = |by: [f64; 2]| stacked(held(unit(0.0), linear()), pushed(unit(1.0), linear(), by));
+    let found = differ(
+        &moved([0.4, -0.01]),
+        &moved([0.2, -0.01]),
+        FindingKind::BeyondFacet,
+    );
+    assert!(
+        (found.value - 0.4f64.hypot(0.01) / 0.25).abs() < 1e-9,
+        "{found}"
+    );
+    let mut current = moved([0.4, -0.01]);
+    current.geometry = Some(Geometry::Current);
+    assert!(of(&current, FindingKind::BeyondFacet).is_empty());
+
+    // a bar turned about its end
+    let turned = |degrees: f64, law: Body<2>| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let mut body = law;
+        let nodes = body.mesh().nodes().to_vec();
+        for (a, x) in nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, x)| x[1] == 0.0 || x[1] == 1.0)
+        {
+            let now = Vector::<2>::new(cos * x[0] - sin * x[1], sin * x[0] + cos * x[1]);
+            let by: [f64; 2] = (now - x).into();
+            body.prescribe_nodes(&[a], by.map(Some)).expect("support");
+        }
+        alone(body)
+    };
+    let body = || Body::new(unit(0.0), linear());
+    let found = differ(
+        &turned(8.0, body()),
+        &turned(3.0, body()),
+        FindingKind::Rotation,
+    );
+    assert!((found.value - 8.0).abs() < 0.1, "{found}");
+    assert_eq!(turned(8.0, Body::new(unit(0.0), large())).preflight(), []);
+}
+
+#[test]
+fn steps_beyond_the_reach() {
+    let moved = |by: f64| {
+        stacked(
+            held(unit(0.0), large()),
+            pushed(unit(1.0), large(), [by, -0.01]),
+        )
+    };
+    let found = differ(&moved(0.9), &moved(0.2), FindingKind::LongStep);
+    assert_eq!(found.severity, Severity::Note);
+    assert!(found.remedy.contains("take 5 load increments"), "{found}");
+    let problem = moved(0.9).problem().expect("sound");
+    assert_eq!(problem.findings().len(), 1);
+    assert_eq!(problem.findings_in(2)[0].severity, Severity::Warning);
+    assert_eq!(problem.findings_in(5), []);
+}
+
+#[test]
+fn loads_that_round_off_hides() {
+    let moved = |law: Body<2>, by: f64| {
+        let mut body = law;
+        body.prescribe("top", [None, Some(-by)]).expect("support");
+        alone(body)
+    };
+    let (small, of_F) = (|| held(unit(0.0), linear()), || held(unit(0.0), large()));
+    let found = differ(
+        &moved(small(), 1e-13),
+        &moved(small(), 1e-10),
+        FindingKind::RoundOff,
+    );
+    assert_eq!(found.severity, Severity::Error);
+    let found = differ(
+        &moved(of_F(), 1e-10),
+        &moved(of_F(), 1e-7),
+        FindingKind::RoundOff,
+    );
+    assert_eq!((found.severity, found.limit), (Severity::Error, 1e-9));
+    let error = moved(of_F(), 1e-10).problem().err().expect("refused");
+    assert!(matches!(error, Error::Negligible { .. }), "{error}");
+
+    let loaded = |force: f64, by: f64| {
+        let mut body = held(unit(0.0), linear());
+        body.prescribe("top", [None, Some(-by)]).expect("support");
+        body.traction("right", [force, 0.0]).expect("load");
+        alone(body)
+    };
+    assert_eq!(
+        of(&loaded(1e-14, 0.0), FindingKind::RoundOff)[0].severity,
+        Severity::Error
+    );
+    let found = differ(
+        &loaded(1e-14, 0.01),
+        &loaded(1e-3, 0.01),
+        FindingKind::RoundOff,
+    );
+    assert_eq!(found.severity, Severity::Warning);
+
+    let far = |x: f64| {
+        let at = |y: f64| mesh([x, y], [1.0; 2], [4, 4]);
+        stacked(
+            held(at(0.0), linear()),
+            pushed(at(1.0), linear(), [0.0, -1e-6]),
+        )
+    };
+    let found = differ(&far(1e7), &far(10.0), FindingKind::RoundOff);
+    assert_eq!(found.severity, Severity::Warning);
+
+    let still = of(&moved(small(), 0.0), FindingKind::Unloaded);
+    assert_eq!(still[0].severity, Severity::Note);
+}
+
+#[test]
+fn units_that_differ() {
+    let scene = |modulus: f64| {
+        let stiff = LinearElastic::new(modulus, 0.3).expect("law");
+        stacked(
+            held(unit(0.0), linear()),
+            pushed(unit(1.0), stiff, [0.0, -0.01]),
+        )
+    };
+    let found = differ(&scene(2e9), &scene(1e9), FindingKind::Units);
+    assert_eq!(found.bodies, ["lower", "upper"]);
+    let sizes = |size: f64| {
+        let mut scene = Scene::new();
+        scene.add("large", pushed(unit(0.0), linear(), [0.0, -0.01]));
+        scene.add("small", held(mesh([5.0, 0.0], [size; 2], [2, 2]), linear()));
+        scene
+    };
+    differ(&sizes(1e-7), &sizes(1e-5), FindingKind::Units);
+}
+
+/// Any scene of odd numbers is checked without a panic.
+#[test]
+fn odd_scenes() {
+    for (size, by) in [
+        (1e-90, 1e300),
+        (1e90, 1e-300),
+        (1.0, f64::MAX),
+        (1e150, 0.0),
+    ] {
+        for law in [large(), NeoHookean::new(1e-300, 0.4999).expect("law")] {
+            let at = |y: f64| mesh([0.0, y * size], [size, size], [1, 1]);
+            let mut scene = stacked(held(at(0.0), law), pushed(at(1.0), law, [by, -by]));
+            scene.reach = Some(f64::INFINITY);
+            scene.preflight();
+            scene.overlap_tolerance = f64::MAX;
+            scene.preflight();
+        }
+    }
+}
