@@ -20,6 +20,12 @@ pub trait LoadStepped: ContactProblem {
         None
     }
 
+    /// The cause that `solution`, which did not converge at the present load, shows, in a sentence for the user; `None` if
+    /// it shows none. The default does not look.
+    fn diagnose(&self, _solution: &Solution) -> Option<String> {
+        None
+    }
+
     /// The start for the present load, from `u` converged at load factor `from`, with the free
     /// unknowns moved along with the prescribed ones. The default returns `u`.
     fn lift(&self, u: &[f64], _from: f64) -> Vec<f64> {
@@ -255,10 +261,11 @@ impl Path<'_> {
                         halvings += 1;
                         continue;
                     }
-                    why => {
+                    _ => {
                         return Ok(Ending::NotConverged {
                             at: self.last.factor,
-                            why,
+                            cause: problem.diagnose(&solution),
+                            why: solution.outcome,
                         });
                     }
                 }

@@ -82,6 +82,8 @@ pub enum Ending {
         at: f64,
         /// The outcome of the last attempt.
         why: Outcome,
+        /// The cause, where the state of the last attempt shows one.
+        cause: Option<String>,
     },
     /// Stopped on request, or at a limit of time.
     Interrupted {
@@ -101,8 +103,9 @@ impl fmt::Display for Ending {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Ending::Complete => write!(f, "complete"),
-            Ending::NotConverged { at, why } => {
-                write!(f, "not converged beyond load factor {at}: {why}")
+            Ending::NotConverged { at, why, cause } => {
+                write!(f, "not converged beyond load factor {at}: {why}")?;
+                cause.iter().try_for_each(|cause| write!(f, "; {cause}"))
             }
             Ending::Interrupted { at } => write!(f, "interrupted at load factor {at}"),
             Ending::Failed { at, why } => write!(f, "failed beyond load factor {at}: {why}"),

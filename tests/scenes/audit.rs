@@ -266,3 +266,36 @@ fn laws_for_small_strains_beyond_them() {
         );
     }
 }
+
+/// A block that a sideways load pushes along a floor without friction has no equilibrium: the ending names the motion that
+/// nothing holds. The same block held by one node stays.
+#[test]
+fn a_body_that_slides_is_named() {
+    let scene = |is_held: bool| {
+        let mut floor = soft(block([-2.0, -1.0], [6.0, 1.0], [12, 2]));
+        floor.prescribe("bottom", [Some(0.0); 2]).expect("support");
+        let mut sledge = soft(block([0.0, 0.0], [1.0, 1.0], [3, 3]));
+        sledge.body_force([2.0, -10.0]).expect("load");
+        if is_held {
+            sledge
+                .prescribe_nodes(&[0], [Some(0.0), None])
+                .expect("support");
+        }
+        let mut scene = Scene::new();
+        let floor = scene.add("floor", floor);
+        let sledge = scene.add("sledge", sledge);
+        scene
+            .contact(floor.on("top"), sledge.on("bottom"))
+            .expect("surfaces");
+        scene.problem().expect("a valid scene")
+    };
+    let history = run(&mut scene(true), 1, 1e-8);
+    assert!(history.is_complete(), "{}", history.run.ending);
+    let history = run(&mut scene(false), 1, 1e-8);
+    let ending = history.run.ending.to_string();
+    assert!(!history.is_complete());
+    assert!(
+        ending.contains("hold body `sledge`: translation x"),
+        "{ending}"
+    );
+}
