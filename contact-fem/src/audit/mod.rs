@@ -12,6 +12,7 @@ mod thickness;
 mod topology;
 
 use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -28,7 +29,13 @@ pub struct Audit<const D: usize> {
     reference: Vec<Vector<D>>,
     /// Whether a body's law is for small strains.
     is_linear: Vec<bool>,
+    /// The positions that were asked for last, with their overlaps: a state is audited when it is accepted, and again by
+    /// its certificate.
+    last: Mutex<Option<State<D>>>,
 }
+
+/// The positions of all nodes (UL) and their overlaps.
+type State<const D: usize> = (Vec<Vector<D>>, Vec<Overlap<D>>);
 
 /// The findings of an audit at one state.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -83,6 +90,7 @@ impl<const D: usize> Audit<D> {
             topology: Topology::new(scene, X),
             reference: X.to_vec(),
             is_linear: scene.bodies().iter().map(|b| b.is_small_strain()).collect(),
+            last: Mutex::new(None),
         }
     }
 
@@ -146,8 +154,19 @@ impl<const D: usize> Audit<D> {
         worst.into_values().collect()
     }
 
-    /// All overlaps at positions `x` of all nodes (UL).
+    /// All overlaps at positions `x` of all nodes (UL), which are kept.
     fn overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        match last.take().filter(|(at, _)| at == x) {
+            Some(state) => last.insert(state),
+            None => last.insert((x.to_vec(), self.find_overlaps(x))),
+        }
+        .1
+        .clone()
+    }
+
+    /// All overlaps at positions `x` of all nodes (UL).
+    fn find_overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
         let Topology { cells, faces, .. } = &self.topology;
         let trees = Trees {
             cells: tree(cells.iter().map(|cell| aabb(&cell.nodes[..=D], x))),
@@ -170,7 +189,7 @@ impl<const D: usize> Audit<D> {
             let t = k as f64 / stops;
             let way = before.iter().zip(after);
             let x: Vec<_> = way.map(|(a, b)| a * (1.0 - t) + b * t).collect();
-            let mut overlaps = self.overlaps(&x).into_iter();
+            let mut overlaps = self.find_overlaps(&x).into_iter();
             overlaps.find(|overlap| overlap.of_thickness > Overlap::<D>::LIMIT)
         };
         (1..stops as usize).find_map(at)
