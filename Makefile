@@ -2,10 +2,10 @@
 
 CARGO ?= cargo
 
-# How long to look for mesh files that the readers fail on.
+# How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint bench bench-overhead report report-quick package msrv bindings fuzz-readers
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint bench bench-overhead report report-quick extremes extremes-quick package msrv bindings fuzz-readers fuzz-binding
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -18,9 +18,12 @@ help:
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make report            error against run time: a page, tables and data in out/report, within an hour"
 	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
+	@echo "make extremes          scenes at the limits with their truths: a table and data in out/extremes, within half an hour"
+	@echo "make extremes-quick    the same for two dozen scenes; fails where a wrong result is claimed to be right"
 	@echo "make package           the crates as packages, each checked on its own, and their documentation without Ipopt"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
+	@echo "make fuzz-binding      solves random problems with random options and faults for SECONDS (60), in other processes"
 	@echo "make bindings          renews the bindings to Ipopt kept in the source"
 
 install:
@@ -71,6 +74,12 @@ report: install
 report-quick: install
 	$(CARGO) run --release -p ipopt-contact-report -- --quick
 
+extremes: install
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes
+
+extremes-quick: install
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --out out/extremes-quick
+
 package: install
 	@./scripts/package.sh
 
@@ -83,3 +92,7 @@ bindings: install
 # The dev profile again, for its checks for overflow.
 fuzz-readers:
 	$(CARGO) run -p contact-fem --example fuzz_readers -- $(SECONDS) $(SEED)
+
+# Half of the time with default options, half with random ones. The arguments "case random 7" show case 7 of these again.
+fuzz-binding: install
+	$(CARGO) run -p contact-core --features ipopt --example fuzz_binding -- $(SECONDS) $(SEED)

@@ -6,7 +6,8 @@ pub use self::derivatives::{Derivative, Differences, Finding, nlp};
 use crate::Energy;
 
 /// Errors of an energy's derivatives against central differences of the derivatives one order lower,
-/// relative to the largest entry.
+/// relative to the largest entry. They are NaN or infinite where a value, a derivative or a
+/// difference is not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conformance {
     /// Gradient against differences of the value.
@@ -18,7 +19,7 @@ pub struct Conformance {
 }
 
 /// Compares gradient and Hessian at `u` (n) with central differences of step `h` (UL) in every unknown, which takes
-/// 4 n evaluations.
+/// 4 n evaluations. With a step of 0, or one that is lost in the round-off of `u`, the errors are NaN.
 ///
 /// # Panics
 /// If `u` does not have [`Energy::dofs`] entries.
@@ -40,8 +41,12 @@ pub fn energy(energy: &dyn Energy, u: &[f64], h: f64) -> Conformance {
         inside[r][c] = true;
         inside[c][r] = true;
     }
-    let size = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
-    let whole = columns.iter().map(|c| size(c)).fold(0.0, f64::max);
+    let size = |values: &[f64]| {
+        values
+            .iter()
+            .fold(f64::MIN_POSITIVE, |m, v| larger(m, v.abs()))
+    };
+    let whole = columns.iter().map(|c| size(c)).fold(0.0, larger);
     let mut result = Conformance {
         gradient: distance(&gradient, &difference) / size(&difference),
         hessian: 0.0,
@@ -54,7 +59,7 @@ pub fn energy(energy: &dyn Energy, u: &[f64], h: f64) -> Conformance {
                 true => &mut result.hessian,
                 false => &mut result.outside_pattern,
             };
-            *worst = worst.max(error);
+            *worst = larger(*worst, error);
         }
     }
     result
@@ -63,7 +68,12 @@ pub fn energy(energy: &dyn Energy, u: &[f64], h: f64) -> Conformance {
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter()
         .zip(b)
-        .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
+        .fold(0.0, |m, (a, b)| larger(m, (a - b).abs()))
+}
+
+/// The larger one, or NaN if one of them is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
 }
 
 /// ∇E from differences of E, and the columns of ∇²E from differences of ∇E.

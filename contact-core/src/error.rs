@@ -6,7 +6,7 @@
 #[non_exhaustive]
 pub enum Error {
     /// A slice has the wrong length.
-    #[error("{what} has length {found}, expected {expected}: pass one entry per unknown")]
+    #[error("{what} has length {found}, expected {expected}: pass one entry per unknown or row")]
     Length {
         /// Which argument.
         what: &'static str,
@@ -88,15 +88,25 @@ impl Error {
         }
     }
 
+    /// Checks that `slice` has `expected` entries.
+    pub(crate) fn check_length(
+        what: &'static str,
+        slice: &[f64],
+        expected: usize,
+    ) -> Result<(), Self> {
+        match slice.len() {
+            found if found == expected => Ok(()),
+            found => Err(Error::Length {
+                what,
+                found,
+                expected,
+            }),
+        }
+    }
+
     /// Checks that `slice` has `expected` finite entries.
     pub fn check_vector(what: &'static str, slice: &[f64], expected: usize) -> Result<(), Self> {
-        if slice.len() != expected {
-            return Err(Error::Length {
-                what,
-                found: slice.len(),
-                expected,
-            });
-        }
+        Self::check_length(what, slice, expected)?;
         match slice.iter().position(|v| !v.is_finite()) {
             Some(index) => Err(Error::NotFinite {
                 what,

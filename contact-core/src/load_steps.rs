@@ -1,6 +1,7 @@
 //! Load stepping: increments, predictor, cut-back.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::equilibrium::{Equilibrium, Iteration, Solution, StepContext};
@@ -16,6 +17,12 @@ pub trait LoadStepped: ContactProblem {
     /// small penetration; a deeper one was missed by the contact search. A step that tunnels is
     /// rejected and cut back. The default does not check.
     fn tunnels(&self, _u: &[f64], _last: &[f64], _from: f64) -> Option<Passage> {
+        None
+    }
+
+    /// The cause that `solution`, which did not converge at the present load, shows, in a sentence for the user; `None` if
+    /// it shows none. The default does not look.
+    fn diagnose(&self, _solution: &Solution) -> Option<String> {
         None
     }
 
@@ -94,6 +101,8 @@ pub struct Run {
     pub solution: Option<Solution>,
     /// Every attempt in order. One that did not converge is followed by a smaller step.
     pub attempts: Vec<Attempt>,
+    /// The error that ended the run, if it is [`Ending::Failed`].
+    pub error: Option<Arc<Error>>,
 }
 
 impl Run {
@@ -170,8 +179,9 @@ impl LoadSteps {
     /// `observe` sees every converged step and may stop the run.
     ///
     /// # Errors
-    /// Settings out of range, and errors of the problem or the solver. Whether the run converged is
-    /// told by [`Run::ending`].
+    /// Settings out of range, and errors of the problem or the solver before the first step has converged. A later
+    /// error is [`Ending::Failed`], which keeps what has converged. Whether the run converged is told by
+    /// [`Run::ending`].
     pub fn run<P: LoadStepped>(
         &self,
         problem: &mut P,
@@ -193,10 +203,18 @@ impl LoadSteps {
             attempts: Vec::new(),
         };
         let walked = path.walk(problem, solver, &mut observe);
-        problem.set_load(path.last.factor)?;
-        let ending = walked?;
+        let reset = problem.set_load(path.last.factor);
+        let (ending, error) = match walked.and_then(|ending| reset.map(|()| ending)) {
+            Ok(ending) => (ending, None),
+            Err(error) if path.solution.is_none() => return Err(error),
+            Err(error) => {
+                let (at, why) = (path.last.factor, error.to_string());
+                (Ending::Failed { at, why }, Some(Arc::new(error)))
+            }
+        };
         Ok(Run {
             ending,
+            error,
             factor: path.last.factor,
             state: path.last.state,
             solution: path.solution,
@@ -243,10 +261,11 @@ impl Path<'_> {
                         halvings += 1;
                         continue;
                     }
-                    why => {
+                    _ => {
                         return Ok(Ending::NotConverged {
                             at: self.last.factor,
-                            why,
+                            cause: problem.diagnose(&solution),
+                            why: solution.outcome,
                         });
                     }
                 }

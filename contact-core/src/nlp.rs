@@ -21,11 +21,6 @@ pub use self::pattern::Pattern;
 #[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NlpError {
-    /// The problem has no variables.
-    #[error(
-        "the problem has no variables: a solver needs at least one; skip the solve if all unknowns are prescribed"
-    )]
-    NoVariables,
     /// The length of an array does not match the problem.
     #[error("{what} has {found} entries and needs {expected}")]
     Length {
@@ -212,7 +207,7 @@ pub struct Structure {
 }
 
 impl Structure {
-    /// A problem with the bounds x_L, x_U of its n `variables` and g_L, g_U of its m `constraints` (m = 0 is fine).
+    /// A problem with the bounds x_L, x_U of its n `variables` and g_L, g_U of its m `constraints` (either may be 0).
     ///
     /// `jacobian` is the pattern of ∂g/∂x, m × n; entries with the same row and column are added (they are not allowed
     /// where a solver approximates the Jacobian by finite differences). `hessian` is the pattern of the lower triangle
@@ -228,9 +223,6 @@ impl Structure {
         hessian: Option<Pattern>,
     ) -> Result<Self, NlpError> {
         let (n, m) = (variables.len(), constraints.len());
-        if n == 0 {
-            return Err(NlpError::NoVariables);
-        }
         let counts = [
             ("variables", n),
             ("constraints", m),
@@ -268,7 +260,8 @@ impl Structure {
         self
     }
 
-    /// Promises that ∂g/∂x does not depend on x: a solver then asks for it once.
+    /// Promises that ∂g/∂x does not depend on x: a solver then asks for it once, and once
+    /// more to check the solution.
     #[must_use]
     pub fn with_constant_jacobian(mut self, constant: bool) -> Self {
         self.jacobian_constant = constant;
@@ -353,8 +346,8 @@ fn validate_bounds(variables: &Bounds, constraints: &Bounds) -> Result<(), NlpEr
 
 /// The functions of a problem. The lengths of all slices are those of its [`Structure`].
 ///
-/// A **non-finite** objective or constraint marks a trial point as inadmissible: the line search shortens its step.
-/// Derivatives are evaluated at accepted points only; a non-finite derivative ends the solve with an invalid number.
+/// A **non-finite** value, or one whose square overflows, counts as infinite. Such an objective or constraint marks a trial point as inadmissible: the line search shortens its step.
+/// Derivatives are evaluated at accepted points only; such a derivative ends the solve with an invalid number.
 /// `new_x` is false if `x` is the same as in the previous call of any of these functions.
 ///
 /// Output slices **are filled with zeros**: only nonzero values need be written, and sums can be accumulated in place.
@@ -420,6 +413,12 @@ pub trait Nlp {
     ) {
         let _ = (x, new_x, objective_factor, multipliers);
         missing("hessian", "entries of the Hessian", values.len());
+    }
+
+    /// Whether the solve is to stop, asked often between iterations: while it waits for those of other threads, and
+    /// before each factorisation. It must be fast. The default is `false`.
+    fn is_to_stop(&mut self) -> bool {
+        false
     }
 
     /// Called once per iteration, the starting point (iteration 0) included. [`ControlFlow::Break`] ends the solve.

@@ -10,7 +10,7 @@ use std::fmt;
 pub enum Solved {
     /// Solved to the requested tolerance.
     Optimal,
-    /// Stopped on request; the result is not a minimum.
+    /// Stopped on request or at a limit of time; the result is not a minimum.
     Interrupted,
     /// Not solved, with the reason as the solver states it; the result is not a minimum.
     Failed(String),
@@ -40,9 +40,10 @@ pub enum Outcome {
         /// The bodies and the place.
         place: String,
     },
-    /// The energy is infinite at the start (J ≤ 0 somewhere), so that the iteration cannot start.
+    /// The energy is not finite at the start (J ≤ 0 somewhere, or a load that is no number), so that the iteration cannot
+    /// start.
     InadmissibleStart,
-    /// Stopped on request.
+    /// Stopped on request, or at a limit of time.
     Interrupted,
 }
 
@@ -60,7 +61,10 @@ impl fmt::Display for Outcome {
                 f,
                 "{place} by {depth:.2e}: take smaller steps or a longer reach, and declare every surface that may touch"
             ),
-            Outcome::InadmissibleStart => write!(f, "inadmissible start (J ≤ 0)"),
+            Outcome::InadmissibleStart => write!(
+                f,
+                "inadmissible start: the energy is not finite (J ≤ 0, or a load that is no number)"
+            ),
             Outcome::Interrupted => write!(f, "interrupted"),
         }
     }
@@ -78,11 +82,20 @@ pub enum Ending {
         at: f64,
         /// The outcome of the last attempt.
         why: Outcome,
+        /// The cause, where the state of the last attempt shows one.
+        cause: Option<String>,
     },
-    /// Stopped on request.
+    /// Stopped on request, or at a limit of time.
     Interrupted {
         /// The last converged load factor.
         at: f64,
+    },
+    /// An error of the problem or the solver, after at least one converged step.
+    Failed {
+        /// The last converged load factor.
+        at: f64,
+        /// The error, which [`Run::error`](crate::load_steps::Run::error) has as a value.
+        why: String,
     },
 }
 
@@ -90,10 +103,12 @@ impl fmt::Display for Ending {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Ending::Complete => write!(f, "complete"),
-            Ending::NotConverged { at, why } => {
-                write!(f, "not converged beyond load factor {at}: {why}")
+            Ending::NotConverged { at, why, cause } => {
+                write!(f, "not converged beyond load factor {at}: {why}")?;
+                cause.iter().try_for_each(|cause| write!(f, "; {cause}"))
             }
             Ending::Interrupted { at } => write!(f, "interrupted at load factor {at}"),
+            Ending::Failed { at, why } => write!(f, "failed beyond load factor {at}: {why}"),
         }
     }
 }

@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A request to stop. Clones share it: keep one in a signal handler or another thread and give one to a run, which
-/// checks it in every iteration. A request stays: a later run with the same token ends at once.
+/// checks it in every iteration, before each factorisation and while it waits for the solve of another thread. A
+/// request stays: a later run with the same token ends at once.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<AtomicBool>);
 

@@ -333,10 +333,6 @@ fn bad_structures_are_refused_by_name() {
     let none = Pattern::empty;
     let entries = |list: &[(usize, usize)]| list.iter().copied().collect::<Pattern>();
 
-    assert_eq!(
-        structure(Bounds::default(), one(), none(), none()),
-        Err(NlpError::NoVariables)
-    );
     let short = Bounds {
         lower: vec![0.0; 2],
         upper: vec![1.0],
@@ -663,4 +659,77 @@ fn bad_starts_are_refused() {
             "{bad:?}"
         );
     }
+}
+
+/// [`Hs071`], which a flag stops; it may be raised as the solve begins.
+struct Stoppable<'a>(&'a AtomicBool, bool);
+
+impl Nlp for Stoppable<'_> {
+    fn begin(&mut self, _: &[f64]) {
+        self.0.store(self.1, Ordering::Relaxed);
+    }
+    fn objective(&mut self, x: &[f64], new_x: bool) -> f64 {
+        Hs071.objective(x, new_x)
+    }
+    fn gradient(&mut self, x: &[f64], new_x: bool, gradient: &mut [f64]) {
+        Hs071.gradient(x, new_x, gradient);
+    }
+    fn constraints(&mut self, x: &[f64], new_x: bool, g: &mut [f64]) {
+        Hs071.constraints(x, new_x, g);
+    }
+    fn jacobian(&mut self, x: &[f64], new_x: bool, values: &mut [f64]) {
+        Hs071.jacobian(x, new_x, values);
+    }
+    fn hessian(&mut self, x: &[f64], new_x: bool, sigma: f64, l: &[f64], values: &mut [f64]) {
+        Hs071.hessian(x, new_x, sigma, l, values);
+    }
+    fn is_to_stop(&mut self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+#[test]
+fn a_request_ends_a_solve_between_iterations() {
+    let stop = AtomicBool::new(false);
+    let mut solver = hs071_solver!();
+    let start = Start::at(&HS071_START);
+    let solution = solver.solve(&mut Stoppable(&stop, true), &start).unwrap();
+    assert_eq!(solution.status, Status::StoppedByUser);
+    assert_eq!(solution.statistics.factorizations, Some(0));
+    stop.store(false, Ordering::Relaxed);
+    let solution = solver.solve(&mut Stoppable(&stop, false), &start).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert_close(&solution.x, &HS071_X, 1e-6);
+}
+
+#[test]
+fn a_request_is_seen_while_another_thread_solves() {
+    let stop = AtomicBool::new(false);
+    let (sender, ended) = mpsc::channel();
+    thread::scope(|scope| {
+        let mut asked = false;
+        let solution = hs071_solver!().solve_with(&mut Hs071, &Start::at(&HS071_START), |_| {
+            if !std::mem::replace(&mut asked, true) {
+                let (sender, stop) = (sender.clone(), &stop);
+                scope.spawn(move || {
+                    let mut solver = hs071_solver!();
+                    let solution =
+                        solver.solve(&mut Stoppable(stop, false), &Start::at(&HS071_START));
+                    sender.send(solution).unwrap();
+                });
+                assert!(
+                    ended.recv_timeout(Duration::from_millis(50)).is_err(),
+                    "it waits"
+                );
+                stop.store(true, Ordering::Relaxed);
+                let waited = ended.recv_timeout(Duration::from_secs(30));
+                let waited = waited.expect("it ends before this solve").unwrap();
+                assert_eq!(waited.status, Status::StoppedByUser);
+                assert_eq!((&waited.x[..], waited.history.len()), (&HS071_START[..], 0));
+                assert!(waited.objective.is_nan() && waited.multipliers.is_none());
+            }
+            ControlFlow::Continue(())
+        });
+        assert_eq!(solution.unwrap().status, Status::Solved);
+    });
 }

@@ -143,11 +143,7 @@ fn a_fixed_variable_stays_and_so_do_all() {
     assert_eq!(solution.status, Status::Solved);
     assert_eq!(solution.x, [4.0, 5.0, 6.0]);
     assert_eq!(solution.objective, 13.5);
-    // Up to 3.13 Ipopt has zeros, which are no multipliers; since 3.14 it has f′ = x − c.
-    if let Some(multipliers) = solution.multipliers {
-        assert_eq!(multipliers.lower, [3.0, 3.0, 3.0]);
-        assert_eq!(multipliers.upper, [0.0; 3]);
-    }
+    assert_eq!(solution.multipliers, None);
 }
 
 /// x₀² + x₁² ≤ −1.
@@ -371,8 +367,8 @@ fn an_obstacle_presses_with_minus_lambda() {
     assert_close(&free.x, &nlp.free().collect::<Vec<_>>(), 1e-6);
     assert_eq!(free.statistics.hessian.calls, 1, "constant");
     assert!(
-        free.statistics.jacobian.calls <= 2,
-        "constant, and once more to find the scaling"
+        free.statistics.jacobian.calls <= 3,
+        "constant, and once more to find the scaling, and to check the solution"
     );
 
     // The floor at −½ carries what the string's ends do not: by equilibrium, the sum of −λ is the load minus the

@@ -214,6 +214,9 @@ pub struct ipopt_shim_callbacks {
             iteration: *const ipopt_shim_iteration,
         ) -> ::std::os::raw::c_int,
     >,
+    pub stops: ::std::option::Option<
+        unsafe extern "C" fn(user: *mut ::std::os::raw::c_void) -> ::std::os::raw::c_int,
+    >,
     pub log: ::std::option::Option<
         unsafe extern "C" fn(
             user: *mut ::std::os::raw::c_void,
@@ -231,7 +234,7 @@ pub struct ipopt_shim_callbacks {
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of ipopt_shim_callbacks"][::std::mem::size_of::<ipopt_shim_callbacks>() - 72usize];
+    ["Size of ipopt_shim_callbacks"][::std::mem::size_of::<ipopt_shim_callbacks>() - 80usize];
     ["Alignment of ipopt_shim_callbacks"][::std::mem::align_of::<ipopt_shim_callbacks>() - 8usize];
     ["Offset of field: ipopt_shim_callbacks::user"]
         [::std::mem::offset_of!(ipopt_shim_callbacks, user) - 0usize];
@@ -247,10 +250,12 @@ const _: () = {
         [::std::mem::offset_of!(ipopt_shim_callbacks, hessian) - 40usize];
     ["Offset of field: ipopt_shim_callbacks::intermediate"]
         [::std::mem::offset_of!(ipopt_shim_callbacks, intermediate) - 48usize];
+    ["Offset of field: ipopt_shim_callbacks::stops"]
+        [::std::mem::offset_of!(ipopt_shim_callbacks, stops) - 56usize];
     ["Offset of field: ipopt_shim_callbacks::log"]
-        [::std::mem::offset_of!(ipopt_shim_callbacks, log) - 56usize];
+        [::std::mem::offset_of!(ipopt_shim_callbacks, log) - 64usize];
     ["Offset of field: ipopt_shim_callbacks::derivative_check"]
-        [::std::mem::offset_of!(ipopt_shim_callbacks, derivative_check) - 64usize];
+        [::std::mem::offset_of!(ipopt_shim_callbacks, derivative_check) - 72usize];
 };
 impl Default for ipopt_shim_callbacks {
     fn default() -> Self {
@@ -533,6 +538,12 @@ unsafe extern "C" {
         name: *const ::std::os::raw::c_char,
         number: *mut f64,
         text: *mut ::std::os::raw::c_char,
+        size: usize,
+    ) -> ::std::os::raw::c_int;
+    pub fn ipopt_shim_option_name(
+        shim: *mut ipopt_shim,
+        place: usize,
+        name: *mut ::std::os::raw::c_char,
         size: usize,
     ) -> ::std::os::raw::c_int;
     pub fn ipopt_shim_clear_options(shim: *mut ipopt_shim);

@@ -24,6 +24,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <iterator>
 #include <limits>
 #include <new>
 #include <sstream>
@@ -134,12 +135,23 @@ long long allocated_bytes() {
 #endif
 }
 
-/** Counts and times the calls of MUMPS. Ipopt keeps no such count, and does not time MUMPS' factorisations, but it
+/** Thrown between the calls of MUMPS to end a solve. */
+struct Ended {};
+
+/** Counts and times the calls of MUMPS, and ends the solve between them. Ipopt keeps no such count, and does not time MUMPS' factorisations, but it
  *  announces each call and its end. Formats are compared with known ones and nothing is formatted, so that a message
  *  costs less than a microsecond. */
 class MumpsJournal : public Journal {
 public:
-    MumpsJournal() : Journal("ipopt_shim_mumps", J_NONE) { SetPrintLevel(J_LINEAR_ALGEBRA, J_MOREDETAILED); }
+    explicit MumpsJournal(const ipopt_shim_callbacks &callbacks) : Journal("ipopt_shim_mumps", J_NONE), callbacks_(callbacks) {
+        SetPrintLevel(J_LINEAR_ALGEBRA, J_MOREDETAILED);
+    }
+
+    /** Ipopt shows an iterate. */
+    void iterated() { since_iterate_ = 0; }
+
+    /** How the solve was ended between two calls, Solve_Succeeded if it was not. */
+    int ended() const { return ended_; }
 
     void read(ipopt_shim_statistics &out) const {
         out.factorizations = jobs_[1].calls;
@@ -176,10 +188,9 @@ protected:
             pivot_order_ = va_arg(again, int);
         } else if (starts_with(format, "MUMPS returned INFO(1) = %d and requires more memory")) {
             ++reallocations_;
-        } else {
-            announced(format);
         }
         va_end(again);
+        announced(format);
     }
     void FlushBufferImpl() override {}
 
@@ -205,6 +216,11 @@ private:
         static const char calling[] = "Calling MUMPS-", done[] = "Done with MUMPS-";
         if (starts_with(text, calling)) {
             if (Job *job = job_named(text[sizeof calling - 1])) {
+                if (job == &jobs_[1] && ++since_iterate_ > MOST) {
+                    end(Error_In_Step_Computation);
+                } else if (callbacks_.stops != nullptr && callbacks_.stops(callbacks_.user) != 0) {
+                    end(User_Requested_Stop);
+                }
                 ++job->calls;
                 if (is_first_factorization(job)) {
                     allocated_before_ = allocated_bytes();
@@ -223,11 +239,21 @@ private:
         }
     }
 
+    /** Factorisations between two iterates. Ipopt needs a hundred at most, unless its regularisation has no effect: then
+     *  it would go on for ever. */
+    static const int MOST = 1000;
+
+    void end(int status) {
+        ended_ = status;
+        throw Ended();
+    }
+
     bool is_first_factorization(const Job *job) const { return job == &jobs_[1] && job->calls == 1; }
 
     Job jobs_[3];
     long long factor_reals_ = -1, factor_integers_ = -1, workspace_bytes_ = -1, allocated_before_ = -1;
-    int pivot_order_ = -1, reallocations_ = 0;
+    int pivot_order_ = -1, reallocations_ = 0, since_iterate_ = 0, ended_ = Solve_Succeeded;
+    const ipopt_shim_callbacks &callbacks_;
     std::clock_t cpu_ = 0;
     Clock::time_point wall_;
 };
@@ -261,8 +287,9 @@ std::atomic<int> VersionJournal::told[3];
 
 class Problem : public TNLP {
 public:
-    Problem(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point)
-        : shim_(shim), callbacks_(callbacks), point_(point) {}
+    Problem(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point,
+            const SmartPtr<MumpsJournal> &mumps)
+        : shim_(shim), callbacks_(callbacks), point_(point), mumps_(mumps) {}
 
     bool get_nlp_info(Index &n, Index &m, Index &jacobian, Index &hessian, IndexStyleEnum &style) override {
         n = shim_.n;
@@ -362,6 +389,9 @@ public:
         const ipopt_shim_iteration record = {mode == RestorationPhaseMode, iteration, objective, inf_pr,
                                              inf_du,   mu,       d_norm, regularization,
                                              alpha_du, alpha_pr, trials};
+        if (IsValid(mumps_)) {
+            mumps_->iterated();
+        }
         shim_.current.restoration = mode == RestorationPhaseMode;
         shim_.current.data = data;
         shim_.current.cq = cq;
@@ -394,6 +424,7 @@ private:
     ipopt_shim &shim_;
     const ipopt_shim_callbacks &callbacks_;
     ipopt_shim_point &point_;
+    const SmartPtr<MumpsJournal> mumps_;
 };
 
 /** Ipopt's view of the problem under way: its scaling, and its map from and to the caller's numbering.
@@ -567,6 +598,15 @@ bool would_end_the_process(const ipopt_shim &shim) {
 }
 #endif
 
+/** As Ipopt was built, it hands on what the journal throws, or takes it for an exception of its own. */
+int optimize_to_the_end(IpoptApplication &application, const SmartPtr<TNLP> &problem) {
+    try {
+        return application.OptimizeTNLP(problem);
+    } catch (const Ended &) {
+        return NonIpopt_Exception_Thrown;
+    }
+}
+
 int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim_point &point,
              ipopt_shim_statistics &statistics) {
     SmartPtr<Journalist> journalist = shim.options->Jnlst();
@@ -589,7 +629,7 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
     }
     SmartPtr<MumpsJournal> mumps;
     if (word(shim, "linear_solver") == "mumps") {
-        mumps = new MumpsJournal();
+        mumps = new MumpsJournal(callbacks);
         journalist->AddJournal(GetRawPtr(mumps));
     }
 
@@ -597,12 +637,15 @@ int optimize(ipopt_shim &shim, const ipopt_shim_callbacks &callbacks, ipopt_shim
     shim.running = shim.options->clone();
     int status = shim.running->Initialize();
     if (status == Solve_Succeeded) {
-        SmartPtr<TNLP> problem = new Problem(shim, callbacks, point);
-        status = shim.running->OptimizeTNLP(problem);
+        SmartPtr<TNLP> problem = new Problem(shim, callbacks, point, mumps);
+        status = optimize_to_the_end(*shim.running, problem);
         read_statistics(*shim.running, statistics);
     }
     if (IsValid(mumps)) {
         mumps->read(statistics);
+        if (mumps->ended() != Solve_Succeeded) {
+            status = mumps->ended();
+        }
     }
     return status;
 }
@@ -717,6 +760,19 @@ int ipopt_shim_option_default(ipopt_shim *shim, const char *name, double *number
             std::snprintf(text, size, "%s", option->DefaultString().c_str());
         }
         return type;
+    });
+}
+
+int ipopt_shim_option_name(ipopt_shim *shim, size_t place, char *name, size_t size) {
+    return guarded(0, [&] {
+        const auto &options = shim->options->RegOptions()->RegisteredOptionsList();
+        if (place >= options.size()) {
+            return 0;
+        }
+        auto option = options.begin();
+        std::advance(option, static_cast<std::ptrdiff_t>(place));
+        std::snprintf(name, size, "%s", option->first.c_str());
+        return 1;
     });
 }
 

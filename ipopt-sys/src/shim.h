@@ -34,7 +34,9 @@ typedef struct ipopt_shim_iteration {
 /** The problem's functions. Each returns 0 when it fails; `intermediate` returns 0 to stop.
  *  None may unwind. Should Ipopt want a value, or log, while `intermediate` reads an iterate, that is a call inside
  *  `intermediate`; versions up to 3.14.19 have all values by then. `log` may be NULL: then no text is made at all.
- *  `derivative_check` gets what Ipopt's derivative checker says, whatever `print_level` is; it may be NULL too. */
+ *  `derivative_check` gets what Ipopt's derivative checker says, whatever `print_level` is; it may be NULL too.
+ *  `stops` is asked before each call of MUMPS: the solve ends as stopped by the user where it does not return 0. It may
+ *  be NULL as well. */
 typedef struct ipopt_shim_callbacks {
     void *user;
     int (*objective)(void *user, const double *x, int new_x, double *value);
@@ -44,6 +46,7 @@ typedef struct ipopt_shim_callbacks {
     int (*hessian)(void *user, const double *x, int new_x, double objective_factor, const double *lambda,
                    int new_lambda, double *values);
     int (*intermediate)(void *user, const ipopt_shim_iteration *iteration);
+    int (*stops)(void *user);
     void (*log)(void *user, const char *text, size_t length);
     void (*derivative_check)(void *user, const char *text, size_t length);
 } ipopt_shim_callbacks;
@@ -131,6 +134,9 @@ int ipopt_shim_option_type(ipopt_shim *shim, const char *name);
 void ipopt_shim_option_range(ipopt_shim *shim, const char *name, char *text, size_t size);
 /** Its type, and its default: in `number`, or in `text` of `size` bytes with the final 0. */
 int ipopt_shim_option_default(ipopt_shim *shim, const char *name, double *number, char *text, size_t size);
+/** Writes the name of the option of this place in the order of names, at most `size` bytes with the final 0; 0 beyond
+ *  the last. */
+int ipopt_shim_option_name(ipopt_shim *shim, size_t place, char *name, size_t size);
 /** Back to Ipopt's defaults. */
 void ipopt_shim_clear_options(ipopt_shim *shim);
 /** 1 if set, 0 if Ipopt has no such option or refuses the value. Prints nothing. */

@@ -70,7 +70,7 @@ impl Shim {
             jacobian: Some(scalar),
             hessian: Some(hessian),
             intermediate: Some(go_on),
-            derivative_check: None,
+            ..Default::default()
         };
         let (mut x, mut z_lower, mut z_upper) = ([0.0], [0.0], [0.0]);
         let mut point = ipopt_shim_point {

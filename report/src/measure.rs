@@ -76,7 +76,7 @@ impl<const D: usize> Solved<D> {
     pub fn measured(&self, h: f64) -> Measured {
         let status = match &self.history.run.ending {
             Ending::Complete => Measured::CONVERGED.to_string(),
-            Ending::NotConverged { at, why } => format!("stopped at load {at:.3}: {why}"),
+            Ending::NotConverged { at, why, .. } => format!("stopped at load {at:.3}: {why}"),
             other => format!("{other:?}"),
         };
         Measured {

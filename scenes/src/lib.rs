@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`disc_in_disc`], [`beams`] | sections 6.1 and 6.2 of the paper |
 //! | [`hertz`], [`arch`], [`blocks`], [`hairpin`] | Hertz's contact, Signorini's problem, the patch test, self-contact |
+//! | [`extremes`] | scenes at the limits, with their truths and benign twins |
 //! | [`studies`] | methods and passes side by side |
 //! | [`freefem`] | the same scenes solved by FreeFEM's scripts |
 //! | [`cli`], [`files`], [`tables`] | options of the examples, files, tables |
@@ -15,6 +16,7 @@ pub mod beams;
 pub mod blocks;
 pub mod cli;
 pub mod disc_in_disc;
+pub mod extremes;
 pub mod files;
 pub mod freefem;
 pub mod hairpin;

@@ -134,7 +134,7 @@ fn the_plain_fixed_point_reports_its_cycle() {
     simulation.solver.fixed_point.tolerance = 1e-8;
     simulation.solver.fixed_point.acceleration = Acceleration::Plain;
     let history = simulation.run(&mut problem).expect("no misuse");
-    let Ending::NotConverged { at, why } = &history.run.ending else {
+    let Ending::NotConverged { at, why, .. } = &history.run.ending else {
         panic!("the plain iteration was expected to cycle somewhere");
     };
     let Outcome::Cycle { period, amplitude } = why else {

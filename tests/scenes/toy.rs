@@ -485,7 +485,7 @@ fn steps_are_halved_and_grow_back() {
 #[test]
 fn a_run_that_gives_up_says_where_and_why() {
     let run = reluctant_run(usize::MAX, 3);
-    let Ending::NotConverged { at, why } = &run.ending else {
+    let Ending::NotConverged { at, why, .. } = &run.ending else {
         panic!("not {:?}", run.ending)
     };
     assert_eq!(*at, 0.0);

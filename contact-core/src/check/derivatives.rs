@@ -131,7 +131,8 @@ const FACTOR: f64 = 2.0;
 /// It is meant for problems of test size: it takes n²(m + 1) operations and stores 2 n gradients and Jacobians.
 ///
 /// # Errors
-/// [`NlpError::Length`] if `x` does not have n values.
+/// [`NlpError::Length`] if `x` does not have n values, [`NlpError::Value`] if one of them is not finite, or a setting is
+/// not finite and positive.
 pub fn nlp(
     nlp: &mut dyn Nlp,
     structure: &Structure,
@@ -144,6 +145,28 @@ pub fn nlp(
             what: "x",
             found: x.len(),
             expected: n,
+        });
+    }
+    let settings = [
+        ("the step of the differences", differences.step),
+        ("the tolerance of the differences", differences.tolerance),
+    ];
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let of_x = x
+        .iter()
+        .enumerate()
+        .map(|(index, &value)| ("x", index, value, value.is_finite()));
+    let of_settings = settings.map(|(what, value)| (what, 0, value, positive(value)));
+    if let Some((what, index, value, _)) = of_x.chain(of_settings).find(|found| !found.3) {
+        return Err(NlpError::Value {
+            what,
+            index,
+            value,
+            needed: if what == "x" {
+                "finite"
+            } else {
+                "finite and positive"
+            },
         });
     }
     let mut check = Check {

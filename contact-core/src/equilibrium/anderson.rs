@@ -40,6 +40,8 @@ impl Anderson {
     /// Relative cut-off of the least-squares problem: singular values of ΔF below this share of the largest are treated
     /// as zero, since their directions carry only noise.
     const NOISE: f64 = 1e-8;
+    /// The iteration limit of its decomposition, which takes a few for each column.
+    const SWEEPS: usize = 1000;
 
     /// With the depth of this setting, 0 for the plain iteration.
     pub fn of(acceleration: Acceleration) -> Self {
@@ -64,9 +66,14 @@ impl Anderson {
         *self = Anderson::new(self.depth);
     }
 
-    /// The next point, from the current one and its image under G (both n).
+    /// The next point, from the current one and its image under G (both n): the image itself where a value is not
+    /// finite, which clears the memory.
     pub fn next(&mut self, u: &[f64], image: &[f64]) -> Vec<f64> {
         if self.depth == 0 {
+            return image.to_vec();
+        }
+        if !u.iter().chain(image).all(|value| value.is_finite()) {
+            self.restart();
             return image.to_vec();
         }
         let image = DVector::from_column_slice(image);
@@ -93,7 +100,16 @@ impl Anderson {
             return Vec::new();
         }
         let steps: Vec<_> = self.residual_steps.iter().cloned().collect();
-        let svd = DMatrix::from_columns(&steps).svd(true, true);
+        let columns = DMatrix::from_columns(&steps);
+        // differences of finite values may overflow, and then the decomposition would never end
+        let is_finite = columns.iter().all(|value| value.is_finite());
+        let svd = match is_finite {
+            true => columns.try_svd(true, true, f64::EPSILON, Self::SWEEPS),
+            false => None,
+        };
+        let Some(svd) = svd else {
+            return vec![0.0; steps.len()];
+        };
         let noise = Self::NOISE * svd.singular_values.max();
         match svd.solve(residual, noise) {
             Ok(gamma) if gamma.iter().all(|g| g.is_finite()) => gamma.data.into(),
@@ -128,6 +144,25 @@ mod tests {
         assert!(error < 1e-10, "residual {error}");
         let mut plain = Anderson::new(0);
         assert_eq!(plain.next(&u, &map(&u)), map(&u));
+    }
+
+    /// Neither may the decomposition be asked about them, which would never end.
+    #[test]
+    fn values_that_are_not_finite_clear_the_memory() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut anderson = Anderson::new(2);
+            for k in 0..4 {
+                let x = f64::from(k);
+                anderson.next(&[x, 1.0], &[2.0 * x, -1.0]);
+            }
+            assert!(anderson.next(&[1.0, 2.0], &[bad, 2.0])[1] == 2.0);
+            assert_eq!(anderson.next(&[1.0, 2.0], &[1.5, 2.0]), vec![1.5, 2.0]);
+        }
+        let mut anderson = Anderson::new(2);
+        for sign in [1.0, -1.0, 1.0] {
+            let huge = sign * f64::MAX;
+            assert_eq!(anderson.next(&[0.0, 1.0], &[huge, 1.0]).len(), 2);
+        }
     }
 
     /// A repeated residual gives a zero difference; the weights must stay finite.

@@ -57,6 +57,8 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
             let subproblem = journal.subproblem(&gaps, context.stop);
             // 5: their minimum U_n
             let minimum = self.method.minimize(&subproblem, &before)?;
+            Error::check_length("the method's u", &minimum.u, before.u.len())?;
+            Error::check_length("the method's λ", &minimum.lambda, gaps.len())?;
             // 6: ‖U_n − U_{n−1}‖∞ / ‖U‖∞
             let error = relative_change(&minimum.u, &before.u, journal.least);
             journal.accept(gaps, minimum, error);

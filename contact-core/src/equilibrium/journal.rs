@@ -6,7 +6,7 @@ use super::accuracy::Accuracy;
 use super::anderson::Anderson;
 use super::cycles::CycleDetector;
 use super::{FixedPoint, Iteration, Solution};
-use crate::method::{Minimum, Subproblem};
+use crate::method::{Minimum, Subproblem, check_bounds};
 use crate::{ContactProblem, Cost, Error, LinearGaps, Multipliers, Outcome, Solved, State, Stop};
 
 /// The state of a running fixed-point iteration.
@@ -44,7 +44,9 @@ impl<'a> Journal<'a> {
         problem: &'a dyn ContactProblem,
         start: State,
     ) -> Result<Self, Error> {
-        Error::check_vector("start.u", &start.u, problem.energy().dofs())?;
+        let dofs = problem.energy().dofs();
+        Error::check_vector("start.u", &start.u, dofs)?;
+        check_bounds(problem.bounds(), dofs)?;
         let energy = problem.energy().value(&start.u);
         Ok(Journal {
             least: problem
@@ -104,6 +106,11 @@ impl<'a> Journal<'a> {
         if minimum.solved == Solved::Optimal && !is_finite(&minimum) {
             minimum.solved =
                 Solved::Failed("the method returned a value that is not finite".into());
+        }
+        if !has_finite_state(&minimum) {
+            // a failed solve keeps the iterate it started from
+            minimum.u.clone_from(&self.point.u);
+            minimum.lambda.fill(0.0);
         }
         let error = match minimum.solved {
             Solved::Optimal => error,
@@ -177,6 +184,10 @@ impl<'a> Journal<'a> {
 }
 
 fn is_finite(minimum: &Minimum) -> bool {
+    has_finite_state(minimum) && minimum.energy.is_finite()
+}
+
+fn has_finite_state(minimum: &Minimum) -> bool {
     let mut values = minimum.u.iter().chain(&minimum.lambda);
-    values.all(|value| value.is_finite()) && minimum.energy.is_finite()
+    values.all(|value| value.is_finite())
 }

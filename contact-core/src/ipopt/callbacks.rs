@@ -34,18 +34,25 @@ impl Gate<'_> {
             jacobian: Some(jacobian),
             hessian: Some(hessian),
             intermediate: Some(intermediate),
+            stops: Some(stops),
         }
     }
 }
 
-/// No early exit, so that it vectorises.
-fn all_finite(values: &[f64]) -> bool {
-    values
-        .iter()
-        .fold(true, |all, value| all & value.is_finite())
+/// Whether Ipopt can calculate with a value: its square is finite, too. With larger ones, norms and products overflow;
+/// then MUMPS crashes, or Ipopt factorises for ever.
+pub(super) fn is_usable(value: f64) -> bool {
+    (value * value).is_finite()
 }
 
-fn timed<T>(statistics: &mut CallbackStatistics, body: impl FnOnce() -> T) -> T {
+/// No early exit, so that it vectorises.
+pub(super) fn are_usable(values: &[f64]) -> bool {
+    values
+        .iter()
+        .fold(true, |all, &value| all & is_usable(value))
+}
+
+pub(super) fn timed<T>(statistics: &mut CallbackStatistics, body: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     statistics.calls += 1;
     let value = body();
@@ -87,7 +94,7 @@ unsafe extern "C" fn objective(
         });
         // SAFETY: as above.
         unsafe { value.write(f) };
-        f.is_finite()
+        is_usable(f)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }
@@ -107,7 +114,7 @@ unsafe extern "C" fn gradient(
         timed(&mut this.statistics.gradient, || {
             this.nlp.gradient(x, new_x != 0, gradient)
         });
-        all_finite(gradient)
+        are_usable(gradient)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }
@@ -131,7 +138,7 @@ unsafe extern "C" fn constraints(
         timed(&mut this.statistics.constraints, || {
             this.nlp.constraints(x, new_x != 0, g)
         });
-        all_finite(g)
+        are_usable(g)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }
@@ -155,7 +162,7 @@ unsafe extern "C" fn jacobian(
         timed(&mut this.statistics.jacobian, || {
             this.nlp.jacobian(x, new_x != 0, values)
         });
-        all_finite(values)
+        are_usable(values)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }
@@ -184,7 +191,7 @@ unsafe extern "C" fn hessian(
             this.nlp
                 .hessian(x, new_x != 0, objective_factor, lambda, values)
         });
-        all_finite(values)
+        are_usable(values)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }
@@ -213,6 +220,11 @@ unsafe extern "C" fn intermediate(
     };
     // SAFETY: see `objective`.
     unsafe { enter(user, body) }
+}
+
+unsafe extern "C" fn stops(user: *mut c_void) -> c_int {
+    // SAFETY: see `objective`.
+    unsafe { enter(user, |this| this.nlp.is_to_stop()) }
 }
 
 unsafe extern "C" fn log(user: *mut c_void, text: *const c_char, length: usize) {

@@ -5,35 +5,62 @@
 
 use std::{
     cell::Cell,
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::{Condvar, Mutex, PoisonError},
+    time::Duration,
 };
 
-static IPOPT: Mutex<()> = Mutex::new(());
+/// Whether a solve is under way.
+static BUSY: Mutex<bool> = Mutex::new(false);
+static ENDED: Condvar = Condvar::new();
+
+/// How often a solve that waits asks whether it is still wanted.
+const ASK: Duration = Duration::from_millis(20);
 
 thread_local! {
     static HELD: Cell<bool> = const { Cell::new(false) };
 }
 
 /// A solve, for this thread alone.
-pub(super) struct Exclusive {
-    _guard: MutexGuard<'static, ()>,
+pub(super) struct Exclusive(());
+
+/// Why a thread may not solve.
+pub(super) enum Refused {
+    /// It solves already: this is a callback.
+    Held,
+    /// Its solve was stopped while it waited.
+    Stopped,
 }
 
 impl Exclusive {
-    /// Waits for the solves of other threads; `None` inside a callback, where this thread holds the lock already.
-    pub(super) fn unless_held() -> Option<Self> {
+    /// Waits for the solves of other threads, until `stops` says that this one is not wanted any more.
+    pub(super) fn wait(mut stops: impl FnMut() -> bool) -> Result<Self, Refused> {
         if HELD.get() {
-            return None;
+            return Err(Refused::Held);
         }
-        // The lock guards no data, so a panic under it spoils nothing.
-        let guard = IPOPT.lock().unwrap_or_else(PoisonError::into_inner);
+        // The lock guards no data, so a panic under it spoils nothing; here and below.
+        let mut busy = BUSY.lock().unwrap_or_else(PoisonError::into_inner);
+        while *busy {
+            let waited = ENDED.wait_timeout(busy, ASK);
+            (busy, _) = waited.unwrap_or_else(PoisonError::into_inner);
+            if *busy {
+                // `stops` is the caller's, and may do anything
+                drop(busy);
+                if stops() {
+                    return Err(Refused::Stopped);
+                }
+                busy = BUSY.lock().unwrap_or_else(PoisonError::into_inner);
+            }
+        }
+        *busy = true;
         HELD.set(true);
-        Some(Self { _guard: guard })
+        Ok(Self(()))
     }
 }
 
 impl Drop for Exclusive {
     fn drop(&mut self) {
+        *BUSY.lock().unwrap_or_else(PoisonError::into_inner) = false;
         HELD.set(false);
+        ENDED.notify_one();
     }
 }

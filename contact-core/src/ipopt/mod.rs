@@ -111,14 +111,19 @@
 //! - **One solve at a time per process.** Ipopt's linear solvers are not reentrant, so that solves of other threads
 //!   wait, those of [`doctor::inspect`] and [`diagnose`] included. Solvers can be made, set and dropped meanwhile. A
 //!   solve started inside a callback is [`Error::Reentrant`]. A callback that waits for another thread's solve
-//!   deadlocks. A [`Solver`] is [`Send`] but not [`Sync`]. Besides the lock, a process shares two facts: the version
+//!   deadlocks, unless [`Nlp::is_to_stop`](crate::nlp::Nlp::is_to_stop) ends that one. A [`Solver`] is [`Send`] but not [`Sync`]. Besides the lock, a process shares two facts: the version
 //!   that its Ipopt reported in a log, and whether the warning about a version other than the headers' was given.
+//! - **A solution is checked.** Where Ipopt reports one, the functions and their first derivatives are evaluated once
+//!   more, at its x. If they contradict it, the status is [`Status::Contradicted`], and
+//!   [`Solution::contradiction`] says what is wrong.
 //! - **Dependent equalities** have multipliers that are not unique, and Ipopt divides its errors by their size. It may
 //!   then report `Solved` too early, unless `dual_inf_tol` (1 by default, unscaled) is set to the accuracy needed.
 //! - **Panics** in a callback, a watching closure or a log's writer stop the solve and are then resumed in the caller.
 //! - **Output.** Nothing is printed: `print_level` is 0. With [`print_level(5)`](Options::print_level) the log goes to
 //!   the `log` crate, target `ipopt`, level debug, or to the target of [`Solver::set_log`]. A file `ipopt.opt` in the
-//!   working directory is not read.
+//!   working directory is not read; [`Options::read`] reads one.
+//! - **What Ipopt crashes with** is kept away from it: values whose squares overflow count as infinite, problems without
+//!   a free variable are answered without it, and some options are refused ([`OptionError::Refused`]).
 //! - **Signs**: see [`nlp`](crate::nlp). Bounds are not relaxed (`bound_relax_factor` 0): x may
 //!   leave them by round-off at most.
 //! - **Versions**: 3.11 to 3.14. [`VERSION`] is that of the headers compiled with. An option it lacks gives an
@@ -128,6 +133,7 @@ mod callbacks;
 mod context;
 mod derivatives;
 pub mod doctor;
+mod fixed;
 mod iterate;
 mod libraries;
 mod library;
@@ -144,6 +150,7 @@ mod start;
 mod statistics;
 mod status;
 mod totals;
+mod verify;
 mod versions;
 
 use thiserror::Error;
@@ -163,6 +170,7 @@ pub use self::{
     statistics::{CallbackStatistics, MumpsUse, Ordering, Statistics, Time},
     status::Status,
     totals::Totals,
+    verify::Contradiction,
     versions::{Versions, versions},
 };
 use crate::nlp::NlpError;

@@ -106,7 +106,7 @@ impl Sequence {
     }
 
     /// Solves the next problem and shows every iterate of each of its solves to `watch`, as [`Solver::solve_with`].
-    /// One that is stopped is not repeated.
+    /// One that is stopped, or ends at a limit of time, is not repeated.
     ///
     /// # Errors
     /// As [`Sequence::solve`].
@@ -122,7 +122,7 @@ impl Sequence {
         if self.multipliers.is_some() {
             let solution = self.attempt(nlp, true, &mut watch)?;
             let solved = self.settings.is_solved(&solution);
-            if solved || solution.status == Status::StoppedByUser {
+            if solved || solution.status.is_interrupted() {
                 return Ok(self.remember(solution, solved, true, None));
             }
             self.totals.cold_retries += 1;

@@ -8,13 +8,14 @@ use super::{
     Error, Log, OptionValue, Options, Solution, Start, Status,
     context::{Context, Gate, Watch},
     derivatives::Reader,
-    library,
-    lock::Exclusive,
+    fixed, library,
+    lock::{Exclusive, Refused},
     log::Sink,
     options,
     scaling::{USER_SCALING, scaling_is_used},
     shim::Shim,
     start::{Point, are_finite},
+    verify,
 };
 use crate::nlp::{Bounds, Iterate, Nlp, Phase, Structure};
 
@@ -107,6 +108,12 @@ impl Solver {
         unsafe { options::default_of(self.shim.as_ptr(), name) }
     }
 
+    /// The names of all options that this version of Ipopt has, in alphabetical order.
+    pub fn ipopt_options(&self) -> Vec<String> {
+        // SAFETY: the shim is valid.
+        unsafe { options::names(self.shim.as_ptr()) }
+    }
+
     /// Replaces the bounds.
     ///
     /// # Errors
@@ -118,6 +125,9 @@ impl Solver {
     }
 
     /// Solves `nlp` from `start`.
+    ///
+    /// Where all variables are fixed, or there are none, Ipopt is not asked: f and g are evaluated at the only point
+    /// there is.
     ///
     /// # Errors
     /// Misuse only: a start of the wrong size or with values that are not finite, a warm start without multipliers,
@@ -153,10 +163,18 @@ impl Solver {
         watch: Option<Watch<'_>>,
     ) -> Result<Solution, Error> {
         let mut point = Point::new(&self.structure, start)?;
-        let exclusive = Exclusive::unless_held().ok_or(Error::Reentrant)?;
+        let exclusive = match Exclusive::wait(|| nlp.is_to_stop()) {
+            Ok(exclusive) => exclusive,
+            Err(Refused::Held) => return Err(Error::Reentrant),
+            Err(Refused::Stopped) => return Ok(Solution::not_begun(point)),
+        };
         self.prepare_warm_start(start)?;
         self.prepare_log()?;
         nlp.begin(start.x);
+        if fixed::are_all_fixed(&self.structure) {
+            let allowed = self.number("tol").min(self.number("constr_viol_tol"));
+            return Ok(fixed::solution(nlp, &self.structure, allowed));
+        }
 
         let shim = self.shim.as_ptr();
         let sink = Sink::new(&mut self.log);
@@ -188,7 +206,6 @@ impl Solver {
             ..
         } = context;
         let log_error = log.error;
-        drop(exclusive);
         if let Some(payload) = panic {
             resume_unwind(payload);
         }
@@ -203,7 +220,7 @@ impl Solver {
         let regular = history
             .last()
             .is_some_and(|last| last.phase == Phase::Regular);
-        Ok(Solution {
+        let mut solution = Solution {
             status,
             x: point.x,
             objective: if finalized { objective } else { f64::NAN },
@@ -211,16 +228,44 @@ impl Solver {
             multipliers: (finalized && regular && status.keeps_multipliers())
                 .then_some(point.multipliers)
                 .filter(are_finite),
+            contradiction: None,
             statistics,
             history,
             derivative_check: derivatives.map(Reader::finish),
             log_error,
-        })
+        };
+        if status.is_acceptable() {
+            solution.contradiction = verify::contradiction(self, nlp, &mut solution);
+            if solution.contradiction.is_some() {
+                solution.status = Status::Contradicted;
+                solution.multipliers = None;
+            }
+        }
+        drop(exclusive);
+        Ok(solution)
     }
 
     pub(super) fn apply_one(&mut self, name: &str, value: &OptionValue) -> Result<(), Error> {
         // SAFETY: the shim is valid.
         Ok(unsafe { options::apply_one(self.shim.as_ptr(), name, value) }?)
+    }
+
+    /// The value of an option that is a number, set or Ipopt's own; NaN if there is no such number.
+    pub(super) fn number(&self, name: &str) -> f64 {
+        let default = || self.ipopt_default(name);
+        match self.options.get(name).cloned().or_else(default) {
+            Some(OptionValue::Number(value)) => value,
+            Some(OptionValue::Integer(value)) => value.into(),
+            Some(OptionValue::Text(_)) | None => f64::NAN,
+        }
+    }
+
+    /// The factor by which bounds are relaxed, relative to their size: the driver's default is 0.
+    pub(super) fn bound_relaxation(&self) -> f64 {
+        match self.options.get("bound_relax_factor") {
+            Some(_) => self.number("bound_relax_factor"),
+            None => 0.0,
+        }
     }
 
     /// A writer gets one line per iteration, unless `print_level` is set.

@@ -159,6 +159,21 @@ impl fmt::Display for Ordering {
 }
 
 impl Statistics {
+    /// Without any of Ipopt's numbers.
+    pub(super) fn unknown() -> Self {
+        Self {
+            total: Time {
+                cpu: f64::NAN,
+                wall: 0.0,
+            },
+            dual_infeasibility: f64::NAN,
+            constraint_violation: f64::NAN,
+            complementarity: f64::NAN,
+            scaled_error: f64::NAN,
+            ..Self::default()
+        }
+    }
+
     /// Time in the functions of the problem.
     pub fn evaluation_time(&self) -> Duration {
         [

@@ -11,7 +11,7 @@ use std::fmt;
 /// | `Infeasible` | 2 | A local minimum of the constraint violation. | See which `g` of the solution is outside its bounds; try another start; make sure that the constraints are consistent. |
 /// | `SearchDirectionTooSmall` | 3 | Steps vanish in round-off, close to a solution in general. | Look at the errors in the [`Statistics`](super::Statistics); scale; ask for a larger `tol`. |
 /// | `Diverging` | 4 | x grows beyond `diverging_iterates_tol`. | The problem may be unbounded: add bounds, or check the sign of f. |
-/// | `StoppedByUser` | 5 | [`Nlp::iterate`](crate::nlp::Nlp::iterate) or the closure of [`Solver::solve_with`](super::Solver::solve_with) asked for it. | Use x, or go on from it. |
+/// | `StoppedByUser` | 5 | [`Nlp::iterate`](crate::nlp::Nlp::iterate), [`Nlp::is_to_stop`](crate::nlp::Nlp::is_to_stop) or the closure of [`Solver::solve_with`](super::Solver::solve_with) asked for it. | Use x, or go on from it; f and g are there after `iterate` and the closure only. |
 /// | `FeasiblePointFound` | 6 | The restoration phase has solved the constraints of a square problem, with as many equalities as free variables: there is nothing left to minimise. A square problem that never needs that phase ends as `Solved`. | Nothing; there are no multipliers. |
 /// | `IterationLimit` | −1 | `max_iter`. | Look at the history: if it still converges, allow more; if not, check the derivatives, scale, try `mu_strategy(MuStrategy::Adaptive)` or another start. |
 /// | `RestorationFailed` | −2 | No less infeasible point was found. | As for `Infeasible`; check the derivatives of g; make functions finite in a wider neighbourhood. |
@@ -22,6 +22,7 @@ use std::fmt;
 /// | `InvalidOption` | −12 | The linear solver is missing, or options contradict each other. | Ask for `LinearSolver::Mumps`; for HSL in a place of its own, set `hsllib` to its path (since 3.14); see the log. |
 /// | `InvalidNumber` | −13 | A derivative was not finite, or a function at the start. | Start inside the domain, keep x there by bounds; f and g may be infinite at trial points only. |
 /// | `UnrecoverableException`, `ForeignException`, `InternalError` | −100, −101, −199 | An exception, Ipopt's or another; a bug. The first too where a function fails during the derivative check. | See the log. |
+/// | `Contradicted` | −1000, this driver's | Ipopt reports a solution, but at its x the functions have other values, or violate what `constr_viol_tol` and `dual_inf_tol` allow. | See [`Solution::contradiction`](super::Solution::contradiction); make functions depend on x alone; check the derivatives; scale x to about 1. |
 /// | `InsufficientMemory` | −102 | Out of memory. | A smaller problem, a sparser ordering (`mumps_pivot_order`), a smaller `mumps_mem_percent`. |
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -36,7 +37,8 @@ pub enum Status {
     SearchDirectionTooSmall,
     /// x grows beyond `diverging_iterates_tol`.
     Diverging,
-    /// [`Nlp::iterate`](crate::nlp::Nlp::iterate) or a watching closure asked for it.
+    /// [`Nlp::iterate`](crate::nlp::Nlp::iterate), [`Nlp::is_to_stop`](crate::nlp::Nlp::is_to_stop) or a watching
+    /// closure asked for it.
     StoppedByUser,
     /// The constraints of a square problem are solved, in the restoration phase.
     FeasiblePointFound,
@@ -66,6 +68,8 @@ pub enum Status {
     InsufficientMemory,
     /// A bug in Ipopt.
     InternalError,
+    /// Ipopt reports a solution that the functions of the problem contradict.
+    Contradicted,
     /// A code this crate does not know.
     Other(i32),
 }
@@ -94,11 +98,12 @@ impl Status {
             -101 => Self::ForeignException,
             -102 => Self::InsufficientMemory,
             -199 => Self::InternalError,
+            -1000 => Self::Contradicted,
             other => Self::Other(other),
         }
     }
 
-    /// Ipopt's number.
+    /// Ipopt's number; −1000 for [`Status::Contradicted`].
     pub fn code(self) -> i32 {
         match self {
             Self::Solved => 0,
@@ -121,6 +126,7 @@ impl Status {
             Self::ForeignException => -101,
             Self::InsufficientMemory => -102,
             Self::InternalError => -199,
+            Self::Contradicted => -1000,
             Self::Other(code) => code,
         }
     }
@@ -136,6 +142,14 @@ impl Status {
         matches!(
             self,
             Self::Solved | Self::SolvedToAcceptableLevel | Self::FeasiblePointFound
+        )
+    }
+
+    /// Whether the caller or a limit of time ended it.
+    pub fn is_interrupted(self) -> bool {
+        matches!(
+            self,
+            Self::StoppedByUser | Self::CpuTimeLimit | Self::WallTimeLimit
         )
     }
 
@@ -186,6 +200,9 @@ impl fmt::Display for Status {
             Self::ForeignException => "an exception that is not Ipopt's ended the solve",
             Self::InsufficientMemory => "out of memory",
             Self::InternalError => "internal error of Ipopt",
+            Self::Contradicted => {
+                "Ipopt reports a solution that the functions of the problem contradict"
+            }
             Self::Other(code) => {
                 return write!(
                     f,

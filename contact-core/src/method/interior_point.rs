@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::scaled::{Scaled, attainable, check_tolerance, settings};
-use super::{Method, Minimum, Subproblem};
+use super::{Method, Minimum, Subproblem, check_bounds};
 use crate::ipopt::{Options, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Structure};
 use crate::{Error, Scale, Solved, State};
@@ -150,6 +150,7 @@ fn structure(subproblem: &Subproblem<'_>) -> Result<Structure, Error> {
         scale,
         ..
     } = *subproblem;
+    check_bounds(bounds, energy.dofs())?;
     let variables = match bounds.is_empty() {
         true => Bounds::free(energy.dofs()),
         false => Bounds {
@@ -198,6 +199,10 @@ impl Nlp for Scaled<'_> {
         values: &mut [f64],
     ) {
         self.hessian(x, objective_factor, values);
+    }
+
+    fn is_to_stop(&mut self) -> bool {
+        Scaled::is_to_stop(self)
     }
 
     fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {

@@ -46,6 +46,16 @@ pub struct Subproblem<'a> {
     pub stop: &'a Stop,
 }
 
+/// Checks that there are no bounds, or as many as unknowns.
+pub(crate) fn check_bounds(bounds: &Bounds, dofs: usize) -> Result<(), Error> {
+    let Bounds { lower, upper } = bounds;
+    if lower.is_empty() && upper.is_empty() {
+        return Ok(());
+    }
+    Error::check_length("the lower bounds on u", lower, dofs)?;
+    Error::check_length("the upper bounds on u", upper, dofs)
+}
+
 /// A method for step 5: it minimises E(u) subject to C u + c₀ ≥ 0.
 pub trait Method {
     /// The rows that the method needs; by default one per contact node.

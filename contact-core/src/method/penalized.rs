@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::scaled::{Scaled, attainable, check_tolerance, settings};
-use super::{Continuation, Minimum, Subproblem};
+use super::{Continuation, Minimum, Subproblem, check_bounds};
 use crate::ipopt::{Options, Run, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
 use crate::{Cost, Energy, Error, Scale, Solved, State};
@@ -247,6 +247,7 @@ impl Penalized<'_> {
     fn structure(&self, bounds: Bounds, hessian: Pattern) -> Result<Structure, Error> {
         let Subproblem { energy, gaps, .. } = *self.subproblem;
         let (n, m) = (energy.dofs(), gaps.len());
+        check_bounds(self.subproblem.bounds, n)?;
         let of_u = gaps.entries().map(|(i, j, _)| (i, j));
         let jacobian = of_u.chain((0..m).map(|i| (i, n + i))).collect();
         let structure = Structure::new(bounds, Bounds::zero(m), jacobian, Some(hessian))?;
@@ -365,6 +366,10 @@ impl Nlp for Lifted<'_> {
         let (of_u, of_s) = values.split_at_mut(values.len() - self.weights.len());
         self.scaled.hessian(x, objective_factor, of_u);
         self.curvatures(x, objective_factor, multipliers, of_s);
+    }
+
+    fn is_to_stop(&mut self) -> bool {
+        self.scaled.is_to_stop()
     }
 
     fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {

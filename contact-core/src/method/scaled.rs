@@ -62,9 +62,14 @@ impl<'a> Scaled<'a> {
         self.u.len()
     }
 
+    /// Whether a stop has been requested.
+    pub fn is_to_stop(&self) -> bool {
+        self.stop.is_requested()
+    }
+
     /// `Break` once a stop has been requested.
     pub fn flow(&self) -> ControlFlow<()> {
-        match self.stop.is_requested() {
+        match self.is_to_stop() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }
@@ -176,6 +181,7 @@ impl<'a> Scaled<'a> {
         match run.solution.status {
             _ if run.solved => Solved::Optimal,
             _ if self.stop.is_requested() => Solved::Interrupted,
+            status if status.is_interrupted() => Solved::Interrupted,
             status => Solved::Failed(status.to_string()),
         }
     }

@@ -11,6 +11,8 @@ mod simplex;
 mod thickness;
 mod topology;
 
+use std::collections::BTreeMap;
+
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
@@ -31,8 +33,8 @@ pub struct Audit<const D: usize> {
 /// The findings of an audit at one state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings<const D: usize> {
-    /// The worst overlap of exteriors.
-    pub overlap: Option<Overlap<D>>,
+    /// The worst overlap of each two bodies, and of each body with itself, that overlap.
+    pub overlaps: Vec<Overlap<D>>,
     /// The number of simplices whose volume is not positive.
     pub inverted: usize,
     /// The smallest ratio of a simplex' volume to its reference volume; `+∞` without cells.
@@ -101,7 +103,7 @@ impl<const D: usize> Audit<D> {
     /// All findings at positions `x` of all nodes (UL).
     pub fn at(&self, x: &[Vector<D>]) -> Findings<D> {
         let mut findings = Findings {
-            overlap: self.overlap(x),
+            overlaps: self.worst_overlaps(x),
             least_volume_ratio: f64::INFINITY,
             ..Findings::default()
         };
@@ -136,6 +138,19 @@ impl<const D: usize> Audit<D> {
     pub fn overlap(&self, x: &[Vector<D>]) -> Option<Overlap<D>> {
         let worse = |a: Overlap<D>, b: Overlap<D>| if b.relative > a.relative { b } else { a };
         self.overlaps(x).into_iter().reduce(worse)
+    }
+
+    /// The worst overlap of each two bodies.
+    fn worst_overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
+        let mut worst: BTreeMap<[usize; 2], Overlap<D>> = BTreeMap::new();
+        for overlap in self.overlaps(x) {
+            let [a, b] = overlap.bodies;
+            let kept = worst.entry([a.min(b), a.max(b)]).or_insert(overlap);
+            if overlap.relative > kept.relative {
+                *kept = overlap;
+            }
+        }
+        worst.into_values().collect()
     }
 
     /// All overlaps at positions `x` of all nodes (UL).

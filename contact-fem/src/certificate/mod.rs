@@ -61,6 +61,9 @@ pub enum Condition {
     /// [relative depth](crate::audit::Overlap::relative) of the worst overlap at X + u, found without
     /// the contact search.
     Overlap,
+    /// Nothing overlaps without a force: the relative depth of the worst overlap of bodies between
+    /// which no contact force acts. Weak constraints allow that where facets are as large as the bodies.
+    Unopposed,
     /// Laws for small strains are used at small strains: the largest strain or rotation in bodies
     /// with such a law. Their error is of the order of this number; beyond the limit not even the
     /// first digit is right. `None` without such bodies.
@@ -95,7 +98,7 @@ const fn line(condition: Condition, name: &'static str, limit: f64) -> Line {
 
 /// The table of conditions from which limits, files and summaries are generated, in the order of
 /// [`Condition`].
-const TABLE: [Line; 15] = [
+const TABLE: [Line; 16] = [
     line(Condition::NodalPenetration, "nodal_penetration", 0.2),
     line(Condition::WeakPenetration, "weak_penetration", 2e-3),
     line(Condition::Adhesion, "adhesion", 1e-9),
@@ -109,6 +112,7 @@ const TABLE: [Line; 15] = [
     line(Condition::OtherSide, "other_side", f64::INFINITY),
     line(Condition::Dropped, "dropped", f64::INFINITY),
     line(Condition::Overlap, "overlap", Overlap::<2>::LIMIT),
+    line(Condition::Unopposed, "unopposed", 0.1),
     line(Condition::SmallStrain, "small_strain", 0.5),
     line(Condition::Moment, "moment", f64::INFINITY),
 ];

@@ -7,6 +7,7 @@ use contact_core::gaps::Sampling;
 use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 
 use super::{Certificate, Condition, Limits, worse};
+use crate::audit::Overlap;
 use crate::contact::Pass;
 use crate::model::{Body, Geometry, Problem};
 use crate::tensor::{Matrix, Vector};
@@ -78,6 +79,9 @@ impl Certificate {
         let dropped = problem.contact_nodes().saturating_sub(present);
         let balance = over(residual.sum, residual.magnitude.max(any_force));
         let audit = problem.audit(u);
+        let pushed = pushed_pairs(problem, gaps, lambda, units.noticed);
+        let is_unopposed =
+            |[a, b]: [usize; 2]| !pushed.contains(&[a, b]) && !pushed.contains(&[b, a]);
         let has_small_strain = problem.scene().bodies().iter().any(Body::is_small_strain);
         let positions = match problem.geometry() {
             Geometry::Reference => problem.reference().to_vec(),
@@ -93,7 +97,8 @@ impl Certificate {
             Condition::ActionReaction => Some(action_reaction),
             Condition::Balance => Some(balance),
             Condition::Inverted => Some(problem.inverted(u).max(audit.inverted) as f64),
-            Condition::Overlap => Some(audit.overlap.map_or(0.0, |overlap| overlap.relative)),
+            Condition::Overlap => Some(deepest_of(&audit.overlaps, &|_| true)),
+            Condition::Unopposed => Some(deepest_of(&audit.overlaps, &is_unopposed)),
             Condition::SmallStrain => has_small_strain.then(|| audit.strain.max(audit.rotation)),
             Condition::Moment => Some(moment(&positions, &forces)),
             Condition::Closed => Some(closed as f64),
@@ -168,6 +173,29 @@ impl Units {
         let rows = problem.rows_of(&others, u, Sampling::Nodes);
         (!others.is_empty()).then(|| deepest(&self.relative(&rows, u, &others)))
     }
+}
+
+/// The bodies, slave and master, between which the contact forces add up to more than `noticed`.
+fn pushed_pairs<const D: usize>(
+    problem: &Problem<D>,
+    gaps: &LinearGaps,
+    lambda: &[f64],
+    noticed: f64,
+) -> HashSet<[usize; 2]> {
+    let mut forces: HashMap<[usize; 2], f64> = HashMap::new();
+    for (key, force) in gaps.keys().iter().zip(lambda) {
+        let pass = problem.passes()[key.pass as usize];
+        let bodies = [pass.slave, pass.master].map(|s| problem.surfaces()[s].body());
+        *forces.entry(bodies).or_default() += force;
+    }
+    let pushed = forces.into_iter().filter(|(_, force)| *force > noticed);
+    pushed.map(|(bodies, _)| bodies).collect()
+}
+
+/// The largest relative depth of the overlaps of bodies that count.
+fn deepest_of<const D: usize>(overlaps: &[Overlap<D>], counts: &dyn Fn([usize; 2]) -> bool) -> f64 {
+    let those = overlaps.iter().filter(|overlap| counts(overlap.bodies));
+    those.map(|overlap| overlap.relative).fold(0.0, worse)
 }
 
 /// |Σ x ∧ f| of the contact forces, divided by Σ |x − c| |f| with the centre c of all nodes.

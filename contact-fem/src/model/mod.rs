@@ -3,6 +3,7 @@
 
 mod body;
 mod contact_set;
+mod diagnosis;
 mod handle;
 mod kinematics;
 mod preflight;

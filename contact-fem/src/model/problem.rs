@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use contact_core::equilibrium::Solution;
 use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::load_steps::Passage;
 use contact_core::nlp::Bounds;
@@ -236,6 +237,10 @@ impl<const D: usize> LoadStepped for Problem<D> {
             .tunnels(&self.kinematics, u, (&before, &after))?;
         let place = "bodies penetrate or have passed through each other".to_string();
         Some(Passage { depth, place })
+    }
+
+    fn diagnose(&self, solution: &Solution) -> Option<String> {
+        super::diagnosis::cause(self, solution)
     }
 
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {

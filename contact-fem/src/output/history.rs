@@ -388,6 +388,7 @@ mod tests {
                 state: State::default(),
                 solution: None,
                 attempts: vec![failed, attempt(1.0, Outcome::Converged)],
+                error: None,
             },
             steps: vec![record(1.0)],
         };

@@ -8,6 +8,7 @@ use super::super::Ordering;
 use super::{
     Available, KnownOption, OptionError, OptionValue, Options,
     check::{bare, fits, has_other_prefix, unusable},
+    refused,
 };
 use crate::nlp::Structure;
 
@@ -30,7 +31,9 @@ fn defaults(structure: &Structure) -> Options {
         .with("option_file_name", "")
         .with("print_level", 0)
         .with("sb", true)
+        .with("resto.mehrotra_algorithm", false)
         .with("bound_relax_factor", 0.0)
+        .with("honor_original_bounds", false)
         .with("mumps_mem_percent", 200)
         .with("timing_statistics", true)
         .with("hessian_constant", structure.hessian_constant())
@@ -109,6 +112,7 @@ pub(in crate::ipopt) unsafe fn apply_one(
         sys::IPOPT_SHIM_OPTION_UNKNOWN => return Err(unknown()),
         kind => kind,
     };
+    refused::check(name, value)?;
     // SAFETY: as above.
     let Err(refused) = (unsafe { set(shim, name, &c_name, kind, value) }) else {
         return Ok(());
@@ -235,4 +239,22 @@ pub(in crate::ipopt) unsafe fn default_of(
         }
         _ => None,
     }
+}
+
+/// The names of all options that this Ipopt has, in order.
+///
+/// # Safety
+/// `shim` must be valid.
+pub(in crate::ipopt) unsafe fn names(shim: *mut sys::ipopt_shim) -> Vec<String> {
+    let mut text = [0; 256];
+    let mut names = Vec::new();
+    // SAFETY: the shim is valid by the caller's promise, and `text` has the size given.
+    while unsafe {
+        sys::ipopt_shim_option_name(shim, names.len(), text.as_mut_ptr(), text.len()) != 0
+    } {
+        // SAFETY: the shim ends what it writes with 0.
+        let name = unsafe { CStr::from_ptr(text.as_ptr()) };
+        names.push(name.to_string_lossy().into_owned());
+    }
+    names
 }

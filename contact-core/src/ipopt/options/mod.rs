@@ -2,13 +2,15 @@
 
 mod apply;
 mod check;
+mod file;
 mod hint;
 mod known;
+mod refused;
 mod table;
 mod value;
 mod words;
 
-pub(super) use self::apply::{apply, apply_one, default_of};
+pub(super) use self::apply::{apply, apply_one, default_of, names};
 pub use self::{
     known::{DefaultValue, KnownOption},
     table::KNOWN_OPTIONS,
@@ -37,17 +39,23 @@ use crate::nlp::Structure;
 ///
 /// | option | value | why |
 /// |---|---|---|
-/// | `option_file_name` | `""` | a file `ipopt.opt` in the working directory must not change results unnoticed |
+/// | `option_file_name` | `""` | a file `ipopt.opt` in the working directory must not change results unnoticed; [`Options::read`] reads one |
 /// | `print_level`, `sb` | 0, `yes` | no log unless requested |
 /// | `bound_relax_factor` | 0 | Ipopt's default of 1e-8 would be a real penetration |
+/// | `honor_original_bounds` | `no` | x, f and g belong together; before 3.14 Ipopt moves x alone |
 /// | `mumps_mem_percent` | 200 | 1000 (Ipopt's) estimates eleven times the workspace, 50 too little: factorisations are repeated |
 /// | `mumps_pivot_order` | above 10 000 variables: 4 (PORD) if the Hessian has 15 entries a variable, else 2 (AMF); above 20 000 with 15 to 31 entries a variable: 5 (METIS) | small factors in space; fast analysis in the plane |
 /// | `hessian_approximation` | `limited-memory` without a Hessian | |
 /// | `hessian_constant`, `jac_c_constant`, `jac_d_constant` | as [`Structure`] promises | evaluated once |
 /// | `warm_start_init_point` | `yes` for a start with multipliers | they would be ignored |
 /// | `timing_statistics` | `yes` where there is one | [`Statistics`](super::Statistics) |
+/// | `resto.mehrotra_algorithm` | `no` | Ipopt crashes with it in the restoration phase |
 ///
-/// `check_derivatives_for_naninf` stays off: every value of every function is checked before Ipopt sees it.
+/// What would make Ipopt end the process, or return something else than a solution, is refused:
+/// [`OptionError::Refused`] says why. That is `option_file_name`, `skip_finalize_solution_call`,
+/// `check_derivatives_for_naninf` (every value of every function is checked before Ipopt sees it),
+/// `dependency_detector`, `nlp_scaling_constr_target_gradient`, `warm_start_target_mu`, a `bound_mult_init_method` of
+/// "mu-based", and a `limited_memory_max_history` of 0.
 ///
 /// With the prefix `resto.`, as in `resto.max_iter`, an option is for the restoration phase alone. There is no other
 /// prefix.
@@ -116,7 +124,7 @@ impl Options {
     }
 
     /// A limited-memory quasi-Newton method: the least change of an approximate Hessian over the last `history`
-    /// iterations (6 are Ipopt's). No Hessian is asked for, even of a structure that has one.
+    /// iterations (6 are Ipopt's, and 0 is refused). No Hessian is asked for, even of a structure that has one.
     #[must_use]
     pub fn least_change(mut self, history: usize, update: LimitedMemoryUpdate) -> Self {
         self.set_if_unset("hessian_approximation", HessianApproximation::LimitedMemory);

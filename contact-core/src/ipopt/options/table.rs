@@ -101,8 +101,6 @@ options! {
     inf_pr_output: InfPrOutput = Text("original");
     /// Times of the parts of the algorithm are taken; this driver's default is `true`.
     timing_statistics: bool = Text("no"), since "3.14.0";
-    /// The file of options that is read and overrides those set here; this driver's default is none.
-    option_file_name: &str = Text("ipopt.opt");
 
     /// Factor on f inside Ipopt; not 0; negative to maximise, which [reverses the multipliers' signs](crate::ipopt::Scaling).
     obj_scaling_factor: f64 = Number(1.0);
@@ -112,14 +110,12 @@ options! {
     nlp_scaling_max_gradient: f64 = Number(100.0);
     /// Size of ∇f at the start after scaling; 0 for what `nlp_scaling_max_gradient` says.
     nlp_scaling_obj_target_gradient: f64 = Number(0.0);
-    /// Size of the rows of ∂g/∂x at the start after scaling; 0 as above.
-    nlp_scaling_constr_target_gradient: f64 = Number(0.0);
     /// Smallest factor of gradient-based scaling.
     nlp_scaling_min_value: f64 = Number(1e-8);
 
     /// Bounds are relaxed by this, relative to their size; this driver's default is 0.
     bound_relax_factor: f64 = Number(1e-8);
-    /// The solution is projected to the bounds as they were.
+    /// The solution is projected to the bounds as they were; this driver's default is `false`.
     honor_original_bounds: bool = Text("no"), before "3.14.0" "yes";
     /// What becomes of variables with equal bounds.
     fixed_variable_treatment: FixedVariableTreatment = Text("make_parameter");
@@ -137,8 +133,6 @@ options! {
     jac_c_constant: bool = Text("no");
     /// The inequalities are linear: their Jacobian is asked for once. The driver's default is as above.
     jac_d_constant: bool = Text("no");
-    /// Derivatives are checked for NaN and ∞; needless here, for the driver does.
-    check_derivatives_for_naninf: bool = Text("no");
 
     /// Least distance of the start from a bound, absolute.
     bound_push: f64 = Number(0.01);
@@ -148,9 +142,7 @@ options! {
     slack_bound_push: f64 = Number(0.01);
     /// As `bound_frac`, for slacks.
     slack_bound_frac: f64 = Number(0.01);
-    /// How the multipliers of bounds start.
-    bound_mult_init_method: BoundMultInitMethod = Text("constant");
-    /// What they start from.
+    /// What the multipliers of bounds start from.
     bound_mult_init_val: f64 = Number(1.0);
     /// Multipliers of constraints start from least squares, or from 0 if those exceed this.
     constr_mult_init_max: f64 = Number(1000.0);
@@ -285,7 +277,7 @@ options! {
     hessian_approximation: HessianApproximation = Text("exact");
     /// In which variables the Hessian is approximated.
     hessian_approximation_space: HessianApproximationSpace = Text("nonlinear-variables");
-    /// Iterations that a limited-memory approximation remembers.
+    /// Iterations that a limited-memory approximation remembers, at least 1.
     limited_memory_max_history: usize = Integer(6);
     /// The update of a limited-memory approximation.
     limited_memory_update_type: LimitedMemoryUpdate = Text("bfgs");

@@ -102,6 +102,43 @@ pub enum OptionError {
         /// What it takes instead.
         expected: String,
     },
+    /// A value that Ipopt takes, but with which it ends the process or does not return the solution.
+    #[error(
+        "Ipopt's option `{name}` was set to {value}, which the driver does not pass on: {why}; {remedy}"
+    )]
+    Refused {
+        /// The name.
+        name: String,
+        /// The value refused.
+        value: OptionValue,
+        /// What Ipopt would do with it.
+        why: &'static str,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+    /// A file of options that cannot be read.
+    #[error(
+        "the file of options {file} cannot be read: {why}; check its name, and that it is text"
+    )]
+    File {
+        /// The file.
+        file: String,
+        /// What the system says.
+        why: String,
+    },
+    /// A line of a file of options that is no option.
+    #[error(
+        "line {number} of the file of options {file} is no option: {line:?}; it takes a name and a value, in double \
+         quotes if there are spaces in it, or a comment after #"
+    )]
+    Line {
+        /// The file.
+        file: String,
+        /// The line, counted from 1.
+        number: usize,
+        /// What is there, or its beginning.
+        line: String,
+    },
     /// Finite differences for a Jacobian whose pattern repeats an entry.
     #[error(
         "Ipopt's option `{name}` was set to {value}, which needs a Jacobian with each place once: its entry {entry} \

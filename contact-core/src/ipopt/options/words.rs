@@ -255,13 +255,6 @@ words! {
         /// What the acceptor of the line search says.
         Acceptor = "acceptor",
     }
-    /// How the multipliers of bounds start.
-    BoundMultInitMethod {
-        /// At `bound_mult_init_val`.
-        Constant = "constant",
-        /// At `mu_init` over the slack.
-        MuBased = "mu-based",
-    }
     /// Which constraint violation the column `inf_pr` of the log shows.
     InfPrOutput {
         /// Of the constraints with slacks.

@@ -1,5 +1,7 @@
 //! Rigid motions that supports leave free.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{DMatrix, SVD};
 
 use super::limits::HOLDS;
@@ -102,6 +104,29 @@ fn free_motions<const D: usize>(body: &Body<D>, part: &[usize]) -> Vec<String> {
     };
     let free = null_space(held.iter().map(row), modes::<D>(), HOLDS);
     names::<D>(&free)
+}
+
+/// The names of independent rigid motions of the part with these `nodes` that all `rows` annul; a row is a list of node,
+/// component and coefficient. `place` tells the position of a node (UL).
+pub(in crate::model) fn unheld_motions<const D: usize>(
+    rows: impl Iterator<Item = Vec<(usize, usize, f64)>>,
+    place: &dyn Fn(usize) -> Vector<D>,
+    nodes: &BTreeSet<usize>,
+) -> Vec<String> {
+    let count = nodes.len().max(1) as f64;
+    let centre = nodes.iter().map(|&a| place(a)).sum::<Vector<D>>() / count;
+    let arms = nodes.iter().map(|&a| (place(a) - centre).norm());
+    let extent = arms.fold(f64::MIN_POSITIVE, f64::max);
+    let in_modes = |row: Vec<(usize, usize, f64)>| {
+        let of_mode = |k: usize| {
+            let terms = row.iter().map(|&(node, component, c)| {
+                c * mode(k, &((place(node) - centre) / extent), component)
+            });
+            terms.sum()
+        };
+        (0..modes::<D>()).map(of_mode).collect()
+    };
+    names::<D>(&null_space(rows.map(in_modes), modes::<D>(), HOLDS))
 }
 
 /// An orthonormal basis, column by column, of the vectors that all `rows` of `width` numbers annul. Singular

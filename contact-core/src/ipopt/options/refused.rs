@@ -1,0 +1,121 @@
+//! Values that Ipopt takes and that would end the process, hide the solution or spoil it.
+
+use super::{OptionError, OptionValue, check::bare};
+
+/// A value of an option that the driver does not pass on.
+struct Refusal {
+    name: &'static str,
+    /// With the prefix of the restoration phase only.
+    restoration_only: bool,
+    is_refused: fn(&OptionValue) -> bool,
+    /// What Ipopt does with it.
+    why: &'static str,
+    remedy: &'static str,
+}
+
+const REFUSALS: [Refusal; 11] = [
+    Refusal {
+        name: "option_file_name",
+        restoration_only: false,
+        is_refused: |value| !is_word(value, ""),
+        why: "Ipopt ignores a file that is missing, and sets what is in it without a check",
+        remedy: "read the file with `Options::read`, and leave the option out",
+    },
+    Refusal {
+        name: "skip_finalize_solution_call",
+        restoration_only: false,
+        is_refused: |value| !is_word(value, "no"),
+        why: "Ipopt then keeps the solution to itself",
+        remedy: "leave the option out",
+    },
+    Refusal {
+        name: "check_derivatives_for_naninf",
+        restoration_only: false,
+        is_refused: |value| !is_word(value, "no"),
+        why: "Ipopt then reads values that were never written, and crashes, where a function fails",
+        remedy: "leave the option out: every value of every function is checked before Ipopt sees it",
+    },
+    Refusal {
+        name: "limited_memory_max_history",
+        restoration_only: false,
+        is_refused: is_zero,
+        why: "Ipopt then crashes in its restoration phase",
+        remedy: "remember at least 1 iteration",
+    },
+    Refusal {
+        name: "mehrotra_algorithm",
+        restoration_only: true,
+        is_refused: |value| !is_word(value, "no"),
+        why: "Ipopt then crashes in its restoration phase",
+        remedy: "leave the prefix out: the restoration phase does without it",
+    },
+    Refusal {
+        name: "nlp_scaling_constr_target_gradient",
+        restoration_only: false,
+        is_refused: |value| !is_zero(value),
+        why: "Ipopt then divides by the largest derivative at the start, be it 0, and may iterate without end",
+        remedy: "leave the option out, and scale with `Solver::set_scaling`",
+    },
+    Refusal {
+        name: "hessian_approximation",
+        restoration_only: true,
+        is_refused: |_| true,
+        why: "Ipopt crashes in its restoration phase where it is not that of the other phase",
+        remedy: "leave the prefix out",
+    },
+    Refusal {
+        name: "line_search_method",
+        restoration_only: true,
+        is_refused: |value| is_word(value, "cg-penalty"),
+        why: "Ipopt then crashes in its restoration phase",
+        remedy: "take \"filter\" or \"penalty\", or leave the option out",
+    },
+    Refusal {
+        name: "warm_start_target_mu",
+        restoration_only: false,
+        is_refused: |value| !is_zero(value),
+        why: "Ipopt then crashes as it starts",
+        remedy: "leave the option out, and set `mu_init`",
+    },
+    Refusal {
+        name: "bound_mult_init_method",
+        restoration_only: false,
+        is_refused: |value| !is_word(value, "constant"),
+        why: "Ipopt then crashes where the start is next to a bound",
+        remedy: "leave the option out, and set `bound_mult_init_val`",
+    },
+    Refusal {
+        name: "dependency_detector",
+        restoration_only: false,
+        is_refused: |value| !is_word(value, "none"),
+        why: "Ipopt then drops equalities that contradict others, and calls solved what violates them",
+        remedy: "leave the option out, and remove constraints that depend on others",
+    },
+];
+
+fn is_word(value: &OptionValue, word: &str) -> bool {
+    matches!(value, OptionValue::Text(text) if text.eq_ignore_ascii_case(word))
+}
+
+fn is_zero(value: &OptionValue) -> bool {
+    matches!(value, OptionValue::Number(0.0) | OptionValue::Integer(0))
+}
+
+/// Rejects what must not reach Ipopt.
+pub(super) fn check(name: &str, value: &OptionValue) -> Result<(), OptionError> {
+    let is_for_restoration = bare(name) != name;
+    let refusal = REFUSALS.iter().find(|refusal| {
+        refusal.name == bare(name)
+            && (is_for_restoration || !refusal.restoration_only)
+            && (refusal.is_refused)(value)
+    });
+    match refusal {
+        Some(&Refusal { why, remedy, .. }) => Err(OptionError::Refused {
+            name: name.to_owned(),
+            value: value.clone(),
+            why,
+            remedy,
+        }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,219 @@
+//! Bodies that contact alone holds, that rest by their weight, that slide over rims or cross each other.
+
+use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};
+use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
+
+use crate::Failure;
+use crate::extremes::{Case, Check, Truth};
+
+pub(super) fn all() -> Vec<Case> {
+    let mut cases = resting();
+    cases.extend(crossing());
+    cases.extend(tips());
+    cases.extend(ironing());
+    cases
+}
+
+fn block(low: [f64; 2], size: [f64; 2], cells: [usize; 2]) -> Result<Mesh<2>, Failure> {
+    let line = |i: usize| linspace(low[i], low[i] + size[i], cells[i]);
+    let mut mesh = rectangle(&line(0), &line(1), Diagonals::Alternating)?;
+    mesh.name_boundary("all", |_| true);
+    Ok(mesh)
+}
+
+/// Blocks that rest on a foundation, and on each other, by their weight: the foundation carries it.
+fn resting() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let name = |law: &str, high: usize, weight: f64| {
+        format!("{high} {law} blocks at rest, weight {weight:e}")
+    };
+    for is_linear in [true, false] {
+        let law = if is_linear { "linear" } else { "neo-hookean" };
+        for (high, weight) in [(1, 1.0), (1, 1e-3), (3, 1.0), (10, 1.0)] {
+            let scene = move || -> Result<Scene<2>, Failure> {
+                let body = |mesh: Mesh<2>| -> Result<Body<2>, Failure> {
+                    Ok(match is_linear {
+                        true => Body::new(mesh, LinearElastic::new(1e3, 0.3)?),
+                        false => Body::new(mesh, NeoHookean::new(1e3, 0.3)?),
+                    })
+                };
+                let mut scene = Scene::new();
+                let mut foundation = body(block([-1.0, -1.0], [3.0, 1.0], [9, 3])?)?;
+                foundation.prescribe("bottom", [Some(0.0); 2])?;
+                let mut below = scene.add("foundation", foundation);
+                for k in 0..high {
+                    let mut upper = body(block([0.0, k as f64], [1.0, 1.0], [4 + k % 2, 4])?)?;
+                    upper.body_force([0.0, -weight])?;
+                    // nothing but this keeps it from sliding
+                    upper.prescribe_nodes(&[0], [Some(0.0), None])?;
+                    let upper = scene.add(format!("block {k}"), upper);
+                    scene.contact(below.on("top"), upper.on("bottom"))?;
+                    below = upper;
+                }
+                Ok(scene)
+            };
+            let weight_of_all = weight * high as f64;
+            let truth = Truth::Values(Box::new(move |_, history| {
+                let carried = history.last().map_or(f64::NAN, |step| step.reactions[0][1]);
+                vec![Check::relative(
+                    "weight carried",
+                    carried,
+                    weight_of_all,
+                    1e-5,
+                )]
+            }));
+            let case = Case::plane(name(law, high, weight), "at rest", scene, truth);
+            cases.push(case.twin(name(law, 1, 1.0)));
+        }
+    }
+    cases
+}
+
+/// Bars that cross in space edge on edge and are pushed together: each carries the other, or the run tells that it cannot.
+fn crossing() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for along in [2, 3, 5, 8] {
+        for increments in [1, 4, 20] {
+            let scene = move || -> Result<Scene<3>, Failure> {
+                let bar = |low: [f64; 3], size: [f64; 3], cells: [usize; 3]| {
+                    let mut mesh = cuboid(low, size, cells)?;
+                    mesh.name_boundary("all", |_| true);
+                    let long = if size[0] > size[1] { 0 } else { 1 };
+                    mesh.name_boundary("ends", |x| x[long].abs() == 2.0);
+                    Ok::<_, Failure>(Body::new(mesh, NeoHookean::new(1e3, 0.3)?))
+                };
+                let mut lower = bar([-2.0, -0.1, -0.2], [4.0, 0.2, 0.2], [along, 1, 1])?;
+                let mut upper = bar([-0.1, -2.0, 0.05], [0.2, 4.0, 0.2], [1, along, 1])?;
+                lower.prescribe("ends", [Some(0.0); 3])?;
+                upper.prescribe("ends", [Some(0.0), Some(0.0), Some(-0.6)])?;
+                Ok(crate::pair((lower, "all"), (upper, "all"))?)
+            };
+            let truth = Truth::Values(Box::new(|_, history| {
+                let forces = history
+                    .last()
+                    .map(|step| [step.contact_forces[0][2], step.contact_forces[1][2]]);
+                let [lower, upper] = forces.unwrap_or([f64::NAN; 2]);
+                vec![
+                    // a push of 0.55 bends two bars of stiffness about 192 EI/L³ = 0.4 each
+                    Check {
+                        what: "force upward",
+                        found: upper,
+                        expected: 1.0,
+                        tolerance: 0.999,
+                    },
+                    Check::relative("force on the other", lower, -upper, 1e-9),
+                ]
+            }));
+            let name = format!("bars of {along} cells cross, {increments} increments");
+            cases.push(Case::space(name, "edge on edge", scene, truth).increments(increments));
+        }
+    }
+    cases
+}
+
+/// One triangle is pushed with its tip past the acute rim of another: held, or told.
+fn tips() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for increments in [1, 4, 20] {
+        for x in [0.5, 0.8, 0.93] {
+            let scene = move || -> Result<Scene<2>, Failure> {
+                let wedge = |corners: [[f64; 2]; 3]| {
+                    let mut mesh = Mesh::new(corners.to_vec(), vec![0, 1, 2])?;
+                    mesh.name_boundary("all", |_| true);
+                    Ok::<_, Failure>(Body::new(mesh, NeoHookean::new(1e3, 0.3)?))
+                };
+                let mut lower = wedge([[0.0, -1.0], [1.0, 0.0], [0.0, 0.0]])?;
+                let mut tip = wedge([[x, 0.05], [x + 0.4, 1.0], [x - 0.4, 1.0]])?;
+                lower.prescribe_nodes(&[0, 2], [Some(0.0); 2])?;
+                tip.prescribe_nodes(&[1, 2], [Some(0.0), Some(-0.3)])?;
+                Ok(crate::pair((lower, "all"), (tip, "all"))?)
+            };
+            let truth = Truth::Values(Box::new(|_, history| {
+                let forces = history
+                    .last()
+                    .map(|step| [step.contact_forces[0][1], step.contact_forces[1][1]]);
+                let [lower, tip] = forces.unwrap_or([f64::NAN; 2]);
+                let is_held = f64::from(u8::from(tip > 1e-3));
+                vec![
+                    Check {
+                        what: "tip held",
+                        found: is_held,
+                        expected: 1.0,
+                        tolerance: 0.0,
+                    },
+                    Check::relative("force on the other", lower, -tip, 1e-9),
+                ]
+            }));
+            let name = format!("tip at {x} of a rim, {increments} increments");
+            cases.push(Case::plane(name, "rims", scene, truth).increments(increments));
+        }
+    }
+    cases
+}
+
+/// A soft disc is pressed on a block and moved along it: forces balance, and without friction the energy of the pressed
+/// state does not depend on where it is.
+fn ironing() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (along, increments) in [(0.0, 10), (0.5, 10), (1.5, 10), (1.5, 40), (4.2, 40)] {
+        let scene = move || -> Result<Scene<2>, Failure> {
+            let mut floor = Body::new(
+                block([-2.0, -1.0], [4.0, 1.0], [24, 6])?,
+                NeoHookean::new(1e3, 0.3)?,
+            );
+            floor.prescribe("bottom", [Some(0.0); 2])?;
+            let mut mesh = disc(0.5, 24, 4, 0.1)?;
+            mesh = mesh.translated([-1.0, 0.55])?;
+            mesh.name_boundary("edge", |_| true);
+            let core: Vec<usize> = {
+                let nodes = mesh.nodes().iter().enumerate();
+                let is_inside =
+                    |x: &contact_fem::tensor::Vector<2>| (x[0] + 1.0).hypot(x[1] - 0.55) < 0.3;
+                nodes
+                    .filter(|(_, x)| is_inside(x))
+                    .map(|(a, _)| a)
+                    .collect()
+            };
+            let mut roller = Body::new(mesh, NeoHookean::new(1e3, 0.3)?);
+            roller.prescribe_nodes(&core, [Some(along), Some(-0.15)])?;
+            Ok(crate::pair((floor, "all"), (roller, "edge"))?)
+        };
+        let truth = match along > 4.0 {
+            // it slides off the end of the floor: no force is left
+            true => Truth::Values(Box::new(|_, history| {
+                let force = history
+                    .last()
+                    .map_or(f64::NAN, |step: &contact_fem::StepRecord<2>| {
+                        step.contact_force(1).norm()
+                    });
+                vec![Check {
+                    what: "force beyond the end",
+                    found: force,
+                    expected: 0.0,
+                    tolerance: 1e-9,
+                }]
+            })),
+            false => Truth::Values(Box::new(|_, history| {
+                let last = history.last();
+                let force = last.map_or(f64::NAN, |step| step.contact_forces[1][1]);
+                let below = last.map_or(f64::NAN, |step| step.reactions[0][1]);
+                vec![
+                    Check::relative("force below", below, force, 1e-6),
+                    // of the same scene at along = 0 on meshes twice and four times as fine
+                    Check {
+                        what: "is pressed",
+                        found: f64::from(u8::from(force > 10.0)),
+                        expected: 1.0,
+                        tolerance: 0.0,
+                    },
+                ]
+            })),
+        };
+        let name = |along: f64, increments: usize| {
+            format!("disc along a block by {along}, {increments} increments")
+        };
+        let case = Case::plane(name(along, increments), "sliding", scene, truth);
+        cases.push(case.increments(increments).twin(name(0.0, 10)));
+    }
+    cases
+}

@@ -1,0 +1,129 @@
+//! Discs in rings, pins in holes, and the paper's disc-in-disc in many steps.
+
+use std::f64::consts::TAU;
+
+use contact_fem::mesh::generators::{Diagonals, annulus, disc, linspace};
+use contact_fem::{Body, LinearElastic, NeoHookean, Scene};
+
+use crate::Failure;
+use crate::disc_in_disc::{self, Fineness, Roles};
+use crate::extremes::{Case, Check, Truth};
+
+pub(super) fn all() -> Vec<Case> {
+    let mut cases = increments();
+    cases.extend(elastic_discs());
+    cases.extend(pins());
+    cases
+}
+
+/// The disc-in-disc on a coarse mesh in 5 to 100 increments: forces balance; the path does not matter.
+fn increments() -> Vec<Case> {
+    let name = |count: usize| format!("disc-in-disc, {count} increments");
+    let case = |count: usize| {
+        let scene = || Ok(disc_in_disc::scene(Fineness::scaled(24), Roles::default())?);
+        // the end of 400 increments with the penalty (39), which no test of this suite uses, is within this
+        let truth = Truth::Values(Box::new(|_, history| {
+            let last = history.last();
+            let [ring, pushed] = [0, 1].map(|k| last.map_or(f64::NAN, |step| step.reactions[k][1]));
+            vec![Check::relative("reaction of the ring", ring, -pushed, 1e-6)]
+        }));
+        Case::plane(name(count), "increments", scene, truth)
+    };
+    let counts = [100, 5, 10, 20, 50];
+    counts
+        .map(|count| case(count).increments(count).twin(name(100)))
+        .into()
+}
+
+/// An elastic disc whose core is pushed in a ring: stiffness ratios to 1e±6.
+fn elastic_discs() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let name = |ratio: f64, segments: usize, increments: usize| {
+        format!(
+            "elastic disc in a ring, E ratio {ratio:e}, {segments} segments, {increments} increments"
+        )
+    };
+    for (ratio, segments, increments) in [
+        (1.0, 40, 20),
+        (1.0, 40, 10),
+        (1.0, 40, 100),
+        (1.0, 80, 20),
+        (1e-3, 40, 20),
+        (1e3, 40, 20),
+        (1e-6, 40, 20),
+        (1e6, 40, 20),
+    ] {
+        let scene = move || -> Result<Scene<2>, Failure> {
+            let rings = linspace(1.0, 1.5, segments / 8);
+            let mut ring = Body::new(
+                annulus(&rings, segments, Diagonals::Alternating)?,
+                NeoHookean::new(1e3, 0.3)?,
+            );
+            ring.prescribe("outer", [Some(0.0); 2])?;
+            let mesh = disc(0.9, segments * 7 / 8, segments / 6, 0.05)?;
+            let nodes = mesh.nodes().iter().enumerate();
+            let core: Vec<usize> = nodes
+                .filter(|(_, x)| x.norm() < 0.25)
+                .map(|(a, _)| a)
+                .collect();
+            let mut inner = Body::new(mesh, NeoHookean::new(1e3 * ratio, 0.3)?);
+            inner.prescribe_nodes(&core, [Some(0.0), Some(-0.4)])?;
+            Ok(crate::pair((ring, "inner"), (inner, "boundary"))?)
+        };
+        let truth = Truth::Values(Box::new(|_, history| {
+            let last = history.last();
+            let [ring, pushed] = [0, 1].map(|k| last.map_or(f64::NAN, |step| step.reactions[k][1]));
+            vec![Check::relative("reaction of the ring", ring, -pushed, 1e-5)]
+        }));
+        let case = Case::plane(
+            name(ratio, segments, increments),
+            "elastic disc",
+            scene,
+            truth,
+        );
+        cases.push(case.increments(increments).twin(name(1.0, 40, 20)));
+    }
+    cases
+}
+
+/// A pin in a hole, loaded by its weight and held against rotation by one node: the ring carries the load.
+fn pins() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for is_quadratic in [false, true] {
+        let order = 1 + usize::from(is_quadratic);
+        let name = |clearance: f64| format!("pin in a hole P{order}, clearance {clearance:e}");
+        for clearance in [1e-1, 1e-2, 1e-3, 1e-4, 0.0] {
+            let scene = move || -> Result<Scene<2>, Failure> {
+                // nodes of both at the same angles, so that clearance is clearance everywhere
+                let outer = annulus(&linspace(1.0, 2.0, 5), 40, Diagonals::Alternating)?;
+                let pin = disc(1.0 - clearance, 40, 6, 0.0)?;
+                let of =
+                    |mesh: contact_fem::Mesh<2>| if is_quadratic { mesh.quadratic() } else { mesh };
+                let law = || LinearElastic::new(1e4, 0.3);
+                let mut plate = Body::new(of(outer), law()?);
+                plate.prescribe("outer", [Some(0.0); 2])?;
+                let mut pin = Body::new(of(pin), law()?);
+                let nodes = pin.mesh().nodes().iter().enumerate();
+                let axis: Vec<usize> = nodes
+                    .filter(|(_, x)| x[0].abs() < 1e-12)
+                    .map(|(a, _)| a)
+                    .collect();
+                pin.prescribe_nodes(&axis, [Some(0.0), None])?;
+                pin.body_force([0.0, -1.0])?;
+                Ok(crate::pair((plate, "inner"), (pin, "boundary"))?)
+            };
+            let truth = Truth::Values(Box::new(move |problem, history| {
+                let carried = history.last().map_or(f64::NAN, |step| step.reactions[0][1]);
+                let weight: f64 = problem.scene().bodies()[1].forces().iter().sum();
+                let area = 0.5 * 40.0 * (TAU / 40.0).sin() * (1.0 - clearance).powi(2);
+                vec![
+                    Check::relative("weight", -weight, area, 1e-9),
+                    Check::relative("weight carried", carried, area, 1e-5),
+                ]
+            }));
+            let case = Case::plane(name(clearance), "pin in hole", scene, truth);
+            cases.push(case.twin(name(1e-2)));
+        }
+    }
+    cases
+}
