@@ -109,9 +109,16 @@ fn beyond_facets<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         let facet = sides[0].facet_size().min(sides[1].facet_size());
         let [first, second] = bodies.map(|body| mean_displacement(&setup.scene.bodies()[body]));
         let motion = second - first;
-        // towards each other they may move as far as they like
-        let normals = sides[0].reference_normals();
-        let normal = normals.iter().sum::<Vector<D>>() / normals.len().max(1) as f64;
+        // towards each other they may move as far as they like; the flatter surface has the longer mean normal
+        let [one, other] = sides.map(|side| {
+            let normals = side.reference_normals();
+            normals.iter().sum::<Vector<D>>() / normals.len().max(1) as f64
+        });
+        let normal = if other.norm() > one.norm() {
+            other
+        } else {
+            one
+        };
         let along = motion - normal * normal.dot(&motion);
         let ratio = along.norm() / facet;
         if ratio > BEYOND_FACET * (1.0 + AT_LIMIT) {

@@ -214,6 +214,21 @@ fn bodies_that_start_inside_each_other() {
     );
     assert!((slight[0].value - 1e-3).abs() < 1e-12);
 
+    // declared where they do not meet
+    let elsewhere = |y: f64| {
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", held(unit(0.0), large()));
+        let upper = scene.add("upper", pushed(unit(y), large(), [0.0, -0.01]));
+        scene.reach = Some(3.0);
+        scene
+            .contact(lower.on("bottom"), upper.on("top"))
+            .expect("a pair");
+        scene
+    };
+    let found = of(&elsewhere(0.6), FindingKind::Interference);
+    assert_eq!((found.len(), found[0].severity), (1, Severity::Error));
+    assert!(of(&elsewhere(1.0), FindingKind::Interference).is_empty());
+
     // no pair parts these
     let undeclared = |y: f64, overlaps: Overlaps| {
         let mut scene = Scene::new();
