@@ -87,7 +87,7 @@ fn check_summary(folder: &Path, finished: usize) {
     let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(summary["converged"], false);
     assert_eq!(summary["steps"], finished);
-    assert!(summary["energy"].is_number());
+    assert!(summary["energy"].is_number() && summary["findings"].is_array());
     let status = summary["status"].as_str().expect("a status");
     assert!(status.starts_with("interrupted"), "{status}");
 }

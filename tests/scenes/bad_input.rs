@@ -574,3 +574,31 @@ fn scenes_that_are_none() {
         assert!(mesh.translated([offset, 0.0]).is_err(), "{offset}");
     }
 }
+
+/// A recorded run writes what the checks found into its summary: a step that is too long is a warning.
+#[test]
+fn findings_of_a_recorded_run() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("findings");
+    let mut upper = square(1.0);
+    upper
+        .prescribe("top", [Some(0.5), Some(-0.01)])
+        .expect("support");
+    let scene = pair((held(0.0), "top"), (upper, "bottom")).expect("surfaces");
+    let mut problem = scene.problem().expect("sound");
+    for (increments, expected) in [(1, vec!["warning"]), (4, vec![])] {
+        let mut simulation = Simulation::with_increments(increments);
+        let mut recording = simulation.record(&folder);
+        (recording.plan.quiet, recording.plan.vtu_every) = (true, 0);
+        recording.run(&mut problem).expect("a run");
+        let text = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+        let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let findings = summary["findings"].as_array().expect("a list");
+        let severities = findings.iter().map(|f| f["severity"].as_str());
+        let severities: Vec<&str> = severities.map(|s| s.expect("a severity")).collect();
+        assert_eq!(severities, expected, "{findings:?}");
+        for finding in findings {
+            assert_eq!(finding["kind"], "LongStep");
+            assert!(finding["value"].as_f64() > finding["limit"].as_f64());
+        }
+    }
+}

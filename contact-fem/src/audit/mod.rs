@@ -94,11 +94,18 @@ impl<const D: usize> Audit<D> {
         }
     }
 
-    /// The flat pieces of all exteriors: nodes by their scene numbers, longest edge (UL), and the thickness of the
-    /// material behind (UL), `+∞` if it is more than twice the largest piece.
-    pub(crate) fn faces(&self) -> impl Iterator<Item = (&[usize], f64, f64)> {
-        let faces = self.topology.faces.iter();
-        faces.map(|face| (&face.nodes[..], face.size, face.thickness))
+    /// The flat pieces of all exteriors with another one behind them, at most twice the largest piece away: the nodes of
+    /// both by their scene numbers, longest edge of the first (UL), and the thickness of the material between them (UL).
+    pub(crate) fn opposites(&self) -> impl Iterator<Item = ([&[usize]; 2], f64, f64)> {
+        let faces = &self.topology.faces;
+        faces.iter().filter_map(|face| {
+            let opposite = &faces[face.opposite?];
+            Some((
+                [&face.nodes[..], &opposite.nodes[..]],
+                face.size,
+                face.thickness,
+            ))
+        })
     }
 
     /// All findings at positions `x` of all nodes (UL).

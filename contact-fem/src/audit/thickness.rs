@@ -30,18 +30,18 @@ pub(super) fn measure<const D: usize>(faces: &mut [Face<D>], X: &[Vector<D>]) {
                     return None;
                 }
                 let corners = other.nodes.map(|a| X[a]);
-                leaving(&from, &inward, &corners).filter(|&way| way > 1e-9 * face.size)
+                let way = leaving(&from, &inward, &corners);
+                Some((way.filter(|&way| way > 1e-9 * face.size)?, leaf.data))
             });
-        hits.fold(f64::INFINITY, f64::min)
+        hits.min_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(way, _)| *way <= far)
     };
-    let all: Vec<f64> = faces.iter().map(thickness).collect();
-    let all = all
-        .into_iter()
-        .map(|way| if way <= far { way } else { f64::INFINITY });
-    faces
-        .iter_mut()
-        .zip(all)
-        .for_each(|(face, way)| face.thickness = way);
+    let all: Vec<Option<(f64, usize)>> = faces.iter().map(thickness).collect();
+    for (face, found) in faces.iter_mut().zip(all) {
+        if let Some((way, opposite)) = found {
+            (face.thickness, face.opposite) = (way, Some(opposite));
+        }
+    }
 }
 
 /// The way from a point along a unit vector to a facet through which it leaves the body.

@@ -23,6 +23,8 @@ pub(super) struct Face<const D: usize> {
     /// The thickness of the material behind it in the reference configuration (UL); `+∞` if it is more than twice
     /// the largest face.
     pub thickness: f64,
+    /// The face on the other side of that material.
+    pub opposite: Option<usize>,
 }
 
 pub(super) struct Topology<const D: usize> {
@@ -63,6 +65,7 @@ impl<const D: usize> Topology<D> {
                             body,
                             size: 0.0,
                             thickness: f64::INFINITY,
+                            opposite: None,
                         }),
                 );
             }

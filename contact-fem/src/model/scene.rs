@@ -222,6 +222,11 @@ impl<const D: usize> Scene<D> {
         Ok(())
     }
 
+    /// Whether a side may touch all other such sides, by [`Scene::contact_surface`].
+    pub(super) fn is_general(&self, side: &Side) -> bool {
+        self.surfaces.contains(side)
+    }
+
     /// The declared pairs, and those that follow from the declared surfaces and were not declared
     /// themselves.
     fn all_pairs(&self) -> Result<Vec<Pair>, Error> {

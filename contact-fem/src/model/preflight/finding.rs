@@ -41,7 +41,7 @@ pub enum FindingKind {
     InwardNormal,
     /// Nodes of a body lie on each other and are not joined. The value is the number of such pairs.
     OpenSeam,
-    /// The material behind a contact facet is thin. The value is its thickness, divided by the facet's length.
+    /// The material between two contact facets is thin. The value is its thickness, divided by the facet's length.
     ThinBody,
     /// A cell is a sliver. The value is its longest edge, divided by its smallest height.
     Sliver,
@@ -49,8 +49,8 @@ pub enum FindingKind {
     MeshRatio,
     /// Linear elements lock. The value is Poisson's ratio.
     Locking,
-    /// A law for small strains meets a displacement longer than a facet. The value is that displacement, divided
-    /// by the facet's length.
+    /// Surfaces are moved along each other by more than a facet, with contact at the reference positions. The value is
+    /// that displacement, divided by the facet's length.
     BeyondFacet,
     /// A law for small strains meets a rotation. The value is the angle in degrees.
     Rotation,

@@ -3,11 +3,11 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::limits::{AT_LIMIT, BEYOND_FACET, LOCKING, ROTATION};
-use super::steps::relative_motion;
 use super::surfaces::one_pass_a_pair;
 use super::{Finding, FindingKind, Report, Setup, Severity};
 use crate::element::Order;
 use crate::model::{Body, Geometry};
+use crate::tensor::Vector;
 
 /// Finds linear elements that lock, and laws for small strains whose bodies move too far or turn too much.
 pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
@@ -99,8 +99,7 @@ fn prescribed_rotation<const D: usize>(body: &Body<D>) -> f64 {
     }
 }
 
-/// Finds pairs of bodies with laws for small strains that are moved along each other, with contact at
-/// the reference positions, further than a facet.
+/// Finds surfaces that are moved along each other further than a facet, with contact at the reference positions.
 fn beyond_facets<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     let surfaces = &setup.contact.surfaces;
     for pass in one_pass_a_pair(setup) {
@@ -108,12 +107,25 @@ fn beyond_facets<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         let bodies = sides.map(|side| side.body());
         let names = bodies.map(|body| &setup.scene.names()[body]);
         let facet = sides[0].facet_size().min(sides[1].facet_size());
-        let ratio = relative_motion(setup.scene, bodies) / facet;
+        let [first, second] = bodies.map(|body| mean_displacement(&setup.scene.bodies()[body]));
+        let motion = second - first;
+        // towards each other they may move as far as they like; the flatter surface has the longer mean normal
+        let [one, other] = sides.map(|side| {
+            let normals = side.reference_normals();
+            normals.iter().sum::<Vector<D>>() / normals.len().max(1) as f64
+        });
+        let normal = if other.norm() > one.norm() {
+            other
+        } else {
+            one
+        };
+        let along = motion - normal * normal.dot(&motion);
+        let ratio = along.norm() / facet;
         if ratio > BEYOND_FACET * (1.0 + AT_LIMIT) {
             let finding = Finding::new(Severity::Warning, FindingKind::BeyondFacet, &names);
             report.add(finding.measured(ratio, BEYOND_FACET).says(
                 format!(
-                    "bodies `{}` and `{}` are moved by {ratio:.1} facets against each other, but contact is looked \
+                    "bodies `{}` and `{}` are moved by {ratio:.1} facets along each other, but contact is looked \
                      for at the reference positions",
                     names[0], names[1]
                 ),
@@ -121,4 +133,13 @@ fn beyond_facets<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
             ));
         }
     }
+}
+
+/// The mean of the prescribed displacements (UL); 0 for components of which none is prescribed.
+fn mean_displacement<const D: usize>(body: &Body<D>) -> Vector<D> {
+    Vector::from_fn(|i, _| {
+        let values = body.prescribed().iter().skip(i).step_by(D).flatten();
+        let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), v| (sum + v, count + 1));
+        sum / count.max(1) as f64
+    })
 }

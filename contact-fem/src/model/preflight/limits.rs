@@ -17,21 +17,22 @@ pub(super) const TOUCHES: f64 = 1e-6;
 /// is above round-off.
 pub(super) const FACES: f64 = 0.01;
 
-/// The smallest cosine (no unit) between the averaged normal at a node and the normals of its facets: that of a wedge of
-/// 6° at its tip, where every push along the averaged normal is nearly tangential.
-pub(super) const OUTWARD: f64 = 0.05;
+/// The smallest cosine (no unit) between the averaged normal at a node and the normals of its facets. At the tip of a wedge
+/// and of a crack it is 0 up to round-off; below, a push along the averaged normal pulls a facet into its body.
+pub(super) const OUTWARD: f64 = -0.05;
 
 /// The distance of nodes of a body that lie on each other, as a share of the facets there: above the digits that
 /// mesh files keep.
 pub(super) const COINCIDES: f64 = 1e-6;
 
-/// The smallest thickness behind a contact facet, as a share of its length. The contact search does not see
-/// material that is thinner (its share for overlaps of two bodies), and takes a body's far side for its near one.
+/// The smallest thickness between two contact facets of a body, as a share of their length. The contact search does not
+/// see material that is thinner (its share for overlaps of two bodies), and may take a body's far side for its near one.
 pub(super) const THIN: f64 = 0.2;
 
 /// The largest ratio of a cell's longest edge to its smallest height (no unit). The condition number of the stiffness
-/// grows with its square: 4 digits are lost here.
-pub(super) const SLIVER: f64 = 100.0;
+/// grows with its square: 6 digits are lost here. Meshes graded towards a contact have 700, and are solved to the
+/// usual accuracy.
+pub(super) const SLIVER: f64 = 1000.0;
 
 /// The largest ratio of the facet lengths of two surfaces (no unit): within a coarse facet that many fine ones
 /// share one linear pressure, and Gauss points (4 a facet by default) skip fine facets.
@@ -41,7 +42,7 @@ pub(super) const MESH_RATIO: f64 = 10.0;
 /// linear simplices have about as many volumes to keep as unknowns.
 pub(super) const LOCKING: f64 = 0.45;
 
-/// The largest motion of surfaces along each other under contact at the reference positions, as a share of the facet
+/// The largest prescribed motion of surfaces along each other, with contact at the reference positions, as a share of the facet
 /// length: beyond it a point is opposite another facet than the one that holds it.
 pub(super) const BEYOND_FACET: f64 = 1.0;
 

@@ -88,7 +88,7 @@ fn seam<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Report) 
     }
 }
 
-/// Finds the contact facet with the least thickness behind it, against its length.
+/// Finds the contact facet with the least thickness between it and another contact facet, against its length.
 fn thickness<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Report) {
     let name = &setup.scene.names()[body];
     let sides = setup
@@ -101,11 +101,10 @@ fn thickness<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Rep
         .collect();
     // flat pieces of quadratic facets are half as long as these
     let pieces = setup.scene.bodies()[body].mesh().order().degree() as f64;
-    let faces = setup
-        .audit
-        .faces()
-        .filter(|face| face.0.iter().all(|a| nodes.contains(a)));
-    let relative = faces.map(|(nodes, size, thickness)| (thickness / (pieces * size), nodes));
+    let is_contact = |face: &[usize]| face.iter().all(|a| nodes.contains(a));
+    let faces = setup.audit.opposites();
+    let faces = faces.filter(|(both, ..)| both.iter().all(|face| is_contact(face)));
+    let relative = faces.map(|(both, size, thickness)| (thickness / (pieces * size), both[0]));
     let Some((share, nodes)) = relative.min_by(|a, b| a.0.total_cmp(&b.0)) else {
         return;
     };
@@ -117,7 +116,10 @@ fn thickness<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Rep
             / D as f64;
         let finding = Finding::new(Severity::Warning, FindingKind::ThinBody, &[name]);
         report.add(finding.at(&x).measured(share, THIN).says(
-            format!("body `{name}` is {share:.1e} facets thick at {:?}", x.as_slice()),
+            format!(
+                "body `{name}` is {share:.1e} facets thick at {:?}, with contact on both sides",
+                x.as_slice()
+            ),
             "refine its contact facets there until they are no longer than five times its thickness",
         ));
     }

@@ -22,8 +22,11 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         if bodies[0] == bodies[1] {
             continue;
         }
+        // of surfaces that may touch all others, most do not touch each other
+        let both = [pass.slave, pass.master].map(|k| sides[k]);
+        let is_one_of_many = both.iter().all(|side| setup.scene.is_general(side));
         let names = bodies.map(|body| &names[body]);
-        let [one, other] = [pass.slave, pass.master].map(|k| &sides[k].boundary);
+        let [one, other] = both.map(|side| &side.boundary);
         let between = |kind| Finding::new(Severity::Warning, kind, &names);
         let what = format!("`{one}` of `{}` and `{other}` of `{}`", names[0], names[1]);
         let (there, back) = (towards(first, second), towards(second, first));
@@ -37,6 +40,10 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
             Geometry::Current => relative_motion(setup.scene, bodies),
         };
         let faces = there.faces.max(back.faces);
+        let is_apart = faces < FACES || nearest.distance > reach + motion;
+        if is_apart && is_one_of_many {
+            continue;
+        }
         if faces < FACES {
             let finding = between(FindingKind::FacingAway).at(&nearest.x);
             report.add(finding.measured(faces, FACES).says(
@@ -56,7 +63,13 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         }
         let sizes = [first, second].map(|side| side.surface().facet_size());
         let ratio = sizes[0].max(sizes[1]) / sizes[0].min(sizes[1]);
-        if ratio > MESH_RATIO {
+        // the coarse facets of a rigid body have no pressure to share
+        let coarser = bodies[usize::from(sizes[1] > sizes[0])];
+        let is_free = setup.scene.bodies()[coarser]
+            .prescribed()
+            .iter()
+            .any(Option::is_none);
+        if ratio > MESH_RATIO && !is_apart && is_free {
             report.add(between(FindingKind::MeshRatio).measured(ratio, MESH_RATIO).says(
                 format!("the facets of {what} differ by a factor of {ratio:.1}"),
                 "refine the coarser one where they touch, or set `Scene::integration` to `Integration::Exact`",
