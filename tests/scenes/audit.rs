@@ -26,6 +26,13 @@ where
     Body::new(mesh, NeoHookean::new(1e3, 0.0).expect("law"))
 }
 
+/// A body of one triangle.
+fn triangle(x: [[f64; 2]; 3]) -> Body<2> {
+    let mut mesh = Mesh::new(x.to_vec(), vec![0, 1, 2]).expect("mesh");
+    mesh.name_boundary("all", |_| true);
+    soft(mesh)
+}
+
 /// Whether a run says that it is right: complete, and every certificate holds.
 fn claims<const D: usize>(history: &History<D>) -> bool {
     let certificate = history.certificate();
@@ -107,12 +114,7 @@ fn bars_do_not_pass_through_each_other() {
 #[test]
 fn a_tip_past_an_acute_rim() {
     let past = |lower: [[f64; 2]; 3], tip: [[f64; 2]; 3], by: f64, increments: usize| {
-        let wedge = |x: [[f64; 2]; 3]| {
-            let mut mesh = Mesh::new(x.to_vec(), vec![0, 1, 2]).expect("mesh");
-            mesh.name_boundary("all", |_| true);
-            soft(mesh)
-        };
-        let (mut lower, mut tip) = (wedge(lower), wedge(tip));
+        let (mut lower, mut tip) = (triangle(lower), triangle(tip));
         lower
             .prescribe_nodes(&[0, 2], [Some(0.0); 2])
             .expect("support");
@@ -147,11 +149,6 @@ fn a_tip_past_an_acute_rim() {
 /// Two triangles face each other across a gap and are pushed into each other in a single step longer than the reach.
 #[test]
 fn a_step_longer_than_the_reach() {
-    let triangle = |x: [[f64; 2]; 3]| {
-        let mut mesh = Mesh::new(x.to_vec(), vec![0, 1, 2]).expect("mesh");
-        mesh.name_boundary("all", |_| true);
-        soft(mesh)
-    };
     let mut lower = triangle([[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]);
     let mut upper = triangle([[0.5, 1.1], [1.0, 2.1], [0.0, 2.1]]);
     lower

@@ -75,8 +75,8 @@ struct Trees<const D: usize> {
 }
 
 impl<const D: usize> Overlap<D> {
-    /// The largest relative depth of bodies that are in contact. Weak constraints leave less: the
-    /// deepest nodes of sound scenes, at corners, are at 0.2.
+    /// The largest relative depth of bodies that are in contact (no unit). It separates the project's own scenes: the deepest
+    /// nodes of sound ones, at corners, are at 0.2, and bodies that pass through each other at 1 and more.
     pub const LIMIT: f64 = 0.3;
 }
 
@@ -184,9 +184,10 @@ impl<const D: usize> Audit<D> {
         overlaps
     }
 
-    /// Whether exteriors are deep in each other on the straight way of all nodes from `before` to
-    /// `after`: an overlap deeper than [`Overlap::LIMIT`] of the thickness. Bodies
-    /// that slide on each other do not move on straight lines, and overlap a little on the way.
+    /// An overlap on the straight way of all nodes from `before` to `after` (UL) that is deeper than
+    /// [`Overlap::LIMIT`] of the thickness, or `None`. Bodies that slide on each other do not move on
+    /// straight lines, and overlap a little on the way; shares of the thickness leave that out. The way is
+    /// examined at a fixed number of stops at most.
     pub fn passage(&self, before: &[Vector<D>], after: &[Vector<D>]) -> Option<Overlap<D>> {
         let moved = before.iter().zip(after).map(|(a, b)| (b - a).norm());
         let moved = moved.fold(0.0, f64::max);

@@ -8,7 +8,7 @@ use crate::mesh::Mesh;
 use crate::model::Scene;
 use crate::tensor::Vector;
 
-/// A simplex of a body: D + 1 nodes of the scene, of which the first D + 1 count.
+/// A simplex of a body, by nodes of the scene; the first D + 1 count.
 pub(super) struct Cell {
     pub nodes: [usize; 4],
     pub body: usize,
@@ -123,9 +123,8 @@ impl<const D: usize> Topology<D> {
 
 /// The nodes that share a cell with each node, itself included, ascending.
 fn neighbours<const D: usize>(cells: &[Cell], nodes: usize) -> (Vec<usize>, Vec<usize>) {
-    let corners = |cell: &Cell| cell.nodes;
     let pairs = cells.iter().flat_map(|cell| {
-        let nodes = corners(cell);
+        let nodes = cell.nodes;
         (0..=D).flat_map(move |i| (0..=D).map(move |j| (nodes[i], nodes[j])))
     });
     let mut pairs: Vec<_> = pairs.collect();

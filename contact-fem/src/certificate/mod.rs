@@ -62,7 +62,8 @@ pub enum Condition {
     /// the contact search.
     Overlap,
     /// Nothing overlaps without a force: the relative depth of the worst overlap of bodies between
-    /// which no contact force acts. Weak constraints allow that where facets are as large as the bodies.
+    /// which no contact force acts. Weak constraints allow that where facets are as large as the bodies. The
+    /// limit is twice what corners that begin to touch leave in the project's own scenes.
     Unopposed,
     /// Laws for small strains are used at small strains: the largest strain or rotation in bodies
     /// with such a law. Their error is of the order of this number; beyond the limit not even the

@@ -69,6 +69,16 @@ impl Check {
         (self.found - self.expected).abs() <= self.tolerance
     }
 
+    /// A statement that must be true.
+    fn that(what: &'static str, is_true: bool) -> Self {
+        Check {
+            what,
+            found: f64::from(u8::from(is_true)),
+            expected: 1.0,
+            tolerance: 0.0,
+        }
+    }
+
     /// A value with a relative tolerance.
     fn relative(what: &'static str, found: f64, expected: f64, tolerance: f64) -> Self {
         Check {

@@ -94,13 +94,7 @@ fn crossing() -> Vec<Case> {
                     .map(|step| [step.contact_forces[0][2], step.contact_forces[1][2]]);
                 let [lower, upper] = forces.unwrap_or([f64::NAN; 2]);
                 vec![
-                    // a push of 0.55 bends two bars of stiffness about 192 EI/L³ = 0.4 each
-                    Check {
-                        what: "force upward",
-                        found: upper,
-                        expected: 1.0,
-                        tolerance: 0.999,
-                    },
+                    Check::that("upper bar held", upper > 1e-3),
                     Check::relative("force on the other", lower, -upper, 1e-9),
                 ]
             }));
@@ -133,14 +127,8 @@ fn tips() -> Vec<Case> {
                     .last()
                     .map(|step| [step.contact_forces[0][1], step.contact_forces[1][1]]);
                 let [lower, tip] = forces.unwrap_or([f64::NAN; 2]);
-                let is_held = f64::from(u8::from(tip > 1e-3));
                 vec![
-                    Check {
-                        what: "tip held",
-                        found: is_held,
-                        expected: 1.0,
-                        tolerance: 0.0,
-                    },
+                    Check::that("tip held", tip > 1e-3),
                     Check::relative("force on the other", lower, -tip, 1e-9),
                 ]
             }));
@@ -151,8 +139,8 @@ fn tips() -> Vec<Case> {
     cases
 }
 
-/// A soft disc is pressed on a block and moved along it: forces balance, and without friction the energy of the pressed
-/// state does not depend on where it is.
+/// A soft disc is pressed on a block and moved along it: the floor carries what presses the disc, and beyond its end no
+/// force is left.
 fn ironing() -> Vec<Case> {
     let mut cases = Vec::new();
     for (along, increments) in [(0.0, 10), (0.5, 10), (1.5, 10), (1.5, 40), (4.2, 40)] {
@@ -199,13 +187,7 @@ fn ironing() -> Vec<Case> {
                 let below = last.map_or(f64::NAN, |step| step.reactions[0][1]);
                 vec![
                     Check::relative("force below", below, force, 1e-6),
-                    // of the same scene at along = 0 on meshes twice and four times as fine
-                    Check {
-                        what: "is pressed",
-                        found: f64::from(u8::from(force > 10.0)),
-                        expected: 1.0,
-                        tolerance: 0.0,
-                    },
+                    Check::that("disc pressed", force > 10.0),
                 ]
             })),
         };

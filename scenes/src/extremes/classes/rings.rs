@@ -16,16 +16,26 @@ pub(super) fn all() -> Vec<Case> {
     cases
 }
 
-/// The disc-in-disc on a coarse mesh in 5 to 100 increments: forces balance; the path does not matter.
+/// The disc-in-disc on a coarse mesh in 5 to 100 increments: forces balance, and the work of the support, by the
+/// trapezoidal rule over n increments, is the stored energy within a share of 1/n.
 fn increments() -> Vec<Case> {
     let name = |count: usize| format!("disc-in-disc, {count} increments");
     let case = |count: usize| {
         let scene = || Ok(disc_in_disc::scene(Fineness::scaled(24), Roles::default())?);
-        // the end of 400 increments with the penalty (39), which no test of this suite uses, is within this
-        let truth = Truth::Values(Box::new(|_, history| {
+        let truth = Truth::Values(Box::new(move |_, history| {
             let last = history.last();
             let [ring, pushed] = [0, 1].map(|k| last.map_or(f64::NAN, |step| step.reactions[k][1]));
-            vec![Check::relative("reaction of the ring", ring, -pushed, 1e-6)]
+            let (mut work, mut before) = (0.0, (0.0, 0.0));
+            for step in &history.steps {
+                let now = (step.factor, -step.reactions[1][1]);
+                work += 0.5 * (before.1 + now.1) * (now.0 - before.0) * disc_in_disc::PUSH;
+                before = now;
+            }
+            let energy = last.map_or(f64::NAN, |step| step.energy);
+            vec![
+                Check::relative("reaction of the ring", ring, -pushed, 1e-6),
+                Check::relative("work of the support", work, energy, 1.0 / count as f64),
+            ]
         }));
         Case::plane(name(count), "increments", scene, truth)
     };
