@@ -35,6 +35,18 @@ pub enum Error {
         /// The values that are accepted.
         remedy: &'static str,
     },
+    /// A solver does not treat problems of this kind.
+    #[error("`{solver}` does not treat {what} = {value}: {remedy}")]
+    Untreated {
+        /// The solver.
+        solver: &'static str,
+        /// The quantity that it refuses.
+        what: &'static str,
+        /// The value found.
+        value: String,
+        /// What to do instead.
+        remedy: &'static str,
+    },
     /// Invalid bounds or sparsity patterns.
     #[error(transparent)]
     Nlp(#[from] crate::nlp::NlpError),

@@ -52,6 +52,8 @@ mod stop;
 
 pub use cost::Cost;
 pub use energy::{DirectSum, Energy};
+#[cfg(feature = "linear")]
+pub use equilibrium::Condensed;
 pub use equilibrium::{Acceleration, Equilibrium, FixedPoint, Retry};
 pub use error::Error;
 pub use gaps::{LinearGaps, RowKey};

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`disc_in_disc`], [`beams`] | sections 6.1 and 6.2 of the paper |
 //! | [`hertz`], [`arch`], [`blocks`], [`hairpin`] | Hertz's contact, Signorini's problem, the patch test, self-contact |
+//! | [`cantilevers`] | rows of both passes that are one |
 //! | [`extremes`] | scenes at the limits, with their truths and benign twins |
 //! | [`studies`] | methods and passes side by side |
 //! | [`freefem`] | the same scenes solved by FreeFEM's scripts |
@@ -14,6 +15,7 @@
 pub mod arch;
 pub mod beams;
 pub mod blocks;
+pub mod cantilevers;
 pub mod cli;
 pub mod disc_in_disc;
 pub mod extremes;

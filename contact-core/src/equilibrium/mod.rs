@@ -9,15 +9,20 @@
 //! | `anderson` | the next iterate |
 //! | `cycles` | detection of periodic iterates |
 //! | `retry` | further attempts where the fixed point does not converge |
+//! | `condensed` | convex quadratic programs condensed onto their rows, with the feature `linear` |
 
 mod accuracy;
 pub mod anderson;
+#[cfg(feature = "linear")]
+mod condensed;
 mod cycles;
 pub mod fixed_point;
 mod journal;
 mod retry;
 
 pub use anderson::Acceleration;
+#[cfg(feature = "linear")]
+pub use condensed::Condensed;
 pub use fixed_point::{FixedPoint, relative_change};
 pub use retry::Retry;
 

@@ -1,0 +1,176 @@
+//! `Condensed` against the floor of every linear solution, with or without contact: one analysis, one LLᵀ and one solve
+//! of the stiffness.
+//!
+//! ```text
+//! cargo bench --bench condensed --features metis
+//! cargo bench --bench condensed --features metis -- --only Hertz
+//! ```
+//!
+//! Seconds are those of one thread's processor. Bodies that float are factored with 1e-6 of their diagonal added.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use ipopt_contact::contact_core::equilibrium::{Condensed, Solution};
+use ipopt_contact::contact_core::linear::{Analysis, Cholesky, Factor, Kind, Ordering};
+use ipopt_contact::contact_core::{ContactProblem, Cost, Energy, LoadStepped, State};
+use ipopt_contact::contact_fem::element::Order;
+use ipopt_contact::contact_fem::output::record::exit;
+use ipopt_contact::prelude::*;
+use ipopt_contact_scenes::beams::{Beams, Law};
+use ipopt_contact_scenes::hertz::{Fineness, Hertz};
+use ipopt_contact_scenes::{Failure, cantilevers};
+
+/// Times the static condensation
+#[derive(Parser, Debug)]
+struct Arguments {
+    /// Only the scenes with this in their name
+    #[arg(long, default_value = "")]
+    only: String,
+    /// What `cargo bench` passes; without it, as from `cargo test`, a tiny run shows that it works
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+const HEADER: &str = "\
+scene                        free dofs  rows  set-up s  floor s   solve s  ratio  rows' s  factor-  problems  Newton  certi-  energy
+                                                                                            isations           steps  ficate";
+
+fn main() -> ExitCode {
+    exit(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
+    println!("{HEADER}");
+    let wanted = |name: &str| name.contains(&arguments.only);
+    if !arguments.bench {
+        return measure("cantilevers 4×2×2", 2, || cantilevers::scene([4, 2, 2]));
+    }
+    for (name, across, along, order) in [
+        ("beams P2 4×16", 4, 16, Order::Quadratic),
+        ("beams P2 6×20", 6, 20, Order::Quadratic),
+        ("beams P1 10×80", 10, 80, Order::Linear),
+    ] {
+        let beams = Beams {
+            along,
+            ..Beams::new(across, order, Law::SmallStrain)
+        };
+        if wanted(name) {
+            measure(name, 1, || beams.scene())?;
+        }
+    }
+    for (name, in_contact, on_arc) in [("Hertz 9k triangles", 40.0, 90), ("Hertz 24k triangles", 60.0, 146)] {
+        let hertz = Hertz::new(Fineness { in_contact, on_arc }, Order::Linear);
+        if wanted(name) {
+            measure(name, 1, || hertz.scene())?;
+        }
+    }
+    for cells in [[10, 4, 4], [20, 8, 8], [27, 11, 11], [48, 16, 16]] {
+        let name = format!("cantilevers {}×{}×{}", cells[0], cells[1], cells[2]);
+        if wanted(&name) {
+            measure(&name, 1, || cantilevers::scene(cells))?;
+        }
+    }
+    if wanted("cantilevers, 100 steps") {
+        measure("cantilevers, 100 steps", 100, || cantilevers::scene([20, 8, 8]))?;
+    }
+    let hertz = Hertz::new(Fineness { in_contact: 60.0, on_arc: 146 }, Order::Linear);
+    if wanted("Hertz, 100 steps") {
+        measure("Hertz, 100 steps", 100, || hertz.scene())?;
+    }
+    Ok(())
+}
+
+fn measure<const D: usize>(
+    name: &str,
+    increments: usize,
+    scene: impl FnOnce() -> Result<Scene<D>, ipopt_contact::contact_fem::Error>,
+) -> Result<(), Failure> {
+    let clock = processor_seconds();
+    let mut problem = scene()?.problem()?;
+    let set_up = processor_seconds() - clock;
+    problem.set_load(1.0)?;
+    let floor = floor(problem.energy())?;
+    let mut solver = Condensed::new();
+    let clock = processor_seconds();
+    let (mut at, mut solution) = (State::default(), None::<Solution>);
+    at.u = vec![0.0; problem.energy().dofs()];
+    let (mut cost, mut seconds) = (Cost::default(), 0.0);
+    for k in 1..=increments {
+        if increments > 1 {
+            let clock = processor_seconds();
+            problem.set_load(k as f64 / increments as f64)?;
+            seconds -= processor_seconds() - clock;
+        }
+        let step = solver.solve_from(&problem, at)?;
+        if step.outcome != Outcome::Converged {
+            println!("{name:<27} {}", step.outcome);
+            return Ok(());
+        }
+        cost += step.cost();
+        at = step.state.clone();
+        solution = Some(step);
+    }
+    seconds += processor_seconds() - clock;
+    let solution = solution.ok_or("no increment")?;
+    println!(
+        "{name:<27} {:>10} {:>5} {set_up:>9.2} {floor:>8.3} {seconds:>9.3} {:>6.2} {:>8.3} {:>9} {:>9} {:>7} {:>7} {:.9e}",
+        problem.dofs().free(),
+        solution.gaps.len(),
+        seconds / floor,
+        cost.projection,
+        cost.factorizations,
+        cost.solves,
+        cost.iterations,
+        match Certificate::new(&problem, &solution).holds(&tight()) {
+            true => "holds",
+            false => "FAILS",
+        },
+        solution.energy,
+    );
+    Ok(())
+}
+
+/// The limits of the certificate, those on what a solver leaves ten times tighter.
+fn tight() -> Limits {
+    let left = [
+        Condition::WeakPenetration,
+        Condition::Adhesion,
+        Condition::Complementarity,
+        Condition::Stationarity,
+        Condition::ActionReaction,
+        Condition::Balance,
+    ];
+    let limits = Limits::default();
+    left.into_iter().fold(limits, |limits, condition| {
+        limits.with(condition, 0.1 * Limits::default().of(condition))
+    })
+}
+
+/// Seconds for analysis, LLᵀ and one solve.
+fn floor(energy: &dyn Energy) -> Result<f64, Failure> {
+    let (n, pattern) = (energy.dofs(), energy.hessian_pattern());
+    let mut values = vec![0.0; pattern.len()];
+    energy.hessian(&vec![0.0; n], &mut values);
+    let mut b = vec![1.0; n];
+    let mut clock = processor_seconds();
+    let analysis = Analysis::new(pattern, &Ordering::Automatic)?;
+    let mut factor = Cholesky::new(&analysis, Kind::Llt)?;
+    if factor.refactor(&values).is_err() {
+        for (value, (i, j)) in values.iter_mut().zip(pattern.iter()) {
+            *value *= if i == j { 1.0 + 1e-6 } else { 1.0 };
+        }
+        clock = processor_seconds();
+        let _ = Analysis::new(pattern, &Ordering::Automatic)?;
+        factor.refactor(&values)?;
+    }
+    factor.solve(&mut b)?;
+    Ok(processor_seconds() - clock)
+}
+
+/// What this thread has had of a processor (s).
+fn processor_seconds() -> f64 {
+    let times = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds = times.split(' ').next().and_then(|time| time.parse::<f64>().ok());
+    nanoseconds.map_or(f64::NAN, |time| 1e-9 * time)
+}

@@ -1,0 +1,319 @@
+//! Static condensation onto the contact rows, where the problem is a convex quadratic program.
+//!
+//! | file | role |
+//! |---|---|
+//! | `stiffness` | K by blocks, factored once |
+//! | `rows` | distinct rows |
+//! | `compliance` | W = C M⁻¹ Cᵀ of the working set |
+//! | `pruned` | W of one block |
+//! | `complementarity` | 0 ≤ λ ⟂ W λ + q ≥ 0 |
+//! | `line_search` | its exact line search |
+//! | `rounds` | the iteration on u and λ |
+//! | `halt` | what ends a solve before its result |
+
+mod complementarity;
+mod compliance;
+mod halt;
+mod line_search;
+mod pruned;
+mod rounds;
+mod rows;
+mod stiffness;
+#[cfg(test)]
+mod tests;
+
+use std::fmt;
+use std::time::Instant;
+
+use self::compliance::Compliance;
+use self::halt::Halt;
+use self::rounds::{Iterate, Rounds};
+use self::rows::Rows;
+use self::stiffness::Stiffness;
+use super::{Equilibrium, Iteration, Solution, StepContext, relative_change};
+use crate::cost::FactorSize;
+use crate::gaps::Sampling;
+use crate::method::check_bounds;
+use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, State, Stop};
+
+/// Equilibrium of bodies with quadratic energies under exact rows, by static condensation.
+///
+/// min ½uᵀKu − fᵀu subject to C u + c₀ ≥ 0: K is factored once, body by body; the rows that may act see the dense
+/// compliance W = C K⁻¹ Cᵀ, and their multipliers solve 0 ≤ λ ⟂ W λ + q ≥ 0. A body that nothing but contact holds gets
+/// a small shift in a proximal iteration, so that motions which nothing determines stay the least. `docs/condensed.md`
+/// derives the method.
+///
+/// Factors and W are kept for the next solve: a run of many load steps factors once as long as K stays the same.
+/// Clones start without them.
+///
+/// In [`Cost`], an iteration is a step of Newton's method on the condensed rows, a solve is one of their problems, and
+/// a factorisation is one of all blocks of K, or of all that float once more.
+#[derive(Default)]
+pub struct Condensed {
+    kept: Option<Kept>,
+}
+
+/// What the next solve can use again.
+struct Kept {
+    stiffness: Stiffness,
+    rows: Rows,
+    compliance: Compliance,
+}
+
+impl Condensed {
+    /// Without factors yet.
+    pub fn new() -> Self {
+        Condensed::default()
+    }
+
+    /// Solves a single problem, without load steps.
+    ///
+    /// # Errors
+    /// As [`Equilibrium::solve`].
+    pub fn solve_from(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+    ) -> Result<Solution, Error> {
+        let (again, stop) = (start.clone(), Stop::new());
+        let lifted = || again.clone();
+        self.solve(problem, start, &StepContext::single(&again, &lifted, &stop))
+    }
+
+    /// The factors and the compliance for this problem, new where they are not the last one's.
+    fn prepare(
+        &mut self,
+        energy: &dyn Energy,
+        gaps: &LinearGaps,
+        stop: &Stop,
+        cost: &mut Cost,
+    ) -> Result<&mut Kept, Halt> {
+        let mut values = vec![0.0; energy.hessian_pattern().len()];
+        let clock = Instant::now();
+        energy.hessian(&vec![0.0; energy.dofs()], &mut values);
+        cost.callbacks += clock.elapsed().as_secs_f64();
+        cost.hessians += 1;
+        let kept = self.kept.take();
+        let kept = match kept.filter(|kept| kept.stiffness.is_of(energy, &values)) {
+            Some(kept) if kept.rows.are_of(gaps) => kept,
+            Some(kept) => Kept::new(kept.stiffness, gaps),
+            None => {
+                let stiffness = Stiffness::new(energy, values, stop)?;
+                cost.factorizations += stiffness.factorizations;
+                Kept::new(stiffness, gaps)
+            }
+        };
+        cost.factor = Some(FactorSize {
+            ordering: "automatic",
+            bytes: (kept.stiffness.fill() * size_of::<f64>()) as u64,
+            workspace_bytes: None,
+            reallocations: 0,
+        });
+        Ok(self.kept.insert(kept))
+    }
+}
+
+impl Kept {
+    fn new(stiffness: Stiffness, gaps: &LinearGaps) -> Self {
+        let rows = Rows::new(gaps);
+        Kept {
+            compliance: Compliance::new(stiffness.blocks().len(), rows.len()),
+            stiffness,
+            rows,
+        }
+    }
+}
+
+impl Clone for Condensed {
+    fn clone(&self) -> Self {
+        Condensed::new()
+    }
+}
+
+impl fmt::Debug for Condensed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rows = self.kept.as_ref().map(|kept| kept.compliance.rows().len());
+        f.debug_struct("Condensed").field("condensed_rows", &rows).finish()
+    }
+}
+
+impl Equilibrium for Condensed {
+    fn solve(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let clock = Instant::now();
+        let energy = problem.energy();
+        check_start(problem, &start)?;
+        let value = energy.value(&start.u);
+        if !value.is_finite() {
+            return Ok(Solution {
+                outcome: Outcome::InadmissibleStart,
+                energy: value,
+                state: start,
+                gaps: LinearGaps::new(true),
+                lambda: Vec::new(),
+                history: Vec::new(),
+            });
+        }
+        let gaps = problem
+            .linearize_gaps(&start.u, Sampling::Nodes)?
+            .and(problem.linearize_reversed(&start.u, Sampling::Nodes)?);
+        check_gaps(&gaps)?;
+        let mut cost = Cost {
+            fixed_point: 1,
+            values: 2,
+            projection: clock.elapsed().as_secs_f64(),
+            ..Cost::default()
+        };
+        let mut at = Iterate {
+            u: start.u.clone(),
+            lambda: Vec::new(),
+        };
+        let length = problem.scale().length;
+        let solved = self.equilibrium(problem, &gaps, &start, &mut at, context.stop, &mut cost);
+        let outcome = match solved {
+            Ok(()) => Outcome::Converged,
+            Err(halt) => halt.outcome()?,
+        };
+        let is_finite = at.u.iter().chain(&at.lambda).all(|value| value.is_finite());
+        if !is_finite {
+            at.u.clone_from(&start.u);
+            at.lambda.clear();
+        }
+        let lambda = match &self.kept {
+            Some(kept) if !at.lambda.is_empty() => {
+                kept.rows.shared(&at.lambda, gaps.constant(), TIE * length)
+            }
+            _ => vec![0.0; gaps.len()],
+        };
+        let least = problem.prescribed_magnitude().max(NONE * length);
+        let error = match outcome {
+            Outcome::Converged => relative_change(&at.u, &start.u, least),
+            _ => f64::INFINITY,
+        };
+        cost.wall = clock.elapsed().as_secs_f64();
+        cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
+        Ok(Solution {
+            outcome,
+            energy: energy.value(&at.u),
+            state: State {
+                multipliers: Multipliers::new(&gaps, &lambda),
+                u: at.u,
+            },
+            history: vec![Iteration {
+                error,
+                rows: gaps.len(),
+                cost,
+            }],
+            gaps,
+            lambda,
+        })
+    }
+}
+
+/// Parallel rows share a force where their gaps differ by no more than this share of the problem's length.
+const TIE: f64 = 1e-12;
+/// Displacements below this share of the problem's length count as zero, see [`relative_change`].
+const NONE: f64 = 1e-6;
+/// Rows that no free unknown moves may overlap by this share of the problem's length.
+const IMMOVABLE: f64 = 1e-9;
+
+impl Condensed {
+    fn equilibrium(
+        &mut self,
+        problem: &dyn ContactProblem,
+        gaps: &LinearGaps,
+        start: &State,
+        at: &mut Iterate,
+        stop: &Stop,
+        cost: &mut Cost,
+    ) -> Result<(), Halt> {
+        let energy = problem.energy();
+        let kept = self.prepare(energy, gaps, stop, cost)?;
+        let deepest = kept.rows.immovable().min_by(|&i, &j| {
+            gaps.constant()[i].total_cmp(&gaps.constant()[j])
+        });
+        if let Some(i) = deepest.filter(|&i| gaps.constant()[i] < -IMMOVABLE * problem.scale().length)
+        {
+            let (key, depth) = (gaps.keys()[i], -gaps.constant()[i]);
+            return Err(Halt::Failed(format!(
+                "node {} of pass {} overlaps by {depth:.2e}, and all that could open its gap is prescribed",
+                key.node, key.pass
+            )));
+        }
+        let clock = Instant::now();
+        let mut load = vec![0.0; energy.dofs()];
+        energy.gradient(&vec![0.0; energy.dofs()], &mut load);
+        load.iter_mut().for_each(|f| *f = -*f);
+        cost.gradients += 1;
+        cost.callbacks += clock.elapsed().as_secs_f64();
+        let known = gaps.keys().iter().map(|&key| start.multipliers.of(key).max(0.0));
+        at.lambda = kept.rows.gathered(known.map(|l| if l.is_finite() { l } else { 0.0 }));
+        Rounds {
+            constants: &kept.rows.constants(gaps.constant()),
+            stiffness: &mut kept.stiffness,
+            compliance: &mut kept.compliance,
+            rows: &kept.rows,
+            load: &load,
+            stop,
+            cost,
+        }
+        .run(at)
+    }
+}
+
+/// Checks the start, and that this solver treats the energy and the bounds.
+fn check_start(problem: &dyn ContactProblem, start: &State) -> Result<(), Error> {
+    let (energy, bounds) = (problem.energy(), problem.bounds());
+    Error::check_vector("start.u", &start.u, energy.dofs())?;
+    check_bounds(bounds, energy.dofs())?;
+    let refused = |what, value: String, remedy| {
+        Err(Error::Untreated {
+            solver: "Condensed",
+            what,
+            value,
+            remedy,
+        })
+    };
+    if !energy.is_quadratic() {
+        return refused(
+            "`Energy::is_quadratic`",
+            "false".into(),
+            "give all bodies a law for small strains, or solve by `FixedPoint`",
+        );
+    }
+    let bound = bounds.lower.iter().chain(&bounds.upper).enumerate();
+    if let Some((k, bound)) = bound.into_iter().find(|(_, bound)| bound.is_finite()) {
+        return refused(
+            "a bound on the unknowns",
+            format!("{bound} on unknown {}", k % energy.dofs()),
+            "state it as a row of the gaps, or solve by `FixedPoint`",
+        );
+    }
+    Ok(())
+}
+
+/// Checks that this solver treats the rows.
+fn check_gaps(gaps: &LinearGaps) -> Result<(), Error> {
+    if !gaps.is_exact() {
+        return Err(Error::Untreated {
+            solver: "Condensed",
+            what: "`LinearGaps::is_exact`",
+            value: "false".into(),
+            remedy: "look for contact in the reference geometry, or solve by `FixedPoint`",
+        });
+    }
+    Error::check_vector("the constants of the gaps", gaps.constant(), gaps.len())?;
+    let mut entries = gaps.entries().map(|(_, _, a)| a).enumerate();
+    match entries.find(|(_, a)| !a.is_finite()) {
+        Some((index, value)) => Err(Error::NotFinite {
+            what: "the coefficients of the gaps",
+            index,
+            value,
+        }),
+        None => Ok(()),
+    }
+}

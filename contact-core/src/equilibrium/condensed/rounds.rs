@@ -1,0 +1,211 @@
+//! The iteration on u and λ: contact on the condensed rows, then what is left of the forces.
+
+use super::compliance::Compliance;
+use super::complementarity;
+use super::halt::Halt;
+use super::rows::Rows;
+use super::stiffness::Stiffness;
+use crate::{Cost, Stop};
+
+/// Bound on what is left of the forces on a block, relative to the largest force on one of its unknowns.
+const STATIONARITY: f64 = 1e-11;
+/// The same, in units of the round-off of K u. A backward stable solve leaves some ten of it.
+const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
+/// Bound on overlaps, and on gaps where forces act, relative to the largest displacement of a row.
+const GAP: f64 = 1e-10;
+/// The limit of rounds. Blocks that do not float take two or three.
+const ROUNDS: usize = 60;
+/// Rounds after which what is left of the forces on blocks that float must have shrunk to a half.
+const PATIENCE: usize = 6;
+/// The first rows taken into the working set where a body floats.
+const FIRST: usize = 64;
+
+/// An iterate.
+pub(super) struct Iterate {
+    /// The free unknowns (n, UL).
+    pub u: Vec<f64>,
+    /// The multipliers of the distinct rows (UF).
+    pub lambda: Vec<f64>,
+}
+
+/// What the rounds work with: K and its factors, the rows with their constants, the compliance, and the load.
+pub(super) struct Rounds<'a> {
+    pub stiffness: &'a mut Stiffness,
+    pub compliance: &'a mut Compliance,
+    pub rows: &'a Rows,
+    /// The constant of each distinct row (UL).
+    pub constants: &'a [f64],
+    /// f = −∇E(0) (n, UF).
+    pub load: &'a [f64],
+    pub stop: &'a Stop,
+    pub cost: &'a mut Cost,
+}
+
+/// What is left of the forces, and how it compares with the bound.
+struct Residual {
+    forces: Vec<f64>,
+    /// The largest ratio of any block to its bound, and that block.
+    ratio: f64,
+    block: usize,
+}
+
+impl Rounds<'_> {
+    /// Minimises ½uᵀKu − fᵀu subject to C u + c₀ ≥ 0 from `at`, which ends up as the last iterate.
+    ///
+    /// A round minimises E(v) + ½|v − u|² in the norm of M − K, which is zero but on blocks that float. Its minimum for
+    /// given λ is u + M⁻¹(f + Cᵀλ − K u), and λ follows from the complementarity of the condensed rows. Where no block
+    /// floats, the first round is the solution, and the next ones remove round-off.
+    pub fn run(&mut self, at: &mut Iterate) -> Result<(), Halt> {
+        let mut ratios = Vec::new();
+        for _ in 0..ROUNDS {
+            let residual = self.residual(at);
+            let gaps = self.gaps(&at.u);
+            let size = self.size(&at.u);
+            if residual.ratio <= 1.0 && self.are_closed(&gaps, &at.lambda, size) {
+                return Ok(());
+            }
+            if !(residual.ratio.is_finite() && size.is_finite()) {
+                return Err(Halt::Failed("the iterates are not finite".into()));
+            }
+            ratios.push(residual.ratio);
+            self.check_progress(&ratios, &residual)?;
+            self.round(at, residual.forces)?;
+        }
+        Err(Halt::Failed(format!(
+            "gaps or forces are not in equilibrium after {ROUNDS} rounds: {:.1e} times the bound on forces is left",
+            ratios.last().copied().unwrap_or_default()
+        )))
+    }
+
+    /// One proximal step from the `residual` f + Cᵀλ − K u.
+    fn round(&mut self, at: &mut Iterate, mut residual: Vec<f64>) -> Result<(), Halt> {
+        self.stiffness.solve(&mut residual)?;
+        at.u.iter_mut().zip(&residual).for_each(|(u, step)| *u += step);
+        let free = self.gaps(&at.u);
+        let acting: Vec<usize> = (0..self.rows.len()).filter(|&k| at.lambda[k] > 0.0).collect();
+        self.extend(acting.into_iter().filter(|&k| !self.compliance.holds(k)).collect())?;
+        let (base, before) = (at.u.clone(), at.lambda.clone());
+        let mut gaps = free.clone();
+        loop {
+            let size = self.size(&at.u);
+            let mut more: Vec<usize> = (0..self.rows.len())
+                .filter(|&k| !self.compliance.holds(k) && gaps[k] < -GAP * size)
+                .collect();
+            let is_first = at.u == base;
+            if more.is_empty() && !(is_first && !self.compliance.rows().is_empty()) {
+                return Ok(());
+            }
+            if self.stiffness.blocks().iter().any(|block| block.floats) {
+                more.sort_by(|&a, &b| gaps[a].total_cmp(&gaps[b]));
+                more.truncate(self.compliance.rows().len().max(FIRST));
+            }
+            self.extend(more)?;
+            self.multipliers(&free, &before, &mut at.lambda)?;
+            let change: Vec<f64> = at.lambda.iter().zip(&before).map(|(l, b)| l - b).collect();
+            let mut step = vec![0.0; base.len()];
+            self.rows.add_forces(&change, &mut step);
+            self.stiffness.solve(&mut step)?;
+            at.u.iter_mut().zip(base.iter().zip(&step)).for_each(|(u, (b, s))| *u = b + s);
+            gaps = self.gaps(&at.u);
+        }
+    }
+
+    fn extend(&mut self, more: Vec<usize>) -> Result<(), Halt> {
+        match more.is_empty() {
+            true => Ok(()),
+            false => self.compliance.extend(&more, self.rows, self.stiffness, self.stop),
+        }
+    }
+
+    /// λ of the working set, `free` being the gaps with the multipliers `before`.
+    fn multipliers(
+        &mut self,
+        free: &[f64],
+        before: &[f64],
+        lambda: &mut [f64],
+    ) -> Result<(), Halt> {
+        let (rows, W) = (self.compliance.rows(), self.compliance.matrix());
+        let of = |values: &[f64]| rows.iter().map(|&k| values[k]).collect::<Vec<_>>();
+        let (mut q, before, start) = (of(free), of(before), of(lambda));
+        for (l, column) in before.iter().zip(W.col_iter()).filter(|(l, _)| **l != 0.0) {
+            q.iter_mut().zip(column.iter()).for_each(|(q, w)| *q -= w * l);
+        }
+        let solved = complementarity::solve(W, &q, &start, self.stop)?;
+        self.cost.solves += 1;
+        self.cost.iterations += solved.steps;
+        rows.iter().zip(&solved.lambda).for_each(|(&k, l)| lambda[k] = *l);
+        Ok(())
+    }
+
+    /// C u + c₀ of the distinct rows.
+    fn gaps(&self, u: &[f64]) -> Vec<f64> {
+        let gap = |(k, c): (usize, &f64)| self.rows.product(k, u) + c;
+        self.constants.iter().enumerate().map(gap).collect()
+    }
+
+    /// The largest Σ_j |C_ij u_j| + |c₀_i| (UL).
+    fn size(&self, u: &[f64]) -> f64 {
+        let row = |(k, c): (usize, &f64)| {
+            let terms = self.rows.row(k).iter().map(|&(j, a)| (a * u[j]).abs());
+            terms.sum::<f64>() + c.abs()
+        };
+        self.constants.iter().enumerate().map(row).fold(0.0, f64::max)
+    }
+
+    /// Whether no gap is negative and forces act at closed gaps only.
+    fn are_closed(&self, gaps: &[f64], lambda: &[f64], size: f64) -> bool {
+        let largest = lambda.iter().fold(0.0, |m: f64, l| m.max(*l));
+        let mut pairs = gaps.iter().zip(lambda);
+        pairs.all(|(&c, &l)| c >= -GAP * size && c.max(0.0) * l <= GAP * size * largest)
+    }
+
+    fn residual(&self, at: &Iterate) -> Residual {
+        let n = at.u.len();
+        let mut forces = vec![0.0; n];
+        self.rows.add_forces(&at.lambda, &mut forces);
+        let (mut internal, mut sizes) = (vec![0.0; n], vec![0.0; n]);
+        self.stiffness.product(&at.u, &mut internal, &mut sizes);
+        let (mut ratio, mut worst) = (0.0, 0);
+        for (b, block) in self.stiffness.blocks().iter().enumerate() {
+            let (mut left, mut largest, mut size) = (0.0f64, 0.0f64, 0.0f64);
+            for i in block.range.clone() {
+                let (load, contact) = (self.load[i], forces[i]);
+                largest = largest.max(load.abs()).max(contact.abs());
+                size = size.max(sizes[i] + load.abs() + contact.abs());
+                forces[i] = load + contact - internal[i];
+                left = left.max(forces[i].abs());
+            }
+            let bound = (STATIONARITY * largest).max(ROUNDOFF * size);
+            let block_ratio = if left > 0.0 { left / bound } else { left };
+            if !(block_ratio <= ratio) {
+                (ratio, worst) = (block_ratio, b);
+            }
+        }
+        Residual {
+            forces,
+            ratio,
+            block: worst,
+        }
+    }
+
+    /// Ends the rounds where what is left of the forces no longer shrinks.
+    fn check_progress(&self, ratios: &[f64], residual: &Residual) -> Result<(), Halt> {
+        let now = residual.ratio;
+        let block = &self.stiffness.blocks()[residual.block];
+        let before = ratios.len().checked_sub(1 + PATIENCE).map(|k| ratios[k]);
+        if now <= 1.0 || !before.is_some_and(|before| now > 0.5 * before) {
+            return Ok(());
+        }
+        let (first, last) = (block.range.start, block.range.end - 1);
+        Err(Halt::Failed(match block.floats {
+            true => format!(
+                "neither supports nor contact hold the body of unknowns {first} to {last} against its load: prescribe \
+                 what keeps it in place, or check that it meets another body"
+            ),
+            false => format!(
+                "the forces on unknowns {first} to {last} are not in equilibrium to round-off: {now:.1e} times the \
+                 bound is left"
+            ),
+        }))
+    }
+}

@@ -1,0 +1,135 @@
+//! The distinct rows among those of the gaps: parallel ones are one row.
+
+use std::collections::HashMap;
+
+use crate::LinearGaps;
+
+/// Coefficients smaller than this share of the row's norm, and differences of rows as small, are round-off.
+const ROUNDOFF: f64 = 1e-12;
+
+/// Unit rows, no two of them parallel, in whose terms every row of the gaps is stated.
+///
+/// Meshes that match have each row twice, once in either pass. Row i of the gaps is sᵢ times the distinct row that it
+/// [belongs to](Self::of): its multiplier acts as sᵢ λᵢ on that row, and its gap is sᵢ times as large.
+pub(super) struct Rows {
+    /// The rows that these are made from, to recognise them.
+    entries: Vec<(usize, usize, f64)>,
+    /// Unknowns and coefficients of each distinct row.
+    distinct: Vec<Vec<(usize, f64)>>,
+    /// The distinct row and sᵢ of each row of the gaps; nothing for a row without free unknowns.
+    of: Vec<Option<(usize, f64)>>,
+}
+
+impl Rows {
+    /// The distinct rows of `gaps`.
+    pub fn new(gaps: &LinearGaps) -> Self {
+        let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); gaps.len()];
+        let entries: Vec<_> = gaps.entries().collect();
+        entries.iter().for_each(|&(i, j, a)| rows[i].push((j, a)));
+        let mut distinct: Vec<Vec<(usize, f64)>> = Vec::new();
+        let mut alike: HashMap<Vec<usize>, Vec<usize>> = HashMap::new();
+        let mut of = Vec::with_capacity(rows.len());
+        for mut row in rows {
+            let norm = row.iter().map(|(_, a)| a * a).sum::<f64>().sqrt();
+            if !(norm > 0.0) {
+                of.push(None);
+                continue;
+            }
+            row.sort_unstable_by_key(|entry| entry.0);
+            row.iter_mut().for_each(|(_, a)| *a /= norm);
+            row.retain(|(_, a)| a.abs() > ROUNDOFF);
+            let known = alike.entry(row.iter().map(|entry| entry.0).collect()).or_default();
+            let same = known.iter().find(|&&k| is_same(&distinct[k], &row));
+            let k = same.copied().unwrap_or(distinct.len());
+            if k == distinct.len() {
+                known.push(k);
+                distinct.push(row);
+            }
+            of.push(Some((k, norm)));
+        }
+        Rows {
+            entries,
+            distinct,
+            of,
+        }
+    }
+
+    /// Whether `gaps` has the rows that these are made from. Their constants may be others.
+    pub fn are_of(&self, gaps: &LinearGaps) -> bool {
+        self.of.len() == gaps.len() && gaps.entries().eq(self.entries.iter().copied())
+    }
+
+    /// Number of distinct rows.
+    pub fn len(&self) -> usize {
+        self.distinct.len()
+    }
+
+    /// Unknowns and coefficients of a distinct row, ascending.
+    pub fn row(&self, k: usize) -> &[(usize, f64)] {
+        &self.distinct[k]
+    }
+
+    /// Row · u.
+    pub fn product(&self, k: usize, u: &[f64]) -> f64 {
+        self.distinct[k].iter().map(|&(j, a)| a * u[j]).sum()
+    }
+
+    /// Adds Cᵀλ of the distinct rows to `forces`.
+    pub fn add_forces(&self, lambda: &[f64], forces: &mut [f64]) {
+        let acting = self.distinct.iter().zip(lambda).filter(|(_, l)| **l != 0.0);
+        acting.for_each(|(row, l)| row.iter().for_each(|&(j, a)| forces[j] += a * l));
+    }
+
+    /// The multipliers of the distinct rows, of those of the rows of the gaps.
+    pub fn gathered(&self, lambda: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut sums = vec![0.0; self.len()];
+        for (of, l) in self.of.iter().zip(lambda) {
+            if let Some((k, s)) = of {
+                sums[*k] += s * l;
+            }
+        }
+        sums
+    }
+
+    /// The constant of each distinct row: the least of those that are one, whose gap closes first.
+    pub fn constants(&self, constants: &[f64]) -> Vec<f64> {
+        let mut least = vec![f64::INFINITY; self.len()];
+        for (of, c) in self.of.iter().zip(constants) {
+            if let Some((k, s)) = of {
+                least[*k] = least[*k].min(c / s);
+            }
+        }
+        least
+    }
+
+    /// The multipliers of the rows of the gaps: those that are one share its force evenly, as far as their gaps, which
+    /// their `constants` tell, close within `roundoff` (UL) of each other.
+    pub fn shared(&self, lambda: &[f64], constants: &[f64], roundoff: f64) -> Vec<f64> {
+        let least = self.constants(constants);
+        let close = |(k, s): (usize, f64), c: f64| c / s - least[k] <= roundoff;
+        let mut sharers = vec![0usize; self.len()];
+        for (of, &c) in self.of.iter().zip(constants) {
+            if let Some((k, _)) = of.filter(|&of| close(of, c)) {
+                sharers[k] += 1;
+            }
+        }
+        let share = |(of, &c): (&Option<(usize, f64)>, &f64)| {
+            let (k, s) = of.filter(|&of| close(of, c))?;
+            Some(lambda[k] / (s * sharers[k] as f64))
+        };
+        let shares = self.of.iter().zip(constants).map(share);
+        shares.map(Option::unwrap_or_default).collect()
+    }
+
+    /// The rows of the gaps that no free unknown moves.
+    pub fn immovable(&self) -> impl Iterator<Item = usize> + '_ {
+        let rows = self.of.iter().enumerate();
+        rows.filter_map(|(i, of)| of.is_none().then_some(i))
+    }
+}
+
+/// Whether two unit rows in the same unknowns are one.
+fn is_same(a: &[(usize, f64)], b: &[(usize, f64)]) -> bool {
+    let mut pairs = a.iter().zip(b);
+    pairs.all(|((_, a), (_, b))| (a - b).abs() <= ROUNDOFF)
+}

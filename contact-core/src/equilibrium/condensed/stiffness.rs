@@ -1,0 +1,173 @@
+//! K by blocks: each is factored once, and kept until the values change.
+
+use std::ops::Range;
+
+use super::halt::Halt;
+use crate::linear::{Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern};
+use crate::{Energy, Error, Stop};
+
+/// σ: a block that floats is factored as K + σ diag K. Smaller values take fewer rounds; larger ones leave more digits of
+/// the compliance.
+const SHIFT: f64 = 1e-6;
+
+/// The stiffness K (UF/UL) of all bodies, with M = K on blocks that are positive definite and M = K + σ diag K on those
+/// that float.
+pub(super) struct Stiffness {
+    pattern: SymmetricPattern,
+    values: Vec<f64>,
+    blocks: Vec<Block>,
+    /// How often all blocks, or those that float, were factored.
+    pub factorizations: usize,
+}
+
+/// A body: its unknowns and the factor of its block of M.
+pub(super) struct Block {
+    /// Its unknowns.
+    pub range: Range<usize>,
+    /// LLᵀ of its block.
+    pub factor: Cholesky,
+    /// The step that eliminates each of its unknowns.
+    pub steps: Vec<usize>,
+    /// Whether K alone is not positive definite.
+    pub floats: bool,
+}
+
+impl Stiffness {
+    /// Factors the Hessian `values` of `energy`.
+    pub fn new(energy: &dyn Energy, values: Vec<f64>, stop: &Stop) -> Result<Self, Halt> {
+        let pattern = energy.hessian_pattern().clone();
+        let mut blocks: Vec<Block> = Vec::new();
+        for range in energy.blocks().into_iter().filter(|range| !range.is_empty()) {
+            stop_requested(stop)?;
+            let block = Block::new(&pattern, &values, range, &blocks, stop)?;
+            blocks.push(block);
+        }
+        Ok(Stiffness {
+            factorizations: 1 + usize::from(blocks.iter().any(|block| block.floats)),
+            pattern,
+            values,
+            blocks,
+        })
+    }
+
+    /// Whether these are the Hessian of `energy`, and its blocks.
+    pub fn is_of(&self, energy: &dyn Energy, values: &[f64]) -> bool {
+        let mut ranges = energy.blocks();
+        ranges.retain(|range| !range.is_empty());
+        self.values == values
+            && self.pattern == *energy.hessian_pattern()
+            && self.blocks.iter().map(|block| &block.range).eq(&ranges)
+    }
+
+    /// The blocks in the order of their unknowns.
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// As [`Self::blocks`], to solve with them.
+    pub fn blocks_mut(&mut self) -> &mut [Block] {
+        &mut self.blocks
+    }
+
+    /// Entries of all factors.
+    pub fn fill(&self) -> usize {
+        let fills = self.blocks.iter().map(|block| block.factor.analysis().fill());
+        fills.sum()
+    }
+
+    /// Overwrites b (n, UF) with M⁻¹ b (n, UL).
+    pub fn solve(&mut self, b: &mut [f64]) -> Result<(), Halt> {
+        for Block { range, factor, .. } in &mut self.blocks {
+            factor.solve(&mut b[range.clone()]).map_err(Error::problem)?;
+        }
+        Ok(())
+    }
+
+    /// K u into `forces` (n, UF), and Σ_j |K_ij u_j| into `sizes`, whose round-off `forces` carries.
+    pub fn product(&self, u: &[f64], forces: &mut [f64], sizes: &mut [f64]) {
+        forces.fill(0.0);
+        sizes.fill(0.0);
+        for ((i, j), &k) in self.pattern.iter().zip(&self.values) {
+            let force = k * u[j];
+            forces[i] += force;
+            sizes[i] += force.abs();
+            if i != j {
+                let force = k * u[i];
+                forces[j] += force;
+                sizes[j] += force.abs();
+            }
+        }
+    }
+}
+
+impl Block {
+    fn new(
+        pattern: &SymmetricPattern,
+        values: &[f64],
+        range: Range<usize>,
+        earlier: &[Block],
+        stop: &Stop,
+    ) -> Result<Self, Halt> {
+        let (first, n) = (range.start, range.len());
+        let slots = pattern.column(first).start..pattern.column(range.end - 1).end;
+        let places = pattern.rows()[slots.clone()].iter().zip(&pattern.cols()[slots.clone()]);
+        let places: Vec<_> = places.map(|(i, j)| (i - first, j - first)).collect();
+        // sorted, none repeated: the slots keep their order
+        let (own, _) = SymmetricPattern::from_entries(n, &places)?;
+        let alike = earlier.iter().map(|block| block.factor.analysis());
+        let analysis = match alike.into_iter().find(|analysis| *analysis.pattern() == own) {
+            Some(analysis) => analysis.clone(),
+            None => Analysis::new(&own, &Ordering::Automatic).map_err(Error::problem)?,
+        };
+        let mut steps = vec![0; n];
+        (0..n).for_each(|step| steps[analysis.unknown(step)] = step);
+        stop_requested(stop)?;
+        let mut factor = Cholesky::new(&analysis, Kind::Llt).map_err(Error::problem)?;
+        let values = &values[slots];
+        let floats = match factor.refactor(values) {
+            Ok(_) => false,
+            Err(FactorError::NotPositiveDefinite { .. }) => {
+                stop_requested(stop)?;
+                let shifted = shifted(&own, values);
+                factor.refactor(&shifted).map_err(|why| indefinite(why, &range))?;
+                true
+            }
+            Err(why) => return Err(Error::problem(why).into()),
+        };
+        Ok(Block {
+            range,
+            factor,
+            steps,
+            floats,
+        })
+    }
+}
+
+/// K + σ diag K.
+fn shifted(pattern: &SymmetricPattern, values: &[f64]) -> Vec<f64> {
+    let shifted = |((i, j), k): ((usize, usize), &f64)| match i == j {
+        true => (1.0 + SHIFT) * k,
+        false => *k,
+    };
+    pattern.iter().zip(values).map(shifted).collect()
+}
+
+fn indefinite(why: FactorError, range: &Range<usize>) -> Halt {
+    match why {
+        FactorError::NotPositiveDefinite { unknown } => Halt::Failed(format!(
+            "the energy is not convex: the stiffness of unknowns {} to {} is not positive semidefinite (pivot at \
+             unknown {})",
+            range.start,
+            range.end - 1,
+            range.start + unknown
+        )),
+        why => Error::problem(why).into(),
+    }
+}
+
+fn stop_requested(stop: &Stop) -> Result<(), Halt> {
+    match stop.is_requested() {
+        true => Err(Halt::Stopped),
+        false => Ok(()),
+    }
+}
