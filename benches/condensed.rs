@@ -59,7 +59,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             measure(name, 1, || beams.scene())?;
         }
     }
-    for (name, in_contact, on_arc) in [("Hertz 9k triangles", 40.0, 90), ("Hertz 24k triangles", 60.0, 146)] {
+    for (name, in_contact, on_arc) in [("Hertz 9k triangles", 40.0, 90), ("Hertz 24k triangles", 42.0, 95)] {
         let hertz = Hertz::new(Fineness { in_contact, on_arc }, Order::Linear);
         if wanted(name) {
             measure(name, 1, || hertz.scene())?;

@@ -12,7 +12,7 @@ const STATIONARITY: f64 = 1e-11;
 /// The same, in units of the round-off of K u. A backward stable solve leaves some ten of it.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 /// Bound on overlaps, and on gaps where forces act, relative to the largest displacement of a row.
-const GAP: f64 = 1e-10;
+const GAP: f64 = 1e-9;
 /// The limit of rounds. Blocks that do not float take two or three.
 const ROUNDS: usize = 60;
 /// Rounds after which what is left of the forces on blocks that float must have shrunk to a half.
