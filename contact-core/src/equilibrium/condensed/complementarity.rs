@@ -24,8 +24,10 @@ use crate::Stop;
 const FIRST: f64 = 0.1;
 const LAST: f64 = 1e-8;
 const RATIO: f64 = 0.1;
-/// Bound on min(λ, c), each row scaled by √W_ii, relative to the largest |q|.
-const TOLERANCE: f64 = 1e-10;
+/// ε of the first round from multipliers that are known, relative to what is left of the condition over the largest λ.
+const WARM: f64 = 0.1;
+/// The round-off of the gaps, relative to the largest |q|.
+const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 /// The limits of rounds and of Newton's steps in one of them.
 const ROUNDS: usize = 60;
 const STEPS: usize = 200;
@@ -39,11 +41,13 @@ pub(super) struct Complementary {
     pub steps: usize,
 }
 
-/// Solves from the multipliers `start`. `W` (m × m) is symmetric, with both triangles.
+/// Solves from the multipliers `start` until every |min(W_ii λᵢ, cᵢ)| is within `bound` (UL), or within round-off of q.
+/// `W` (m × m, UL/UF) is symmetric, with both triangles.
 pub(super) fn solve(
     W: &Mat<f64>,
     q: &[f64],
     start: &[f64],
+    bound: f64,
     stop: &Stop,
 ) -> Result<Complementary, Halt> {
     let m = q.len();
@@ -54,7 +58,10 @@ pub(super) fn solve(
             "row {i} of the condensed problem has compliance {w} and gap {q}: both must be finite"
         )));
     }
+    let largest = q.iter().fold(0.0, |m: f64, q| m.max(q.abs()));
     let mut proximal = Proximal {
+        bound: bound.max(ROUNDOFF * largest),
+        lengths: units.iter().map(|unit| 1.0 / unit).collect(),
         W: Mat::from_fn(m, m, |i, j| W[(i, j)] * units[i] * units[j]),
         q: Col::from_fn(m, |i| q[i] * units[i]),
         center: Col::from_fn(m, |i| start[i].max(0.0) / units[i]),
@@ -70,6 +77,9 @@ pub(super) fn solve(
 
 /// The problem with unit diagonal, and the method's state.
 struct Proximal {
+    /// √W_ii, the length that each row's gap is measured in, and the bound on |min(W_ii λᵢ, cᵢ)|.
+    lengths: Vec<f64>,
+    bound: f64,
     W: Mat<f64>,
     q: Col<f64>,
     /// λ̄.
@@ -87,32 +97,41 @@ struct Active {
 
 impl Proximal {
     fn solve(&mut self, stop: &Stop) -> Result<Col<f64>, Halt> {
-        let bound = TOLERANCE * self.q.norm_max();
         let mut epsilon = FIRST;
         let mut left = f64::INFINITY;
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let gaps = &self.q + &self.W * &self.center;
-            left = natural_residual(&self.center, &gaps);
-            if left <= bound {
+            left = self.residual(&self.center, &gaps);
+            if left <= self.bound {
                 return Ok(self.center.clone());
             }
-            let z = self.proximal_point(epsilon, gaps, bound, stop)?;
+            if round == 0 {
+                let scaled = natural(&self.center, &gaps).fold(0.0, f64::max);
+                let warm = WARM * scaled / self.center.norm_max();
+                epsilon = warm.clamp(LAST, FIRST);
+            }
+            let z = self.proximal_point(epsilon, gaps, stop)?;
             self.center = positive_part(&z);
             epsilon = (RATIO * epsilon).max(LAST);
         }
         Err(Halt::Failed(format!(
-            "gaps and forces of the condensed problem are not complementary after {ROUNDS} rounds: {:.1e} of the \
+            "gaps and forces of the condensed problem are not complementary after {ROUNDS} rounds: {:.1e} times the \
              bound is left",
-            left / bound
+            left / self.bound
         )))
     }
 
-    /// Newton's method from z = λ̄, where c is `gaps`, until the rows that act repeat, or z is within `bound` of λ.
+    /// max |min(W_ii λᵢ, cᵢ)| (UL).
+    fn residual(&self, lambda: &Col<f64>, gaps: &Col<f64>) -> f64 {
+        let rows = natural(lambda, gaps).zip(&self.lengths);
+        rows.fold(0.0, |worst, (left, length)| worst.max(left * length))
+    }
+
+    /// Newton's method from z = λ̄, where c is `gaps`, until the rows that act repeat, or z is a solution.
     fn proximal_point(
         &mut self,
         epsilon: f64,
         mut gaps: Col<f64>,
-        bound: f64,
         stop: &Stop,
     ) -> Result<Col<f64>, Halt> {
         let mut z = self.center.clone();
@@ -137,7 +156,7 @@ impl Proximal {
             };
             z += step * &direction;
             gaps = &self.q + &self.W * &z;
-            if z.iter().all(|z| *z >= 0.0) && natural_residual(&z, &gaps) <= bound {
+            if z.iter().all(|z| *z >= 0.0) && self.residual(&z, &gaps) <= self.bound {
                 return Ok(z);
             }
             last = (step > 1.0 - 1e-6).then_some(active);
@@ -174,10 +193,10 @@ impl Proximal {
     }
 }
 
-/// max |min(λ, c)|.
-fn natural_residual(lambda: &Col<f64>, gaps: &Col<f64>) -> f64 {
+/// |min(λᵢ, cᵢ)| of each row.
+fn natural(lambda: &Col<f64>, gaps: &Col<f64>) -> impl Iterator<Item = f64> {
     let pairs = lambda.iter().zip(gaps.iter());
-    pairs.fold(0.0, |worst: f64, (l, c)| worst.max(l.min(*c).abs()))
+    pairs.map(|(l, c)| l.min(*c).abs())
 }
 
 fn positive_part(z: &Col<f64>) -> Col<f64> {

@@ -11,8 +11,10 @@ use crate::{Cost, Stop};
 const STATIONARITY: f64 = 1e-11;
 /// The same, in units of the round-off of K u. A backward stable solve leaves some ten of it.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
-/// Bound on overlaps, and on gaps where forces act, relative to the largest displacement of a row.
+/// Bound on overlaps, and on gaps where forces act, relative to the largest Σ_j |C_ij u_j| of a row.
 const GAP: f64 = 1e-9;
+/// The share of that bound left to the condensed problem.
+const SHARE: f64 = 0.1;
 /// The limit of rounds. Blocks that do not float take two or three.
 const ROUNDS: usize = 60;
 /// Rounds after which what is left of the forces on blocks that float must have shrunk to a half.
@@ -69,7 +71,7 @@ impl Rounds<'_> {
             }
             ratios.push(residual.ratio);
             self.check_progress(&ratios, &residual)?;
-            self.round(at, residual.forces)?;
+            self.round(at, residual.forces, size)?;
         }
         Err(Halt::Failed(format!(
             "gaps or forces are not in equilibrium after {ROUNDS} rounds: {:.1e} times the bound on forces is left",
@@ -78,13 +80,20 @@ impl Rounds<'_> {
     }
 
     /// One proximal step from the `residual` f + Cᵀλ − K u.
-    fn round(&mut self, at: &mut Iterate, mut residual: Vec<f64>) -> Result<(), Halt> {
+    fn round(
+        &mut self,
+        at: &mut Iterate,
+        mut residual: Vec<f64>,
+        size: f64,
+    ) -> Result<(), Halt> {
         self.stiffness.solve(&mut residual)?;
         at.u.iter_mut().zip(&residual).for_each(|(u, step)| *u += step);
         let free = self.gaps(&at.u);
         let acting: Vec<usize> = (0..self.rows.len()).filter(|&k| at.lambda[k] > 0.0).collect();
         self.extend(acting.into_iter().filter(|&k| !self.compliance.holds(k)).collect())?;
         let (base, before) = (at.u.clone(), at.lambda.clone());
+        let moved = self.size(&base);
+        let bound = SHARE * GAP * if size > 0.0 { size.min(moved) } else { moved };
         let mut gaps = free.clone();
         loop {
             let size = self.size(&at.u);
@@ -100,7 +109,7 @@ impl Rounds<'_> {
                 more.truncate(self.compliance.rows().len().max(FIRST));
             }
             self.extend(more)?;
-            self.multipliers(&free, &before, &mut at.lambda)?;
+            self.multipliers(&free, &before, bound, &mut at.lambda)?;
             let change: Vec<f64> = at.lambda.iter().zip(&before).map(|(l, b)| l - b).collect();
             let mut step = vec![0.0; base.len()];
             self.rows.add_forces(&change, &mut step);
@@ -122,6 +131,7 @@ impl Rounds<'_> {
         &mut self,
         free: &[f64],
         before: &[f64],
+        bound: f64,
         lambda: &mut [f64],
     ) -> Result<(), Halt> {
         let (rows, W) = (self.compliance.rows(), self.compliance.matrix());
@@ -130,7 +140,7 @@ impl Rounds<'_> {
         for (l, column) in before.iter().zip(W.col_iter()).filter(|(l, _)| **l != 0.0) {
             q.iter_mut().zip(column.iter()).for_each(|(q, w)| *q -= w * l);
         }
-        let solved = complementarity::solve(W, &q, &start, self.stop)?;
+        let solved = complementarity::solve(W, &q, &start, bound, self.stop)?;
         self.cost.solves += 1;
         self.cost.iterations += solved.steps;
         rows.iter().zip(&solved.lambda).for_each(|(&k, l)| lambda[k] = *l);
@@ -143,13 +153,13 @@ impl Rounds<'_> {
         self.constants.iter().enumerate().map(gap).collect()
     }
 
-    /// The largest Σ_j |C_ij u_j| + |c₀_i| (UL).
+    /// The largest Σ_j |C_ij u_j| (UL).
     fn size(&self, u: &[f64]) -> f64 {
-        let row = |(k, c): (usize, &f64)| {
+        let row = |k: usize| {
             let terms = self.rows.row(k).iter().map(|&(j, a)| (a * u[j]).abs());
-            terms.sum::<f64>() + c.abs()
+            terms.sum::<f64>()
         };
-        self.constants.iter().enumerate().map(row).fold(0.0, f64::max)
+        (0..self.rows.len()).map(row).fold(0.0, f64::max)
     }
 
     /// Whether no gap is negative and forces act at closed gaps only.

@@ -8,7 +8,7 @@ use crate::{Energy, Error, Stop};
 
 /// σ: a block that floats is factored as K + σ diag K. Smaller values take fewer rounds; larger ones leave more digits of
 /// the compliance.
-const SHIFT: f64 = 1e-6;
+const SHIFT: f64 = 1e-8;
 
 /// The stiffness K (UF/UL) of all bodies, with M = K on blocks that are positive definite and M = K + σ diag K on those
 /// that float.
