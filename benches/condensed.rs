@@ -113,6 +113,7 @@ fn measure<const D: usize>(
     }
     seconds += processor_seconds() - clock;
     let solution = solution.ok_or("no increment")?;
+    let certificate = Certificate::new(&problem, &solution);
     println!(
         "{name:<27} {:>10} {:>5} {set_up:>9.2} {floor:>8.3} {seconds:>9.3} {:>6.2} {:>8.3} {:>9} {:>9} {:>7} {:>7} {:.9e}",
         problem.dofs().free(),
@@ -122,12 +123,15 @@ fn measure<const D: usize>(
         cost.factorizations,
         cost.solves,
         cost.iterations,
-        match Certificate::new(&problem, &solution).holds(&tight()) {
+        match certificate.holds(&tight()) {
             true => "holds",
             false => "FAILS",
         },
         solution.energy,
     );
+    for entry in certificate.entries(&tight()).filter(|entry| !entry.holds()) {
+        println!("    {} {:.1e} beyond {:.1e}", entry.name, entry.value.unwrap_or(f64::NAN), entry.limit);
+    }
     Ok(())
 }
 

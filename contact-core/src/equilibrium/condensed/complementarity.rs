@@ -100,7 +100,7 @@ impl Proximal {
         let mut epsilon = FIRST;
         let mut left = f64::INFINITY;
         for round in 0..ROUNDS {
-            let gaps = &self.q + &self.W * &self.center;
+            let gaps = &self.q + self.product(&self.center);
             left = self.residual(&self.center, &gaps);
             if left <= self.bound {
                 return Ok(self.center.clone());
@@ -119,6 +119,16 @@ impl Proximal {
              bound is left",
             left / self.bound
         )))
+    }
+
+    /// W x for an x with many zeros.
+    fn product(&self, x: &Col<f64>) -> Col<f64> {
+        let mut y = Col::zeros(x.nrows());
+        for (j, x) in x.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+            let column = self.W.col_as_slice(j);
+            y.iter_mut().zip(column).for_each(|(y, w)| *y += w * x);
+        }
+        y
     }
 
     /// max |min(W_ii λᵢ, cᵢ)| (UL).
@@ -148,14 +158,14 @@ impl Proximal {
             self.steps += 1;
             let goal = self.minimum_on(&active, epsilon)?;
             let direction = &goal - &z;
-            let change = &self.W * &direction;
+            let change = self.product(&direction);
             let work = epsilon * (change.transpose() * &z);
             let curvature = epsilon * (change.transpose() * &direction);
             let Some(step) = exact_step(work, curvature, &margin, &change) else {
                 return Ok(goal);
             };
             z += step * &direction;
-            gaps = &self.q + &self.W * &z;
+            gaps += step * &change;
             if z.iter().all(|z| *z >= 0.0) && self.residual(&z, &gaps) <= self.bound {
                 return Ok(z);
             }
@@ -171,9 +181,13 @@ impl Proximal {
         let k = active.len();
         let known = self.factor.as_ref();
         if known.is_none_or(|factor| factor.epsilon != epsilon || factor.rows != active) {
-            let W = Mat::from_fn(k, k, |a, b| {
-                self.W[(active[a], active[b])] + if a == b { epsilon } else { 0.0 }
-            });
+            let mut W = Mat::zeros(k, k);
+            for (b, &j) in active.iter().enumerate() {
+                let (from, into) = (self.W.col_as_slice(j), W.col_as_slice_mut(b));
+                let rows = active.iter().zip(into).skip(b);
+                rows.for_each(|(&i, w)| *w = from[i]);
+                W[(b, b)] += epsilon;
+            }
             let llt = W.llt(Side::Lower).map_err(|_| {
                 Halt::Failed(format!("the compliance of {k} rows is not positive semidefinite"))
             })?;

@@ -257,6 +257,7 @@ impl Condensed {
             stiffness: &mut kept.stiffness,
             compliance: &mut kept.compliance,
             rows: &kept.rows,
+            resolution: problem.scale().resolution,
             load: &load,
             stop,
             cost,

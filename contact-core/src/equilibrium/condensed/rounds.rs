@@ -13,6 +13,8 @@ const STATIONARITY: f64 = 1e-11;
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 /// Bound on overlaps, and on gaps where forces act, relative to the largest Σ_j |C_ij u_j| of a row.
 const GAP: f64 = 1e-9;
+/// The same, relative to the smallest displacement that matters at contact; the smaller of the two counts.
+const RESOLUTION: f64 = 1e-5;
 /// The share of that bound left to the condensed problem.
 const SHARE: f64 = 0.1;
 /// The limit of rounds. Blocks that do not float take two or three.
@@ -37,6 +39,8 @@ pub(super) struct Rounds<'a> {
     pub rows: &'a Rows,
     /// The constant of each distinct row (UL).
     pub constants: &'a [f64],
+    /// The smallest displacement that matters at contact (UL).
+    pub resolution: f64,
     /// f = −∇E(0) (n, UF).
     pub load: &'a [f64],
     pub stop: &'a Stop,
@@ -62,16 +66,16 @@ impl Rounds<'_> {
         for _ in 0..ROUNDS {
             let residual = self.residual(at);
             let gaps = self.gaps(&at.u);
-            let size = self.size(&at.u);
-            if residual.ratio <= 1.0 && self.are_closed(&gaps, &at.lambda, size) {
+            let bound = self.bound(&at.u);
+            if residual.ratio <= 1.0 && self.are_closed(&gaps, &at.lambda, bound) {
                 return Ok(());
             }
-            if !(residual.ratio.is_finite() && size.is_finite()) {
+            if !(residual.ratio.is_finite() && bound.is_finite()) {
                 return Err(Halt::Failed("the iterates are not finite".into()));
             }
             ratios.push(residual.ratio);
             self.check_progress(&ratios, &residual)?;
-            self.round(at, residual.forces, size)?;
+            self.round(at, residual.forces, bound)?;
         }
         Err(Halt::Failed(format!(
             "gaps or forces are not in equilibrium after {ROUNDS} rounds: {:.1e} times the bound on forces is left",
@@ -84,7 +88,7 @@ impl Rounds<'_> {
         &mut self,
         at: &mut Iterate,
         mut residual: Vec<f64>,
-        size: f64,
+        bound: f64,
     ) -> Result<(), Halt> {
         self.stiffness.solve(&mut residual)?;
         at.u.iter_mut().zip(&residual).for_each(|(u, step)| *u += step);
@@ -92,13 +96,13 @@ impl Rounds<'_> {
         let acting: Vec<usize> = (0..self.rows.len()).filter(|&k| at.lambda[k] > 0.0).collect();
         self.extend(acting.into_iter().filter(|&k| !self.compliance.holds(k)).collect())?;
         let (base, before) = (at.u.clone(), at.lambda.clone());
-        let moved = self.size(&base);
-        let bound = SHARE * GAP * if size > 0.0 { size.min(moved) } else { moved };
+        let free_bound = self.bound(&base);
+        let bound = SHARE * if bound > 0.0 { free_bound.min(bound) } else { free_bound };
         let mut gaps = free.clone();
         loop {
-            let size = self.size(&at.u);
+            let overlap = self.bound(&at.u);
             let mut more: Vec<usize> = (0..self.rows.len())
-                .filter(|&k| !self.compliance.holds(k) && gaps[k] < -GAP * size)
+                .filter(|&k| !self.compliance.holds(k) && gaps[k] < -overlap)
                 .collect();
             let is_first = at.u == base;
             if more.is_empty() && !(is_first && !self.compliance.rows().is_empty()) {
@@ -153,20 +157,21 @@ impl Rounds<'_> {
         self.constants.iter().enumerate().map(gap).collect()
     }
 
-    /// The largest Σ_j |C_ij u_j| (UL).
-    fn size(&self, u: &[f64]) -> f64 {
+    /// The bound on overlaps at u (UL).
+    fn bound(&self, u: &[f64]) -> f64 {
         let row = |k: usize| {
             let terms = self.rows.row(k).iter().map(|&(j, a)| (a * u[j]).abs());
             terms.sum::<f64>()
         };
-        (0..self.rows.len()).map(row).fold(0.0, f64::max)
+        let size = (0..self.rows.len()).map(row).fold(0.0, f64::max);
+        (GAP * size).min(RESOLUTION * self.resolution).max(ROUNDOFF * size)
     }
 
     /// Whether no gap is negative and forces act at closed gaps only.
-    fn are_closed(&self, gaps: &[f64], lambda: &[f64], size: f64) -> bool {
+    fn are_closed(&self, gaps: &[f64], lambda: &[f64], bound: f64) -> bool {
         let largest = lambda.iter().fold(0.0, |m: f64, l| m.max(*l));
         let mut pairs = gaps.iter().zip(lambda);
-        pairs.all(|(&c, &l)| c >= -GAP * size && c.max(0.0) * l <= GAP * size * largest)
+        pairs.all(|(&c, &l)| c >= -bound && c.max(0.0) * l <= bound * largest)
     }
 
     fn residual(&self, at: &Iterate) -> Residual {
