@@ -17,6 +17,8 @@ const GAP: f64 = 1e-9;
 const RESOLUTION: f64 = 1e-5;
 /// The share of that bound left to the condensed problem.
 const SHARE: f64 = 0.1;
+/// While the working set grows, the condensed problem is solved this much less accurately.
+const ROUGH: f64 = 1e4;
 /// The limit of rounds. Blocks that do not float take two or three.
 const ROUNDS: usize = 60;
 /// Rounds after which what is left of the forces on blocks that float must have shrunk to a half.
@@ -93,34 +95,44 @@ impl Rounds<'_> {
         self.stiffness.solve(&mut residual)?;
         at.u.iter_mut().zip(&residual).for_each(|(u, step)| *u += step);
         let free = self.gaps(&at.u);
-        let acting: Vec<usize> = (0..self.rows.len()).filter(|&k| at.lambda[k] > 0.0).collect();
-        self.extend(acting.into_iter().filter(|&k| !self.compliance.holds(k)).collect())?;
+        let acting = (0..self.rows.len()).filter(|&k| at.lambda[k] > 0.0);
+        self.extend(acting.filter(|&k| !self.compliance.holds(k)).collect())?;
         let (base, before) = (at.u.clone(), at.lambda.clone());
-        let free_bound = self.bound(&base);
-        let bound = SHARE * if bound > 0.0 { free_bound.min(bound) } else { free_bound };
+        let bound = match self.bound(&base) {
+            at_base if bound > 0.0 => SHARE * at_base.min(bound),
+            at_base => SHARE * at_base,
+        };
         let mut gaps = free.clone();
+        let mut is_final = false;
         loop {
-            let overlap = self.bound(&at.u);
-            let mut more: Vec<usize> = (0..self.rows.len())
-                .filter(|&k| !self.compliance.holds(k) && gaps[k] < -overlap)
-                .collect();
-            let is_first = at.u == base;
-            if more.is_empty() && !(is_first && !self.compliance.rows().is_empty()) {
+            let more = self.overlapping(&gaps, self.bound(&at.u));
+            if more.is_empty() && (is_final || self.compliance.rows().is_empty()) {
                 return Ok(());
             }
-            if self.stiffness.blocks().iter().any(|block| block.floats) {
-                more.sort_by(|&a, &b| gaps[a].total_cmp(&gaps[b]));
-                more.truncate(self.compliance.rows().len().max(FIRST));
-            }
+            is_final = more.is_empty();
             self.extend(more)?;
+            let bound = if is_final { bound } else { ROUGH * bound };
             self.multipliers(&free, &before, bound, &mut at.lambda)?;
-            let change: Vec<f64> = at.lambda.iter().zip(&before).map(|(l, b)| l - b).collect();
+            let change = at.lambda.iter().zip(&before).map(|(l, b)| l - b);
             let mut step = vec![0.0; base.len()];
-            self.rows.add_forces(&change, &mut step);
+            self.rows.add_forces(&change.collect::<Vec<_>>(), &mut step);
             self.stiffness.solve(&mut step)?;
-            at.u.iter_mut().zip(base.iter().zip(&step)).for_each(|(u, (b, s))| *u = b + s);
+            let sum = base.iter().zip(&step).map(|(b, s)| b + s);
+            at.u = sum.collect();
             gaps = self.gaps(&at.u);
         }
+    }
+
+    /// Rows without a place in the working set whose gaps are below −`overlap`. Where a body floats, all of a surface
+    /// may be: then the deepest ones, as many as the working set has.
+    fn overlapping(&self, gaps: &[f64], overlap: f64) -> Vec<usize> {
+        let overlaps = |&k: &usize| !self.compliance.holds(k) && gaps[k] < -overlap;
+        let mut rows: Vec<usize> = (0..self.rows.len()).filter(overlaps).collect();
+        if self.stiffness.blocks().iter().any(|block| block.floats) {
+            rows.sort_by(|&a, &b| gaps[a].total_cmp(&gaps[b]));
+            rows.truncate(self.compliance.rows().len().max(FIRST));
+        }
+        rows
     }
 
     fn extend(&mut self, more: Vec<usize>) -> Result<(), Halt> {
