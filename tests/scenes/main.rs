@@ -8,6 +8,7 @@ mod audit;
 mod bad_input;
 mod beams;
 mod certificate;
+mod condensed;
 mod derivatives;
 mod disc_in_disc;
 mod extremes;

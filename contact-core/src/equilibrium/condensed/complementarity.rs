@@ -1,14 +1,15 @@
-//! 0 ≤ λ ⟂ W λ + q ≥ 0 for a dense, positive semidefinite W: a proximal method of multipliers with Newton's method
-//! inside.
+//! 0 ≤ λ ⟂ c(λ) ≥ 0 for gaps c with a dense, positive semidefinite slope W: a proximal method of multipliers with
+//! Newton's method inside.
 //!
-//! λ minimises ½λᵀWλ + qᵀλ over λ ≥ 0. The proximal point of λ̄ also has ½ε|λ − λ̄|². It satisfies
-//! ε λ = (ε λ̄ − c)₊ with c = W λ + q, which is the minimum over z of the convex, piecewise quadratic
+//! With c = W λ + q, λ minimises ½λᵀWλ + qᵀλ over λ ≥ 0. The proximal point of λ̄ also has ½ε|λ − λ̄|². It satisfies
+//! ε λ = (ε λ̄ − c)₊, which is the minimum over z of the convex, piecewise quadratic
 //!
-//! ψ(z) = ½ ε zᵀWz + ½ |(ε λ̄ − q − W z)₊|²,
+//! ψ(z) = ½ ε zᵀWz + ½ |(ε λ̄ − c(z))₊|²,
 //!
-//! the augmented Lagrangian of the primal problem. Newton's method on the rows A with ε λ̄ > c solves
-//! (W_AA + ε) z_A = ε λ̄ − q_A; an exact line search makes it end after finitely many steps. Rows that depend on each
-//! other are harmless, since ε makes every W_AA definite. Repeating this from λ̄ = λ removes the error of ε.
+//! the augmented Lagrangian of the primal problem. Newton's method on the rows A with ε λ̄ > c moves to z_A with
+//! c_A = ε (λ̄_A − z_A), the others being zero; an exact line search makes it end after finitely many steps. Rows that
+//! depend on each other are harmless, since ε makes every W_AA definite. Repeating this from λ̄ = λ removes the error of
+//! ε. All steps are increments: c is never the difference of large numbers.
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Col, Mat, Side};
@@ -26,11 +27,13 @@ const LAST: f64 = 1e-8;
 const RATIO: f64 = 0.1;
 /// ε of the first round from multipliers that are known, relative to what is left of the condition over the largest λ.
 const WARM: f64 = 0.1;
-/// The round-off of the gaps, relative to the largest |q|.
+/// The round-off of the gaps, relative to the largest one of the start.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
+/// A step is full within this.
+const FULL: f64 = 1e-6;
 /// The limits of rounds and of Newton's steps in one of them.
 const ROUNDS: usize = 60;
-const STEPS: usize = 200;
+const STEPS: usize = 100;
 
 /// λ and what it cost.
 #[derive(Debug)]
@@ -41,49 +44,53 @@ pub(super) struct Complementary {
     pub steps: usize,
 }
 
-/// Solves from the multipliers `start` until every |min(W_ii λᵢ, cᵢ)| is within `bound` (UL), or within round-off of q.
-/// `W` (m × m, UL/UF) is symmetric, with both triangles.
+/// Solves from the multipliers `start` and their gaps c (m, UL) until every |min(W_ii λᵢ, cᵢ)| is within `bound` (UL), or
+/// within round-off of the gaps. `W` (m × m, UL/UF) is symmetric, with both triangles.
 pub(super) fn solve(
     W: &Mat<f64>,
-    q: &[f64],
+    gaps: &[f64],
     start: &[f64],
     bound: f64,
     stop: &Stop,
 ) -> Result<Complementary, Halt> {
-    let m = q.len();
-    let units: Vec<f64> = (0..m).map(|i| 1.0 / W[(i, i)].sqrt()).collect();
-    if let Some(i) = (0..m).find(|&i| !units[i].is_finite() || !q[i].is_finite()) {
-        let (w, q) = (W[(i, i)], q[i]);
+    let m = gaps.len();
+    let lengths: Vec<f64> = (0..m).map(|i| W[(i, i)].sqrt()).collect();
+    let is_sound = |i: usize| lengths[i] > 0.0 && lengths[i].is_finite() && gaps[i].is_finite();
+    if let Some(i) = (0..m).find(|&i| !is_sound(i)) {
+        let (w, c) = (W[(i, i)], gaps[i]);
         return Err(Halt::Failed(format!(
-            "row {i} of the condensed problem has compliance {w} and gap {q}: both must be finite"
+            "row {i} of the condensed problem has compliance {w} and gap {c}: both must be finite, and the first positive"
         )));
     }
-    let largest = q.iter().fold(0.0, |m: f64, q| m.max(q.abs()));
+    let largest = gaps.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
     let mut proximal = Proximal {
+        W: Mat::from_fn(m, m, |i, j| W[(i, j)] / (lengths[i] * lengths[j])),
+        center: Col::from_fn(m, |i| start[i] * lengths[i]),
+        gaps: Col::from_fn(m, |i| gaps[i] / lengths[i]),
         bound: bound.max(ROUNDOFF * largest),
-        lengths: units.iter().map(|unit| 1.0 / unit).collect(),
-        W: Mat::from_fn(m, m, |i, j| W[(i, j)] * units[i] * units[j]),
-        q: Col::from_fn(m, |i| q[i] * units[i]),
-        center: Col::from_fn(m, |i| start[i].max(0.0) / units[i]),
+        lengths,
         factor: None,
         steps: 0,
     };
-    let lambda = proximal.solve(stop)?;
+    proximal.solve(stop)?;
+    let Proximal {
+        center, lengths, ..
+    } = &proximal;
     Ok(Complementary {
-        lambda: (0..m).map(|i| lambda[i] * units[i]).collect(),
+        lambda: (0..m).map(|i| center[i] / lengths[i]).collect(),
         steps: proximal.steps,
     })
 }
 
 /// The problem with unit diagonal, and the method's state.
 struct Proximal {
+    W: Mat<f64>,
+    /// λ̄ and its gaps.
+    center: Col<f64>,
+    gaps: Col<f64>,
     /// √W_ii, the length that each row's gap is measured in, and the bound on |min(W_ii λᵢ, cᵢ)|.
     lengths: Vec<f64>,
     bound: f64,
-    W: Mat<f64>,
-    q: Col<f64>,
-    /// λ̄.
-    center: Col<f64>,
     factor: Option<Active>,
     steps: usize,
 }
@@ -96,29 +103,111 @@ struct Active {
 }
 
 impl Proximal {
-    fn solve(&mut self, stop: &Stop) -> Result<Col<f64>, Halt> {
-        let mut epsilon = FIRST;
-        let mut left = f64::INFINITY;
-        for round in 0..ROUNDS {
-            let gaps = &self.q + self.product(&self.center);
-            left = self.residual(&self.center, &gaps);
-            if left <= self.bound {
-                return Ok(self.center.clone());
+    fn solve(&mut self, stop: &Stop) -> Result<(), Halt> {
+        let scaled = natural(&self.center, &self.gaps).fold(0.0, f64::max);
+        let mut epsilon = (WARM * scaled / self.center.norm_max()).clamp(LAST, FIRST);
+        for _ in 0..ROUNDS {
+            if self.residual(&self.center, &self.gaps) <= self.bound {
+                return Ok(());
             }
-            if round == 0 {
-                let scaled = natural(&self.center, &gaps).fold(0.0, f64::max);
-                let warm = WARM * scaled / self.center.norm_max();
-                epsilon = warm.clamp(LAST, FIRST);
-            }
-            let z = self.proximal_point(epsilon, gaps, stop)?;
-            self.center = positive_part(&z);
+            let (z, gaps) = self.proximal_point(epsilon, stop)?;
+            self.center = Col::from_fn(z.nrows(), |i| z[i].max(0.0));
+            self.gaps = gaps + self.product(&(&self.center - z));
             epsilon = (RATIO * epsilon).max(LAST);
         }
+        let left = self.residual(&self.center, &self.gaps) / self.bound;
         Err(Halt::Failed(format!(
-            "gaps and forces of the condensed problem are not complementary after {ROUNDS} rounds: {:.1e} times the \
-             bound is left",
-            left / self.bound
+            "gaps and forces of the condensed problem are not complementary after {ROUNDS} rounds: {left:.1e} times the \
+             bound is left"
         )))
+    }
+
+    /// Newton's method from z = λ̄ until the rows that act repeat, or z is a solution; z and its gaps.
+    fn proximal_point(
+        &mut self,
+        epsilon: f64,
+        stop: &Stop,
+    ) -> Result<(Col<f64>, Col<f64>), Halt> {
+        let (mut z, mut gaps) = (self.center.clone(), self.gaps.clone());
+        let mut last: Option<Vec<usize>> = None;
+        for _ in 0..STEPS {
+            if stop.is_requested() {
+                return Err(Halt::Stopped);
+            }
+            let margin = epsilon * &self.center - &gaps;
+            let active: Vec<usize> = (0..z.nrows()).filter(|&i| margin[i] > 0.0).collect();
+            let is_settled = last.as_ref() == Some(&active);
+            self.steps += usize::from(!is_settled);
+            let (direction, change) = self.newton(&active, epsilon, &z, &margin)?;
+            let work = epsilon * (change.transpose() * &z);
+            let curvature = epsilon * (change.transpose() * &direction);
+            // without descent W d is zero, and z + d the one of these z that is the proximal point
+            let descent = exact_step(work, curvature, &margin, &change);
+            let step = descent.filter(|_| !is_settled).unwrap_or(1.0);
+            z += step * &direction;
+            gaps += step * &change;
+            let is_full = (step - 1.0).abs() < FULL;
+            let is_solution = is_full && self.residual(&z, &gaps) <= self.bound;
+            if is_settled || descent.is_none() || is_solution {
+                break;
+            }
+            last = Some(active);
+        }
+        Ok((z, gaps))
+    }
+
+    /// The step d to the minimum with the `active` rows A, and W d: (W_AA + ε) d_A = (ε λ̄ − ε z − c − W d_I)_A, where
+    /// d_I = −z_I on the other rows and `margin` is ε λ̄ − c.
+    fn newton(
+        &mut self,
+        active: &[usize],
+        epsilon: f64,
+        z: &Col<f64>,
+        margin: &Col<f64>,
+    ) -> Result<(Col<f64>, Col<f64>), Halt> {
+        let mut direction = -z;
+        active.iter().for_each(|&i| direction[i] = 0.0);
+        let mut change = self.product(&direction);
+        if active.is_empty() {
+            return Ok((direction, change));
+        }
+        let mut x = Col::from_fn(active.len(), |a| {
+            let i = active[a];
+            margin[i] - epsilon * z[i] - change[i]
+        });
+        self.factored(active, epsilon)?.solve_in_place(x.as_mat_mut());
+        let mut goal = Col::zeros(z.nrows());
+        active.iter().zip(x.iter()).for_each(|(&i, x)| goal[i] = *x);
+        change += self.product(&goal);
+        direction += goal;
+        Ok((direction, change))
+    }
+
+    /// The factor of W_AA + ε, new where it is not the last one.
+    fn factored(&mut self, active: &[usize], epsilon: f64) -> Result<&Llt<f64>, Halt> {
+        let is_same = |known: &Active| known.epsilon == epsilon && known.rows == active;
+        let known = match self.factor.take().filter(is_same) {
+            Some(known) => known,
+            None => {
+                let k = active.len();
+                let mut W = Mat::zeros(k, k);
+                for (b, &j) in active.iter().enumerate() {
+                    let (from, into) = (self.W.col_as_slice(j), W.col_as_slice_mut(b));
+                    let rows = active.iter().zip(into).skip(b);
+                    rows.for_each(|(&i, w)| *w = from[i]);
+                    W[(b, b)] += epsilon;
+                }
+                let llt = W.llt(Side::Lower).map_err(|_| {
+                    Halt::Failed(format!("the compliance of {k} rows is not positive semidefinite"))
+                })?;
+                Active {
+                    rows: active.to_vec(),
+                    epsilon,
+                    llt,
+                }
+            }
+        };
+        Ok(&self.factor.insert(known).llt)
     }
 
     /// W x for an x with many zeros.
@@ -136,83 +225,10 @@ impl Proximal {
         let rows = natural(lambda, gaps).zip(&self.lengths);
         rows.fold(0.0, |worst, (left, length)| worst.max(left * length))
     }
-
-    /// Newton's method from z = λ̄, where c is `gaps`, until the rows that act repeat, or z is a solution.
-    fn proximal_point(
-        &mut self,
-        epsilon: f64,
-        mut gaps: Col<f64>,
-        stop: &Stop,
-    ) -> Result<Col<f64>, Halt> {
-        let mut z = self.center.clone();
-        let mut last: Option<Vec<usize>> = None;
-        for _ in 0..STEPS {
-            if stop.is_requested() {
-                return Err(Halt::Stopped);
-            }
-            let margin = epsilon * &self.center - &gaps;
-            let active: Vec<usize> = (0..z.nrows()).filter(|&i| margin[i] > 0.0).collect();
-            if last.as_ref() == Some(&active) {
-                return Ok(z);
-            }
-            self.steps += 1;
-            let goal = self.minimum_on(&active, epsilon)?;
-            let direction = &goal - &z;
-            let change = self.product(&direction);
-            let work = epsilon * (change.transpose() * &z);
-            let curvature = epsilon * (change.transpose() * &direction);
-            let Some(step) = exact_step(work, curvature, &margin, &change) else {
-                return Ok(goal);
-            };
-            z += step * &direction;
-            gaps += step * &change;
-            if z.iter().all(|z| *z >= 0.0) && self.residual(&z, &gaps) <= self.bound {
-                return Ok(z);
-            }
-            last = (step > 1.0 - 1e-6).then_some(active);
-        }
-        Err(Halt::Failed(format!(
-            "the rows that act are not found within {STEPS} steps of Newton's method"
-        )))
-    }
-
-    /// z with (W_AA + ε) z_A = ε λ̄_A − q_A on the `active` rows A, and zero elsewhere.
-    fn minimum_on(&mut self, active: &[usize], epsilon: f64) -> Result<Col<f64>, Halt> {
-        let k = active.len();
-        let known = self.factor.as_ref();
-        if known.is_none_or(|factor| factor.epsilon != epsilon || factor.rows != active) {
-            let mut W = Mat::zeros(k, k);
-            for (b, &j) in active.iter().enumerate() {
-                let (from, into) = (self.W.col_as_slice(j), W.col_as_slice_mut(b));
-                let rows = active.iter().zip(into).skip(b);
-                rows.for_each(|(&i, w)| *w = from[i]);
-                W[(b, b)] += epsilon;
-            }
-            let llt = W.llt(Side::Lower).map_err(|_| {
-                Halt::Failed(format!("the compliance of {k} rows is not positive semidefinite"))
-            })?;
-            self.factor = Some(Active {
-                rows: active.to_vec(),
-                epsilon,
-                llt,
-            });
-        }
-        let mut z = Col::zeros(self.q.nrows());
-        if let Some(factor) = &self.factor {
-            let mut x = Col::from_fn(k, |a| epsilon * self.center[active[a]] - self.q[active[a]]);
-            factor.llt.solve_in_place(x.as_mat_mut());
-            active.iter().zip(x.iter()).for_each(|(&i, x)| z[i] = *x);
-        }
-        Ok(z)
-    }
 }
 
 /// |min(λᵢ, cᵢ)| of each row.
 fn natural(lambda: &Col<f64>, gaps: &Col<f64>) -> impl Iterator<Item = f64> {
     let pairs = lambda.iter().zip(gaps.iter());
     pairs.map(|(l, c)| l.min(*c).abs())
-}
-
-fn positive_part(z: &Col<f64>) -> Col<f64> {
-    Col::from_fn(z.nrows(), |i| z[i].max(0.0))
 }

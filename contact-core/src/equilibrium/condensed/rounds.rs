@@ -94,15 +94,13 @@ impl Rounds<'_> {
     ) -> Result<(), Halt> {
         self.stiffness.solve(&mut residual)?;
         at.u.iter_mut().zip(&residual).for_each(|(u, step)| *u += step);
-        let free = self.gaps(&at.u);
+        let mut gaps = self.gaps(&at.u);
         let acting = (0..self.rows.len()).filter(|&k| at.lambda[k] > 0.0);
         self.extend(acting.filter(|&k| !self.compliance.holds(k)).collect())?;
-        let (base, before) = (at.u.clone(), at.lambda.clone());
-        let bound = match self.bound(&base) {
-            at_base if bound > 0.0 => SHARE * at_base.min(bound),
-            at_base => SHARE * at_base,
+        let bound = match self.bound(&at.u) {
+            now if bound > 0.0 => SHARE * now.min(bound),
+            now => SHARE * now,
         };
-        let mut gaps = free.clone();
         let mut is_final = false;
         loop {
             let more = self.overlapping(&gaps, self.bound(&at.u));
@@ -112,13 +110,11 @@ impl Rounds<'_> {
             is_final = more.is_empty();
             self.extend(more)?;
             let bound = if is_final { bound } else { ROUGH * bound };
-            self.multipliers(&free, &before, bound, &mut at.lambda)?;
-            let change = at.lambda.iter().zip(&before).map(|(l, b)| l - b);
-            let mut step = vec![0.0; base.len()];
-            self.rows.add_forces(&change.collect::<Vec<_>>(), &mut step);
+            let change = self.complement(&gaps, bound, &mut at.lambda)?;
+            let mut step = vec![0.0; at.u.len()];
+            self.rows.add_forces(&change, &mut step);
             self.stiffness.solve(&mut step)?;
-            let sum = base.iter().zip(&step).map(|(b, s)| b + s);
-            at.u = sum.collect();
+            at.u.iter_mut().zip(&step).for_each(|(u, step)| *u += step);
             gaps = self.gaps(&at.u);
         }
     }
@@ -142,25 +138,26 @@ impl Rounds<'_> {
         }
     }
 
-    /// λ of the working set, `free` being the gaps with the multipliers `before`.
-    fn multipliers(
+    /// Changes λ of the working set, which has these `gaps`, to the solution of the condensed problem; the change.
+    fn complement(
         &mut self,
-        free: &[f64],
-        before: &[f64],
+        gaps: &[f64],
         bound: f64,
         lambda: &mut [f64],
-    ) -> Result<(), Halt> {
-        let (rows, W) = (self.compliance.rows(), self.compliance.matrix());
+    ) -> Result<Vec<f64>, Halt> {
+        let rows = self.compliance.rows();
         let of = |values: &[f64]| rows.iter().map(|&k| values[k]).collect::<Vec<_>>();
-        let (mut q, before, start) = (of(free), of(before), of(lambda));
-        for (l, column) in before.iter().zip(W.col_iter()).filter(|(l, _)| **l != 0.0) {
-            q.iter_mut().zip(column.iter()).for_each(|(q, w)| *q -= w * l);
-        }
-        let solved = complementarity::solve(W, &q, &start, bound, self.stop)?;
+        let (gaps, start) = (of(gaps), of(lambda));
+        let W = self.compliance.matrix();
+        let solved = complementarity::solve(W, &gaps, &start, bound, self.stop)?;
         self.cost.solves += 1;
         self.cost.iterations += solved.steps;
-        rows.iter().zip(&solved.lambda).for_each(|(&k, l)| lambda[k] = *l);
-        Ok(())
+        let mut change = vec![0.0; lambda.len()];
+        for (&k, l) in rows.iter().zip(&solved.lambda) {
+            change[k] = l - lambda[k];
+            lambda[k] = *l;
+        }
+        Ok(change)
     }
 
     /// C u + c₀ of the distinct rows.

@@ -6,9 +6,12 @@ use super::halt::Halt;
 use crate::linear::{Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern};
 use crate::{Energy, Error, Stop};
 
-/// σ: a block that floats is factored as K + σ diag K. Smaller values take fewer rounds; larger ones leave more digits of
-/// the compliance.
-const SHIFT: f64 = 1e-8;
+/// n σ: a block of n unknowns that floats is factored as K + σ diag K, so that a motion without strain meets this many
+/// entries of the diagonal as its stiffness, whatever n.
+///
+/// Smaller values take fewer rounds; larger ones leave more digits of the compliance. On Hertz's contact with 23 600
+/// unknowns, σ = 1e-6, 1e-7, 1e-8, 1e-9 took 28, 8, 4, 3 rounds.
+const SHIFT: f64 = 1e-4;
 
 /// The stiffness K (UF/UL) of all bodies, with M = K on blocks that are positive definite and M = K + σ diag K on those
 /// that float.
@@ -145,8 +148,9 @@ impl Block {
 
 /// K + σ diag K.
 fn shifted(pattern: &SymmetricPattern, values: &[f64]) -> Vec<f64> {
+    let n = pattern.dim() as f64;
     let shifted = |((i, j), k): ((usize, usize), &f64)| match i == j {
-        true => (1.0 + SHIFT) * k,
+        true => (1.0 + SHIFT / n) * k,
         false => *k,
     };
     pattern.iter().zip(values).map(shifted).collect()
