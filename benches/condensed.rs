@@ -59,7 +59,10 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             measure(name, 1, || beams.scene())?;
         }
     }
-    for (name, in_contact, on_arc) in [("Hertz 9k triangles", 40.0, 90), ("Hertz 24k triangles", 42.0, 95)] {
+    for (name, in_contact, on_arc) in [
+        ("Hertz 9k triangles", 40.0, 90),
+        ("Hertz 24k triangles", 42.0, 95),
+    ] {
         let hertz = Hertz::new(Fineness { in_contact, on_arc }, Order::Linear);
         if wanted(name) {
             measure(name, 1, || hertz.scene())?;
@@ -72,9 +75,17 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     if wanted("cantilevers, 100 steps") {
-        measure("cantilevers, 100 steps", 100, || cantilevers::scene([20, 8, 8]))?;
+        measure("cantilevers, 100 steps", 100, || {
+            cantilevers::scene([20, 8, 8])
+        })?;
     }
-    let hertz = Hertz::new(Fineness { in_contact: 60.0, on_arc: 146 }, Order::Linear);
+    let hertz = Hertz::new(
+        Fineness {
+            in_contact: 60.0,
+            on_arc: 146,
+        },
+        Order::Linear,
+    );
     if wanted("Hertz, 100 steps") {
         measure("Hertz, 100 steps", 100, || hertz.scene())?;
     }
@@ -130,7 +141,12 @@ fn measure<const D: usize>(
         solution.energy,
     );
     for entry in certificate.entries(&tight()).filter(|entry| !entry.holds()) {
-        println!("    {} {:.1e} beyond {:.1e}", entry.name, entry.value.unwrap_or(f64::NAN), entry.limit);
+        println!(
+            "    {} {:.1e} beyond {:.1e}",
+            entry.name,
+            entry.value.unwrap_or(f64::NAN),
+            entry.limit
+        );
     }
     Ok(())
 }
@@ -175,6 +191,9 @@ fn floor(energy: &dyn Energy) -> Result<f64, Failure> {
 /// What this thread has had of a processor (s).
 fn processor_seconds() -> f64 {
     let times = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds = times.split(' ').next().and_then(|time| time.parse::<f64>().ok());
+    let nanoseconds = times
+        .split(' ')
+        .next()
+        .and_then(|time| time.parse::<f64>().ok());
     nanoseconds.map_or(f64::NAN, |time| 1e-9 * time)
 }

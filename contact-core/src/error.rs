@@ -50,6 +50,9 @@ pub enum Error {
     /// Invalid bounds or sparsity patterns.
     #[error(transparent)]
     Nlp(#[from] crate::nlp::NlpError),
+    /// A matrix was not factored, or a system not solved.
+    #[error(transparent)]
+    Factor(#[from] crate::linear::FactorError),
     /// The Ipopt driver refused the problem or an option.
     #[cfg(feature = "ipopt")]
     #[error(transparent)]

@@ -47,40 +47,64 @@ impl Default for Row {
 
 /// A sparse matrix in compressed rows.
 #[derive(Clone, Debug)]
-struct Rows {
+pub struct SparseRows {
     starts: Vec<usize>,
     columns: Vec<usize>,
     values: Vec<f64>,
 }
 
-impl Rows {
-    fn new() -> Self {
-        Rows {
+impl SparseRows {
+    /// A matrix without rows.
+    pub fn new() -> Self {
+        SparseRows {
             starts: vec![0],
             columns: Vec::new(),
             values: Vec::new(),
         }
     }
 
-    fn push(&mut self, entries: &[(usize, f64)]) {
+    /// Appends a row of `(column, value)`. Entries of one column add up.
+    pub fn push(&mut self, entries: &[(usize, f64)]) {
         self.columns.extend(entries.iter().map(|e| e.0));
         self.values.extend(entries.iter().map(|e| e.1));
         self.starts.push(self.columns.len());
     }
 
-    fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    /// The number of rows.
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The entries `(column, value)` of row `i`.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let range = self.starts[i]..self.starts[i + 1];
         let values = self.values[range.clone()].iter().copied();
         self.columns[range].iter().copied().zip(values)
     }
 
+    /// (A x)_i.
+    pub fn times(&self, i: usize, x: &[f64]) -> f64 {
+        self.row(i).map(|(j, a)| a * x[j]).sum()
+    }
+
     /// Adds Aᵀλ to `out`.
-    fn add_transpose(&self, lambda: &[f64], out: &mut [f64]) {
+    pub fn add_transpose(&self, lambda: &[f64], out: &mut [f64]) {
         for (i, &l) in lambda.iter().enumerate() {
             for (j, a) in self.row(i) {
                 out[j] += a * l;
             }
         }
+    }
+}
+
+impl Default for SparseRows {
+    fn default() -> Self {
+        SparseRows::new()
     }
 }
 
@@ -90,8 +114,8 @@ impl Rows {
 #[derive(Clone, Debug)]
 pub struct LinearGaps {
     keys: Vec<RowKey>,
-    free: Rows,
-    prescribed: Rows,
+    free: SparseRows,
+    prescribed: SparseRows,
     constant: Vec<f64>,
     weights: Vec<f64>,
     exact: bool,
@@ -104,8 +128,8 @@ impl LinearGaps {
     pub fn new(exact: bool) -> Self {
         LinearGaps {
             keys: Vec::new(),
-            free: Rows::new(),
-            prescribed: Rows::new(),
+            free: SparseRows::new(),
+            prescribed: SparseRows::new(),
             constant: Vec::new(),
             weights: Vec::new(),
             exact,
@@ -195,6 +219,11 @@ impl LinearGaps {
         &self.weights
     }
 
+    /// C (m × n).
+    pub fn matrix(&self) -> &SparseRows {
+        &self.free
+    }
+
     /// The nonzeros of C, row by row, as `(row, free unknown, coefficient)`.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         (0..self.len()).flat_map(|i| self.free.row(i).map(move |(j, a)| (i, j, a)))
@@ -213,7 +242,7 @@ impl LinearGaps {
     /// c(u) = C u + c₀ into `c` (m, UL).
     pub fn value(&self, u: &[f64], c: &mut [f64]) {
         for (i, c) in c.iter_mut().enumerate() {
-            *c = self.constant[i] + self.free.row(i).map(|(j, a)| a * u[j]).sum::<f64>();
+            *c = self.constant[i] + self.free.times(i, u);
         }
     }
 

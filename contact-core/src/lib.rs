@@ -52,9 +52,9 @@ mod stop;
 
 pub use cost::Cost;
 pub use energy::{DirectSum, Energy};
-#[cfg(feature = "linear")]
-pub use equilibrium::Condensed;
 pub use equilibrium::{Acceleration, Equilibrium, FixedPoint, Retry};
+#[cfg(feature = "linear")]
+pub use equilibrium::{Condensed, CondensedNewton};
 pub use error::Error;
 pub use gaps::{LinearGaps, RowKey};
 pub use load_steps::{LoadStepped, LoadSteps};
@@ -63,7 +63,7 @@ pub use method::{Continuation, InteriorPoint, PenalizedSlack, Penalty};
 pub use method::{Method, Minimum};
 pub use nlp::Bounds;
 pub use outcome::{Ending, Outcome, Solved};
-pub use problem::{ContactProblem, Multipliers, Scale, State};
+pub use problem::{ContactProblem, GapVariation, Multipliers, Scale, State};
 pub use stop::Stop;
 
 /// The example of the README, as a test.

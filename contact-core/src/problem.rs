@@ -1,6 +1,6 @@
 //! The interface between mechanics and optimisation: the trait of a contact problem, its scales and its state.
 
-use crate::gaps::Sampling;
+use crate::gaps::{Sampling, SparseRows};
 use crate::nlp::Bounds;
 use crate::{Energy, Error, LinearGaps, RowKey};
 
@@ -73,6 +73,67 @@ pub struct State {
     pub multipliers: Multipliers,
 }
 
+/// How gaps and contact forces vary with u where projections and normals follow it, beyond what frozen rows tell.
+///
+/// Internal variables y = Y u, such as averaged normals, are shared by many rows. With G and D for ∂c/∂u and ∂(C(u)ᵀλ)/∂u,
+/// G v = G_u v + G_y Y v and D v = D_u v + D_y Y v. D is not symmetric.
+#[derive(Clone, Debug, Default)]
+pub struct GapVariation {
+    /// Y (p × n).
+    pub internal: SparseRows,
+    /// G_u (m × n); rows that were not asked for are empty.
+    pub gradients: SparseRows,
+    /// G_y (m × p).
+    pub internal_gradients: SparseRows,
+    /// The unknowns on which D acts, and its rows D_u and D_y (UF/UL).
+    unknowns: Vec<usize>,
+    forces: SparseRows,
+    internal_forces: SparseRows,
+}
+
+impl GapVariation {
+    /// Adds a row of D: the variation of the force on an `unknown` by the unknowns and by the internal variables.
+    pub fn push_force(
+        &mut self,
+        unknown: usize,
+        by_unknowns: &[(usize, f64)],
+        by_internal: &[(usize, f64)],
+    ) {
+        self.unknowns.push(unknown);
+        self.forces.push(by_unknowns);
+        self.internal_forces.push(by_internal);
+    }
+
+    /// Y v (p).
+    pub fn internal(&self, v: &[f64]) -> Vec<f64> {
+        let rows = 0..self.internal.len();
+        rows.map(|k| self.internal.times(k, v)).collect()
+    }
+
+    /// (G v)_i, with y = Y v.
+    pub fn gap(&self, i: usize, v: &[f64], y: &[f64]) -> f64 {
+        self.gradients.times(i, v) + self.internal_gradients.times(i, y)
+    }
+
+    /// Adds D v to `out`, with y = Y v.
+    pub fn add_forces(&self, v: &[f64], y: &[f64], out: &mut [f64]) {
+        for (k, &unknown) in self.unknowns.iter().enumerate() {
+            out[unknown] += self.forces.times(k, v) + self.internal_forces.times(k, y);
+        }
+    }
+
+    /// The entries of D as (row, column, value); the values of one place add up.
+    pub fn stiffness(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        self.unknowns.iter().enumerate().flat_map(move |(k, &i)| {
+            let direct = self.forces.row(k);
+            let by_internal = self.internal_forces.row(k);
+            let indirect = by_internal
+                .flat_map(move |(y, d)| self.internal.row(y).map(move |(j, a)| (j, d * a)));
+            direct.chain(indirect).map(move |(j, d)| (i, j, d))
+        })
+    }
+}
+
 /// An energy and its linearisable gap constraints. Space, meshes and materials are hidden behind this
 /// trait; a model problem with two unknowns can implement it, too.
 pub trait ContactProblem {
@@ -90,6 +151,16 @@ pub trait ContactProblem {
     /// Step 3: the rows of the reversed roles. By default there are none.
     fn linearize_reversed(&self, _u: &[f64], _sampling: Sampling) -> Result<LinearGaps, Error> {
         Ok(LinearGaps::new(true))
+    }
+    /// The variation of the rows `gaps`, both roles joined, which are frozen at `u`; `lambda` has the multiplier (UF) of
+    /// each row that matters, and `None` for the others. By default there is none: C does not vary with u.
+    fn vary_gaps(
+        &self,
+        _u: &[f64],
+        _gaps: &LinearGaps,
+        _lambda: &[Option<f64>],
+    ) -> Result<Option<GapVariation>, Error> {
+        Ok(None)
     }
     /// Units in which the problem's quantities are O(1).
     fn scale(&self) -> Scale {

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use contact_core::ipopt::{self, OptionValue, Solver};
+use contact_core::ipopt::{self, OptionValue};
 use contact_core::nlp::{Bounds, Pattern, Structure};
 use contact_core::{
-    Acceleration, Equilibrium, FixedPoint, InteriorPoint, Method, PenalizedSlack, Penalty, Retry,
+    Acceleration, Condensed, CondensedNewton, Equilibrium, FixedPoint, InteriorPoint, Method,
+    PenalizedSlack, Penalty, Retry,
 };
 use contact_fem::Simulation;
 use contact_fem::output::record::Recording;
@@ -19,10 +20,13 @@ pub struct Options {
     /// Load increments; every example has its own default
     #[arg(long, value_parser = positive)]
     pub increments: Option<usize>,
-    /// Relative change of the displacement at which a fixed point has converged, in (0, 1)
+    /// How a load increment is solved
+    #[arg(long, value_enum, default_value_t = Solver::Ipopt)]
+    pub solver: Solver,
+    /// Relative change of the displacement at which an increment has converged, in (0, 1)
     #[arg(long, default_value_t = FixedPoint::<InteriorPoint>::default().tolerance, value_parser = tolerance)]
     pub tolerance: f64,
-    /// How every subproblem is solved
+    /// How Ipopt states every subproblem
     #[arg(long, value_enum, default_value_t = Formulation::InteriorPoint)]
     pub method: Formulation,
     /// How fixed-point iterates are combined
@@ -43,6 +47,46 @@ pub struct Options {
     /// Print neither progress nor a report
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// `--solver`
+#[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Solver {
+    /// Algorithm 2 of the paper: a fixed point of subproblems that Ipopt solves
+    #[default]
+    Ipopt,
+    /// Newton's method, with contact condensed onto its rows
+    Newton,
+    /// One factorisation, for laws for small strains only
+    Condensed,
+}
+
+impl Solver {
+    /// The solver with this tolerance, where it has one.
+    pub fn with_tolerance(self, tolerance: f64) -> Box<dyn Equilibrium> {
+        match self {
+            Solver::Ipopt => {
+                let mut retry = Retry::<InteriorPoint>::default();
+                retry.fixed_point.tolerance = tolerance;
+                Box::new(retry)
+            }
+            Solver::Newton => Box::new(CondensedNewton {
+                tolerance,
+                ..CondensedNewton::default()
+            }),
+            Solver::Condensed => Box::new(Condensed::new()),
+        }
+    }
+}
+
+impl std::fmt::Display for Solver {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Solver::Ipopt => "ipopt",
+            Solver::Newton => "newton",
+            Solver::Condensed => "condensed",
+        })
+    }
 }
 
 /// `--method`
@@ -66,22 +110,28 @@ pub enum Combine {
 }
 
 impl Options {
-    /// The load steps and fixed-point iteration of the options; `increments` is the example's
+    /// The load steps and the solver of the options; `increments` is the example's
     /// default number. An option that Ipopt does not have is detected here, before any file is
     /// written.
     pub fn simulation(
         &self,
         increments: usize,
-    ) -> Result<Simulation<Retry<Box<dyn Method>>>, Failure> {
+    ) -> Result<Simulation<Box<dyn Equilibrium>>, Failure> {
         let increments = self.increments.unwrap_or(increments);
-        let mut simulation = Simulation::solved_by(Retry::with(self.method()?), increments);
-        let fixed_point = &mut simulation.solver.fixed_point;
-        fixed_point.tolerance = self.tolerance;
-        fixed_point.acceleration = match self.acceleration {
-            Combine::Plain => Acceleration::Plain,
-            Combine::Anderson => Acceleration::Anderson(self.depth),
+        let method = self.method()?;
+        let solver: Box<dyn Equilibrium> = match self.solver {
+            Solver::Ipopt => {
+                let mut retry = Retry::with(method);
+                retry.fixed_point.tolerance = self.tolerance;
+                retry.fixed_point.acceleration = match self.acceleration {
+                    Combine::Plain => Acceleration::Plain,
+                    Combine::Anderson => Acceleration::Anderson(self.depth),
+                };
+                Box::new(retry)
+            }
+            other => other.with_tolerance(self.tolerance),
         };
-        Ok(simulation)
+        Ok(Simulation::solved_by(solver, increments))
     }
 
     /// The recording of an example called `name`.
@@ -110,7 +160,7 @@ impl Options {
             Pattern::empty(),
             Some(Pattern::diagonal(1)),
         )?;
-        Solver::new(any, &options)?;
+        ipopt::Solver::new(any, &options)?;
         Ok(match self.method {
             Formulation::InteriorPoint => Box::new(InteriorPoint {
                 options,

@@ -76,7 +76,11 @@ fn beams_at_small_strain() {
 fn a_half_cylinder_that_only_contact_holds() {
     let hertz = Hertz::new(Fineness::family(10), Order::Linear);
     let history = compare(&hertz.scene().expect("a scene"), 1e-6);
-    assert_eq!(history.run.cost().factorizations, 2, "K, and K with its shift");
+    assert_eq!(
+        history.run.cost().factorizations,
+        2,
+        "K, and K with its shift"
+    );
 }
 
 #[test]
@@ -87,7 +91,10 @@ fn cantilevers_on_matching_meshes_share_the_load() {
     // each carries about half of it
     let total = cantilevers::LOAD * cantilevers::LENGTH;
     let shares = [0, 1].map(|body| last.reactions[body][2] / total);
-    assert!(shares.iter().all(|share| (share - 0.5).abs() < 0.05), "{shares:?}");
+    assert!(
+        shares.iter().all(|share| (share - 0.5).abs() < 0.05),
+        "{shares:?}"
+    );
     assert!((shares[0] + shares[1] - 1.0).abs() < 1e-9, "{shares:?}");
 }
 
@@ -115,7 +122,9 @@ fn loose() -> Scene<2> {
         Body::new(mesh, LinearElastic::new(100.0, 0.0).expect("a law"))
     };
     let (mut lower, mut upper) = (block(0.0, 4), block(1.0, 5));
-    lower.prescribe("bottom", [Some(0.0); 2]).expect("a boundary");
+    lower
+        .prescribe("bottom", [Some(0.0); 2])
+        .expect("a boundary");
     upper.traction("top", [0.0, -1.0]).expect("a boundary");
     pair((lower, "top"), (upper, "bottom")).expect("a scene")
 }
@@ -138,16 +147,26 @@ fn a_hundred_increments_factor_once() {
     let cost = history.run.cost();
     assert_eq!((history.steps.len(), cost.factorizations), (100, 1));
     let (half, last) = (&history.steps[49], &history.steps[99]);
-    assert!((last.energy / half.energy - 4.0).abs() < 1e-6, "all rows act: E grows as the load squared");
+    assert!(
+        (last.energy / half.energy - 4.0).abs() < 1e-6,
+        "all rows act: E grows as the load squared"
+    );
 }
 
 #[test]
 fn large_strains_are_refused_by_name() {
-    let mesh = rectangle(&linspace(0.0, 1.0, 2), &linspace(0.0, 1.0, 2), Diagonals::Rising);
+    let mesh = rectangle(
+        &linspace(0.0, 1.0, 2),
+        &linspace(0.0, 1.0, 2),
+        Diagonals::Rising,
+    );
     let law = NeoHookean::new(1.0, 0.0).expect("a law");
     let mut body = Body::new(mesh.expect("a mesh"), law);
-    body.prescribe("bottom", [Some(0.0); 2]).expect("a boundary");
-    let mut problem = ipopt_contact_scenes::alone(body).problem().expect("valid scene");
+    body.prescribe("bottom", [Some(0.0); 2])
+        .expect("a boundary");
+    let mut problem = ipopt_contact_scenes::alone(body)
+        .problem()
+        .expect("valid scene");
     let refused = Simulation::solved_by(Condensed::new(), 1).run(&mut problem);
     let why = refused.expect_err("not quadratic").to_string();
     assert!(why.contains("`Energy::is_quadratic` = false"), "{why}");

@@ -9,6 +9,7 @@
 //! | `anderson` | the next iterate |
 //! | `cycles` | detection of periodic iterates |
 //! | `retry` | further attempts where the fixed point does not converge |
+//! | `newton` | Newton's method with contact condensed onto its rows, with the feature `linear` |
 //! | `condensed` | convex quadratic programs condensed onto their rows, with the feature `linear` |
 
 mod accuracy;
@@ -18,12 +19,16 @@ mod condensed;
 mod cycles;
 pub mod fixed_point;
 mod journal;
+#[cfg(feature = "linear")]
+mod newton;
 mod retry;
 
 pub use anderson::Acceleration;
 #[cfg(feature = "linear")]
 pub use condensed::Condensed;
 pub use fixed_point::{FixedPoint, relative_change};
+#[cfg(feature = "linear")]
+pub use newton::CondensedNewton;
 pub use retry::Retry;
 
 use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, State, Stop};

@@ -116,6 +116,33 @@ impl SymmetricPattern {
         Self::of(starts, rows, cols)
     }
 
+    /// The pattern with `more` entries (row, column), in any order and as often as they come, and the new slot of each
+    /// slot of this one. An entry above the diagonal stands for its transpose.
+    ///
+    /// # Errors
+    /// An entry outside n × n.
+    pub fn with(&self, more: &[(usize, usize)]) -> Result<(Self, Vec<usize>), NlpError> {
+        let (more, _) = Self::from_entries(self.dim(), more)?;
+        let (mut rows, mut cols) = (Vec::new(), Vec::new());
+        let (mut starts, mut slots) = (vec![0], Vec::with_capacity(self.len()));
+        for col in 0..self.dim() {
+            let mut new = more.column(col).map(|slot| more.rows()[slot]).peekable();
+            for slot in self.column(col) {
+                let row = self.rows()[slot];
+                while let Some(before) = new.next_if(|&other| other < row) {
+                    rows.push(before);
+                }
+                new.next_if_eq(&row);
+                slots.push(rows.len());
+                rows.push(row);
+            }
+            rows.extend(new);
+            cols.resize(rows.len(), col);
+            starts.push(rows.len());
+        }
+        Ok((Self::of(starts, rows, cols), slots))
+    }
+
     /// n, the number of unknowns.
     pub fn dim(&self) -> usize {
         self.0.starts.len().saturating_sub(1)

@@ -40,7 +40,7 @@
 //! slave's facets at positions that move with x; the derivatives of ξ and of the weight are not
 //! part of ∇g.
 
-mod foot;
+pub(super) mod foot;
 
 use foot::Foot;
 

@@ -14,6 +14,7 @@ pub mod rows;
 pub mod search;
 pub mod stencil;
 pub mod surface;
+pub mod variation;
 
 pub use cut::Integration;
 pub use gap::MovingGap;

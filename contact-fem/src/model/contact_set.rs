@@ -1,15 +1,18 @@
 //! The contact surfaces and passes of a scene, and the search between them.
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use contact_core::gaps::{LinearGaps, Sampling};
+use contact_core::GapVariation;
+use contact_core::gaps::{LinearGaps, RowKey, Sampling};
 
 use super::kinematics::Kinematics;
 use super::{Geometry, Integration, Pair, Passes, Scene, Side};
 use crate::contact::motion::Motion;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::search::nodes_inside;
+use crate::contact::variation::Variation;
 use crate::contact::{Master, Pass, Surface};
 use crate::tensor::Vector;
 
@@ -168,6 +171,39 @@ impl<const D: usize> ContactSet<D> {
             rows.append(k as u32, &kinematics.X, &unknowns, &mut gaps);
         }
         gaps
+    }
+
+    /// The variation of the rows `gaps` of all passes, frozen at `u`; `None` if they do not depend on
+    /// the state. `lambda` has the multipliers of the rows that matter.
+    pub fn variation(
+        &self,
+        kinematics: &Kinematics<D>,
+        u: &[f64],
+        gaps: &LinearGaps,
+        lambda: &[Option<f64>],
+    ) -> Option<GapVariation> {
+        if self.is_exact() {
+            return None;
+        }
+        let located = self.located(kinematics, u);
+        let matters = gaps.keys().iter().zip(lambda).enumerate();
+        let matters: HashMap<RowKey, (usize, f64)> = matters
+            .filter_map(|(row, (key, lambda))| Some((*key, (row, (*lambda)?))))
+            .collect();
+        let mut variation = Variation::new(gaps.len(), located.x.len());
+        for (k, pass) in self.passes.iter().enumerate() {
+            let slave = &self.surfaces[pass.slave];
+            let master = &located.masters[pass.master];
+            let (integration, reach) = (self.integration, self.reach);
+            let sampling = gaps.sampling();
+            let rows = PassRows::new(slave, master, &located.x, integration, reach, sampling);
+            let key = |node: usize| RowKey {
+                pass: k as u32,
+                node: node as u32,
+            };
+            variation.add(&rows, pass.master, |node| matters.get(&key(node)).copied());
+        }
+        Some(variation.finish(&kinematics.dofs))
     }
 
     /// The largest depth of a contact node inside another surface at `u` (UL, ≥ 0).

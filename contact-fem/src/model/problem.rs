@@ -6,7 +6,7 @@ use contact_core::equilibrium::Solution;
 use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::load_steps::Passage;
 use contact_core::nlp::Bounds;
-use contact_core::{ContactProblem, DirectSum, Energy, Error, LoadStepped, Scale};
+use contact_core::{ContactProblem, DirectSum, Energy, Error, GapVariation, LoadStepped, Scale};
 
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
@@ -197,6 +197,16 @@ impl<const D: usize> ContactProblem for Problem<D> {
         Error::check_vector("u", u, self.dofs().free())?;
         let passes = self.contact.passes_in(true);
         Ok(self.contact.rows(passes, &self.kinematics, u, sampling))
+    }
+
+    fn vary_gaps(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        lambda: &[Option<f64>],
+    ) -> Result<Option<GapVariation>, Error> {
+        Error::check_vector("u", u, self.dofs().free())?;
+        Ok(self.contact.variation(&self.kinematics, u, gaps, lambda))
     }
 }
 

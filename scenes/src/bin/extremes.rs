@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use ipopt_contact_scenes::Failure;
+use ipopt_contact_scenes::cli::Solver;
 use ipopt_contact_scenes::extremes::{self, Case, Entry};
 use ipopt_contact_scenes::files;
 use ipopt_contact_scenes::tables::Table;
@@ -30,6 +31,9 @@ struct Arguments {
     /// Only cases whose name contains this
     #[arg(long, default_value = "")]
     filter: String,
+    /// How a load increment is solved
+    #[arg(long, value_enum, default_value_t = Solver::Ipopt)]
+    solver: Solver,
     /// Seconds after which a case is given up
     #[arg(long, default_value_t = 120)]
     limit: u64,
@@ -44,14 +48,14 @@ fn main() -> Result<ExitCode, Failure> {
     if let Some(name) = &arguments.only {
         let case = cases.iter().find(|case| case.name == *name);
         let case = case.ok_or_else(|| format!("there is no case `{name}`"))?;
-        println!("{}", serde_json::to_string(&case.run())?);
+        println!("{}", serde_json::to_string(&case.run(arguments.solver))?);
         return Ok(ExitCode::SUCCESS);
     }
     cases.retain(|case| case.name.contains(&arguments.filter) && (case.quick || !arguments.quick));
     files::make_folder(&arguments.out)?;
     let mut entries = Vec::new();
     for (k, case) in cases.iter().enumerate() {
-        let entry = in_a_child(case, Duration::from_secs(arguments.limit))?;
+        let entry = in_a_child(case, arguments.solver, Duration::from_secs(arguments.limit))?;
         let mark = match (entry.is_a_false_claim(), entry.truth_ok) {
             (true, _) => "FALSE CLAIM",
             (_, true) => "right",
@@ -78,10 +82,10 @@ fn main() -> Result<ExitCode, Failure> {
     })
 }
 
-fn in_a_child(case: &Case, limit: Duration) -> Result<Entry, Failure> {
+fn in_a_child(case: &Case, solver: Solver, limit: Duration) -> Result<Entry, Failure> {
     let clock = Instant::now();
     let mut child = Command::new(std::env::current_exe()?)
-        .args(["--only", &case.name])
+        .args(["--only", &case.name, "--solver", &solver.to_string()])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()?;

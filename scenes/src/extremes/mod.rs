@@ -12,6 +12,7 @@ use contact_fem::{Certificate, Scene, Simulation};
 use serde::{Deserialize, Serialize};
 
 use crate::Failure;
+use crate::cli::Solver;
 
 /// A scene at a limit.
 pub struct Case {
@@ -175,8 +176,8 @@ impl Case {
         Case { increments, ..self }
     }
 
-    /// Solves the scene by the default solver and compares.
-    pub fn run(&self) -> Entry {
+    /// Solves the scene and compares.
+    pub fn run(&self, solver: Solver) -> Entry {
         let clock = std::time::Instant::now();
         let mut entry = Entry {
             name: self.name.clone(),
@@ -191,8 +192,8 @@ impl Case {
             seconds: 0.0,
         };
         let run = match &self.dimension {
-            Dimension::Plane(setting) => setting.run(self.increments, &mut entry),
-            Dimension::Space(setting) => setting.run(self.increments, &mut entry),
+            Dimension::Plane(setting) => setting.run(solver, self.increments, &mut entry),
+            Dimension::Space(setting) => setting.run(solver, self.increments, &mut entry),
         };
         if let Err(error) = run {
             entry.reason = error.to_string();
@@ -203,7 +204,7 @@ impl Case {
 }
 
 impl<const D: usize> Setting<D> {
-    fn run(&self, increments: usize, entry: &mut Entry) -> Result<(), Failure> {
+    fn run(&self, solver: Solver, increments: usize, entry: &mut Entry) -> Result<(), Failure> {
         let refusals = match self.truth {
             Truth::Values(_) => &[][..],
             Truth::Refused(words) => words,
@@ -217,8 +218,8 @@ impl<const D: usize> Setting<D> {
                 return Ok(());
             }
         };
-        let mut simulation = Simulation::with_increments(increments);
-        simulation.solver.fixed_point.tolerance = 1e-8;
+        let solver = solver.with_tolerance(1e-8);
+        let mut simulation = Simulation::solved_by(solver, increments);
         let history = simulation.run(&mut problem)?;
         let certificate = history.certificate();
         let holds = |c: Certificate| c.holds(&Default::default());

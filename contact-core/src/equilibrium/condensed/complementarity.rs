@@ -37,7 +37,7 @@ const STEPS: usize = 100;
 
 /// λ and what it cost.
 #[derive(Debug)]
-pub(super) struct Complementary {
+pub(in crate::equilibrium) struct Complementary {
     /// λ ≥ 0 (m).
     pub lambda: Vec<f64>,
     /// Steps of Newton's method.
@@ -46,7 +46,7 @@ pub(super) struct Complementary {
 
 /// Solves from the multipliers `start` and their gaps c (m, UL) until every |min(W_ii λᵢ, cᵢ)| is within `bound` (UL), or
 /// within round-off of the gaps. `W` (m × m, UL/UF) is symmetric, with both triangles.
-pub(super) fn solve(
+pub(in crate::equilibrium) fn solve(
     W: &Mat<f64>,
     gaps: &[f64],
     start: &[f64],
@@ -123,11 +123,7 @@ impl Proximal {
     }
 
     /// Newton's method from z = λ̄ until the rows that act repeat, or z is a solution; z and its gaps.
-    fn proximal_point(
-        &mut self,
-        epsilon: f64,
-        stop: &Stop,
-    ) -> Result<(Col<f64>, Col<f64>), Halt> {
+    fn proximal_point(&mut self, epsilon: f64, stop: &Stop) -> Result<(Col<f64>, Col<f64>), Halt> {
         let (mut z, mut gaps) = (self.center.clone(), self.gaps.clone());
         let mut last: Option<Vec<usize>> = None;
         for _ in 0..STEPS {
@@ -175,7 +171,8 @@ impl Proximal {
             let i = active[a];
             margin[i] - epsilon * z[i] - change[i]
         });
-        self.factored(active, epsilon)?.solve_in_place(x.as_mat_mut());
+        self.factored(active, epsilon)?
+            .solve_in_place(x.as_mat_mut());
         let mut goal = Col::zeros(z.nrows());
         active.iter().zip(x.iter()).for_each(|(&i, x)| goal[i] = *x);
         change += self.product(&goal);
@@ -198,7 +195,9 @@ impl Proximal {
                     W[(b, b)] += epsilon;
                 }
                 let llt = W.llt(Side::Lower).map_err(|_| {
-                    Halt::Failed(format!("the compliance of {k} rows is not positive semidefinite"))
+                    Halt::Failed(format!(
+                        "the compliance of {k} rows is not positive semidefinite"
+                    ))
                 })?;
                 Active {
                     rows: active.to_vec(),

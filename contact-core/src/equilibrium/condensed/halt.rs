@@ -5,7 +5,7 @@ use crate::{Error, Outcome};
 
 /// What ends a solve before its result.
 #[derive(Debug)]
-pub(super) enum Halt {
+pub(in crate::equilibrium) enum Halt {
     /// An error of the input or of the linear layer.
     Error(Error),
     /// No equilibrium was found, with the reason.

@@ -10,14 +10,18 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use crate::linear::{Cholesky, Panel};
 
 /// A coefficient of a row: the row, the step that eliminates the unknown, and the value.
-pub(super) type Coefficient = (usize, usize, f64);
+pub(in crate::equilibrium) type Coefficient = (usize, usize, f64);
 
 /// The lower triangle of C K⁻¹ Cᵀ (m × m) for the rows with these coefficients, K = LLᵀ being factored.
 ///
 /// With V = L⁻¹Cᵀ it is VᵀV. A column of V is zero but on the paths from the row's unknowns to the root of the
 /// elimination tree, and the panels of L are worked off from the leaves: each takes the columns that reach it, solves
 /// with its diagonal block, adds its share of VᵀV and passes on what it subtracts further up. V itself is never held.
-pub(super) fn gram(factor: &Cholesky, m: usize, mut coefficients: Vec<Coefficient>) -> Mat<f64> {
+pub(in crate::equilibrium) fn gram(
+    factor: &Cholesky,
+    m: usize,
+    mut coefficients: Vec<Coefficient>,
+) -> Mat<f64> {
     let mut W = Mat::zeros(m, m);
     let panels: Vec<Panel<'_>> = factor.panels().collect();
     let fronts = fronts(&panels);
@@ -143,7 +147,9 @@ impl<'a> Front<'a> {
         from.sort_by_key(|update| std::cmp::Reverse(update.columns.len()));
         let Scratch { place, row } = scratch;
         let mut columns: Vec<usize> = Vec::new();
-        let arriving = from.iter().flat_map(|update| update.columns.iter().copied());
+        let arriving = from
+            .iter()
+            .flat_map(|update| update.columns.iter().copied());
         for i in arriving.chain(own.iter().map(|entry| entry.0)) {
             if place[i] == NOWHERE {
                 place[i] = columns.len();
@@ -187,7 +193,17 @@ impl<'a> Front<'a> {
         }
         let (full, half) = (BlockStructure::Rectangular, BlockStructure::TriangularLower);
         let top = top.as_ref();
-        triangular::matmul(share.as_mut(), half, add, top.transpose(), full, top, full, 1.0, seq);
+        triangular::matmul(
+            share.as_mut(),
+            half,
+            add,
+            top.transpose(),
+            full,
+            top,
+            full,
+            1.0,
+            seq,
+        );
         Update {
             front: s,
             values: bottom.to_owned(),

@@ -7,7 +7,7 @@ use crate::element::{Facet, FacetShapes, MAX_FACET_NODES, facet_shapes, facet_sl
 use crate::tensor::{Matrix, Vector};
 
 /// The foot λ* of one point, and the quantities that the derivatives of its gap share.
-pub(super) struct Foot<'a, const D: usize> {
+pub(in crate::contact) struct Foot<'a, const D: usize> {
     pub master: &'a Moving<D>,
     /// The facet's nodes, as positions in the surface's nodes.
     pub nodes: &'a [usize],

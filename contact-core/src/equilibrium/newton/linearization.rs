@@ -1,0 +1,141 @@
+//! The contact problem at one u, to the order that Newton's method needs.
+
+use std::time::Instant;
+
+use super::super::condensed::halt::Halt;
+use crate::linear::SymmetricPattern;
+use crate::{ContactProblem, Cost, GapVariation, LinearGaps, State};
+
+/// E and the gaps at u.
+pub(super) struct Linearization<'a> {
+    pub gaps: &'a LinearGaps,
+    pub pattern: &'a SymmetricPattern,
+    /// −∇E (n, UF).
+    pub load: Vec<f64>,
+    /// K, one value per slot.
+    pub hessian: Vec<f64>,
+    /// c (m, UL).
+    pub c: Vec<f64>,
+    /// s_i = (Σ_j C_ij²/K_jj)⁻¹ (UF/UL): how stiff the unknowns of a row are by themselves.
+    pub stiffness: Vec<f64>,
+    /// λ of the rows that act (m, UF), zero for the others.
+    pub lambda: Vec<f64>,
+    /// Whether a row acts: λ_i > s_i c_i.
+    pub acts: Vec<bool>,
+    variation: Option<GapVariation>,
+}
+
+impl<'a> Linearization<'a> {
+    /// At `state`, with the rows `gaps` there.
+    pub fn new(
+        problem: &'a dyn ContactProblem,
+        state: &State,
+        gaps: &'a LinearGaps,
+        cost: &mut Cost,
+    ) -> Result<Self, Halt> {
+        let (energy, u, m) = (problem.energy(), &state.u, gaps.len());
+        let pattern = energy.hessian_pattern();
+        let (mut load, mut hessian) = (vec![0.0; energy.dofs()], vec![0.0; pattern.len()]);
+        let clock = Instant::now();
+        energy.gradient(u, &mut load);
+        energy.hessian(u, &mut hessian);
+        cost.callbacks += clock.elapsed().as_secs_f64();
+        cost.gradients += 1;
+        cost.hessians += 1;
+        load.iter_mut().for_each(|g| *g = -*g);
+        let mut c = vec![0.0; m];
+        gaps.value(u, &mut c);
+        let values = load.iter().chain(&hessian).chain(&c);
+        if values.into_iter().any(|value| !value.is_finite()) {
+            return Err(Halt::Failed(
+                "a derivative of the energy or a gap is not finite".into(),
+            ));
+        }
+        let diagonal = |j: usize| pattern.slot(j, j).map_or(0.0, |slot| hessian[slot].abs());
+        let compliance = |i: usize| {
+            let terms = gaps.matrix().row(i).map(|(j, a)| a * a / diagonal(j));
+            terms.sum::<f64>()
+        };
+        let stiffness: Vec<f64> = (0..m).map(|i| 1.0 / compliance(i)).collect();
+        let known: Vec<f64> = gaps
+            .keys()
+            .iter()
+            .map(|&key| state.multipliers.of(key))
+            .collect();
+        let acts: Vec<bool> = (0..m).map(|i| known[i] > stiffness[i] * c[i]).collect();
+        let lambda: Vec<f64> = (0..m)
+            .map(|i| if acts[i] { known[i].max(0.0) } else { 0.0 })
+            .collect();
+        let clock = Instant::now();
+        let asked: Vec<Option<f64>> = (0..m)
+            .map(|i| (acts[i] || c[i] < 0.0).then_some(lambda[i]))
+            .collect();
+        let variation = problem.vary_gaps(u, gaps, &asked)?;
+        cost.projection += clock.elapsed().as_secs_f64();
+        Ok(Linearization {
+            gaps,
+            pattern,
+            load,
+            hessian,
+            c,
+            stiffness,
+            lambda,
+            acts,
+            variation,
+        })
+    }
+
+    /// The entries of D.
+    pub fn contact_stiffness(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        self.variation.iter().flat_map(GapVariation::stiffness)
+    }
+
+    /// Whether G = C and D = 0.
+    pub fn is_frozen(&self) -> bool {
+        self.variation.is_none()
+    }
+
+    /// |K_jj|.
+    pub fn diagonal(&self, j: usize) -> f64 {
+        self.pattern
+            .slot(j, j)
+            .map_or(0.0, |slot| self.hessian[slot].abs())
+    }
+
+    /// −∇E − (K + `shift` diag K − D) x − Σ s_i C_iᵀ(c + G x)_i (n), with s the `added` stiffness, and c + G x (m).
+    pub fn defect(&self, x: &[f64], added: &[f64], shift: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut forces = vec![0.0; x.len()];
+        self.pattern.product(&self.hessian, x, &mut forces);
+        forces
+            .iter_mut()
+            .zip(&self.load)
+            .for_each(|(f, load)| *f = load - *f);
+        if shift > 0.0 {
+            forces
+                .iter_mut()
+                .enumerate()
+                .for_each(|(j, f)| *f -= shift * self.diagonal(j) * x[j]);
+        }
+        let mut gaps = self.c.clone();
+        let matrix = self.gaps.matrix();
+        match &self.variation {
+            Some(variation) => {
+                let y = variation.internal(x);
+                variation.add_forces(x, &y, &mut forces);
+                for (i, gap) in gaps.iter_mut().enumerate() {
+                    *gap += match self.acts[i] || self.c[i] < 0.0 {
+                        true => variation.gap(i, x, &y),
+                        false => matrix.times(i, x),
+                    };
+                }
+            }
+            None => gaps
+                .iter_mut()
+                .enumerate()
+                .for_each(|(i, gap)| *gap += matrix.times(i, x)),
+        }
+        let pulled: Vec<f64> = added.iter().zip(&gaps).map(|(s, gap)| -s * gap).collect();
+        self.gaps.add_forces(&pulled, &mut forces);
+        (forces, gaps)
+    }
+}

@@ -1,0 +1,286 @@
+//! Newton's method on the energy, with contact condensed onto its rows.
+//!
+//! | file | role |
+//! |---|---|
+//! | `linearization` | E and the gaps at u, to second order |
+//! | `step` | Newton's step, the solution of the linearised contact problem |
+//! | `tangent` | the matrix that is factored |
+//!
+//! An equilibrium of Algorithm 2 satisfies ∇E(u) = C(u)ᵀλ and 0 ≤ λ ⟂ c(u) ≥ 0, with projections and normals taken at u
+//! itself. With K = ∇²E, G = ∂c/∂u and D = ∂(C(u)ᵀλ)/∂u at u, Newton's step x and the new multipliers μ solve
+//!
+//! (K − D) x + ∇E = Cᵀμ,   0 ≤ μ ⟂ c + G x ≥ 0.
+//!
+//! D is not symmetric, and G is not C: forces along averaged normals have no potential. The step is therefore found by
+//! defect correction with a symmetric matrix S near K − D:
+//!
+//! S (x' − x) = Cᵀμ − ∇E − (K − D) x,   0 ≤ μ ⟂ c + G x + C (x' − x) ≥ 0,
+//!
+//! accelerated by Anderson's method. S is factored; the rows see its dense compliance W = C S⁻¹ Cᵀ, on which the
+//! complementarity is solved exactly. S = K where K is positive definite. Where it is not, S = K − sym D + Σ s_i C_iᵀC_i over
+//! the rows that act, and the defect has the same terms, s_i C_iᵀ(c + G x)_i: they vanish, with their sum, at a solution.
+
+mod linearization;
+mod step;
+mod tangent;
+
+use std::fmt;
+use std::time::Instant;
+
+use self::linearization::Linearization;
+use self::step::Step;
+use self::tangent::Tangent;
+use super::condensed::halt::Halt;
+use super::{Equilibrium, Iteration, Solution, StepContext, relative_change};
+use crate::cost::FactorSize;
+use crate::gaps::Sampling;
+use crate::method::check_bounds;
+use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, State, Stop};
+
+/// Equilibrium by Newton's method on the energy, with contact condensed onto its rows and re-projected in every
+/// iteration: the equilibria of Algorithm 2, without an inner optimiser.
+///
+/// The matrix of a step is factored, the rows that may act see its dense compliance, and their multipliers solve a linear
+/// complementarity problem. The step takes into account that projections and normals move, see
+/// [`ContactProblem::vary_gaps`], so that the iteration converges quadratically where the active rows do not change.
+///
+/// A step is shortened where it would take a domain function ([`Energy::domain`]) below a tenth of its value. There is
+/// no other safeguard: a state that this iteration converges to is an equilibrium, and may be an unstable one.
+///
+/// The factor is kept for the next iteration and the next load step while it is near the matrix. Clones start without it.
+///
+/// In [`Cost`], a fixed-point iteration is a step of Newton's method, a solve is a linear complementarity problem, and an
+/// iteration is a step towards its active rows.
+pub struct CondensedNewton {
+    /// Bound on the relative change of u in the last iteration, see [`relative_change`].
+    pub tolerance: f64,
+    /// The iteration limit.
+    pub max_iterations: usize,
+    kept: Option<Tangent>,
+}
+
+impl Default for CondensedNewton {
+    fn default() -> Self {
+        CondensedNewton {
+            tolerance: 1e-8,
+            max_iterations: 30,
+            kept: None,
+        }
+    }
+}
+
+impl Clone for CondensedNewton {
+    fn clone(&self) -> Self {
+        CondensedNewton {
+            kept: None,
+            ..*self
+        }
+    }
+}
+
+impl fmt::Debug for CondensedNewton {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CondensedNewton")
+            .field("tolerance", &self.tolerance)
+            .field("max_iterations", &self.max_iterations)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Displacements below this share of the problem's length count as zero, see [`relative_change`].
+const NONE: f64 = 1e-6;
+/// A step may not take a domain function below this share of its value.
+const GUARD: f64 = 0.1;
+/// A step is halved at most so often.
+const HALVINGS: usize = 20;
+
+impl Equilibrium for CondensedNewton {
+    fn solve(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        self.validate()?;
+        check(problem, &start)?;
+        let energy = problem.energy().value(&start.u);
+        let mut iterate = Iterate {
+            gaps: LinearGaps::new(false),
+            lambda: Vec::new(),
+            history: Vec::new(),
+            state: start,
+        };
+        let outcome = match energy.is_finite() {
+            true => self
+                .iterate(problem, &mut iterate, context.stop)
+                .or_else(Halt::outcome)?,
+            false => Outcome::InadmissibleStart,
+        };
+        Ok(Solution {
+            outcome,
+            energy: problem.energy().value(&iterate.state.u),
+            state: iterate.state,
+            gaps: iterate.gaps,
+            lambda: iterate.lambda,
+            history: iterate.history,
+        })
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        let is_share = self.tolerance > 0.0 && self.tolerance < 1.0;
+        let remedy = "choose a value between 0 and 1; the default is 1e-8";
+        Error::check_setting(is_share, "tolerance", self.tolerance, remedy)?;
+        if self.max_iterations == 0 {
+            return Err(Error::Setting {
+                name: "max_iterations",
+                value: "0".into(),
+                remedy: "allow at least one iteration",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// The last iterate, with the rows at its u, and the history.
+struct Iterate {
+    state: State,
+    gaps: LinearGaps,
+    lambda: Vec<f64>,
+    history: Vec<Iteration>,
+}
+
+impl CondensedNewton {
+    /// Solves a single problem, without load steps.
+    ///
+    /// # Errors
+    /// As [`Equilibrium::solve`].
+    pub fn solve_from(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+    ) -> Result<Solution, Error> {
+        let (again, stop) = (start.clone(), Stop::new());
+        let lifted = || again.clone();
+        self.solve(problem, start, &StepContext::single(&again, &lifted, &stop))
+    }
+
+    fn iterate(
+        &mut self,
+        problem: &dyn ContactProblem,
+        at: &mut Iterate,
+        stop: &Stop,
+    ) -> Result<Outcome, Halt> {
+        let energy = problem.energy();
+        let least = problem
+            .prescribed_magnitude()
+            .max(NONE * problem.scale().length);
+        let kept = self
+            .kept
+            .take()
+            .filter(|kept| kept.is_of(energy.hessian_pattern()));
+        let tangent = self
+            .kept
+            .insert(kept.unwrap_or_else(|| Tangent::new(energy.hessian_pattern())));
+        at.gaps = rows(problem, &at.state.u)?;
+        for _ in 0..self.max_iterations {
+            if stop.is_requested() {
+                return Ok(Outcome::Interrupted);
+            }
+            let clock = Instant::now();
+            let mut cost = Cost {
+                fixed_point: 1,
+                ..Cost::default()
+            };
+            let here = Linearization::new(problem, &at.state, &at.gaps, &mut cost)?;
+            let step = Step::new(&here, tangent, least, stop, &mut cost)?;
+            let (u, share) = guarded(energy, &at.state.u, &step.x)?;
+            let error = relative_change(&u, &at.state.u, least);
+            tangent.moved(error, step.corrections);
+            let lambda: Vec<f64> = here
+                .lambda
+                .iter()
+                .zip(&step.lambda)
+                .map(|(l, m)| l + share * (m - l))
+                .collect();
+            at.state = State {
+                multipliers: Multipliers::new(&at.gaps, &lambda),
+                u,
+            };
+            let projection = Instant::now();
+            at.gaps = rows(problem, &at.state.u)?;
+            at.lambda = at
+                .gaps
+                .keys()
+                .iter()
+                .map(|&key| at.state.multipliers.of(key))
+                .collect();
+            cost.projection += projection.elapsed().as_secs_f64();
+            cost.wall = clock.elapsed().as_secs_f64();
+            cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
+            cost.factor = Some(FactorSize {
+                ordering: "automatic",
+                bytes: (tangent.fill() * size_of::<f64>()) as u64,
+                workspace_bytes: None,
+                reallocations: 0,
+            });
+            at.history.push(Iteration {
+                error,
+                rows: at.gaps.len(),
+                cost,
+            });
+            if error < self.tolerance && share == 1.0 {
+                return Ok(Outcome::Converged);
+            }
+        }
+        Ok(Outcome::IterationLimit)
+    }
+}
+
+/// The rows of both roles at u.
+fn rows(problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
+    let forward = problem.linearize_gaps(u, Sampling::Nodes)?;
+    Ok(forward.and(problem.linearize_reversed(u, Sampling::Nodes)?))
+}
+
+/// u + t x and t, the largest of 1, ½, ¼ … at which the energy is finite and all domain functions are above [`GUARD`] times
+/// their values.
+fn guarded(energy: &dyn Energy, u: &[f64], x: &[f64]) -> Result<(Vec<f64>, f64), Halt> {
+    let domain = |u: &[f64]| {
+        let mut d = vec![0.0; energy.domain_len()];
+        energy.domain(u, &mut d);
+        d
+    };
+    let now = domain(u);
+    let mut share = 1.0;
+    for _ in 0..HALVINGS {
+        let next: Vec<f64> = u.iter().zip(x).map(|(u, x)| u + share * x).collect();
+        let is_inside = domain(&next)
+            .iter()
+            .zip(&now)
+            .all(|(d, now)| *d > GUARD * now);
+        if is_inside && energy.value(&next).is_finite() {
+            return Ok((next, share));
+        }
+        share *= 0.5;
+    }
+    Err(Halt::Failed(
+        "every share of the step leaves the domain of the energy".into(),
+    ))
+}
+
+/// Checks the start, and that this solver treats the bounds.
+fn check(problem: &dyn ContactProblem, start: &State) -> Result<(), Error> {
+    let (bounds, dofs) = (problem.bounds(), problem.energy().dofs());
+    Error::check_vector("start.u", &start.u, dofs)?;
+    check_bounds(bounds, dofs)?;
+    let mut all = bounds.lower.iter().chain(&bounds.upper).enumerate();
+    match all.find(|(_, bound)| bound.is_finite()) {
+        Some((k, bound)) => Err(Error::Untreated {
+            solver: "CondensedNewton",
+            what: "a bound on the unknowns",
+            value: format!("{bound} on unknown {}", k % dofs.max(1)),
+            remedy: "state it as a row of the gaps, or solve by `FixedPoint`",
+        }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,155 @@
+//! Newton's step: the linearised contact problem, solved by defect correction.
+
+use faer::Mat;
+
+use super::super::Acceleration;
+use super::super::anderson::Anderson;
+use super::super::condensed::complementarity;
+use super::super::condensed::halt::Halt;
+use super::linearization::Linearization;
+use super::tangent::Tangent;
+use crate::{Cost, Stop};
+
+/// A correction below this share of the step ends the correction of its defect.
+const ACCURACY: f64 = 1e-2;
+/// The most corrections of one step.
+const CORRECTIONS: usize = 10;
+/// Differences that Anderson's method uses.
+const DEPTH: usize = 8;
+/// Bound on what is left of the complementarity, relative to the largest gap, and to the displacements.
+const SHARE_OF_GAPS: f64 = 1e-12;
+const SHARE_OF_DISPLACEMENTS: f64 = 1e-11;
+/// Rows that would overlap by more than this share of the displacements join the condensed ones.
+const OVERLAP: f64 = 1e-10;
+/// Steps below this share of the displacements are round-off.
+const ROUNDOFF: f64 = 1e-13;
+
+/// Newton's step.
+pub(super) struct Step {
+    /// The change of u (n, UL).
+    pub x: Vec<f64>,
+    /// The new multipliers (m, UF).
+    pub lambda: Vec<f64>,
+    /// The number of corrections.
+    pub corrections: usize,
+}
+
+/// The rows that are condensed, and their compliance W.
+struct Condensed {
+    rows: Vec<usize>,
+    W: Mat<f64>,
+}
+
+impl Step {
+    /// The step from `here`; `least` is the size of the displacements (UL).
+    pub fn new(
+        here: &Linearization<'_>,
+        tangent: &mut Tangent,
+        least: f64,
+        stop: &Stop,
+        cost: &mut Cost,
+    ) -> Result<Self, Halt> {
+        tangent.prepare(here, stop, cost)?;
+        let m = here.gaps.len();
+        let close = (0..m).filter(|&i| here.acts[i] || here.c[i] < -OVERLAP * least);
+        let mut condensed = Condensed::new(close.collect(), here, tangent);
+        let mut step = Step {
+            x: vec![0.0; here.load.len()],
+            lambda: here.lambda.clone(),
+            corrections: 0,
+        };
+        let mut anderson = Anderson::of(Acceleration::Anderson(DEPTH));
+        loop {
+            if stop.is_requested() {
+                return Err(Halt::Stopped);
+            }
+            let (image, lambda) = condensed.corrected(here, &step, tangent, least, stop, cost)?;
+            step.corrections += 1;
+            let change = largest(image.iter().zip(&step.x).map(|(a, b)| a - b));
+            let size = largest(image.iter().copied());
+            if !size.is_finite() {
+                return Err(Halt::Failed("Newton's step is not finite".into()));
+            }
+            step.lambda = lambda;
+            let is_last = step.corrections >= CORRECTIONS;
+            let missing = condensed.missing(here, &image, OVERLAP * least);
+            if !missing.is_empty() && !is_last {
+                condensed.rows.extend(missing);
+                condensed.rows.sort_unstable();
+                condensed = Condensed::new(condensed.rows, here, tangent);
+                step.x = image;
+                anderson.restart();
+                continue;
+            }
+            let is_exact = here.is_frozen() && tangent.is_fresh();
+            if is_last || is_exact || change <= ACCURACY * size || size < ROUNDOFF * least {
+                step.x = image;
+                return Ok(step);
+            }
+            step.x = anderson.next(&step.x, &image);
+        }
+    }
+}
+
+impl Condensed {
+    fn new(rows: Vec<usize>, here: &Linearization<'_>, tangent: &Tangent) -> Self {
+        let W = tangent.compliance(here.gaps.matrix(), &rows);
+        Condensed { rows, W }
+    }
+
+    /// x' and μ of one correction.
+    fn corrected(
+        &self,
+        here: &Linearization<'_>,
+        step: &Step,
+        tangent: &mut Tangent,
+        least: f64,
+        stop: &Stop,
+        cost: &mut Cost,
+    ) -> Result<(Vec<f64>, Vec<f64>), Halt> {
+        let (mut forces, mut gaps) = here.defect(&step.x, tangent.added(), tangent.shift());
+        here.gaps.add_forces(&step.lambda, &mut forces);
+        tangent.solve(&mut forces)?;
+        let mut image: Vec<f64> = step.x.iter().zip(&forces).map(|(x, z)| x + z).collect();
+        let matrix = here.gaps.matrix();
+        self.rows
+            .iter()
+            .for_each(|&i| gaps[i] += matrix.times(i, &forces));
+        let of = |values: &[f64]| self.rows.iter().map(|&i| values[i]).collect::<Vec<_>>();
+        let (known, gaps) = (of(&step.lambda), of(&gaps));
+        let deepest = largest(gaps.iter().copied());
+        let bound = (SHARE_OF_DISPLACEMENTS * least).max(SHARE_OF_GAPS * deepest);
+        let solved = complementarity::solve(&self.W, &gaps, &known, bound, stop)?;
+        cost.solves += 1;
+        cost.iterations += solved.steps;
+        let mut lambda = step.lambda.clone();
+        let mut change = vec![0.0; lambda.len()];
+        for ((&i, new), known) in self.rows.iter().zip(&solved.lambda).zip(&known) {
+            lambda[i] = *new;
+            change[i] = new - known;
+        }
+        let mut pushed = vec![0.0; image.len()];
+        here.gaps.add_forces(&change, &mut pushed);
+        tangent.solve(&mut pushed)?;
+        image.iter_mut().zip(&pushed).for_each(|(x, f)| *x += f);
+        Ok((image, lambda))
+    }
+
+    /// The rows, not condensed yet, that overlap by more than `bound` (UL) after the step `x`.
+    fn missing(&self, here: &Linearization<'_>, x: &[f64], bound: f64) -> Vec<usize> {
+        let matrix = here.gaps.matrix();
+        let overlaps = |i: &usize| here.c[*i] + matrix.times(*i, x) < -bound;
+        let others = (0..here.c.len()).filter(|i| self.rows.binary_search(i).is_err());
+        others.filter(overlaps).collect()
+    }
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |norm, v| {
+        if v.is_nan() {
+            f64::NAN
+        } else {
+            norm.max(v.abs())
+        }
+    })
+}

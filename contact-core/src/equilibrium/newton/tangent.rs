@@ -1,0 +1,250 @@
+//! The symmetric matrix S that is factored, and its factor.
+
+use faer::Mat;
+
+use super::super::condensed::halt::Halt;
+use super::super::condensed::pruned::gram;
+use super::linearization::Linearization;
+use crate::gaps::SparseRows;
+use crate::linear::{
+    Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern, postordered,
+};
+use crate::{Cost, Error, Stop};
+
+/// The factor is kept where the last step changed u by less than this share and took no more corrections than that.
+const NEAR: f64 = 1e-2;
+const FEW: usize = 6;
+/// The stiffness that is added to rows that act, relative to their own, where K is not positive definite, and the factor by
+/// which it grows.
+const FIRST: f64 = 1.0;
+const LAST: f64 = 100.0;
+const GROWTH: f64 = 10.0;
+/// Where that does not suffice: the shift of the diagonal, relative to K's, and the factor by which it grows.
+const SHIFT: f64 = 1e-6;
+const LARGEST_SHIFT: f64 = 100.0;
+const SHIFT_GROWTH: f64 = 30.0;
+/// A new order of elimination is sought where the factor has grown by this ratio.
+const FILL: f64 = 1.3;
+
+/// S and its factor. Pattern, order of elimination and factor are kept from one matrix to the next.
+pub(super) struct Tangent {
+    energy: SymmetricPattern,
+    /// The pattern of S, and the slot of each slot of K.
+    pattern: SymmetricPattern,
+    slots: Vec<usize>,
+    values: Vec<f64>,
+    order: Option<Vec<usize>>,
+    fill: usize,
+    factor: Option<Cholesky>,
+    /// The stiffness added to each row, and its ratio to the row's own.
+    added: Vec<f64>,
+    ratio: f64,
+    /// The shift of the diagonal, relative to K's.
+    shift: f64,
+    /// The relative change and the corrections of the last step.
+    last: Option<(f64, usize)>,
+    is_fresh: bool,
+}
+
+impl Tangent {
+    pub fn new(energy: &SymmetricPattern) -> Self {
+        Tangent {
+            pattern: energy.clone(),
+            slots: (0..energy.len()).collect(),
+            energy: energy.clone(),
+            values: Vec::new(),
+            order: None,
+            fill: 0,
+            factor: None,
+            added: Vec::new(),
+            ratio: 0.0,
+            shift: 0.0,
+            last: None,
+            is_fresh: false,
+        }
+    }
+
+    /// Whether it is for Hessians of this pattern.
+    pub fn is_of(&self, energy: &SymmetricPattern) -> bool {
+        self.energy == *energy
+    }
+
+    /// The stiffness added to each row (m, UF/UL).
+    pub fn added(&self) -> &[f64] {
+        &self.added
+    }
+
+    /// The shift of the diagonal, relative to K's.
+    pub fn shift(&self) -> f64 {
+        self.shift
+    }
+
+    /// Entries of the factor.
+    pub fn fill(&self) -> usize {
+        self.factor
+            .as_ref()
+            .map_or(0, |factor| factor.analysis().fill())
+    }
+
+    /// Whether S is that of the present linearisation.
+    pub fn is_fresh(&self) -> bool {
+        self.is_fresh
+    }
+
+    /// Tells how the last step went.
+    pub fn moved(&mut self, change: f64, corrections: usize) {
+        self.last = Some((change, corrections));
+    }
+
+    /// Provides a factor for the step from `here`: the last one if it is near, or else a new one.
+    pub fn prepare(
+        &mut self,
+        here: &Linearization<'_>,
+        stop: &Stop,
+        cost: &mut Cost,
+    ) -> Result<(), Halt> {
+        let last = self.last.take();
+        let went_well =
+            last.is_some_and(|(change, corrections)| change < NEAR && corrections <= FEW);
+        self.added.clear();
+        self.added.resize(here.gaps.len(), 0.0);
+        if self.factor.is_some() && self.ratio == 0.0 && self.shift == 0.0 && went_well {
+            self.is_fresh = false;
+            return Ok(());
+        }
+        self.is_fresh = true;
+        let may_add = here.acts.contains(&true);
+        self.shift = 0.0;
+        loop {
+            if stop.is_requested() {
+                return Err(Halt::Stopped);
+            }
+            let acting = here.acts.iter().zip(&here.stiffness);
+            self.added = acting
+                .map(|(acts, s)| if *acts { self.ratio * s } else { 0.0 })
+                .collect();
+            cost.factorizations += 1;
+            match self.factorize(here) {
+                Ok(()) => return Ok(()),
+                Err(Error::Factor(FactorError::NotPositiveDefinite { .. })) => {}
+                Err(error) => return Err(error.into()),
+            }
+            if may_add && self.ratio < LAST {
+                self.ratio = (GROWTH * self.ratio).max(FIRST);
+            } else if self.shift < LARGEST_SHIFT {
+                self.shift = (SHIFT_GROWTH * self.shift).max(SHIFT);
+            } else {
+                self.factor = None;
+                return Err(Halt::Failed(
+                    "the Hessian of the energy stays indefinite with any shift of its diagonal"
+                        .into(),
+                ));
+            }
+        }
+    }
+
+    /// Factors K + shift diag K and, where stiffness is added to rows, that stiffness − sym D.
+    fn factorize(&mut self, here: &Linearization<'_>) -> Result<(), Error> {
+        self.values.clear();
+        self.values.resize(self.pattern.len(), 0.0);
+        for (&slot, a) in self.slots.iter().zip(&here.hessian) {
+            self.values[slot] += a;
+        }
+        let mut missing = Vec::new();
+        if self.ratio > 0.0 {
+            for (i, j, d) in here.contact_stiffness() {
+                let half = if i == j { d } else { 0.5 * d };
+                self.add(i, j, -half, &mut missing);
+            }
+        }
+        let matrix = here.gaps.matrix();
+        let added = std::mem::take(&mut self.added);
+        for (row, &s) in added.iter().enumerate().filter(|(_, s)| **s > 0.0) {
+            for (i, a) in matrix.row(row) {
+                for (j, b) in matrix.row(row).filter(|&(j, _)| j <= i) {
+                    self.add(i, j, s * a * b, &mut missing);
+                }
+            }
+        }
+        self.added = added;
+        if self.shift > 0.0 {
+            for j in 0..self.pattern.dim() {
+                self.add(j, j, self.shift * here.diagonal(j), &mut missing);
+            }
+        }
+        if !missing.is_empty() {
+            self.extend(&missing)?;
+        }
+        let factor = match self.factor.take() {
+            Some(factor) => factor,
+            None => self.analysed()?,
+        };
+        self.factor.insert(factor).refactor(&self.values)?;
+        Ok(())
+    }
+
+    fn add(&mut self, i: usize, j: usize, a: f64, missing: &mut Vec<(usize, usize, f64)>) {
+        match self.pattern.slot(i, j) {
+            Some(slot) => self.values[slot] += a,
+            None => missing.push((i, j, a)),
+        }
+    }
+
+    /// Adds the places that are missing to the pattern, with their values.
+    fn extend(&mut self, missing: &[(usize, usize, f64)]) -> Result<(), Error> {
+        let places: Vec<_> = missing.iter().map(|&(i, j, _)| (i, j)).collect();
+        let (pattern, slots) = self.pattern.with(&places)?;
+        let mut values = vec![0.0; pattern.len()];
+        slots
+            .iter()
+            .zip(&self.values)
+            .for_each(|(&slot, &a)| values[slot] = a);
+        self.slots.iter_mut().for_each(|slot| *slot = slots[*slot]);
+        (self.pattern, self.values, self.factor) = (pattern, values, None);
+        let mut none = Vec::new();
+        missing
+            .iter()
+            .for_each(|&(i, j, a)| self.add(i, j, a, &mut none));
+        Ok(())
+    }
+
+    /// An analysis in the order of the last one, unless the factor would grow too much.
+    fn analysed(&mut self) -> Result<Cholesky, Error> {
+        if let Some(order) = &self.order {
+            let order = Ordering::Given(postordered(&self.pattern, order)?);
+            let analysis = Analysis::new(&self.pattern, &order)?;
+            if analysis.fill() as f64 <= FILL * self.fill as f64 {
+                return Ok(Cholesky::new(&analysis, Kind::Llt)?);
+            }
+        }
+        let analysis = Analysis::new(&self.pattern, &Ordering::Automatic)?;
+        let steps = 0..self.pattern.dim();
+        self.order = Some(steps.map(|k| analysis.unknown(k)).collect());
+        self.fill = analysis.fill();
+        Ok(Cholesky::new(&analysis, Kind::Llt)?)
+    }
+
+    /// S⁻¹b, in place.
+    pub fn solve(&mut self, b: &mut [f64]) -> Result<(), Error> {
+        match &mut self.factor {
+            Some(factor) => Ok(factor.solve(b)?),
+            None => Err(FactorError::NotFactored.into()),
+        }
+    }
+
+    /// W = C S⁻¹ Cᵀ of some `rows` of C, both triangles.
+    pub fn compliance(&self, matrix: &SparseRows, rows: &[usize]) -> Mat<f64> {
+        let Some(factor) = &self.factor else {
+            return Mat::zeros(rows.len(), rows.len());
+        };
+        let mut step = vec![0; self.pattern.dim()];
+        (0..step.len()).for_each(|k| step[factor.analysis().unknown(k)] = k);
+        let entries = rows.iter().enumerate().flat_map(|(place, &row)| {
+            let entries = matrix.row(row).map(move |(j, a)| (place, j, a));
+            entries.collect::<Vec<_>>()
+        });
+        let coefficients = entries.map(|(place, j, a)| (place, step[j], a)).collect();
+        let W = gram(factor, rows.len(), coefficients);
+        Mat::from_fn(rows.len(), rows.len(), |i, j| W[(i.max(j), i.min(j))])
+    }
+}

@@ -1,0 +1,279 @@
+//! How weak gaps and contact forces vary with the positions, for Newton's method.
+//!
+//! c_i = Σ_q share_iq g_q varies by Σ_q share_iq δg_q, and the forces Σ_q π_q f_q, π_q = Σ_i λ_i
+//! share_iq, by Σ_q π_q δf_q, where f is the frozen gradient, N n at the nodes of the slave's facet and
+//! −N n at those of the master's. The names are those of [`gap`](super::gap):
+//!
+//! δg = q·(δx_q − Σ N_b δx_b) + p·Σ μ_k N_b,k δx_b + w·Σ N_b δn_b,
+//! δn = A (m,k δλ_k + Σ N_b δn_b).
+//!
+//! Many points share the averaged normals n_b of a node, and each n_b depends on all facets around
+//! it. Their variations are internal variables of a [`GapVariation`], so that a point has entries at its
+//! own two facets only.
+
+use std::collections::HashMap;
+
+use contact_core::GapVariation;
+use contact_core::gaps::SparseRows;
+
+use super::gap::foot::Foot;
+use super::moving::Moving;
+use super::rows::PassRows;
+use super::stencil::Stencil;
+use crate::assembly::{Dof, DofMap};
+use crate::tensor::{Matrix, Vector};
+
+/// A sum of linear forms in the positions of nodes and in averaged normals.
+#[derive(Clone, Debug)]
+struct Form<T> {
+    nodes: Vec<(usize, T)>,
+    normals: Vec<(usize, T)>,
+}
+
+impl<T> Default for Form<T> {
+    fn default() -> Self {
+        Form {
+            nodes: Vec::new(),
+            normals: Vec::new(),
+        }
+    }
+}
+
+/// The sums over the integration points of all passes.
+pub struct Variation<const D: usize> {
+    /// δc_i.
+    gaps: Vec<Form<Vector<D>>>,
+    /// δ(Cᵀλ)_a at each scene node a.
+    forces: Vec<Form<Matrix<D>>>,
+    /// The numbers of the normals by surface and node, and their forms in the positions.
+    numbers: HashMap<(usize, usize), usize>,
+    normals: Vec<Vec<(usize, Matrix<D>)>>,
+}
+
+/// A node of one of the two facets of a point.
+struct Near<const D: usize> {
+    node: usize,
+    /// Its shape function in x_q − x̄.
+    shape: f64,
+    /// ∂(x_q − x̄)/∂λ_k of the master's node, with the opposite sign.
+    slopes: Vector<D>,
+    /// δλ and δn.
+    lambda: Matrix<D>,
+    normal: Matrix<D>,
+}
+
+impl<const D: usize> Variation<D> {
+    /// Of `rows` rows over `nodes` scene nodes.
+    pub fn new(rows: usize, nodes: usize) -> Self {
+        Variation {
+            gaps: vec![Form::default(); rows],
+            forces: vec![Form::default(); nodes],
+            numbers: HashMap::new(),
+            normals: Vec::new(),
+        }
+    }
+
+    /// Adds the points of one pass whose master is the surface numbered `surface`. `multiplier` maps the
+    /// node that names a row to the row's index and λ, for the rows that matter.
+    pub fn add(
+        &mut self,
+        pass: &PassRows<'_, D>,
+        surface: usize,
+        multiplier: impl Fn(usize) -> Option<(usize, f64)>,
+    ) {
+        let mut rows = Vec::new();
+        for (stencil, shares) in pass.stencils() {
+            rows.clear();
+            rows.extend(shares.filter_map(|(name, share)| Some((multiplier(name)?, share))));
+            if !rows.is_empty() {
+                self.add_point(stencil, surface, &rows);
+            }
+        }
+    }
+
+    fn add_point(
+        &mut self,
+        stencil: &Stencil<'_, D>,
+        surface: usize,
+        rows: &[((usize, f64), f64)],
+    ) {
+        let foot = Foot::new(stencil);
+        let near = near(stencil, &foot);
+        let normals: Vec<usize> = foot
+            .nodes
+            .iter()
+            .map(|&b| self.number(foot.master, surface, b))
+            .collect();
+        let normals = || normals.iter().copied().zip(foot.N);
+        let mut force = 0.0;
+        for &((row, lambda), share) in rows {
+            force += lambda * share;
+            let form = &mut self.gaps[row];
+            for point in &near {
+                let gradient = foot.q * point.shape + foot.p * point.slopes.dot(&foot.mu);
+                add(&mut form.nodes, point.node, gradient * share);
+            }
+            for (b, N) in normals() {
+                add(&mut form.normals, b, foot.w * (N * share));
+            }
+        }
+        if force == 0.0 {
+            return;
+        }
+        let A = foot.m.slope();
+        for own in &near {
+            let form = &mut self.forces[own.node];
+            for other in &near {
+                let turned = other.normal * own.shape;
+                let moved = foot.m.n * other.lambda.tr_mul(&own.slopes).transpose();
+                add(&mut form.nodes, other.node, (turned - moved) * force);
+            }
+            for (b, N) in normals() {
+                add(&mut form.normals, b, A * (N * own.shape * force));
+            }
+        }
+    }
+
+    /// The number of the averaged normal at node `b` of a surface.
+    fn number(&mut self, surface: &Moving<D>, index: usize, b: usize) -> usize {
+        let normals = &mut self.normals;
+        *self.numbers.entry((index, b)).or_insert_with(|| {
+            let slope = surface.normal(b).slope();
+            let mut form = Vec::new();
+            for (facet, addend) in surface.addends(b) {
+                let nodes = surface.surface().facet(facet);
+                for (by_corner, slopes) in addend.jacobian().iter().zip(&addend.slopes) {
+                    for (&c, share) in nodes.iter().zip(slopes).filter(|(_, s)| **s != 0.0) {
+                        let node = surface.surface().nodes()[c];
+                        add(&mut form, node, slope * by_corner * *share);
+                    }
+                }
+            }
+            normals.push(form);
+            normals.len() - 1
+        })
+    }
+
+    /// In terms of the free unknowns.
+    pub fn finish(self, dofs: &DofMap) -> GapVariation {
+        let free = |a: usize, i: usize| match dofs.get(D * a + i) {
+            Dof::Free(j) => Some(j),
+            Dof::Prescribed(_) => None,
+        };
+        let mut variation = GapVariation::default();
+        let mut row = Vec::new();
+        for form in &self.gaps {
+            let nodes = form.nodes.iter();
+            collect(&mut row, nodes.flat_map(|(a, v)| components(*a, v)), free);
+            variation.gradients.push(&row);
+            let normals = form.normals.iter();
+            collect(
+                &mut row,
+                normals.flat_map(|(k, v)| components(*k, v)),
+                internal::<D>,
+            );
+            variation.internal_gradients.push(&row);
+        }
+        for form in &self.normals {
+            push_rows(&mut variation.internal, form, free);
+        }
+        for (a, form) in self.forces.iter().enumerate() {
+            for i in 0..D {
+                if let Some(j) = free(a, i).filter(|_| !form.nodes.is_empty()) {
+                    collect(
+                        &mut row,
+                        form.nodes.iter().flat_map(|(b, m)| line(*b, m, i)),
+                        free,
+                    );
+                    let normals = form.normals.iter().flat_map(|(k, m)| line(*k, m, i));
+                    let by_unknown = row.clone();
+                    collect(&mut row, normals, internal::<D>);
+                    variation.push_force(j, &by_unknown, &row);
+                }
+            }
+        }
+        variation
+    }
+}
+
+/// The nodes of the two facets, with what they do to the foot and the normal.
+fn near<const D: usize>(stencil: &Stencil<'_, D>, foot: &Foot<'_, D>) -> Vec<Near<D>> {
+    let A = foot.m.slope();
+    let near = |node: usize, shape: f64, slopes: Vector<D>| {
+        let lambda = foot.K * (foot.t.transpose() * shape + slopes * foot.p.transpose());
+        Near {
+            node,
+            shape,
+            slopes,
+            lambda,
+            normal: A * foot.m_slopes * lambda,
+        }
+    };
+    let surface = foot.master.surface();
+    let own = stencil
+        .slave_shapes()
+        .map(|(a, N)| near(a, N, Vector::zeros()));
+    let other = foot.nodes.iter().enumerate().map(|(b, &node)| {
+        let slopes = Vector::from_fn(|k, _| foot.slopes[k][b]);
+        near(surface.nodes()[node], -foot.N[b], slopes)
+    });
+    own.chain(other).collect()
+}
+
+/// Adds to the term of `key`.
+fn add<T: std::ops::AddAssign>(terms: &mut Vec<(usize, T)>, key: usize, term: T) {
+    match terms.iter_mut().find(|(other, _)| *other == key) {
+        Some((_, sum)) => *sum += term,
+        None => terms.push((key, term)),
+    }
+}
+
+fn internal<const D: usize>(k: usize, i: usize) -> Option<usize> {
+    Some(D * k + i)
+}
+
+/// (key, component, value) of a vector.
+fn components<const D: usize>(
+    key: usize,
+    v: &Vector<D>,
+) -> impl Iterator<Item = (usize, usize, f64)> {
+    let v = *v;
+    (0..D).map(move |i| (key, i, v[i]))
+}
+
+/// (key, component, value) of row `i` of a matrix.
+fn line<const D: usize>(
+    key: usize,
+    m: &Matrix<D>,
+    i: usize,
+) -> impl Iterator<Item = (usize, usize, f64)> {
+    let row = m.row(i).transpose();
+    (0..D).map(move |j| (key, j, row[j]))
+}
+
+/// The terms that `place` finds a column for.
+fn collect(
+    row: &mut Vec<(usize, f64)>,
+    terms: impl Iterator<Item = (usize, usize, f64)>,
+    place: impl Fn(usize, usize) -> Option<usize>,
+) {
+    row.clear();
+    row.extend(terms.filter_map(|(key, i, v)| Some((place(key, i)?, v))));
+}
+
+/// One row for each component of a normal.
+fn push_rows<const D: usize>(
+    rows: &mut SparseRows,
+    form: &[(usize, Matrix<D>)],
+    place: impl Fn(usize, usize) -> Option<usize> + Copy,
+) {
+    let mut row = Vec::new();
+    for i in 0..D {
+        collect(
+            &mut row,
+            form.iter().flat_map(|(b, m)| line(*b, m, i)),
+            place,
+        );
+        rows.push(&row);
+    }
+}
