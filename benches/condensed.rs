@@ -59,7 +59,10 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             measure(name, 1, || beams.scene())?;
         }
     }
-    for (name, in_contact, on_arc) in [("Hertz 9k triangles", 40.0, 90), ("Hertz 24k triangles", 42.0, 95)] {
+    for (name, in_contact, on_arc) in [
+        ("Hertz 9k triangles", 40.0, 90),
+        ("Hertz 24k triangles", 42.0, 95),
+    ] {
         let hertz = Hertz::new(Fineness { in_contact, on_arc }, Order::Linear);
         if wanted(name) {
             measure(name, 1, || hertz.scene())?;
@@ -72,9 +75,17 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     if wanted("cantilevers, 100 steps") {
-        measure("cantilevers, 100 steps", 100, || cantilevers::scene([20, 8, 8]))?;
+        measure("cantilevers, 100 steps", 100, || {
+            cantilevers::scene([20, 8, 8])
+        })?;
     }
-    let hertz = Hertz::new(Fineness { in_contact: 60.0, on_arc: 146 }, Order::Linear);
+    let hertz = Hertz::new(
+        Fineness {
+            in_contact: 60.0,
+            on_arc: 146,
+        },
+        Order::Linear,
+    );
     if wanted("Hertz, 100 steps") {
         measure("Hertz, 100 steps", 100, || hertz.scene())?;
     }
@@ -91,28 +102,32 @@ fn measure<const D: usize>(
     let set_up = processor_seconds() - clock;
     problem.set_load(1.0)?;
     let floor = floor(problem.energy())?;
-    let mut solver = Condensed::new();
-    let clock = processor_seconds();
-    let (mut at, mut solution) = (State::default(), None::<Solution>);
-    at.u = vec![0.0; problem.energy().dofs()];
-    let (mut cost, mut seconds) = (Cost::default(), 0.0);
-    for k in 1..=increments {
-        if increments > 1 {
-            let clock = processor_seconds();
+    let (mut cost, mut solution) = (Cost::default(), None::<Solution>);
+    let seconds = mean(|| {
+        let mut solver = Condensed::new();
+        let mut at = State {
+            u: vec![0.0; problem.energy().dofs()],
+            ..State::default()
+        };
+        cost = Cost::default();
+        for k in 1..=increments {
             problem.set_load(k as f64 / increments as f64)?;
-            seconds -= processor_seconds() - clock;
+            let step = solver.solve_from(&problem, at)?;
+            cost += step.cost();
+            at = step.state.clone();
+            let has_converged = step.outcome == Outcome::Converged;
+            solution = Some(step);
+            if !has_converged {
+                break;
+            }
         }
-        let step = solver.solve_from(&problem, at)?;
-        if step.outcome != Outcome::Converged {
-            println!("{name:<27} {}", step.outcome);
-            return Ok(());
-        }
-        cost += step.cost();
-        at = step.state.clone();
-        solution = Some(step);
-    }
-    seconds += processor_seconds() - clock;
+        Ok(())
+    })?;
     let solution = solution.ok_or("no increment")?;
+    if solution.outcome != Outcome::Converged {
+        println!("{name:<27} {}", solution.outcome);
+        return Ok(());
+    }
     let certificate = Certificate::new(&problem, &solution);
     println!(
         "{name:<27} {:>10} {:>5} {set_up:>9.2} {floor:>8.3} {seconds:>9.3} {:>6.2} {:>8.3} {:>9} {:>9} {:>7} {:>7} {:.9e}",
@@ -130,7 +145,12 @@ fn measure<const D: usize>(
         solution.energy,
     );
     for entry in certificate.entries(&tight()).filter(|entry| !entry.holds()) {
-        println!("    {} {:.1e} beyond {:.1e}", entry.name, entry.value.unwrap_or(f64::NAN), entry.limit);
+        println!(
+            "    {} {:.1e} beyond {:.1e}",
+            entry.name,
+            entry.value.unwrap_or(f64::NAN),
+            entry.limit
+        );
     }
     Ok(())
 }
@@ -156,25 +176,39 @@ fn floor(energy: &dyn Energy) -> Result<f64, Failure> {
     let (n, pattern) = (energy.dofs(), energy.hessian_pattern());
     let mut values = vec![0.0; pattern.len()];
     energy.hessian(&vec![0.0; n], &mut values);
-    let mut b = vec![1.0; n];
-    let mut clock = processor_seconds();
-    let analysis = Analysis::new(pattern, &Ordering::Automatic)?;
-    let mut factor = Cholesky::new(&analysis, Kind::Llt)?;
-    if factor.refactor(&values).is_err() {
+    let once = |values: &[f64]| -> Result<(), Failure> {
+        let analysis = Analysis::new(pattern, &Ordering::Automatic)?;
+        let mut factor = Cholesky::new(&analysis, Kind::Llt)?;
+        factor.refactor(values)?;
+        Ok(factor.solve(&mut vec![1.0; n])?)
+    };
+    if once(&values).is_err() {
         for (value, (i, j)) in values.iter_mut().zip(pattern.iter()) {
             *value *= if i == j { 1.0 + 1e-6 } else { 1.0 };
         }
-        clock = processor_seconds();
-        let _ = Analysis::new(pattern, &Ordering::Automatic)?;
-        factor.refactor(&values)?;
     }
-    factor.solve(&mut b)?;
-    Ok(processor_seconds() - clock)
+    mean(|| once(&values))
+}
+
+/// The mean of the seconds that it takes, repeated until the clock's resolution is small beside their sum.
+fn mean(mut run: impl FnMut() -> Result<(), Failure>) -> Result<f64, Failure> {
+    let clock = processor_seconds();
+    for count in 1.. {
+        run()?;
+        let sum = processor_seconds() - clock;
+        if !(sum < 0.2) {
+            return Ok(sum / f64::from(count));
+        }
+    }
+    Ok(f64::NAN)
 }
 
 /// What this thread has had of a processor (s).
 fn processor_seconds() -> f64 {
     let times = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds = times.split(' ').next().and_then(|time| time.parse::<f64>().ok());
+    let nanoseconds = times
+        .split(' ')
+        .next()
+        .and_then(|time| time.parse::<f64>().ok());
     nanoseconds.map_or(f64::NAN, |time| 1e-9 * time)
 }

@@ -123,11 +123,7 @@ impl Proximal {
     }
 
     /// Newton's method from z = λ̄ until the rows that act repeat, or z is a solution; z and its gaps.
-    fn proximal_point(
-        &mut self,
-        epsilon: f64,
-        stop: &Stop,
-    ) -> Result<(Col<f64>, Col<f64>), Halt> {
+    fn proximal_point(&mut self, epsilon: f64, stop: &Stop) -> Result<(Col<f64>, Col<f64>), Halt> {
         let (mut z, mut gaps) = (self.center.clone(), self.gaps.clone());
         let mut last: Option<Vec<usize>> = None;
         for _ in 0..STEPS {
@@ -175,7 +171,8 @@ impl Proximal {
             let i = active[a];
             margin[i] - epsilon * z[i] - change[i]
         });
-        self.factored(active, epsilon)?.solve_in_place(x.as_mat_mut());
+        self.factored(active, epsilon)?
+            .solve_in_place(x.as_mat_mut());
         let mut goal = Col::zeros(z.nrows());
         active.iter().zip(x.iter()).for_each(|(&i, x)| goal[i] = *x);
         change += self.product(&goal);
@@ -198,7 +195,9 @@ impl Proximal {
                     W[(b, b)] += epsilon;
                 }
                 let llt = W.llt(Side::Lower).map_err(|_| {
-                    Halt::Failed(format!("the compliance of {k} rows is not positive semidefinite"))
+                    Halt::Failed(format!(
+                        "the compliance of {k} rows is not positive semidefinite"
+                    ))
                 })?;
                 Active {
                     rows: active.to_vec(),

@@ -6,8 +6,8 @@ use super::halt::Halt;
 use super::pruned::gram;
 use super::rows::Rows;
 use super::stiffness::{Block, Stiffness};
-use crate::{Error, Stop};
 use crate::linear::Factor;
+use crate::{Error, Stop};
 
 /// W (UL/UF) of the rows of the working set, which only grows.
 pub(super) struct Compliance {
@@ -80,7 +80,9 @@ impl Compliance {
                 entries.any(|entry| block.range.contains(&entry.0))
             };
             let known = share.places.len();
-            share.places.extend((first..self.rows.len()).filter(touches));
+            share
+                .places
+                .extend((first..self.rows.len()).filter(touches));
             let rows: Vec<usize> = share.places.iter().map(|&place| self.rows[place]).collect();
             match rows.len() - known {
                 0 => {}
@@ -106,8 +108,12 @@ impl Share {
     /// All of it anew, by pruned forward solves.
     fn compute(&mut self, rows: &[usize], all: &Rows, block: &Block) {
         let own = |(place, &k): (usize, &usize)| {
-            let entries = all.row(k).iter().filter(|entry| block.range.contains(&entry.0));
-            let entries = entries.map(move |&(j, a)| (place, block.steps[j - block.range.start], a));
+            let entries = all
+                .row(k)
+                .iter()
+                .filter(|entry| block.range.contains(&entry.0));
+            let entries =
+                entries.map(move |&(j, a)| (place, block.steps[j - block.range.start], a));
             entries.collect::<Vec<_>>()
         };
         let coefficients = rows.iter().enumerate().flat_map(own).collect();
@@ -126,7 +132,10 @@ impl Share {
         let (m, n, first) = (rows.len(), block.range.len(), block.range.start);
         let mut columns = vec![0.0; n * (m - known)];
         for (column, &k) in columns.chunks_mut(n).zip(&rows[known..]) {
-            let own = all.row(k).iter().filter(|entry| block.range.contains(&entry.0));
+            let own = all
+                .row(k)
+                .iter()
+                .filter(|entry| block.range.contains(&entry.0));
             own.for_each(|&(j, a)| column[j - first] = a);
         }
         block.factor.solve(&mut columns).map_err(Error::problem)?;
@@ -134,7 +143,10 @@ impl Share {
         W.submatrix_mut(0, 0, known, known).copy_from(&self.W);
         for (place, column) in (known..).zip(columns.chunks(n)) {
             for (i, &k) in rows.iter().enumerate().take(place + 1) {
-                let own = all.row(k).iter().filter(|entry| block.range.contains(&entry.0));
+                let own = all
+                    .row(k)
+                    .iter()
+                    .filter(|entry| block.range.contains(&entry.0));
                 W[(place, i)] = own.map(|&(j, a)| a * column[j - first]).sum::<f64>();
             }
         }

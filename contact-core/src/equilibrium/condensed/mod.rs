@@ -133,7 +133,9 @@ impl Clone for Condensed {
 impl fmt::Debug for Condensed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let rows = self.kept.as_ref().map(|kept| kept.compliance.rows().len());
-        f.debug_struct("Condensed").field("condensed_rows", &rows).finish()
+        f.debug_struct("Condensed")
+            .field("condensed_rows", &rows)
+            .finish()
     }
 }
 
@@ -233,10 +235,12 @@ impl Condensed {
     ) -> Result<(), Halt> {
         let energy = problem.energy();
         let kept = self.prepare(energy, gaps, stop, cost)?;
-        let deepest = kept.rows.immovable().min_by(|&i, &j| {
-            gaps.constant()[i].total_cmp(&gaps.constant()[j])
-        });
-        if let Some(i) = deepest.filter(|&i| gaps.constant()[i] < -IMMOVABLE * problem.scale().length)
+        let deepest = kept
+            .rows
+            .immovable()
+            .min_by(|&i, &j| gaps.constant()[i].total_cmp(&gaps.constant()[j]));
+        if let Some(i) =
+            deepest.filter(|&i| gaps.constant()[i] < -IMMOVABLE * problem.scale().length)
         {
             let (key, depth) = (gaps.keys()[i], -gaps.constant()[i]);
             return Err(Halt::Failed(format!(
@@ -250,8 +254,13 @@ impl Condensed {
         load.iter_mut().for_each(|f| *f = -*f);
         cost.gradients += 1;
         cost.callbacks += clock.elapsed().as_secs_f64();
-        let known = gaps.keys().iter().map(|&key| start.multipliers.of(key).max(0.0));
-        at.lambda = kept.rows.gathered(known.map(|l| if l.is_finite() { l } else { 0.0 }));
+        let known = gaps
+            .keys()
+            .iter()
+            .map(|&key| start.multipliers.of(key).max(0.0));
+        at.lambda = kept
+            .rows
+            .gathered(known.map(|l| if l.is_finite() { l } else { 0.0 }));
         Rounds {
             constants: &kept.rows.constants(gaps.constant()),
             stiffness: &mut kept.stiffness,

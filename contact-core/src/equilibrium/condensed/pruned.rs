@@ -143,7 +143,9 @@ impl<'a> Front<'a> {
         from.sort_by_key(|update| std::cmp::Reverse(update.columns.len()));
         let Scratch { place, row } = scratch;
         let mut columns: Vec<usize> = Vec::new();
-        let arriving = from.iter().flat_map(|update| update.columns.iter().copied());
+        let arriving = from
+            .iter()
+            .flat_map(|update| update.columns.iter().copied());
         for i in arriving.chain(own.iter().map(|entry| entry.0)) {
             if place[i] == NOWHERE {
                 place[i] = columns.len();
@@ -187,7 +189,17 @@ impl<'a> Front<'a> {
         }
         let (full, half) = (BlockStructure::Rectangular, BlockStructure::TriangularLower);
         let top = top.as_ref();
-        triangular::matmul(share.as_mut(), half, add, top.transpose(), full, top, full, 1.0, seq);
+        triangular::matmul(
+            share.as_mut(),
+            half,
+            add,
+            top.transpose(),
+            full,
+            top,
+            full,
+            1.0,
+            seq,
+        );
         Update {
             front: s,
             values: bottom.to_owned(),

@@ -1,7 +1,7 @@
 //! The iteration on u and λ: contact on the condensed rows, then what is left of the forces.
 
-use super::compliance::Compliance;
 use super::complementarity;
+use super::compliance::Compliance;
 use super::halt::Halt;
 use super::rows::Rows;
 use super::stiffness::Stiffness;
@@ -12,7 +12,7 @@ const STATIONARITY: f64 = 1e-11;
 /// The same, in units of the round-off of K u. A backward stable solve leaves some ten of it.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 /// Bound on overlaps, and on gaps where forces act, relative to the largest Σ_j |C_ij u_j| of a row.
-const GAP: f64 = 1e-9;
+const GAP: f64 = 1e-10;
 /// The same, relative to the smallest displacement that matters at contact; the smaller of the two counts.
 const RESOLUTION: f64 = 1e-5;
 /// The share of that bound left to the condensed problem.
@@ -86,14 +86,11 @@ impl Rounds<'_> {
     }
 
     /// One proximal step from the `residual` f + Cᵀλ − K u.
-    fn round(
-        &mut self,
-        at: &mut Iterate,
-        mut residual: Vec<f64>,
-        bound: f64,
-    ) -> Result<(), Halt> {
+    fn round(&mut self, at: &mut Iterate, mut residual: Vec<f64>, bound: f64) -> Result<(), Halt> {
         self.stiffness.solve(&mut residual)?;
-        at.u.iter_mut().zip(&residual).for_each(|(u, step)| *u += step);
+        at.u.iter_mut()
+            .zip(&residual)
+            .for_each(|(u, step)| *u += step);
         let mut gaps = self.gaps(&at.u);
         let acting = (0..self.rows.len()).filter(|&k| at.lambda[k] > 0.0);
         self.extend(acting.filter(|&k| !self.compliance.holds(k)).collect())?;
@@ -134,7 +131,9 @@ impl Rounds<'_> {
     fn extend(&mut self, more: Vec<usize>) -> Result<(), Halt> {
         match more.is_empty() {
             true => Ok(()),
-            false => self.compliance.extend(&more, self.rows, self.stiffness, self.stop),
+            false => self
+                .compliance
+                .extend(&more, self.rows, self.stiffness, self.stop),
         }
     }
 
@@ -173,7 +172,9 @@ impl Rounds<'_> {
             terms.sum::<f64>()
         };
         let size = (0..self.rows.len()).map(row).fold(0.0, f64::max);
-        (GAP * size).min(RESOLUTION * self.resolution).max(ROUNDOFF * size)
+        (GAP * size)
+            .min(RESOLUTION * self.resolution)
+            .max(ROUNDOFF * size)
     }
 
     /// Whether no gap is negative and forces act at closed gaps only.

@@ -38,7 +38,9 @@ impl Rows {
             row.sort_unstable_by_key(|entry| entry.0);
             row.iter_mut().for_each(|(_, a)| *a /= norm);
             row.retain(|(_, a)| a.abs() > ROUNDOFF);
-            let known = alike.entry(row.iter().map(|entry| entry.0).collect()).or_default();
+            let known = alike
+                .entry(row.iter().map(|entry| entry.0).collect())
+                .or_default();
             let same = known.iter().find(|&&k| is_same(&distinct[k], &row));
             let k = same.copied().unwrap_or(distinct.len());
             if k == distinct.len() {

@@ -40,7 +40,11 @@ impl Stiffness {
     pub fn new(energy: &dyn Energy, values: Vec<f64>, stop: &Stop) -> Result<Self, Halt> {
         let pattern = energy.hessian_pattern().clone();
         let mut blocks: Vec<Block> = Vec::new();
-        for range in energy.blocks().into_iter().filter(|range| !range.is_empty()) {
+        for range in energy
+            .blocks()
+            .into_iter()
+            .filter(|range| !range.is_empty())
+        {
             stop_requested(stop)?;
             let block = Block::new(&pattern, &values, range, &blocks, stop)?;
             blocks.push(block);
@@ -74,14 +78,19 @@ impl Stiffness {
 
     /// Entries of all factors.
     pub fn fill(&self) -> usize {
-        let fills = self.blocks.iter().map(|block| block.factor.analysis().fill());
+        let fills = self
+            .blocks
+            .iter()
+            .map(|block| block.factor.analysis().fill());
         fills.sum()
     }
 
     /// Overwrites b (n, UF) with M⁻¹ b (n, UL).
     pub fn solve(&mut self, b: &mut [f64]) -> Result<(), Halt> {
         for Block { range, factor, .. } in &mut self.blocks {
-            factor.solve(&mut b[range.clone()]).map_err(Error::problem)?;
+            factor
+                .solve(&mut b[range.clone()])
+                .map_err(Error::problem)?;
         }
         Ok(())
     }
@@ -113,12 +122,17 @@ impl Block {
     ) -> Result<Self, Halt> {
         let (first, n) = (range.start, range.len());
         let slots = pattern.column(first).start..pattern.column(range.end - 1).end;
-        let places = pattern.rows()[slots.clone()].iter().zip(&pattern.cols()[slots.clone()]);
+        let places = pattern.rows()[slots.clone()]
+            .iter()
+            .zip(&pattern.cols()[slots.clone()]);
         let places: Vec<_> = places.map(|(i, j)| (i - first, j - first)).collect();
         // sorted, none repeated: the slots keep their order
         let (own, _) = SymmetricPattern::from_entries(n, &places)?;
         let alike = earlier.iter().map(|block| block.factor.analysis());
-        let analysis = match alike.into_iter().find(|analysis| *analysis.pattern() == own) {
+        let analysis = match alike
+            .into_iter()
+            .find(|analysis| *analysis.pattern() == own)
+        {
             Some(analysis) => analysis.clone(),
             None => Analysis::new(&own, &Ordering::Automatic).map_err(Error::problem)?,
         };
@@ -132,7 +146,9 @@ impl Block {
             Err(FactorError::NotPositiveDefinite { .. }) => {
                 stop_requested(stop)?;
                 let shifted = shifted(&own, values);
-                factor.refactor(&shifted).map_err(|why| indefinite(why, &range))?;
+                factor
+                    .refactor(&shifted)
+                    .map_err(|why| indefinite(why, &range))?;
                 true
             }
             Err(why) => return Err(Error::problem(why).into()),

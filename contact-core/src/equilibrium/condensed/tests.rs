@@ -138,7 +138,10 @@ fn enumerated(W: &DMatrix<f64>, q: &DVector<f64>) -> Option<DVector<f64>> {
             _ => W_AA.lu().solve(&q_A)?,
         };
         let mut lambda = DVector::zeros(m);
-        active.iter().zip(x.iter()).for_each(|(&i, x)| lambda[i] = *x);
+        active
+            .iter()
+            .zip(x.iter())
+            .for_each(|(&i, x)| lambda[i] = *x);
         let c = W * &lambda + q;
         let is_solution = lambda.min() >= -1e-9 && c.min() >= -1e-9;
         (is_solution && lambda.dot(&c).abs() < 1e-9).then_some(lambda)
@@ -162,7 +165,9 @@ fn dense_problems_have_the_gaps_of_the_active_set_that_enumeration_finds() {
         };
         found += 1;
         let dense = Mat::from_fn(m, m, |i, j| W[(i, j)]);
-        let start: Vec<f64> = (0..m).map(|_| random.f64() * f64::from(random.u8(0..2))).collect();
+        let start: Vec<f64> = (0..m)
+            .map(|_| random.f64() * f64::from(random.u8(0..2)))
+            .collect();
         let gaps = &W * DVector::from_column_slice(&start) + &q;
         let solved = complementarity::solve(&dense, gaps.as_slice(), &start, 1e-12, &Stop::new())
             .expect("solvable");
@@ -241,10 +246,15 @@ fn springs_share_the_force() {
     let problem = springs(&[(vec![-1.0, 1.0], 1.0)]);
     let solution = solve(&problem);
     assert_eq!(solution.outcome, Outcome::Converged);
-    assert!((solution.state.u[0] - 1.25).abs() < 1e-12 && (solution.state.u[1] - 0.25).abs() < 1e-12);
+    assert!(
+        (solution.state.u[0] - 1.25).abs() < 1e-12 && (solution.state.u[1] - 0.25).abs() < 1e-12
+    );
     assert!((solution.lambda[0] - 0.75).abs() < 1e-12);
     let cost = solution.cost();
-    assert_eq!((cost.factorizations, cost.hessians, cost.gradients), (1, 1, 1));
+    assert_eq!(
+        (cost.factorizations, cost.hessians, cost.gradients),
+        (1, 1, 1)
+    );
 }
 
 #[test]
@@ -283,7 +293,10 @@ fn bodies_that_float_come_to_rest_on_a_wall() {
     let solution = solve(&floating(true));
     assert_eq!(solution.outcome, Outcome::Converged);
     let u = &solution.state.u;
-    assert!((u[0] - 3.0).abs() < 1e-8 && (u[1] - 2.0).abs() < 1e-8, "{u:?}");
+    assert!(
+        (u[0] - 3.0).abs() < 1e-8 && (u[1] - 2.0).abs() < 1e-8,
+        "{u:?}"
+    );
     assert!((solution.lambda[0] - 1.0).abs() < 1e-9);
     assert_eq!(solution.cost().factorizations, 2, "K, and K with its shift");
 }
@@ -306,10 +319,15 @@ fn undetermined_motions_stay_at_the_start() {
         u: vec![7.0, 7.0],
         ..State::default()
     };
-    let solution = Condensed::new().solve_from(&problem, start).expect("quadratic");
+    let solution = Condensed::new()
+        .solve_from(&problem, start)
+        .expect("quadratic");
     assert_eq!(solution.outcome, Outcome::Converged);
     let u = &solution.state.u;
-    assert!((u[0] - 7.5).abs() < 1e-7 && (u[1] - 6.5).abs() < 1e-7, "{u:?}");
+    assert!(
+        (u[0] - 7.5).abs() < 1e-7 && (u[1] - 6.5).abs() < 1e-7,
+        "{u:?}"
+    );
 }
 
 #[test]
@@ -352,7 +370,11 @@ fn what_is_not_treated_is_named() {
     assert!(refused(&problem).contains("`LinearGaps::is_exact` = false"));
     let mut problem = springs(&[]);
     problem.bounds = Bounds::free(2);
-    assert_eq!(solve(&problem).outcome, Outcome::Converged, "infinite bounds are none");
+    assert_eq!(
+        solve(&problem).outcome,
+        Outcome::Converged,
+        "infinite bounds are none"
+    );
     problem.bounds.upper[1] = 0.5;
     assert!(refused(&problem).contains("0.5 on unknown 1"));
     let problem = springs(&[(vec![f64::NAN, 1.0], 0.0)]);
@@ -425,7 +447,10 @@ fn random_problems_satisfy_the_conditions_of_a_minimum() {
         let mut c = vec![0.0; m];
         solution.gaps.value(&solution.state.u, &mut c);
         for (c, l) in c.iter().zip(&solution.lambda) {
-            assert!(*c > -1e-8 && *l >= 0.0 && (c * l).abs() < 1e-8, "{case}: {c:e} {l:e}");
+            assert!(
+                *c > -1e-8 && *l >= 0.0 && (c * l).abs() < 1e-8,
+                "{case}: {c:e} {l:e}"
+            );
         }
     }
 }
