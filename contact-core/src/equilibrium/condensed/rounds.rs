@@ -12,7 +12,7 @@ const STATIONARITY: f64 = 1e-11;
 /// The same, in units of the round-off of K u. A backward stable solve leaves some ten of it.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 /// Bound on overlaps, and on gaps where forces act, relative to the largest Σ_j |C_ij u_j| of a row.
-const GAP: f64 = 1e-9;
+const GAP: f64 = 1e-10;
 /// The same, relative to the smallest displacement that matters at contact; the smaller of the two counts.
 const RESOLUTION: f64 = 1e-5;
 /// The share of that bound left to the condensed problem.
