@@ -59,21 +59,10 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             measure(name, 1, || beams.scene())?;
         }
     }
-<<<<<<< HEAD
-    for (name, in_contact, on_arc) in [
-        ("Hertz 9k triangles", 40.0, 90),
-        ("Hertz 24k triangles", 42.0, 95),
-    ] {
-        let hertz = Hertz::new(Fineness { in_contact, on_arc }, Order::Linear);
-        if wanted(name) {
-            measure(name, 1, || hertz.scene())?;
-        }
-=======
     let hertz =
         |in_contact: f64, on_arc| Hertz::new(Fineness { in_contact, on_arc }, Order::Linear);
     if wanted("Hertz, 23 600 unknowns") {
         measure("Hertz, 23 600 unknowns", 1, || hertz(42.0, 95).scene())?;
->>>>>>> condensed
     }
     for cells in [[10, 4, 4], [20, 8, 8], [27, 11, 11], [48, 16, 16]] {
         let name = format!("cantilevers {}×{}×{}", cells[0], cells[1], cells[2]);
@@ -86,16 +75,6 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             cantilevers::scene([20, 8, 8])
         })?;
     }
-<<<<<<< HEAD
-    let hertz = Hertz::new(
-        Fineness {
-            in_contact: 60.0,
-            on_arc: 146,
-        },
-        Order::Linear,
-    );
-=======
->>>>>>> condensed
     if wanted("Hertz, 100 steps") {
         measure("Hertz, 100 steps", 100, || hertz(60.0, 146).scene())?;
     }

@@ -70,10 +70,7 @@ impl Solver {
                 retry.fixed_point.tolerance = tolerance;
                 Box::new(retry)
             }
-            Solver::Newton => Box::new(CondensedNewton {
-                tolerance,
-                ..CondensedNewton::default()
-            }),
+            Solver::Newton => Box::new(CondensedNewton::with_tolerance(tolerance)),
             Solver::Condensed => Box::new(Condensed::new()),
         }
     }

@@ -150,6 +150,14 @@ struct Iterate {
 }
 
 impl CondensedNewton {
+    /// With this bound on the relative change of u.
+    pub fn with_tolerance(tolerance: f64) -> Self {
+        CondensedNewton {
+            tolerance,
+            ..CondensedNewton::default()
+        }
+    }
+
     /// Solves a single problem, without load steps.
     ///
     /// # Errors
