@@ -192,7 +192,9 @@ impl<const D: usize> Audit<D> {
         let moved = before.iter().zip(after).map(|(a, b)| (b - a).norm());
         let moved = moved.fold(0.0, f64::max);
         let thinnest = self.topology.thinnest();
-        let stops = (moved / (0.5 * thinnest)).ceil().min(Self::MOST_STOPS);
+        let stops = (moved / (Self::STRIDE * thinnest))
+            .ceil()
+            .min(Self::MOST_STOPS);
         let at = |k: usize| {
             let t = k as f64 / stops;
             let way = before.iter().zip(after);
@@ -205,8 +207,11 @@ impl<const D: usize> Audit<D> {
 
     /// The relative depth of bodies that touch, from round-off.
     const TOUCHES: f64 = 1e-9;
+    /// The way between two stops, as a share of the smallest thickness. An edge that crosses a body of thickness 1 is at
+    /// most ½ deep, and deeper than [`Overlap::LIMIT`] for 0.4 of its way.
+    const STRIDE: f64 = 0.3;
     /// The largest number of stops on a way.
-    const MOST_STOPS: f64 = 16.0;
+    const MOST_STOPS: f64 = 32.0;
 
     /// The overlaps of exterior nodes with other bodies, or with other parts of their own.
     fn nodes_inside(&self, x: &[Vector<D>], trees: &Trees<D>) -> Vec<Overlap<D>> {

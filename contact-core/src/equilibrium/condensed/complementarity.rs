@@ -33,6 +33,8 @@ const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 const FULL: f64 = 1e-6;
 /// The limits of rounds and of Newton's steps in one of them.
 const ROUNDS: usize = 60;
+/// So many rounds may pass without halving what is left.
+const IDLE: usize = 5;
 const STEPS: usize = 100;
 
 /// λ and what it cost.
@@ -42,10 +44,12 @@ pub(in crate::equilibrium) struct Complementary {
     pub lambda: Vec<f64>,
     /// Steps of Newton's method.
     pub steps: usize,
+    /// The largest |min(W_ii λᵢ, cᵢ)|, relative to the bound; above 1 where rounds no longer reduced it.
+    pub left: f64,
 }
 
 /// Solves from the multipliers `start` and their gaps c (m, UL) until every |min(W_ii λᵢ, cᵢ)| is within `bound` (UL), or
-/// within round-off of the gaps. `W` (m × m, UL/UF) is symmetric, with both triangles.
+/// within round-off of the gaps, or until round-off ends the progress: [`Complementary::left`] tells. `W` (m × m, UL/UF) is symmetric, with both triangles.
 pub(in crate::equilibrium) fn solve(
     W: &Mat<f64>,
     gaps: &[f64],
@@ -72,13 +76,14 @@ pub(in crate::equilibrium) fn solve(
         factor: None,
         steps: 0,
     };
-    proximal.solve(stop)?;
+    let left = proximal.solve(stop)?;
     let Proximal {
         center, lengths, ..
     } = &proximal;
     Ok(Complementary {
         lambda: (0..m).map(|i| center[i] / lengths[i]).collect(),
         steps: proximal.steps,
+        left,
     })
 }
 
@@ -103,23 +108,28 @@ struct Active {
 }
 
 impl Proximal {
-    fn solve(&mut self, stop: &Stop) -> Result<(), Halt> {
+    /// What is left, relative to the bound.
+    fn solve(&mut self, stop: &Stop) -> Result<f64, Halt> {
         let scaled = natural(&self.center, &self.gaps).fold(0.0, f64::max);
         let mut epsilon = (WARM * scaled / self.center.norm_max()).clamp(LAST, FIRST);
+        let mut left = self.residual(&self.center, &self.gaps) / self.bound;
+        let mut idle = 0;
         for _ in 0..ROUNDS {
-            if self.residual(&self.center, &self.gaps) <= self.bound {
-                return Ok(());
+            if left <= 1.0 || idle > IDLE {
+                break;
             }
             let (z, gaps) = self.proximal_point(epsilon, stop)?;
             self.center = Col::from_fn(z.nrows(), |i| z[i].max(0.0));
             self.gaps = gaps + self.product(&(&self.center - z));
+            let before = std::mem::replace(
+                &mut left,
+                self.residual(&self.center, &self.gaps) / self.bound,
+            );
+            let is_idle = epsilon == LAST && !(left < 0.5 * before);
+            idle = if is_idle { idle + 1 } else { 0 };
             epsilon = (RATIO * epsilon).max(LAST);
         }
-        let left = self.residual(&self.center, &self.gaps) / self.bound;
-        Err(Halt::Failed(format!(
-            "gaps and forces of the condensed problem are not complementary after {ROUNDS} rounds: {left:.1e} times the \
-             bound is left"
-        )))
+        Ok(left)
     }
 
     /// Newton's method from z = λ̄ until the rows that act repeat, or z is a solution; z and its gaps.

@@ -149,6 +149,12 @@ impl Rounds<'_> {
         let (gaps, start) = (of(gaps), of(lambda));
         let W = self.compliance.matrix();
         let solved = complementarity::solve(W, &gaps, &start, bound, self.stop)?;
+        if solved.left > 1.0 {
+            return Err(Halt::Failed(format!(
+                "gaps and forces of the condensed problem are not complementary: {:.1e} times the bound is left",
+                solved.left
+            )));
+        }
         self.cost.solves += 1;
         self.cost.iterations += solved.steps;
         let mut change = vec![0.0; lambda.len()];

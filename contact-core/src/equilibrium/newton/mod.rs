@@ -236,7 +236,7 @@ impl CondensedNewton {
                 rows: at.gaps.len(),
                 cost,
             });
-            if error < self.tolerance && share == 1.0 {
+            if error < self.tolerance && share == 1.0 && step.is_accurate {
                 return Ok(Outcome::Converged);
             }
         }

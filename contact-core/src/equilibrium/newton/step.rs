@@ -19,6 +19,8 @@ const DEPTH: usize = 8;
 /// Bound on what is left of the complementarity, relative to the largest gap, and to the displacements.
 const SHARE_OF_GAPS: f64 = 1e-12;
 const SHARE_OF_DISPLACEMENTS: f64 = 1e-11;
+/// What the last step's round-off may leave of the complementarity, relative to the displacements.
+const ACCURATE: f64 = 1e-9;
 /// Rows that would overlap by more than this share of the displacements join the condensed ones.
 const OVERLAP: f64 = 1e-10;
 /// Steps below this share of the displacements are round-off.
@@ -32,12 +34,16 @@ pub(super) struct Step {
     pub lambda: Vec<f64>,
     /// The number of corrections.
     pub corrections: usize,
+    /// Whether gaps and multipliers are complementary. Round-off may prevent that far from the solution.
+    pub is_accurate: bool,
 }
 
 /// The rows that are condensed, and their compliance W.
 struct Condensed {
     rows: Vec<usize>,
     W: Mat<f64>,
+    /// Whether the last complementarity problem was solved accurately.
+    is_accurate: bool,
 }
 
 impl Step {
@@ -57,6 +63,7 @@ impl Step {
             x: vec![0.0; here.load.len()],
             lambda: here.lambda.clone(),
             corrections: 0,
+            is_accurate: true,
         };
         let mut anderson = Anderson::of(Acceleration::Anderson(DEPTH));
         loop {
@@ -71,6 +78,7 @@ impl Step {
                 return Err(Halt::Failed("Newton's step is not finite".into()));
             }
             step.lambda = lambda;
+            step.is_accurate = condensed.is_accurate;
             let is_last = step.corrections >= CORRECTIONS;
             let missing = condensed.missing(here, &image, OVERLAP * least);
             if !missing.is_empty() && !is_last {
@@ -94,12 +102,16 @@ impl Step {
 impl Condensed {
     fn new(rows: Vec<usize>, here: &Linearization<'_>, tangent: &Tangent) -> Self {
         let W = tangent.compliance(here.gaps.matrix(), &rows);
-        Condensed { rows, W }
+        Condensed {
+            rows,
+            W,
+            is_accurate: true,
+        }
     }
 
     /// x' and μ of one correction.
     fn corrected(
-        &self,
+        &mut self,
         here: &Linearization<'_>,
         step: &Step,
         tangent: &mut Tangent,
@@ -120,6 +132,7 @@ impl Condensed {
         let deepest = largest(gaps.iter().copied());
         let bound = (SHARE_OF_DISPLACEMENTS * least).max(SHARE_OF_GAPS * deepest);
         let solved = complementarity::solve(&self.W, &gaps, &known, bound, stop)?;
+        self.is_accurate = solved.left * bound <= ACCURATE * least;
         cost.solves += 1;
         cost.iterations += solved.steps;
         let mut lambda = step.lambda.clone();
