@@ -200,7 +200,8 @@ impl CondensedNewton {
                 ..Cost::default()
             };
             let here = Linearization::new(problem, &at.state, &at.gaps, &mut cost)?;
-            let step = Step::new(&here, tangent, least, stop, &mut cost)?;
+            let size = at.state.u.iter().fold(least, |size, u| size.max(u.abs()));
+            let step = Step::new(&here, tangent, size, stop, &mut cost)?;
             let (u, share) = guarded(energy, &at.state.u, &step.x)?;
             let error = relative_change(&u, &at.state.u, least);
             tangent.moved(error, step.corrections);

@@ -47,7 +47,7 @@ struct Condensed {
 }
 
 impl Step {
-    /// The step from `here`; `least` is the size of the displacements (UL).
+    /// The step from `here`; `least` is the size of the displacements so far (UL).
     pub fn new(
         here: &Linearization<'_>,
         tangent: &mut Tangent,
