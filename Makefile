@@ -19,7 +19,7 @@ help:
 	@echo "make report            error against run time: a page, tables and data in out/report, within an hour"
 	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
 	@echo "make extremes          scenes at the limits with their truths: a table and data in out/extremes, within half an hour"
-	@echo "make extremes-quick    the same for two dozen scenes; fails where a wrong result is claimed to be right"
+	@echo "make extremes-quick    two dozen of them, and all by Newton's method; fails where a wrong result is claimed to be right"
 	@echo "make package           the crates as packages, each checked on its own, and their documentation without Ipopt"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
@@ -76,9 +76,11 @@ report-quick: install
 
 extremes: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --solver newton --out out/extremes-newton
 
 extremes-quick: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --out out/extremes-quick
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --solver newton --out out/extremes-newton
 
 package: install
 	@./scripts/package.sh

@@ -16,7 +16,8 @@ pub(super) struct Linearization<'a> {
     pub hessian: Vec<f64>,
     /// c (m, UL).
     pub c: Vec<f64>,
-    /// s_i = (Σ_j C_ij²/K_jj)⁻¹ (UF/UL): how stiff the unknowns of a row are by themselves.
+    /// s_i = (Σ_j C_ij²/K_jj)⁻¹ (UF/UL): how stiff the unknowns of a row are by themselves. Zero for a row that no unknown
+    /// moves, which does not take part.
     pub stiffness: Vec<f64>,
     /// λ of the rows that act (m, UF), zero for the others.
     pub lambda: Vec<f64>,
@@ -56,13 +57,22 @@ impl<'a> Linearization<'a> {
             let terms = gaps.matrix().row(i).map(|(j, a)| a * a / diagonal(j));
             terms.sum::<f64>()
         };
-        let stiffness: Vec<f64> = (0..m).map(|i| 1.0 / compliance(i)).collect();
+        let stiffness = |compliance: f64| {
+            if compliance > 0.0 {
+                1.0 / compliance
+            } else {
+                0.0
+            }
+        };
+        let stiffness: Vec<f64> = (0..m).map(|i| stiffness(compliance(i))).collect();
         let known: Vec<f64> = gaps
             .keys()
             .iter()
             .map(|&key| state.multipliers.of(key))
             .collect();
-        let acts: Vec<bool> = (0..m).map(|i| known[i] > stiffness[i] * c[i]).collect();
+        let acts: Vec<bool> = (0..m)
+            .map(|i| stiffness[i] > 0.0 && known[i] > stiffness[i] * c[i])
+            .collect();
         let lambda: Vec<f64> = (0..m)
             .map(|i| if acts[i] { known[i].max(0.0) } else { 0.0 })
             .collect();
@@ -83,6 +93,11 @@ impl<'a> Linearization<'a> {
             acts,
             variation,
         })
+    }
+
+    /// Whether row i would overlap by more than `bound` (UL) at the gap `c`, and something can be done about it.
+    pub fn overlaps(&self, i: usize, c: f64, bound: f64) -> bool {
+        self.stiffness[i] > 0.0 && c < -bound
     }
 
     /// The entries of D.

@@ -91,6 +91,8 @@ impl fmt::Debug for CondensedNewton {
 const NONE: f64 = 1e-6;
 /// A step may not take a domain function below this share of its value.
 const GUARD: f64 = 0.1;
+/// A step with a larger shift of the diagonal, relative to K's, is too short to tell convergence.
+const SHIFT: f64 = 1e-3;
 /// A step is halved at most so often.
 const HALVINGS: usize = 20;
 
@@ -237,7 +239,8 @@ impl CondensedNewton {
                 rows: at.gaps.len(),
                 cost,
             });
-            if error < self.tolerance && share == 1.0 && step.is_accurate {
+            let is_whole = share == 1.0 && step.is_accurate && tangent.shift() <= SHIFT;
+            if error < self.tolerance && is_whole {
                 return Ok(Outcome::Converged);
             }
         }

@@ -57,7 +57,8 @@ impl Step {
     ) -> Result<Self, Halt> {
         tangent.prepare(here, stop, cost)?;
         let m = here.gaps.len();
-        let close = (0..m).filter(|&i| here.acts[i] || here.c[i] < -OVERLAP * least);
+        let close =
+            (0..m).filter(|&i| here.acts[i] || here.overlaps(i, here.c[i], OVERLAP * least));
         let mut condensed = Condensed::new(close.collect(), here, tangent);
         let mut step = Step {
             x: vec![0.0; here.load.len()],
@@ -151,7 +152,7 @@ impl Condensed {
     /// The rows, not condensed yet, that overlap by more than `bound` (UL) after the step `x`.
     fn missing(&self, here: &Linearization<'_>, x: &[f64], bound: f64) -> Vec<usize> {
         let matrix = here.gaps.matrix();
-        let overlaps = |i: &usize| here.c[*i] + matrix.times(*i, x) < -bound;
+        let overlaps = |i: &usize| here.overlaps(*i, here.c[*i] + matrix.times(*i, x), bound);
         let others = (0..here.c.len()).filter(|i| self.rows.binary_search(i).is_err());
         others.filter(overlaps).collect()
     }
