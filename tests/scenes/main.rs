@@ -17,6 +17,7 @@ mod hertz;
 mod left_out;
 mod many_bodies;
 mod methods;
+mod newton;
 mod patch;
 mod patch_exact;
 mod rows;

@@ -292,6 +292,61 @@ mod tests {
         }
     }
 
+    /// Random patterns and places, some of them twice, mirrored or there already.
+    #[test]
+    fn a_pattern_with_more_entries_is_the_pattern_of_all_entries() {
+        let mut random = fastrand::Rng::with_seed(3);
+        let (mut old_slots, mut new_places) = (0, 0);
+        for case in 0..300 {
+            let n = random.usize(1..12);
+            let mut entries = |most: usize| -> Vec<(usize, usize)> {
+                let count = random.usize(0..=most);
+                let place = |_| (random.usize(0..n), random.usize(0..n));
+                (0..count).map(place).collect()
+            };
+            let (first, more) = (entries(3 * n), entries(2 * n));
+            let (pattern, _) = SymmetricPattern::from_entries(n, &first).expect("in range");
+            let (all, _) = SymmetricPattern::from_entries(n, &[first, more.clone()].concat())
+                .expect("in range");
+            let (with, slots) = pattern.with(&more).expect("in range");
+            assert_eq!(with, all, "{case}");
+            assert_eq!(slots.len(), pattern.len(), "{case}");
+            for ((i, j), slot) in pattern.iter().zip(&slots) {
+                assert_eq!(all.slot(i, j), Some(*slot), "{case}: ({i}, {j})");
+            }
+            old_slots += slots.len();
+            new_places += all.len() - pattern.len();
+        }
+        assert!(
+            old_slots > 1000 && new_places > 1000,
+            "{old_slots} {new_places}"
+        );
+    }
+
+    #[test]
+    fn no_entry_more_changes_nothing_and_one_out_of_range_is_refused() {
+        let pattern = SymmetricPattern::dense(3);
+        for more in [&[][..], &[(0, 2), (2, 0), (1, 1)]] {
+            let (with, slots) = pattern.with(more).expect("in range");
+            assert_eq!(with, pattern);
+            assert_eq!(slots, [0, 1, 2, 3, 4, 5]);
+        }
+        let (full, slots) = SymmetricPattern::diagonal(2)
+            .with(&[(0, 1)])
+            .expect("in range");
+        assert_eq!((full, slots), (SymmetricPattern::dense(2), vec![0, 2]));
+        assert!(matches!(
+            pattern.with(&[(0, 0), (3, 1)]),
+            Err(NlpError::OutOfRange {
+                entry: 1,
+                row: 3,
+                ..
+            })
+        ));
+        let (none, slots) = SymmetricPattern::default().with(&[]).expect("nothing");
+        assert_eq!((none.dim(), none.len(), slots.len()), (0, 0, 0));
+    }
+
     #[test]
     fn the_product_is_that_of_both_triangles() {
         let dense = [[2.0, -1.0, 0.5], [-1.0, 3.0, 0.0], [0.5, 0.0, 0.0]];

@@ -301,6 +301,9 @@ pub(super) fn sides_and_passes(pairs: &[Pair]) -> (Vec<&Side>, Vec<(Pass, bool)>
 }
 
 #[cfg(test)]
+mod varied;
+
+#[cfg(test)]
 mod tests {
     use contact_core::equilibrium::Solution;
     use contact_core::{ContactProblem, LoadStepped, Outcome, State};

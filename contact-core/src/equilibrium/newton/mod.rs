@@ -23,6 +23,8 @@
 mod linearization;
 mod step;
 mod tangent;
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
 use std::time::Instant;

@@ -1,0 +1,305 @@
+//! How gaps and contact forces vary, against differences of rows that are projected anew at every state.
+
+use contact_core::{ContactProblem, LoadStepped};
+
+use super::*;
+use crate::element::{Element, P1, P2};
+use crate::mesh::Mesh;
+use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
+use crate::model::{Body, Problem};
+use crate::{LinearElastic, Material, NeoHookean};
+
+/// Central differences of fourth order: (coefficient, multiple of the step).
+const DIFFERENCE: [(f64, f64); 4] = [
+    (1.0 / 12.0, -2.0),
+    (-2.0 / 3.0, -1.0),
+    (2.0 / 3.0, 1.0),
+    (-1.0 / 12.0, 2.0),
+];
+/// The step of the differences, for velocities of at most 1, and one to compare it with.
+const STEP: f64 = 2e-4;
+const SMALLER: f64 = 1e-4;
+/// The agreement, relative to the largest slope. A foot on a curved facet is accurate to 1e-8, which the difference of
+/// forces divides by the step.
+const FLAT: f64 = 1e-8;
+const CURVED: f64 = 2e-5;
+/// Within a narrow turn slopes change fast, and the differences are less accurate.
+const TURN: f64 = 1e-6;
+
+/// A number between −`size` and `size` for each `k`.
+fn bump(k: usize, size: f64) -> f64 {
+    let bits = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let bits = (bits ^ (bits >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    size * ((bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
+}
+
+/// A wavy change of shape.
+fn wavy<const D: usize>(X: &Vector<D>) -> Vector<D> {
+    let wave = |i: usize| 0.02 * (3.0 * X.sum() + 2.0 * X[(i + 1) % D] + i as f64).sin();
+    X + Vector::from_fn(|i, _| wave(i))
+}
+
+/// Two blocks whose wavy faces lie on each other, with other meshes; the lower one comes first.
+fn blocks<const D: usize>(
+    bodies: [(Mesh<D>, impl Material<D>); 2],
+    passes: Passes,
+    points: usize,
+) -> Problem<D>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let mut scene = Scene::new();
+    let held = ["bottom", "top"];
+    let mut sides = Vec::new();
+    for (k, (mesh, law)) in bodies.into_iter().enumerate() {
+        let mut body = Body::new(mesh.mapped(wavy).expect("a mesh"), law);
+        let mut value = [Some(0.0); D];
+        value[0] = Some(0.05 * k as f64);
+        body.prescribe(held[k], value).expect("a boundary");
+        sides.push(scene.add(held[k], body).on(held[1 - k]));
+    }
+    let [lower, upper] = [0, 1].map(|k| sides[k].clone());
+    scene
+        .contact_in_passes(lower, upper, passes)
+        .expect("a pair");
+    scene.integration = Some(Integration::Gauss(points));
+    scene.overlaps = crate::model::Overlaps::Allowed;
+    let mut problem = scene.problem().expect("a problem");
+    problem.set_load(1.0).expect("a load");
+    problem
+}
+
+fn neo_hookean<const D: usize>(mesh: Mesh<D>) -> (Mesh<D>, NeoHookean) {
+    (mesh, NeoHookean::new(1.0, 0.0).expect("a law"))
+}
+
+fn plane(is_quadratic: bool, passes: Passes) -> Problem<2> {
+    let mesh = |y: f64, cells: usize| {
+        let (xs, ys) = (linspace(0.0, 1.0, cells), linspace(y, y + 0.5, 2));
+        let mesh = rectangle(&xs, &ys, Diagonals::Alternating).expect("a mesh");
+        if is_quadratic { mesh.quadratic() } else { mesh }
+    };
+    blocks([mesh(0.0, 5), mesh(0.5, 7)].map(neo_hookean), passes, 4)
+}
+
+fn space(is_quadratic: bool, passes: Passes) -> Problem<3> {
+    let mesh = |z: f64, cells: usize| {
+        let mesh = cuboid([0.0, 0.0, z], [1.0, 1.0, 0.5], [cells, cells, 1]).expect("a mesh");
+        if is_quadratic { mesh.quadratic() } else { mesh }
+    };
+    blocks([mesh(0.0, 2), mesh(0.5, 3)].map(neo_hookean), passes, 2)
+}
+
+/// A band folded to a U, whose arms nearly touch, under self-contact.
+fn fold() -> Problem<2> {
+    let (xs, ys) = (linspace(-1.0, 1.0, 12), linspace(0.0, 1.0, 1));
+    let mesh = rectangle(&xs, &ys, Diagonals::Alternating).expect("a mesh");
+    // the arms are straight, the turn is half a circle
+    let folded = |X: &Vector<2>| {
+        let (radius, turn) = (0.1 + 0.25 * X[1], 0.5);
+        let angle = (X[0] / turn).clamp(-1.0, 1.0) * std::f64::consts::FRAC_PI_2;
+        let arm = (X[0].abs() - turn).max(0.0);
+        Vector::<2>::new(2.0 * arm - radius * angle.cos(), radius * angle.sin())
+    };
+    let mut mesh = mesh.mapped(folded).expect("a mesh");
+    mesh.name_boundary("skin", |_| true);
+    let mut body = Body::new(mesh, NeoHookean::new(1.0, 0.0).expect("a law"));
+    body.prescribe_nodes(&[0], [Some(0.0); 2]).expect("a node");
+    let mut scene = Scene::new();
+    let band = scene.add("band", body);
+    scene.self_contact(band.on("skin")).expect("a pair");
+    scene.integration = Some(Integration::Gauss(3));
+    scene.reach = Some(0.25);
+    scene.overlaps = crate::model::Overlaps::Allowed;
+    scene.problem().expect("a problem")
+}
+
+/// The rows of both roles at u.
+fn rows<const D: usize>(problem: &Problem<D>, u: &[f64]) -> LinearGaps {
+    let forward = problem.linearize_gaps(u, Sampling::Nodes).expect("rows");
+    let reversed = problem.linearize_reversed(u, Sampling::Nodes);
+    forward.and(reversed.expect("rows"))
+}
+
+/// c and Cᵀλ at u, of the same rows as `keys`; `None` if there are others.
+fn gaps_and_forces<const D: usize>(
+    problem: &Problem<D>,
+    u: &[f64],
+    keys: &[RowKey],
+    lambda: &[f64],
+) -> Option<[Vec<f64>; 2]> {
+    let rows = rows(problem, u);
+    if rows.keys() != keys {
+        return None;
+    }
+    let (mut c, mut forces) = (vec![0.0; rows.len()], vec![0.0; u.len()]);
+    rows.value(u, &mut c);
+    rows.add_forces(lambda, &mut forces);
+    Some([c, forces])
+}
+
+/// The differences of c and of Cᵀλ along `v`.
+fn differences<const D: usize>(
+    problem: &Problem<D>,
+    (u, v): (&[f64], &[f64]),
+    keys: &[RowKey],
+    lambda: &[f64],
+    step: f64,
+) -> Option<[Vec<f64>; 2]> {
+    let mut sums = [vec![0.0; keys.len()], vec![0.0; u.len()]];
+    for (coefficient, steps) in DIFFERENCE {
+        let moved: Vec<f64> = u.iter().zip(v).map(|(u, v)| u + steps * step * v).collect();
+        let values = gaps_and_forces(problem, &moved, keys, lambda)?;
+        for (sums, values) in sums.iter_mut().zip(&values) {
+            let terms = sums.iter_mut().zip(values);
+            terms.for_each(|(sum, value)| *sum += coefficient / step * value);
+        }
+    }
+    Some(sums)
+}
+
+fn apart<'a>(a: impl IntoIterator<Item = &'a f64>, b: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let differences = a.into_iter().zip(b).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, f64::max)
+}
+
+/// Compares the variation with differences at `states` states, along random directions. Directions along which another
+/// facet or another row comes into play within the step are left out, and are few.
+fn assert_varies_as_differences<const D: usize>(problem: &Problem<D>, within: f64, what: &str) {
+    let (states, directions) = (3, 6);
+    let n = problem.dofs().free();
+    let (mut compared, mut errors) = (0, [0.0f64; 2]);
+    for state in 0..states {
+        let u: Vec<f64> = (0..n).map(|k| bump(k + 1000 * state, 0.02)).collect();
+        let gaps = rows(problem, &u);
+        assert!(gaps.len() > 3 && !gaps.is_exact(), "{what}: {}", gaps.len());
+        // some rows act, some are asked for without a force, the others are not asked for
+        let asked: Vec<Option<f64>> = (0..gaps.len())
+            .map(|i| match i % 5 {
+                4 => None,
+                3 => Some(0.0),
+                _ => Some(1.0 + bump(i + 7 * state, 0.9)),
+            })
+            .collect();
+        let lambda: Vec<f64> = asked.iter().map(|l| l.unwrap_or(0.0)).collect();
+        let variation = problem.vary_gaps(&u, &gaps, &asked).expect("rows");
+        let variation = variation.expect("rows that move");
+        assert_stiffness(&variation, n, what);
+        for direction in 0..directions {
+            let v: Vec<f64> = (0..n)
+                .map(|k| bump(k + 100_000 * (direction + 1) + 1000 * state, 1.0))
+                .collect();
+            let by = |step| differences(problem, (&u, &v), gaps.keys(), &lambda, step);
+            let (Some(large), Some(small)) = (by(STEP), by(SMALLER)) else {
+                continue;
+            };
+            let scales = [0, 1].map(|k| apart(&small[k], &vec![0.0; small[k].len()]));
+            assert!(
+                scales.iter().all(|scale| *scale > 0.1),
+                "{what}: {scales:?}"
+            );
+            if (0..2).any(|k| apart(&large[k], &small[k]) > within * scales[k]) {
+                continue;
+            }
+            compared += 1;
+            let y = variation.internal(&v);
+            let mut forces = vec![0.0; n];
+            variation.add_forces(&v, &y, &mut forces);
+            errors[1] = errors[1].max(apart(&forces, &small[1]) / scales[1]);
+            for (i, slope) in small[0].iter().enumerate() {
+                let found = variation.gap(i, &v, &y);
+                match asked[i] {
+                    Some(_) => errors[0] = errors[0].max((found - slope).abs() / scales[0]),
+                    None => assert_eq!(found, 0.0, "{what}: a row that was not asked for"),
+                }
+            }
+        }
+    }
+    println!(
+        "{what}: {compared} compared, gaps {:e}, forces {:e}",
+        errors[0], errors[1]
+    );
+    assert!(
+        3 * compared > 2 * states * directions,
+        "{what}: {compared} compared"
+    );
+    assert!(errors.iter().all(|e| *e < within), "{what}: {errors:?}");
+}
+
+/// The entries of D summed to a matrix, against D times the unit vectors.
+fn assert_stiffness(variation: &GapVariation, n: usize, what: &str) {
+    let mut dense = vec![0.0; n * n];
+    let mut largest = 0.0f64;
+    for (i, j, d) in variation.stiffness() {
+        dense[i + n * j] += d;
+        largest = largest.max(d.abs());
+    }
+    assert!(largest > 0.0, "{what}");
+    for j in 0..n {
+        let mut unit = vec![0.0; n];
+        unit[j] = 1.0;
+        let mut column = vec![0.0; n];
+        variation.add_forces(&unit, &variation.internal(&unit), &mut column);
+        let error = apart(&column, &dense[n * j..n * (j + 1)]);
+        assert!(error < 1e-13 * largest, "{what}: column {j}, {error:e}");
+    }
+}
+
+#[test]
+fn linear_segments() {
+    for passes in [Passes::Both, Passes::FirstIsSlave, Passes::SecondIsSlave] {
+        let what = format!("P1 in the plane, {passes:?}");
+        assert_varies_as_differences(&plane(false, passes), FLAT, &what);
+    }
+}
+
+#[test]
+fn quadratic_segments() {
+    for passes in [Passes::Both, Passes::FirstIsSlave, Passes::SecondIsSlave] {
+        let what = format!("P2 in the plane, {passes:?}");
+        assert_varies_as_differences(&plane(true, passes), CURVED, &what);
+    }
+}
+
+#[test]
+fn linear_triangles() {
+    for passes in [Passes::Both, Passes::FirstIsSlave, Passes::SecondIsSlave] {
+        let what = format!("P1 in space, {passes:?}");
+        assert_varies_as_differences(&space(false, passes), FLAT, &what);
+    }
+}
+
+#[test]
+fn quadratic_triangles() {
+    for passes in [Passes::Both, Passes::FirstIsSlave, Passes::SecondIsSlave] {
+        let what = format!("P2 in space, {passes:?}");
+        assert_varies_as_differences(&space(true, passes), CURVED, &what);
+    }
+}
+
+#[test]
+fn self_contact() {
+    assert_varies_as_differences(&fold(), TURN, "self-contact");
+}
+
+/// Under small strains the rows do not move, and there is nothing to vary.
+#[test]
+fn rows_of_the_reference_do_not_vary() {
+    let mesh = |y: f64| {
+        let mesh = rectangle(&[0.0, 0.5, 1.0], &[y, y + 0.5], Diagonals::Rising);
+        mesh.expect("a mesh")
+    };
+    let law = || LinearElastic::new(1.0, 0.0).expect("a law");
+    let problem = blocks(
+        [mesh(0.0), mesh(0.5)].map(|mesh| (mesh, law())),
+        Passes::Both,
+        4,
+    );
+    let u = vec![0.0; problem.dofs().free()];
+    let gaps = rows(&problem, &u);
+    assert!(!gaps.is_empty());
+    let asked = vec![Some(1.0); gaps.len()];
+    let variation = problem.vary_gaps(&u, &gaps, &asked).expect("rows");
+    assert!(variation.is_none());
+}

@@ -1,0 +1,190 @@
+//! Newton's method with condensed contact, against the paper's algorithm, exact values and the certificate.
+
+use crate::common::{disc_in_disc, relative};
+use contact_core::{CondensedNewton, InteriorPoint, Retry};
+use contact_fem::certificate::{Condition, Limits};
+use contact_fem::element::Order;
+use contact_fem::model::{Integration, Problem};
+use contact_fem::simulation::History;
+use contact_fem::{Scene, Simulation};
+use ipopt_contact_scenes::beams::{Beams, LENGTH, LOAD, Law, SIDE};
+use ipopt_contact_scenes::cli::Solver;
+use ipopt_contact_scenes::disc_in_disc::{self as discs, ENDS, EXACT_END, Fineness, Roles};
+use ipopt_contact_scenes::{arch, extremes, hairpin};
+
+/// Limits of the certificate, those on what a solver leaves ten times tighter.
+fn tight() -> Limits {
+    let left = [
+        Condition::WeakPenetration,
+        Condition::Complementarity,
+        Condition::Stationarity,
+        Condition::Drift,
+    ];
+    let limits = Limits::default();
+    left.into_iter().fold(limits, |limits, condition| {
+        limits.with(condition, 0.1 * Limits::default().of(condition))
+    })
+}
+
+/// Full load in `increments` that are not cut, under a tight certificate.
+fn newton<const D: usize>(problem: &mut Problem<D>, increments: usize) -> History<D> {
+    let solver = CondensedNewton::default();
+    let history = Simulation::solved_by(solver, increments).run(problem);
+    let history = history.expect("no misuse");
+    assert!(history.is_complete(), "{}", history.run.ending);
+    assert_eq!(history.run.cuts(), 0);
+    assert_eq!(history.steps.len(), increments);
+    let certificate = history.certificate().expect("steps");
+    assert!(certificate.holds(&tight()), "{certificate}");
+    history
+}
+
+/// The paper's algorithm around Ipopt, to a tight tolerance.
+fn reference<const D: usize>(scene: Scene<D>, increments: usize) -> History<D> {
+    let method = InteriorPoint {
+        complementarity: 1e-12,
+        ..InteriorPoint::default()
+    };
+    let mut solver = Retry::with(method);
+    solver.fixed_point.tolerance = 1e-9;
+    let mut problem = scene.problem().expect("valid scene");
+    let history = Simulation::solved_by(solver, increments).run(&mut problem);
+    let history = history.expect("no misuse");
+    assert!(history.is_complete(), "{}", history.run.ending);
+    history
+}
+
+fn energy<const D: usize>(history: &History<D>) -> f64 {
+    history.last().expect("steps").energy
+}
+
+/// Newton's method finds the energy of the paper's algorithm, and its forces on every body.
+fn compare<const D: usize>(
+    scene: impl Fn() -> Scene<D>,
+    increments: usize,
+    of_reference: usize,
+) -> History<D> {
+    let found = newton(&mut scene().problem().expect("valid scene"), increments);
+    let expected = reference(scene(), of_reference);
+    let energies = [&found, &expected].map(energy);
+    assert!(relative(energies[0], energies[1]) < 1e-7, "{energies:?}");
+    let forces = [&found, &expected].map(|h| h.last().expect("steps").contact_forces.clone());
+    for (a, b) in forces[0].iter().zip(&forces[1]) {
+        assert!((a - b).norm() < 1e-5 * b.norm().max(1e-3), "{a} for {b}");
+    }
+    found
+}
+
+/// The values of the paper's algorithm in 100 increments to 1e-8, of which `disc_in_disc::ENDS` shows fewer digits: the end
+/// does not depend on the number of increments.
+#[test]
+fn disc_in_disc_in_few_increments() {
+    let (expected_energy, expected_force) = (965.2328908, 2377.764);
+    for increments in [20, 5] {
+        let roles = Roles::default();
+        let history = newton(&mut disc_in_disc(64, roles), increments);
+        let last = history.last().expect("steps");
+        let force = last.reaction(roles.ring())[1];
+        assert!(
+            (last.energy - expected_energy).abs() < 1e-7,
+            "{increments}: {}",
+            last.energy
+        );
+        assert!(
+            (force - expected_force).abs() < 1e-3,
+            "{increments}: {force}"
+        );
+        let balance = last.reactions[0] + last.reactions[1];
+        assert!(balance.norm() < 1e-7 * force, "{balance}");
+    }
+}
+
+#[test]
+fn disc_in_disc_with_either_pass_alone() {
+    for (passes, end) in &ENDS[1..] {
+        let roles = Roles {
+            passes: *passes,
+            ..Roles::default()
+        };
+        let history = newton(&mut disc_in_disc(64, roles), 20);
+        let last = history.last().expect("steps");
+        let force = last.reaction(roles.ring())[1];
+        // to the last digit that is known: both have two decimals at least
+        assert!(
+            (last.energy - end.energy).abs() < 0.01,
+            "{passes:?}: {}",
+            last.energy
+        );
+        assert!((force - end.force).abs() < 0.01, "{passes:?}: {force}");
+    }
+}
+
+#[test]
+fn exact_integration() {
+    let scene = |fineness| {
+        let mut scene = discs::scene(fineness, Roles::default()).expect("a scene");
+        scene.integration = Some(Integration::Exact);
+        scene
+    };
+    compare(|| scene(Fineness::scaled(24)), 20, 20);
+    let mut problem = scene(Fineness::REFERENCE).problem().expect("valid scene");
+    let history = newton(&mut problem, 20);
+    assert!((energy(&history) - EXACT_END.energy).abs() < 1e-4);
+}
+
+#[test]
+fn a_hairpin_touches_itself() {
+    let history = compare(|| hairpin::scene(2, true).expect("a scene"), 10, 10);
+    let solution = history.run.solution.as_ref().expect("converged");
+    let total: f64 = solution.lambda.iter().sum();
+    assert!(total > 1e-3, "the arms press on each other: {total}");
+}
+
+#[test]
+fn an_arch_on_a_foundation() {
+    compare(|| arch::scene(2).expect("a scene"), 1, 1);
+}
+
+#[test]
+fn beams_in_one_increment() {
+    let beams = Beams::new(1, Order::Quadratic, Law::NeoHookean);
+    let history = compare(|| beams.scene().expect("a scene"), 1, 10);
+    let up: f64 = history
+        .last()
+        .expect("steps")
+        .reactions
+        .iter()
+        .map(|r| r[2])
+        .sum();
+    assert!(relative(up, LOAD * LENGTH * SIDE) < 1e-8, "{up}");
+}
+
+#[test]
+fn scenes_at_the_limits() {
+    let cases = extremes::all();
+    for name in [
+        "elastic disc in a ring, E ratio 1e0, 40 segments, 20 increments",
+        "1 neo-hookean blocks at rest, weight 1e0",
+        "3 neo-hookean blocks at rest, weight 1e0",
+        "1 linear blocks at rest, weight 1e-3",
+        "stack compressed to 0.5, 1 increments",
+        "stack compressed to 0.5, 10 increments",
+    ] {
+        let case = cases.iter().find(|case| case.name == name);
+        let entry = case.expect(name).run(Solver::Newton);
+        println!("{name}: {} s", entry.seconds);
+        assert!(entry.truth_ok && entry.certificate, "{entry:?}");
+    }
+}
+
+#[test]
+fn two_runs_give_the_same_bits() {
+    let run = || {
+        let history = newton(&mut disc_in_disc(24, Roles::default()), 5);
+        let solution = history.run.solution.as_ref().expect("converged");
+        let values = solution.state.u.iter().chain(&solution.lambda);
+        let bits: Vec<u64> = values.map(|v| v.to_bits()).collect();
+        (bits, history.run.cost().fixed_point)
+    };
+    assert_eq!(run(), run());
+}
