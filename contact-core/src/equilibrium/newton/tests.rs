@@ -12,14 +12,17 @@ use crate::linear::SymmetricPattern;
 use crate::nlp::Bounds;
 use crate::{GapVariation, RowKey};
 
+type Value = Box<dyn Fn(&[f64]) -> f64>;
+type Gradient = Box<dyn Fn(&[f64]) -> Vec<f64>>;
+type Hessian = Box<dyn Fn(&[f64]) -> DMatrix<f64>>;
 type Rows = Box<dyn Fn(&[f64]) -> LinearGaps>;
 type Vary = Box<dyn Fn(&[f64], &LinearGaps, &[Option<f64>]) -> GapVariation>;
 
 /// A problem made of functions, with a full Hessian.
 struct Toy {
-    value: Box<dyn Fn(&[f64]) -> f64>,
-    gradient: Box<dyn Fn(&[f64]) -> Vec<f64>>,
-    hessian: Box<dyn Fn(&[f64]) -> DMatrix<f64>>,
+    value: Value,
+    gradient: Gradient,
+    hessian: Hessian,
     /// Domain functions; all unknowns must be positive if there are any.
     domain_len: usize,
     rows: Rows,
