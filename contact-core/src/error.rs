@@ -103,20 +103,29 @@ impl Error {
         }
     }
 
+    /// Checks that something has `expected` entries.
+    pub(crate) fn check_length_of(
+        what: &'static str,
+        found: usize,
+        expected: usize,
+    ) -> Result<(), Self> {
+        match found == expected {
+            true => Ok(()),
+            false => Err(Error::Length {
+                what,
+                found,
+                expected,
+            }),
+        }
+    }
+
     /// Checks that `slice` has `expected` entries.
     pub(crate) fn check_length(
         what: &'static str,
         slice: &[f64],
         expected: usize,
     ) -> Result<(), Self> {
-        match slice.len() {
-            found if found == expected => Ok(()),
-            found => Err(Error::Length {
-                what,
-                found,
-                expected,
-            }),
-        }
+        Self::check_length_of(what, slice.len(), expected)
     }
 
     /// Checks that `slice` has `expected` finite entries.

@@ -80,6 +80,11 @@ impl SparseRows {
         self.len() == 0
     }
 
+    /// The number of columns up to the last one that is used.
+    pub fn columns(&self) -> usize {
+        self.columns.iter().max().map_or(0, |last| last + 1)
+    }
+
     /// The entries `(column, value)` of row `i`.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let range = self.starts[i]..self.starts[i + 1];

@@ -104,6 +104,31 @@ impl GapVariation {
         self.internal_forces.push(by_internal);
     }
 
+    /// Checks the numbers of rows and the columns for `m` gaps and `n` unknowns.
+    ///
+    /// # Errors
+    /// A wrong number of rows, a column out of range.
+    pub fn check(&self, m: usize, n: usize) -> Result<(), Error> {
+        let p = self.internal.len();
+        let rows = "the rows of the gaps' variation";
+        Error::check_length_of(rows, self.gradients.len(), m)?;
+        Error::check_length_of(rows, self.internal_gradients.len(), m)?;
+        let columns = "the columns of the gaps' variation";
+        let unknowns = [
+            self.internal.columns(),
+            self.gradients.columns(),
+            self.forces.columns(),
+        ];
+        let last = self.unknowns.iter().map(|unknown| unknown + 1).max();
+        let used = unknowns.into_iter().chain(last).max().unwrap_or(0);
+        Error::check_length_of(columns, used.max(n), n)?;
+        let used = self
+            .internal_gradients
+            .columns()
+            .max(self.internal_forces.columns());
+        Error::check_length_of(columns, used.max(p), p)
+    }
+
     /// Y v (p).
     pub fn internal(&self, v: &[f64]) -> Vec<f64> {
         let rows = 0..self.internal.len();
@@ -153,7 +178,10 @@ pub trait ContactProblem {
         Ok(LinearGaps::new(true))
     }
     /// The variation of the rows `gaps`, both roles joined, which are frozen at `u`; `lambda` has the multiplier (UF) of
-    /// each row that matters, and `None` for the others. By default there is none: C does not vary with u.
+    /// each row that matters, and `None` for the others.
+    ///
+    /// By default there is none: C does not vary with u. Newton's method then takes the rows as frozen, and converges
+    /// linearly, or not at all, where they are not exact. A problem that wraps another one must pass this on, too.
     fn vary_gaps(
         &self,
         _u: &[f64],

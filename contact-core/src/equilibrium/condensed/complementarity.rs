@@ -33,8 +33,6 @@ const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 const FULL: f64 = 1e-6;
 /// The limits of rounds and of Newton's steps in one of them.
 const ROUNDS: usize = 60;
-/// So many rounds may pass without halving what is left.
-const IDLE: usize = 5;
 const STEPS: usize = 100;
 
 /// λ and what it cost.
@@ -44,12 +42,12 @@ pub(in crate::equilibrium) struct Complementary {
     pub lambda: Vec<f64>,
     /// Steps of Newton's method.
     pub steps: usize,
-    /// The largest |min(W_ii λᵢ, cᵢ)|, relative to the bound; above 1 where rounds no longer reduced it.
+    /// The largest |min(W_ii λᵢ, cᵢ)|, relative to the bound; above 1 where the rounds did not suffice.
     pub left: f64,
 }
 
 /// Solves from the multipliers `start` and their gaps c (m, UL) until every |min(W_ii λᵢ, cᵢ)| is within `bound` (UL), or
-/// within round-off of the gaps, or until round-off ends the progress: [`Complementary::left`] tells. `W` (m × m, UL/UF) is symmetric, with both triangles.
+/// within round-off of the gaps, or until [`ROUNDS`] have passed: [`Complementary::left`] tells. `W` (m × m, UL/UF) is symmetric, with both triangles.
 pub(in crate::equilibrium) fn solve(
     W: &Mat<f64>,
     gaps: &[f64],
@@ -113,20 +111,14 @@ impl Proximal {
         let scaled = natural(&self.center, &self.gaps).fold(0.0, f64::max);
         let mut epsilon = (WARM * scaled / self.center.norm_max()).clamp(LAST, FIRST);
         let mut left = self.residual(&self.center, &self.gaps) / self.bound;
-        let mut idle = 0;
         for _ in 0..ROUNDS {
-            if left <= 1.0 || idle > IDLE {
+            if left <= 1.0 {
                 break;
             }
             let (z, gaps) = self.proximal_point(epsilon, stop)?;
             self.center = Col::from_fn(z.nrows(), |i| z[i].max(0.0));
             self.gaps = gaps + self.product(&(&self.center - z));
-            let before = std::mem::replace(
-                &mut left,
-                self.residual(&self.center, &self.gaps) / self.bound,
-            );
-            let is_idle = epsilon == LAST && !(left < 0.5 * before);
-            idle = if is_idle { idle + 1 } else { 0 };
+            left = self.residual(&self.center, &self.gaps) / self.bound;
             epsilon = (RATIO * epsilon).max(LAST);
         }
         Ok(left)

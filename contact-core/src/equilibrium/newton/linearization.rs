@@ -16,9 +16,10 @@ pub(super) struct Linearization<'a> {
     pub hessian: Vec<f64>,
     /// c (m, UL).
     pub c: Vec<f64>,
-    /// s_i = (Σ_j C_ij²/K_jj)⁻¹ (UF/UL): how stiff the unknowns of a row are by themselves. Zero for a row that no unknown
-    /// moves, which does not take part.
+    /// s_i = (Σ_j C_ij²/K_jj)⁻¹ (UF/UL): the stiffness of row i if K were its diagonal.
     pub stiffness: Vec<f64>,
+    /// Whether some unknown moves the row. The others take no part.
+    moves: Vec<bool>,
     /// λ of the rows that act (m, UF), zero for the others.
     pub lambda: Vec<f64>,
     /// Whether a row acts: λ_i > s_i c_i.
@@ -53,25 +54,19 @@ impl<'a> Linearization<'a> {
             ));
         }
         let diagonal = |j: usize| pattern.slot(j, j).map_or(0.0, |slot| hessian[slot].abs());
-        let compliance = |i: usize| {
-            let terms = gaps.matrix().row(i).map(|(j, a)| a * a / diagonal(j));
-            terms.sum::<f64>()
-        };
-        let stiffness = |compliance: f64| {
-            if compliance > 0.0 {
-                1.0 / compliance
-            } else {
-                0.0
-            }
-        };
-        let stiffness: Vec<f64> = (0..m).map(|i| stiffness(compliance(i))).collect();
+        let entries = |i: usize| gaps.matrix().row(i).filter(|(_, a)| *a != 0.0);
+        let moves: Vec<bool> = (0..m).map(|i| entries(i).next().is_some()).collect();
+        let compliance = |i: usize| entries(i).map(|(j, a)| a * a / diagonal(j)).sum::<f64>();
+        let stiffness: Vec<f64> = (0..m)
+            .map(|i| if moves[i] { 1.0 / compliance(i) } else { 0.0 })
+            .collect();
         let known: Vec<f64> = gaps
             .keys()
             .iter()
-            .map(|&key| state.multipliers.of(key))
+            .map(|&key| finite(state.multipliers.of(key)))
             .collect();
         let acts: Vec<bool> = (0..m)
-            .map(|i| stiffness[i] > 0.0 && known[i] > stiffness[i] * c[i])
+            .map(|i| moves[i] && known[i] > stiffness[i] * c[i])
             .collect();
         let lambda: Vec<f64> = (0..m)
             .map(|i| if acts[i] { known[i].max(0.0) } else { 0.0 })
@@ -81,6 +76,9 @@ impl<'a> Linearization<'a> {
             .map(|i| (acts[i] || c[i] < 0.0).then_some(lambda[i]))
             .collect();
         let variation = problem.vary_gaps(u, gaps, &asked)?;
+        if let Some(variation) = &variation {
+            variation.check(m, u.len())?;
+        }
         cost.projection += clock.elapsed().as_secs_f64();
         Ok(Linearization {
             gaps,
@@ -89,6 +87,7 @@ impl<'a> Linearization<'a> {
             hessian,
             c,
             stiffness,
+            moves,
             lambda,
             acts,
             variation,
@@ -97,7 +96,7 @@ impl<'a> Linearization<'a> {
 
     /// Whether row i would overlap by more than `bound` (UL) at the gap `c`, and something can be done about it.
     pub fn overlaps(&self, i: usize, c: f64, bound: f64) -> bool {
-        self.stiffness[i] > 0.0 && c < -bound
+        self.moves[i] && c < -bound
     }
 
     /// The entries of D.
@@ -153,4 +152,9 @@ impl<'a> Linearization<'a> {
         self.gaps.add_forces(&pulled, &mut forces);
         (forces, gaps)
     }
+}
+
+/// A multiplier that is no number is none.
+fn finite(lambda: f64) -> f64 {
+    if lambda.is_finite() { lambda } else { 0.0 }
 }

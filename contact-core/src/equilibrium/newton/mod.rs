@@ -17,8 +17,9 @@
 //! S (x' − x) = Cᵀμ − ∇E − (K − D) x,   0 ≤ μ ⟂ c + G x + C (x' − x) ≥ 0,
 //!
 //! accelerated by Anderson's method. S is factored; the rows see its dense compliance W = C S⁻¹ Cᵀ, on which the
-//! complementarity is solved exactly. S = K where K is positive definite. Where it is not, S = K − sym D + Σ s_i C_iᵀC_i over
-//! the rows that act, and the defect has the same terms, s_i C_iᵀ(c + G x)_i: they vanish, with their sum, at a solution.
+//! complementarity is solved exactly. S = K as long as K is positive definite. From the first K on that is not, S = K − sym D +
+//! Σ s_i C_iᵀC_i over the rows that act, and the defect has the terms s_i C_iᵀ(c + G x)_i too. They vanish where these rows
+//! stay closed. A row that opens leaves the sum in the next step, so that equilibria are the same.
 
 mod linearization;
 mod step;
@@ -44,12 +45,15 @@ use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcom
 ///
 /// The matrix of a step is factored, the rows that may act see its dense compliance, and their multipliers solve a linear
 /// complementarity problem. The step takes into account that projections and normals move, see
-/// [`ContactProblem::vary_gaps`], so that the iteration converges quadratically where the active rows do not change.
+/// [`ContactProblem::vary_gaps`]. It is accurate to a hundredth: near the solution each one leaves about a hundredth of
+/// the error, or less.
 ///
 /// A step is shortened where it would take a domain function ([`Energy::domain`]) below a tenth of its value. There is
 /// no other safeguard: a state that this iteration converges to is an equilibrium, and may be an unstable one.
 ///
-/// The factor is kept for the next iteration and the next load step while it is near the matrix. Clones start without it.
+/// A converged state is checked at u itself: rows, forces and what they would still move.
+///
+/// The factor is kept for the next iteration and the next load step while steps are short and easily corrected. Clones start without it.
 ///
 /// In [`Cost`], a fixed-point iteration is a step of Newton's method, a solve is a linear complementarity problem, and an
 /// iteration is a step towards its active rows.
@@ -93,8 +97,8 @@ impl fmt::Debug for CondensedNewton {
 const NONE: f64 = 1e-6;
 /// A step may not take a domain function below this share of its value.
 const GUARD: f64 = 0.1;
-/// A step with a larger shift of the diagonal, relative to K's, is too short to tell convergence.
-const SHIFT: f64 = 1e-3;
+/// A small step with a larger shift of the diagonal, relative to K's, does not show convergence.
+const SHIFT: f64 = 1e-5;
 /// A step is halved at most so often.
 const HALVINGS: usize = 20;
 
@@ -180,8 +184,9 @@ impl CondensedNewton {
         &mut self,
         problem: &dyn ContactProblem,
         at: &mut Iterate,
-        stop: &Stop,
+        context: &StepContext<'_>,
     ) -> Result<Outcome, Halt> {
+        let stop = context.stop;
         let energy = problem.energy();
         let least = problem
             .prescribed_magnitude()
@@ -193,7 +198,11 @@ impl CondensedNewton {
         let tangent = self
             .kept
             .insert(kept.unwrap_or_else(|| Tangent::new(energy.hessian_pattern())));
+        if context.from == 0.0 {
+            tangent.begin();
+        }
         at.gaps = rows(problem, &at.state.u)?;
+        at.name_multipliers();
         for _ in 0..self.max_iterations {
             if stop.is_requested() {
                 return Ok(Outcome::Interrupted);
@@ -203,31 +212,7 @@ impl CondensedNewton {
                 fixed_point: 1,
                 ..Cost::default()
             };
-            let here = Linearization::new(problem, &at.state, &at.gaps, &mut cost)?;
-            let size = at.state.u.iter().fold(least, |size, u| size.max(u.abs()));
-            let step = Step::new(&here, tangent, size, stop, &mut cost)?;
-            let (u, share) = guarded(energy, &at.state.u, &step.x)?;
-            let error = relative_change(&u, &at.state.u, least);
-            tangent.moved(error, step.corrections);
-            let lambda: Vec<f64> = here
-                .lambda
-                .iter()
-                .zip(&step.lambda)
-                .map(|(l, m)| l + share * (m - l))
-                .collect();
-            at.state = State {
-                multipliers: Multipliers::new(&at.gaps, &lambda),
-                u,
-            };
-            let projection = Instant::now();
-            at.gaps = rows(problem, &at.state.u)?;
-            at.lambda = at
-                .gaps
-                .keys()
-                .iter()
-                .map(|&key| at.state.multipliers.of(key))
-                .collect();
-            cost.projection += projection.elapsed().as_secs_f64();
+            let moved = at.moved(problem, tangent, least, stop, &mut cost);
             cost.wall = clock.elapsed().as_secs_f64();
             cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
             cost.factor = Some(FactorSize {
@@ -237,18 +222,117 @@ impl CondensedNewton {
                 reallocations: 0,
             });
             at.history.push(Iteration {
-                error,
+                error: moved.as_ref().map_or(f64::INFINITY, |moved| moved.error),
                 rows: at.gaps.len(),
                 cost,
             });
-            let is_whole = share == 1.0 && step.is_accurate && tangent.shift() <= SHIFT;
-            if error < self.tolerance && is_whole {
+            let moved = moved?;
+            let is_small = moved.error < self.tolerance && moved.is_whole;
+            if is_small && at.is_equilibrium(problem, tangent, self.tolerance * moved.size)? {
                 return Ok(Outcome::Converged);
             }
         }
         Ok(Outcome::IterationLimit)
     }
 }
+
+/// How an iteration went.
+struct Moved {
+    /// The relative change of u.
+    error: f64,
+    /// Whether the step was not shortened, and the diagonal hardly shifted.
+    is_whole: bool,
+    /// The size of the displacements (UL).
+    size: f64,
+}
+
+impl Iterate {
+    /// Moves by one step of Newton's method.
+    fn moved(
+        &mut self,
+        problem: &dyn ContactProblem,
+        tangent: &mut Tangent,
+        least: f64,
+        stop: &Stop,
+        cost: &mut Cost,
+    ) -> Result<Moved, Halt> {
+        let size = self.state.u.iter().fold(least, |size, u| size.max(u.abs()));
+        let here = Linearization::new(problem, &self.state, &self.gaps, cost)?;
+        let step = match Step::new(&here, tangent, size, stop, cost) {
+            Err(Halt::Failed(_)) if !tangent.is_fresh() => {
+                tangent.forget();
+                Step::new(&here, tangent, size, stop, cost)?
+            }
+            step => step?,
+        };
+        let (u, share) = guarded(problem.energy(), &self.state.u, &step.x)?;
+        let error = relative_change(&u, &self.state.u, least);
+        tangent.moved(error, step.corrections);
+        let change = here.lambda.iter().zip(&step.lambda);
+        let lambda: Vec<f64> = change.map(|(l, m)| l + share * (m - l)).collect();
+        self.state = State {
+            multipliers: Multipliers::new(&self.gaps, &lambda),
+            u,
+        };
+        let clock = Instant::now();
+        self.gaps = rows(problem, &self.state.u)?;
+        self.name_multipliers();
+        cost.projection += clock.elapsed().as_secs_f64();
+        Ok(Moved {
+            error,
+            is_whole: share == 1.0 && tangent.shift() <= SHIFT,
+            size,
+        })
+    }
+
+    /// Gives each row at u its multiplier.
+    fn name_multipliers(&mut self) {
+        let known = self
+            .gaps
+            .keys()
+            .iter()
+            .map(|&key| self.state.multipliers.of(key));
+        self.lambda = known
+            .map(|l| if l.is_finite() { l.max(0.0) } else { 0.0 })
+            .collect();
+    }
+
+    /// Whether rows and forces at u itself are in equilibrium: no row overlaps by more than `bound` (UL), none with a
+    /// force is further open, and what is left of the forces would move the unknowns by no more.
+    fn is_equilibrium(
+        &self,
+        problem: &dyn ContactProblem,
+        tangent: &mut Tangent,
+        bound: f64,
+    ) -> Result<bool, Halt> {
+        let mut c = vec![0.0; self.gaps.len()];
+        self.gaps.value(&self.state.u, &mut c);
+        let matrix = self.gaps.matrix();
+        let is_moved = |i: usize| matrix.row(i).any(|(_, a)| a != 0.0);
+        let immovable =
+            (0..c.len()).find(|&i| c[i] < -IMMOVABLE * problem.scale().length && !is_moved(i));
+        if let Some(i) = immovable {
+            let (key, depth) = (self.gaps.keys()[i], -c[i]);
+            return Err(Halt::Failed(format!(
+                "node {} of pass {} overlaps by {depth:.2e}, and all that could open its gap is prescribed",
+                key.node, key.pass
+            )));
+        }
+        let mut rows = c.iter().zip(&self.lambda);
+        if rows.any(|(c, lambda)| *c < -bound || (*lambda > 0.0 && *c > bound)) {
+            return Ok(false);
+        }
+        let mut left = vec![0.0; self.state.u.len()];
+        problem.energy().gradient(&self.state.u, &mut left);
+        let pushed: Vec<f64> = self.lambda.iter().map(|l| -l).collect();
+        self.gaps.add_forces(&pushed, &mut left);
+        tangent.solve(&mut left)?;
+        Ok(left.iter().all(|x| x.abs() <= bound))
+    }
+}
+
+/// Rows that no unknown moves may overlap by this share of the problem's length.
+const IMMOVABLE: f64 = 1e-9;
 
 /// The rows of both roles at u.
 fn rows(problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
@@ -278,7 +362,7 @@ fn guarded(energy: &dyn Energy, u: &[f64], x: &[f64]) -> Result<(Vec<f64>, f64),
         share *= 0.5;
     }
     Err(Halt::Failed(
-        "every share of the step leaves the domain of the energy".into(),
+        "Newton's step leaves the domain of the energy, however short".into(),
     ))
 }
 

@@ -19,8 +19,6 @@ const DEPTH: usize = 8;
 /// Bound on what is left of the complementarity, relative to the largest gap, and to the displacements.
 const SHARE_OF_GAPS: f64 = 1e-12;
 const SHARE_OF_DISPLACEMENTS: f64 = 1e-11;
-/// What the last step's round-off may leave of the complementarity, relative to the displacements.
-const ACCURATE: f64 = 1e-9;
 /// Rows that would overlap by more than this share of the displacements join the condensed ones.
 const OVERLAP: f64 = 1e-10;
 /// Steps below this share of the displacements are round-off.
@@ -34,16 +32,12 @@ pub(super) struct Step {
     pub lambda: Vec<f64>,
     /// The number of corrections.
     pub corrections: usize,
-    /// Whether gaps and multipliers are complementary. Round-off may prevent that far from the solution.
-    pub is_accurate: bool,
 }
 
 /// The rows that are condensed, and their compliance W.
 struct Condensed {
     rows: Vec<usize>,
     W: Mat<f64>,
-    /// Whether the last complementarity problem was solved accurately.
-    is_accurate: bool,
 }
 
 impl Step {
@@ -64,7 +58,6 @@ impl Step {
             x: vec![0.0; here.load.len()],
             lambda: here.lambda.clone(),
             corrections: 0,
-            is_accurate: true,
         };
         let mut anderson = Anderson::of(Acceleration::Anderson(DEPTH));
         loop {
@@ -79,7 +72,6 @@ impl Step {
                 return Err(Halt::Failed("Newton's step is not finite".into()));
             }
             step.lambda = lambda;
-            step.is_accurate = condensed.is_accurate;
             let is_last = step.corrections >= CORRECTIONS;
             let missing = condensed.missing(here, &image, OVERLAP * least);
             if !missing.is_empty() && !is_last {
@@ -91,7 +83,8 @@ impl Step {
                 continue;
             }
             let is_exact = here.is_frozen() && tangent.is_fresh();
-            if is_last || is_exact || change <= ACCURACY * size || size < ROUNDOFF * least {
+            let is_settled = is_exact || change <= ACCURACY * size || size < ROUNDOFF * least;
+            if is_last || is_settled {
                 step.x = image;
                 return Ok(step);
             }
@@ -103,16 +96,12 @@ impl Step {
 impl Condensed {
     fn new(rows: Vec<usize>, here: &Linearization<'_>, tangent: &Tangent) -> Self {
         let W = tangent.compliance(here.gaps.matrix(), &rows);
-        Condensed {
-            rows,
-            W,
-            is_accurate: true,
-        }
+        Condensed { rows, W }
     }
 
     /// x' and μ of one correction.
     fn corrected(
-        &mut self,
+        &self,
         here: &Linearization<'_>,
         step: &Step,
         tangent: &mut Tangent,
@@ -133,7 +122,6 @@ impl Condensed {
         let deepest = largest(gaps.iter().copied());
         let bound = (SHARE_OF_DISPLACEMENTS * least).max(SHARE_OF_GAPS * deepest);
         let solved = complementarity::solve(&self.W, &gaps, &known, bound, stop)?;
-        self.is_accurate = solved.left * bound <= ACCURATE * least;
         cost.solves += 1;
         cost.iterations += solved.steps;
         let mut lambda = step.lambda.clone();

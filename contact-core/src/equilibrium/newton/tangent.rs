@@ -44,6 +44,8 @@ pub(super) struct Tangent {
     /// The relative change and the corrections of the last step.
     last: Option<(f64, usize)>,
     is_fresh: bool,
+    /// The diagonal of the K that was factored.
+    diagonal: Vec<f64>,
 }
 
 impl Tangent {
@@ -61,6 +63,7 @@ impl Tangent {
             shift: 0.0,
             last: None,
             is_fresh: false,
+            diagonal: Vec::new(),
         }
     }
 
@@ -91,6 +94,16 @@ impl Tangent {
         self.is_fresh
     }
 
+    /// At the start of a run: K is tried by itself again.
+    pub fn begin(&mut self) {
+        self.ratio = 0.0;
+    }
+
+    /// The factor is not to be kept.
+    pub fn forget(&mut self) {
+        self.last = None;
+    }
+
     /// Tells how the last step went.
     pub fn moved(&mut self, change: f64, corrections: usize) {
         self.last = Some((change, corrections));
@@ -108,7 +121,8 @@ impl Tangent {
             last.is_some_and(|(change, corrections)| change < NEAR && corrections <= FEW);
         self.added.clear();
         self.added.resize(here.gaps.len(), 0.0);
-        if self.factor.is_some() && self.ratio == 0.0 && self.shift == 0.0 && went_well {
+        let has_factor = self.factor.is_some() && self.ratio == 0.0 && self.shift == 0.0;
+        if has_factor && went_well && self.is_like(here) {
             self.is_fresh = false;
             return Ok(());
         }
@@ -131,7 +145,7 @@ impl Tangent {
             }
             if may_add && self.ratio < LAST {
                 self.ratio = (GROWTH * self.ratio).max(FIRST);
-            } else if self.shift < LARGEST_SHIFT {
+            } else if SHIFT_GROWTH * self.shift <= LARGEST_SHIFT {
                 self.shift = (SHIFT_GROWTH * self.shift).max(SHIFT);
             } else {
                 self.factor = None;
@@ -141,6 +155,12 @@ impl Tangent {
                 ));
             }
         }
+    }
+
+    /// Whether no K_jj has doubled or halved since K was factored.
+    fn is_like(&self, here: &Linearization<'_>) -> bool {
+        let mut diagonals = self.diagonal.iter().enumerate();
+        diagonals.all(|(j, &then)| (0.5 * then..=2.0 * then).contains(&here.diagonal(j)))
     }
 
     /// Factors K + shift diag K and, where stiffness is added to rows, that stiffness − sym D.
@@ -180,6 +200,9 @@ impl Tangent {
             None => self.analysed()?,
         };
         self.factor.insert(factor).refactor(&self.values)?;
+        self.diagonal.clear();
+        self.diagonal
+            .extend((0..self.pattern.dim()).map(|j| here.diagonal(j)));
         Ok(())
     }
 
