@@ -120,7 +120,7 @@ impl Equilibrium for CondensedNewton {
         };
         let outcome = match energy.is_finite() {
             true => self
-                .iterate(problem, &mut iterate, context.stop)
+                .iterate(problem, &mut iterate, context)
                 .or_else(Halt::outcome)?,
             false => Outcome::InadmissibleStart,
         };
