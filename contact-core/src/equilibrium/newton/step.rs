@@ -19,6 +19,9 @@ const DEPTH: usize = 8;
 /// Bound on what is left of the complementarity, relative to the largest gap, and to the displacements.
 const SHARE_OF_GAPS: f64 = 1e-12;
 const SHARE_OF_DISPLACEMENTS: f64 = 1e-11;
+/// Rows contradict each other where so much is left of the largest gap, and of the displacements.
+const CONTRADICTION: f64 = 0.1;
+const VISIBLE: f64 = 1e-6;
 /// Rows that would overlap by more than this share of the displacements join the condensed ones.
 const OVERLAP: f64 = 1e-10;
 /// Steps below this share of the displacements are round-off.
@@ -124,6 +127,11 @@ impl Condensed {
         let solved = complementarity::solve(&self.W, &gaps, &known, bound, stop)?;
         cost.solves += 1;
         cost.iterations += solved.steps;
+        if solved.left * bound > (CONTRADICTION * deepest).max(VISIBLE * least) {
+            return Err(Halt::Failed(
+                "the linearised rows contradict each other: no step satisfies all of them".into(),
+            ));
+        }
         let mut lambda = step.lambda.clone();
         let mut change = vec![0.0; lambda.len()];
         for ((&i, new), known) in self.rows.iter().zip(&solved.lambda).zip(&known) {
