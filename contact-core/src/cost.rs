@@ -49,6 +49,17 @@ pub struct FactorSize {
 }
 
 impl FactorSize {
+    /// Of a factor with so many entries, by the library's own linear layer.
+    #[cfg(feature = "linear")]
+    pub(crate) fn of_entries(entries: usize) -> Self {
+        FactorSize {
+            ordering: "automatic",
+            bytes: (entries * size_of::<f64>()) as u64,
+            workspace_bytes: None,
+            reallocations: 0,
+        }
+    }
+
     /// The larger of the two, with the reallocations of both added.
     fn or_larger(self, other: Self) -> Self {
         let larger = if other.bytes > self.bytes {

@@ -9,8 +9,8 @@ use contact_core::Ending;
 use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::nlp::Bounds;
 use contact_core::{
-    ContactProblem, Continuation, Energy, Error, FixedPoint, InteriorPoint, Method, PenalizedSlack,
-    Penalty, Scale, State,
+    ContactProblem, Continuation, Energy, Equilibrium, Error, FixedPoint, InteriorPoint, Method,
+    PenalizedSlack, Penalty, Scale, State,
 };
 use contact_core::{Outcome, equilibrium::Solution};
 use contact_fem::certificate::{Condition, Limits};

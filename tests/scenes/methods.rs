@@ -6,7 +6,7 @@ use contact_core::Ending;
 use contact_core::gaps::Sampling;
 use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalty, Subproblem};
 use contact_core::{
-    ContactProblem, FixedPoint, InteriorPoint, LinearGaps, LoadStepped, Scale, State,
+    ContactProblem, Equilibrium, FixedPoint, InteriorPoint, LinearGaps, LoadStepped, Scale, State,
 };
 use contact_core::{Outcome, equilibrium::Solution};
 use contact_core::{Retry, Solved, Stop};

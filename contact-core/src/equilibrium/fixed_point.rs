@@ -1,9 +1,9 @@
 //! Algorithm 2: the symmetric fixed-point iteration on projections and normals.
 
 use super::journal::Journal;
-use super::{Acceleration, Equilibrium, Solution, StepContext};
+use super::{Acceleration, Equilibrium, Solution, StepContext, check_settings};
 use crate::method::Method;
-use crate::{ContactProblem, Error, State, Stop};
+use crate::{ContactProblem, Error, State};
 
 /// Algorithm 2 of the paper, with a [`Method`] for its step 5.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,33 +67,8 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
     }
 
     fn validate(&self) -> Result<(), Error> {
-        let is_share = self.tolerance > 0.0 && self.tolerance < 1.0;
         let remedy = "choose a value between 0 and 1; the default is 1e-6";
-        Error::check_setting(is_share, "tolerance", self.tolerance, remedy)?;
-        if self.max_iterations == 0 {
-            return Err(Error::Setting {
-                name: "max_iterations",
-                value: "0".into(),
-                remedy: "allow at least one iteration",
-            });
-        }
-        Ok(())
-    }
-}
-
-impl<M: Method> FixedPoint<M> {
-    /// Solves a single problem, without load steps.
-    ///
-    /// # Errors
-    /// As [`Equilibrium::solve`].
-    pub fn solve_from(
-        &mut self,
-        problem: &dyn ContactProblem,
-        start: State,
-    ) -> Result<Solution, Error> {
-        let (again, stop) = (start.clone(), Stop::new());
-        let lifted = || again.clone();
-        self.solve(problem, start, &StepContext::single(&again, &lifted, &stop))
+        check_settings(self.tolerance, self.max_iterations, remedy)
     }
 }
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::accuracy::Accuracy;
 use super::anderson::Anderson;
 use super::cycles::CycleDetector;
-use super::{FixedPoint, Iteration, Solution};
+use super::{FixedPoint, Iteration, Solution, least_displacement};
 use crate::method::{Minimum, Subproblem, check_bounds};
 use crate::{ContactProblem, Cost, Error, LinearGaps, Multipliers, Outcome, Solved, State, Stop};
 
@@ -32,9 +32,6 @@ pub(super) struct Journal<'a> {
 }
 
 impl<'a> Journal<'a> {
-    /// Displacements below this share of [`Scale::length`](crate::Scale) count as zero: bodies that carry no load. The
-    /// denominator of the relative change is at least this long, see [`relative_change`](super::relative_change).
-    const NONE: f64 = 1e-6;
     /// The relative change expected of the first iteration.
     const GUESS: f64 = 1.0;
 
@@ -49,9 +46,7 @@ impl<'a> Journal<'a> {
         check_bounds(problem.bounds(), dofs)?;
         let energy = problem.energy().value(&start.u);
         Ok(Journal {
-            least: problem
-                .prescribed_magnitude()
-                .max(Self::NONE * problem.scale().length),
+            least: least_displacement(problem),
             problem,
             tolerance: settings.tolerance,
             max_iterations: settings.max_iterations,

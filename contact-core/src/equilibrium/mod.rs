@@ -32,6 +32,8 @@ pub use newton::CondensedNewton;
 pub use retry::Retry;
 
 use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, State, Stop};
+#[cfg(feature = "linear")]
+use crate::{gaps::Sampling, method::check_bounds};
 
 /// A solver for equilibrium at one load.
 pub trait Equilibrium {
@@ -53,6 +55,20 @@ pub trait Equilibrium {
     /// The first setting that is out of range.
     fn validate(&self) -> Result<(), Error> {
         Ok(())
+    }
+
+    /// Solves a single problem, without load steps.
+    ///
+    /// # Errors
+    /// As [`Equilibrium::solve`].
+    fn solve_from(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+    ) -> Result<Solution, Error> {
+        let (again, stop) = (start.clone(), Stop::new());
+        let lifted = || again.clone();
+        self.solve(problem, start, &StepContext::single(&again, &lifted, &stop))
     }
 }
 
@@ -134,7 +150,7 @@ pub struct Solution {
     pub state: State,
     /// E(u) (UF·UL).
     pub energy: f64,
-    /// The rows of the last subproblem.
+    /// The rows that `lambda` belongs to: those of the last subproblem, or those at u itself.
     pub gaps: LinearGaps,
     /// Their multipliers λ ≥ 0 (UF).
     pub lambda: Vec<f64>,
@@ -146,5 +162,61 @@ impl Solution {
     /// The sum of the costs in the history.
     pub fn cost(&self) -> Cost {
         self.history.iter().map(|iteration| iteration.cost).sum()
+    }
+}
+
+/// Displacements below this share of [`Scale::length`](crate::Scale) count as zero: bodies that carry no load.
+const NONE: f64 = 1e-6;
+
+/// The length (UL) that the denominator of [`relative_change`] is at least.
+fn least_displacement(problem: &dyn ContactProblem) -> f64 {
+    let none = NONE * problem.scale().length;
+    problem.prescribed_magnitude().max(none)
+}
+
+/// [`Error::Setting`] unless both are in range. `remedy` names the default of the tolerance.
+fn check_settings(
+    tolerance: f64,
+    max_iterations: usize,
+    remedy: &'static str,
+) -> Result<(), Error> {
+    let is_share = tolerance > 0.0 && tolerance < 1.0;
+    Error::check_setting(is_share, "tolerance", tolerance, remedy)?;
+    if max_iterations == 0 {
+        return Err(Error::Setting {
+            name: "max_iterations",
+            value: "0".into(),
+            remedy: "allow at least one iteration",
+        });
+    }
+    Ok(())
+}
+
+/// The rows of both roles at u (steps 1 to 4 of Algorithm 2), one for each contact node.
+#[cfg(feature = "linear")]
+fn rows_of_both_roles(problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
+    let forward = problem.linearize_gaps(u, Sampling::Nodes)?;
+    Ok(forward.and(problem.linearize_reversed(u, Sampling::Nodes)?))
+}
+
+/// Checks the start, and that no unknown has a finite bound, which `solver` does not treat.
+#[cfg(feature = "linear")]
+fn check_unbounded(
+    problem: &dyn ContactProblem,
+    start: &State,
+    solver: &'static str,
+) -> Result<(), Error> {
+    let (bounds, dofs) = (problem.bounds(), problem.energy().dofs());
+    Error::check_vector("start.u", &start.u, dofs)?;
+    check_bounds(bounds, dofs)?;
+    let mut all = bounds.lower.iter().chain(&bounds.upper).enumerate();
+    match all.find(|(_, bound)| bound.is_finite()) {
+        Some((k, bound)) => Err(Error::Untreated {
+            solver,
+            what: "a bound on the unknowns",
+            value: format!("{bound} on unknown {}", k % dofs),
+            remedy: "state it as a row of the gaps, or solve by `FixedPoint`",
+        }),
+        None => Ok(()),
     }
 }

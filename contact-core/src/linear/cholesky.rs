@@ -90,6 +90,13 @@ impl Analysis {
         self.symbolic.len_val()
     }
 
+    /// The step that eliminates each unknown (n).
+    pub fn steps(&self) -> Vec<usize> {
+        let mut steps = vec![0; self.pattern.dim()];
+        (0..steps.len()).for_each(|step| steps[self.unknown(step)] = step);
+        steps
+    }
+
     /// The unknown eliminated at step `k`.
     pub fn unknown(&self, k: usize) -> usize {
         self.symbolic.perm().map_or(k, |perm| perm.arrays().0[k])

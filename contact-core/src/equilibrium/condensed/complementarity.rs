@@ -129,9 +129,7 @@ impl Proximal {
         let (mut z, mut gaps) = (self.center.clone(), self.gaps.clone());
         let mut last: Option<Vec<usize>> = None;
         for _ in 0..STEPS {
-            if stop.is_requested() {
-                return Err(Halt::Stopped);
-            }
+            Halt::if_requested(stop)?;
             let margin = epsilon * &self.center - &gaps;
             let active: Vec<usize> = (0..z.nrows()).filter(|&i| margin[i] > 0.0).collect();
             let is_settled = last.as_ref() == Some(&active);

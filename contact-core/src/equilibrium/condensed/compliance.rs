@@ -3,11 +3,11 @@
 use faer::Mat;
 
 use super::halt::Halt;
-use super::pruned::gram;
+use super::pruned::{gram, mirror};
 use super::rows::Rows;
 use super::stiffness::{Block, Stiffness};
+use crate::Stop;
 use crate::linear::Factor;
-use crate::{Error, Stop};
 
 /// W (UL/UF) of the rows of the working set, which only grows.
 pub(super) struct Compliance {
@@ -72,9 +72,7 @@ impl Compliance {
         self.rows.extend(more);
         more.iter().for_each(|&k| self.is_held[k] = true);
         for (block, share) in stiffness.blocks_mut().iter_mut().zip(&mut self.shares) {
-            if stop.is_requested() {
-                return Err(Halt::Stopped);
-            }
+            Halt::if_requested(stop)?;
             let touches = |&place: &usize| {
                 let mut entries = all.row(self.rows[place]).iter();
                 entries.any(|entry| block.range.contains(&entry.0))
@@ -118,7 +116,6 @@ impl Share {
         };
         let coefficients = rows.iter().enumerate().flat_map(own).collect();
         self.W = gram(&block.factor, rows.len(), coefficients);
-        mirror(&mut self.W);
     }
 
     /// The columns of the rows from `known` on, by solves with the whole block.
@@ -138,7 +135,7 @@ impl Share {
                 .filter(|entry| block.range.contains(&entry.0));
             own.for_each(|&(j, a)| column[j - first] = a);
         }
-        block.factor.solve(&mut columns).map_err(Error::problem)?;
+        block.factor.solve(&mut columns)?;
         let mut W = Mat::zeros(m, m);
         W.submatrix_mut(0, 0, known, known).copy_from(&self.W);
         for (place, column) in (known..).zip(columns.chunks(n)) {
@@ -153,14 +150,5 @@ impl Share {
         mirror(&mut W);
         self.W = W;
         Ok(())
-    }
-}
-
-/// Copies the lower triangle to the upper one.
-fn mirror(W: &mut Mat<f64>) {
-    for j in 0..W.ncols() {
-        for i in 0..j {
-            W[(i, j)] = W[(j, i)];
-        }
     }
 }

@@ -1,7 +1,8 @@
 //! Why a solve ends before its result.
 
+use crate::linear::FactorError;
 use crate::nlp::NlpError;
-use crate::{Error, Outcome};
+use crate::{ContactProblem, Error, LinearGaps, Outcome, Stop};
 
 /// What ends a solve before its result.
 #[derive(Debug)]
@@ -14,7 +15,37 @@ pub(in crate::equilibrium) enum Halt {
     Stopped,
 }
 
+/// Rows that no unknown moves may overlap by this share of the problem's length.
+const IMMOVABLE: f64 = 1e-9;
+
 impl Halt {
+    /// [`Halt::Stopped`] if a stop was requested.
+    pub fn if_requested(stop: &Stop) -> Result<(), Halt> {
+        match stop.is_requested() {
+            true => Err(Halt::Stopped),
+            false => Ok(()),
+        }
+    }
+
+    /// [`Halt::Failed`] if one of the `immovable` rows, which no unknown moves, overlaps: c are their gaps (UL).
+    pub fn if_immovable(
+        problem: &dyn ContactProblem,
+        gaps: &LinearGaps,
+        immovable: impl Iterator<Item = usize>,
+        c: &[f64],
+    ) -> Result<(), Halt> {
+        let deepest = immovable.min_by(|&i, &j| c[i].total_cmp(&c[j]));
+        match deepest.filter(|&i| c[i] < -IMMOVABLE * problem.scale().length) {
+            Some(i) => Err(Halt::Failed(format!(
+                "node {} of pass {} overlaps by {:.2e}, and all that could open its gap is prescribed",
+                gaps.keys()[i].node,
+                gaps.keys()[i].pass,
+                -c[i]
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// The outcome, where it is none of the errors.
     pub fn outcome(self) -> Result<Outcome, Error> {
         match self {
@@ -33,6 +64,12 @@ impl From<Error> for Halt {
 
 impl From<NlpError> for Halt {
     fn from(error: NlpError) -> Self {
+        Halt::Error(error.into())
+    }
+}
+
+impl From<FactorError> for Halt {
+    fn from(error: FactorError) -> Self {
         Halt::Error(error.into())
     }
 }

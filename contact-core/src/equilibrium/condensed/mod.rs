@@ -30,10 +30,11 @@ use self::halt::Halt;
 use self::rounds::{Iterate, Rounds};
 use self::rows::Rows;
 use self::stiffness::Stiffness;
-use super::{Equilibrium, Iteration, Solution, StepContext, relative_change};
+use super::{
+    Equilibrium, Iteration, Solution, StepContext, check_unbounded, least_displacement,
+    relative_change, rows_of_both_roles,
+};
 use crate::cost::FactorSize;
-use crate::gaps::Sampling;
-use crate::method::check_bounds;
 use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, State, Stop};
 
 /// Equilibrium of bodies with quadratic energies under exact rows, by static condensation.
@@ -66,20 +67,6 @@ impl Condensed {
         Condensed::default()
     }
 
-    /// Solves a single problem, without load steps.
-    ///
-    /// # Errors
-    /// As [`Equilibrium::solve`].
-    pub fn solve_from(
-        &mut self,
-        problem: &dyn ContactProblem,
-        start: State,
-    ) -> Result<Solution, Error> {
-        let (again, stop) = (start.clone(), Stop::new());
-        let lifted = || again.clone();
-        self.solve(problem, start, &StepContext::single(&again, &lifted, &stop))
-    }
-
     /// The factors and the compliance for this problem, new where they are not the last one's.
     fn prepare(
         &mut self,
@@ -103,12 +90,7 @@ impl Condensed {
                 Kept::new(stiffness, gaps)
             }
         };
-        cost.factor = Some(FactorSize {
-            ordering: "automatic",
-            bytes: (kept.stiffness.fill() * size_of::<f64>()) as u64,
-            workspace_bytes: None,
-            reallocations: 0,
-        });
+        cost.factor = Some(FactorSize::of_entries(kept.stiffness.fill()));
         Ok(self.kept.insert(kept))
     }
 }
@@ -160,9 +142,7 @@ impl Equilibrium for Condensed {
                 history: Vec::new(),
             });
         }
-        let gaps = problem
-            .linearize_gaps(&start.u, Sampling::Nodes)?
-            .and(problem.linearize_reversed(&start.u, Sampling::Nodes)?);
+        let gaps = rows_of_both_roles(problem, &start.u)?;
         check_gaps(&gaps)?;
         let mut cost = Cost {
             fixed_point: 1,
@@ -191,7 +171,7 @@ impl Equilibrium for Condensed {
             }
             _ => vec![0.0; gaps.len()],
         };
-        let least = problem.prescribed_magnitude().max(NONE * length);
+        let least = least_displacement(problem);
         let error = match outcome {
             Outcome::Converged => relative_change(&at.u, &start.u, least),
             _ => f64::INFINITY,
@@ -218,10 +198,6 @@ impl Equilibrium for Condensed {
 
 /// Parallel rows share a force where their gaps differ by no more than this share of the problem's length.
 const TIE: f64 = 1e-12;
-/// Displacements below this share of the problem's length count as zero, see [`relative_change`].
-const NONE: f64 = 1e-6;
-/// Rows that no free unknown moves may overlap by this share of the problem's length.
-const IMMOVABLE: f64 = 1e-9;
 
 impl Condensed {
     fn equilibrium(
@@ -235,19 +211,7 @@ impl Condensed {
     ) -> Result<(), Halt> {
         let energy = problem.energy();
         let kept = self.prepare(energy, gaps, stop, cost)?;
-        let deepest = kept
-            .rows
-            .immovable()
-            .min_by(|&i, &j| gaps.constant()[i].total_cmp(&gaps.constant()[j]));
-        if let Some(i) =
-            deepest.filter(|&i| gaps.constant()[i] < -IMMOVABLE * problem.scale().length)
-        {
-            let (key, depth) = (gaps.keys()[i], -gaps.constant()[i]);
-            return Err(Halt::Failed(format!(
-                "node {} of pass {} overlaps by {depth:.2e}, and all that could open its gap is prescribed",
-                key.node, key.pass
-            )));
-        }
+        Halt::if_immovable(problem, gaps, kept.rows.immovable(), gaps.constant())?;
         let clock = Instant::now();
         let mut load = vec![0.0; energy.dofs()];
         energy.gradient(&vec![0.0; energy.dofs()], &mut load);
@@ -277,33 +241,16 @@ impl Condensed {
 
 /// Checks the start, and that this solver treats the energy and the bounds.
 fn check_start(problem: &dyn ContactProblem, start: &State) -> Result<(), Error> {
-    let (energy, bounds) = (problem.energy(), problem.bounds());
-    Error::check_vector("start.u", &start.u, energy.dofs())?;
-    check_bounds(bounds, energy.dofs())?;
-    let refused = |what, value: String, remedy| {
-        Err(Error::Untreated {
+    check_unbounded(problem, start, "Condensed")?;
+    match problem.energy().is_quadratic() {
+        true => Ok(()),
+        false => Err(Error::Untreated {
             solver: "Condensed",
-            what,
-            value,
-            remedy,
-        })
-    };
-    if !energy.is_quadratic() {
-        return refused(
-            "`Energy::is_quadratic`",
-            "false".into(),
-            "give all bodies a law for small strains, or solve by `FixedPoint`",
-        );
+            what: "`Energy::is_quadratic`",
+            value: "false".into(),
+            remedy: "give all bodies a law for small strains, or solve by `FixedPoint`",
+        }),
     }
-    let bound = bounds.lower.iter().chain(&bounds.upper).enumerate();
-    if let Some((k, bound)) = bound.into_iter().find(|(_, bound)| bound.is_finite()) {
-        return refused(
-            "a bound on the unknowns",
-            format!("{bound} on unknown {}", k % energy.dofs()),
-            "state it as a row of the gaps, or solve by `FixedPoint`",
-        );
-    }
-    Ok(())
 }
 
 /// Checks that this solver treats the rows.

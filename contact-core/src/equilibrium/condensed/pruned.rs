@@ -12,7 +12,7 @@ use crate::linear::{Cholesky, Panel};
 /// A coefficient of a row: the row, the step that eliminates the unknown, and the value.
 pub(in crate::equilibrium) type Coefficient = (usize, usize, f64);
 
-/// The lower triangle of C K⁻¹ Cᵀ (m × m) for the rows with these coefficients, K = LLᵀ being factored.
+/// C K⁻¹ Cᵀ (m × m) for the rows with these coefficients, K = LLᵀ being factored.
 ///
 /// With V = L⁻¹Cᵀ it is VᵀV. A column of V is zero but on the paths from the row's unknowns to the root of the
 /// elimination tree, and the panels of L are worked off from the leaves: each takes the columns that reach it, solves
@@ -52,7 +52,17 @@ pub(in crate::equilibrium) fn gram(
             None => update.scatter(W.as_mut()),
         }
     }
+    mirror(&mut W);
     W
+}
+
+/// Copies the lower triangle to the upper one.
+pub(super) fn mirror(W: &mut Mat<f64>) {
+    for j in 0..W.ncols() {
+        for i in 0..j {
+            W[(i, j)] = W[(j, i)];
+        }
+    }
 }
 
 const NOWHERE: usize = usize::MAX;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::halt::Halt;
 use crate::linear::{Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern};
-use crate::{Energy, Error, Stop};
+use crate::{Energy, Stop};
 
 /// n σ: a block of n unknowns that floats is factored as K + σ diag K, so that a motion without strain meets this many
 /// entries of the diagonal as its stiffness, whatever n.
@@ -45,7 +45,7 @@ impl Stiffness {
             .into_iter()
             .filter(|range| !range.is_empty())
         {
-            stop_requested(stop)?;
+            Halt::if_requested(stop)?;
             let block = Block::new(&pattern, &values, range, &blocks, stop)?;
             blocks.push(block);
         }
@@ -88,9 +88,7 @@ impl Stiffness {
     /// Overwrites b (n, UF) with M⁻¹ b (n, UL).
     pub fn solve(&mut self, b: &mut [f64]) -> Result<(), Halt> {
         for Block { range, factor, .. } in &mut self.blocks {
-            factor
-                .solve(&mut b[range.clone()])
-                .map_err(Error::problem)?;
+            factor.solve(&mut b[range.clone()])?;
         }
         Ok(())
     }
@@ -134,24 +132,23 @@ impl Block {
             .find(|analysis| *analysis.pattern() == own)
         {
             Some(analysis) => analysis.clone(),
-            None => Analysis::new(&own, &Ordering::Automatic).map_err(Error::problem)?,
+            None => Analysis::new(&own, &Ordering::Automatic)?,
         };
-        let mut steps = vec![0; n];
-        (0..n).for_each(|step| steps[analysis.unknown(step)] = step);
-        stop_requested(stop)?;
-        let mut factor = Cholesky::new(&analysis, Kind::Llt).map_err(Error::problem)?;
+        let steps = analysis.steps();
+        Halt::if_requested(stop)?;
+        let mut factor = Cholesky::new(&analysis, Kind::Llt)?;
         let values = &values[slots];
         let floats = match factor.refactor(values) {
             Ok(_) => false,
             Err(FactorError::NotPositiveDefinite { .. }) => {
-                stop_requested(stop)?;
+                Halt::if_requested(stop)?;
                 let shifted = shifted(&own, values);
                 factor
                     .refactor(&shifted)
                     .map_err(|why| indefinite(why, &range))?;
                 true
             }
-            Err(why) => return Err(Error::problem(why).into()),
+            Err(why) => return Err(why.into()),
         };
         Ok(Block {
             range,
@@ -181,13 +178,6 @@ fn indefinite(why: FactorError, range: &Range<usize>) -> Halt {
             range.end - 1,
             range.start + unknown
         )),
-        why => Error::problem(why).into(),
-    }
-}
-
-fn stop_requested(stop: &Stop) -> Result<(), Halt> {
-    match stop.is_requested() {
-        true => Err(Halt::Stopped),
-        false => Ok(()),
+        why => why.into(),
     }
 }

@@ -5,7 +5,7 @@ use fastrand::Rng;
 use nalgebra::{DMatrix, DVector};
 
 use super::*;
-use crate::gaps::Row;
+use crate::gaps::{Row, Sampling};
 use crate::linear::SymmetricPattern;
 use crate::nlp::Bounds;
 use crate::{Error, RowKey, Scale};

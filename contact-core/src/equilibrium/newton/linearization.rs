@@ -24,6 +24,8 @@ pub(super) struct Linearization<'a> {
     pub lambda: Vec<f64>,
     /// Whether a row acts: λ_i > s_i c_i.
     pub acts: Vec<bool>,
+    /// Whether the row's variation is known: it acts, or overlaps.
+    matters: Vec<bool>,
     variation: Option<GapVariation>,
 }
 
@@ -53,28 +55,27 @@ impl<'a> Linearization<'a> {
                 "a derivative of the energy or a gap is not finite".into(),
             ));
         }
-        let diagonal = |j: usize| pattern.slot(j, j).map_or(0.0, |slot| hessian[slot].abs());
         let entries = |i: usize| gaps.matrix().row(i).filter(|(_, a)| *a != 0.0);
         let moves: Vec<bool> = (0..m).map(|i| entries(i).next().is_some()).collect();
-        let compliance = |i: usize| entries(i).map(|(j, a)| a * a / diagonal(j)).sum::<f64>();
-        let stiffness: Vec<f64> = (0..m)
-            .map(|i| if moves[i] { 1.0 / compliance(i) } else { 0.0 })
-            .collect();
-        let known: Vec<f64> = gaps
+        let compliance = |i: usize| {
+            entries(i)
+                .map(|(j, a)| a * a / diagonal(pattern, &hessian, j))
+                .sum::<f64>()
+        };
+        let stiffness = |i: usize| if moves[i] { 1.0 / compliance(i) } else { 0.0 };
+        let stiffness: Vec<f64> = (0..m).map(stiffness).collect();
+        let known = gaps
             .keys()
             .iter()
-            .map(|&key| finite(state.multipliers.of(key)))
-            .collect();
-        let acts: Vec<bool> = (0..m)
-            .map(|i| moves[i] && known[i] > stiffness[i] * c[i])
-            .collect();
-        let lambda: Vec<f64> = (0..m)
-            .map(|i| if acts[i] { known[i].max(0.0) } else { 0.0 })
-            .collect();
+            .map(|&key| finite(state.multipliers.of(key)));
+        let known: Vec<f64> = known.collect();
+        let acts = |i: usize| moves[i] && known[i] > stiffness[i] * c[i];
+        let acts: Vec<bool> = (0..m).map(acts).collect();
+        let lambda = |i: usize| if acts[i] { known[i].max(0.0) } else { 0.0 };
+        let lambda: Vec<f64> = (0..m).map(lambda).collect();
+        let matters: Vec<bool> = (0..m).map(|i| acts[i] || c[i] < 0.0).collect();
         let clock = Instant::now();
-        let asked: Vec<Option<f64>> = (0..m)
-            .map(|i| (acts[i] || c[i] < 0.0).then_some(lambda[i]))
-            .collect();
+        let asked: Vec<Option<f64>> = (0..m).map(|i| matters[i].then_some(lambda[i])).collect();
         let variation = problem.vary_gaps(u, gaps, &asked)?;
         if let Some(variation) = &variation {
             variation.check(m, u.len())?;
@@ -90,6 +91,7 @@ impl<'a> Linearization<'a> {
             moves,
             lambda,
             acts,
+            matters,
             variation,
         })
     }
@@ -109,49 +111,45 @@ impl<'a> Linearization<'a> {
         self.variation.is_none()
     }
 
-    /// |K_jj|.
+    /// |K_jj| (UF/UL).
     pub fn diagonal(&self, j: usize) -> f64 {
-        self.pattern
-            .slot(j, j)
-            .map_or(0.0, |slot| self.hessian[slot].abs())
+        diagonal(self.pattern, &self.hessian, j)
     }
 
     /// −∇E − (K + `shift` diag K − D) x − Σ s_i C_iᵀ(c + G x)_i (n), with s the `added` stiffness, and c + G x (m).
     pub fn defect(&self, x: &[f64], added: &[f64], shift: f64) -> (Vec<f64>, Vec<f64>) {
         let mut forces = vec![0.0; x.len()];
         self.pattern.product(&self.hessian, x, &mut forces);
-        forces
-            .iter_mut()
-            .zip(&self.load)
-            .for_each(|(f, load)| *f = load - *f);
-        if shift > 0.0 {
-            forces
-                .iter_mut()
-                .enumerate()
-                .for_each(|(j, f)| *f -= shift * self.diagonal(j) * x[j]);
+        for (j, force) in forces.iter_mut().enumerate() {
+            *force = self.load[j] - *force - shift * self.diagonal(j) * x[j];
         }
-        let mut gaps = self.c.clone();
         let matrix = self.gaps.matrix();
-        match &self.variation {
-            Some(variation) => {
-                let y = variation.internal(x);
-                variation.add_forces(x, &y, &mut forces);
-                for (i, gap) in gaps.iter_mut().enumerate() {
-                    *gap += match self.acts[i] || self.c[i] < 0.0 {
-                        true => variation.gap(i, x, &y),
-                        false => matrix.times(i, x),
-                    };
-                }
-            }
-            None => gaps
-                .iter_mut()
-                .enumerate()
-                .for_each(|(i, gap)| *gap += matrix.times(i, x)),
+        let y = self
+            .variation
+            .as_ref()
+            .map(|variation| variation.internal(x));
+        let varied = self.variation.as_ref().zip(y.as_deref());
+        if let Some((variation, y)) = varied {
+            variation.add_forces(x, y, &mut forces);
         }
+        let change = |i: usize| match varied.filter(|_| self.matters[i]) {
+            Some((variation, y)) => variation.gap(i, x, y),
+            None => matrix.times(i, x),
+        };
+        let gaps: Vec<f64> = self
+            .c
+            .iter()
+            .enumerate()
+            .map(|(i, c)| c + change(i))
+            .collect();
         let pulled: Vec<f64> = added.iter().zip(&gaps).map(|(s, gap)| -s * gap).collect();
         self.gaps.add_forces(&pulled, &mut forces);
         (forces, gaps)
     }
+}
+
+fn diagonal(pattern: &SymmetricPattern, hessian: &[f64], j: usize) -> f64 {
+    pattern.slot(j, j).map_or(0.0, |slot| hessian[slot].abs())
 }
 
 /// A multiplier that is no number is none.

@@ -34,10 +34,11 @@ use self::linearization::Linearization;
 use self::step::Step;
 use self::tangent::Tangent;
 use super::condensed::halt::Halt;
-use super::{Equilibrium, Iteration, Solution, StepContext, relative_change};
+use super::{
+    Equilibrium, Iteration, Solution, StepContext, check_settings, check_unbounded,
+    least_displacement, relative_change, rows_of_both_roles,
+};
 use crate::cost::FactorSize;
-use crate::gaps::Sampling;
-use crate::method::check_bounds;
 use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, State, Stop};
 
 /// Equilibrium by Newton's method on the energy, with contact condensed onto its rows and re-projected in every
@@ -93,8 +94,6 @@ impl fmt::Debug for CondensedNewton {
     }
 }
 
-/// Displacements below this share of the problem's length count as zero, see [`relative_change`].
-const NONE: f64 = 1e-6;
 /// A step may not take a domain function below this share of its value.
 const GUARD: f64 = 0.1;
 /// A small step with a larger shift of the diagonal, relative to K's, does not show convergence.
@@ -110,7 +109,7 @@ impl Equilibrium for CondensedNewton {
         context: &StepContext<'_>,
     ) -> Result<Solution, Error> {
         self.validate()?;
-        check(problem, &start)?;
+        check_unbounded(problem, &start, "CondensedNewton")?;
         let energy = problem.energy().value(&start.u);
         let mut iterate = Iterate {
             gaps: LinearGaps::new(false),
@@ -135,17 +134,8 @@ impl Equilibrium for CondensedNewton {
     }
 
     fn validate(&self) -> Result<(), Error> {
-        let is_share = self.tolerance > 0.0 && self.tolerance < 1.0;
         let remedy = "choose a value between 0 and 1; the default is 1e-8";
-        Error::check_setting(is_share, "tolerance", self.tolerance, remedy)?;
-        if self.max_iterations == 0 {
-            return Err(Error::Setting {
-                name: "max_iterations",
-                value: "0".into(),
-                remedy: "allow at least one iteration",
-            });
-        }
-        Ok(())
+        check_settings(self.tolerance, self.max_iterations, remedy)
     }
 }
 
@@ -166,20 +156,6 @@ impl CondensedNewton {
         }
     }
 
-    /// Solves a single problem, without load steps.
-    ///
-    /// # Errors
-    /// As [`Equilibrium::solve`].
-    pub fn solve_from(
-        &mut self,
-        problem: &dyn ContactProblem,
-        start: State,
-    ) -> Result<Solution, Error> {
-        let (again, stop) = (start.clone(), Stop::new());
-        let lifted = || again.clone();
-        self.solve(problem, start, &StepContext::single(&again, &lifted, &stop))
-    }
-
     fn iterate(
         &mut self,
         problem: &dyn ContactProblem,
@@ -188,9 +164,7 @@ impl CondensedNewton {
     ) -> Result<Outcome, Halt> {
         let stop = context.stop;
         let energy = problem.energy();
-        let least = problem
-            .prescribed_magnitude()
-            .max(NONE * problem.scale().length);
+        let least = least_displacement(problem);
         let kept = self
             .kept
             .take()
@@ -201,7 +175,7 @@ impl CondensedNewton {
         if context.from == 0.0 {
             tangent.begin();
         }
-        at.gaps = rows(problem, &at.state.u)?;
+        at.gaps = rows_of_both_roles(problem, &at.state.u)?;
         at.name_multipliers();
         for _ in 0..self.max_iterations {
             if stop.is_requested() {
@@ -212,23 +186,16 @@ impl CondensedNewton {
                 fixed_point: 1,
                 ..Cost::default()
             };
-            let moved = at.moved(problem, tangent, least, stop, &mut cost);
+            let moved = at.moved(problem, tangent, least, self.tolerance, stop, &mut cost);
             cost.wall = clock.elapsed().as_secs_f64();
             cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
-            cost.factor = Some(FactorSize {
-                ordering: "automatic",
-                bytes: (tangent.fill() * size_of::<f64>()) as u64,
-                workspace_bytes: None,
-                reallocations: 0,
-            });
+            cost.factor = Some(FactorSize::of_entries(tangent.fill()));
             at.history.push(Iteration {
                 error: moved.as_ref().map_or(f64::INFINITY, |moved| moved.error),
                 rows: at.gaps.len(),
                 cost,
             });
-            let moved = moved?;
-            let is_small = moved.error < self.tolerance && moved.is_whole;
-            if is_small && at.is_equilibrium(problem, tangent, self.tolerance * moved.size)? {
+            if moved?.is_over {
                 return Ok(Outcome::Converged);
             }
         }
@@ -240,10 +207,8 @@ impl CondensedNewton {
 struct Moved {
     /// The relative change of u.
     error: f64,
-    /// Whether the step was not shortened, and the diagonal hardly shifted.
-    is_whole: bool,
-    /// The size of the displacements (UL).
-    size: f64,
+    /// Whether the iteration has converged.
+    is_over: bool,
 }
 
 impl Iterate {
@@ -253,10 +218,11 @@ impl Iterate {
         problem: &dyn ContactProblem,
         tangent: &mut Tangent,
         least: f64,
+        tolerance: f64,
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<Moved, Halt> {
-        let size = self.state.u.iter().fold(least, |size, u| size.max(u.abs()));
+        let size = self.size(least);
         let here = Linearization::new(problem, &self.state, &self.gaps, cost)?;
         let step = match Step::new(&here, tangent, size, stop, cost) {
             Err(Halt::Failed(_)) if !tangent.is_fresh() => {
@@ -275,14 +241,19 @@ impl Iterate {
             u,
         };
         let clock = Instant::now();
-        self.gaps = rows(problem, &self.state.u)?;
+        self.gaps = rows_of_both_roles(problem, &self.state.u)?;
         self.name_multipliers();
         cost.projection += clock.elapsed().as_secs_f64();
-        Ok(Moved {
-            error,
-            is_whole: share == 1.0 && tangent.shift() <= SHIFT,
-            size,
-        })
+        // a shortened step and a shifted diagonal make small changes far from a solution
+        let is_small = error < tolerance && share == 1.0 && tangent.shift() <= SHIFT;
+        let bound = tolerance * self.size(least);
+        let is_over = is_small && self.is_equilibrium(problem, tangent, bound, cost)?;
+        Ok(Moved { error, is_over })
+    }
+
+    /// The largest displacement, at least `least` (UL).
+    fn size(&self, least: f64) -> f64 {
+        self.state.u.iter().fold(least, |size, u| size.max(u.abs()))
     }
 
     /// Gives each row at u its multiplier.
@@ -304,40 +275,25 @@ impl Iterate {
         problem: &dyn ContactProblem,
         tangent: &mut Tangent,
         bound: f64,
+        cost: &mut Cost,
     ) -> Result<bool, Halt> {
         let mut c = vec![0.0; self.gaps.len()];
         self.gaps.value(&self.state.u, &mut c);
         let matrix = self.gaps.matrix();
-        let is_moved = |i: usize| matrix.row(i).any(|(_, a)| a != 0.0);
-        let immovable =
-            (0..c.len()).find(|&i| c[i] < -IMMOVABLE * problem.scale().length && !is_moved(i));
-        if let Some(i) = immovable {
-            let (key, depth) = (self.gaps.keys()[i], -c[i]);
-            return Err(Halt::Failed(format!(
-                "node {} of pass {} overlaps by {depth:.2e}, and all that could open its gap is prescribed",
-                key.node, key.pass
-            )));
-        }
+        let immovable = (0..c.len()).filter(|&i| matrix.row(i).all(|(_, a)| a == 0.0));
+        Halt::if_immovable(problem, &self.gaps, immovable, &c)?;
         let mut rows = c.iter().zip(&self.lambda);
         if rows.any(|(c, lambda)| *c < -bound || (*lambda > 0.0 && *c > bound)) {
             return Ok(false);
         }
         let mut left = vec![0.0; self.state.u.len()];
         problem.energy().gradient(&self.state.u, &mut left);
+        cost.gradients += 1;
         let pushed: Vec<f64> = self.lambda.iter().map(|l| -l).collect();
         self.gaps.add_forces(&pushed, &mut left);
         tangent.solve(&mut left)?;
         Ok(left.iter().all(|x| x.abs() <= bound))
     }
-}
-
-/// Rows that no unknown moves may overlap by this share of the problem's length.
-const IMMOVABLE: f64 = 1e-9;
-
-/// The rows of both roles at u.
-fn rows(problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
-    let forward = problem.linearize_gaps(u, Sampling::Nodes)?;
-    Ok(forward.and(problem.linearize_reversed(u, Sampling::Nodes)?))
 }
 
 /// u + t x and t, the largest of 1, ½, ¼ … at which the energy is finite and all domain functions are above [`GUARD`] times
@@ -364,21 +320,4 @@ fn guarded(energy: &dyn Energy, u: &[f64], x: &[f64]) -> Result<(Vec<f64>, f64),
     Err(Halt::Failed(
         "Newton's step leaves the domain of the energy, however short".into(),
     ))
-}
-
-/// Checks the start, and that this solver treats the bounds.
-fn check(problem: &dyn ContactProblem, start: &State) -> Result<(), Error> {
-    let (bounds, dofs) = (problem.bounds(), problem.energy().dofs());
-    Error::check_vector("start.u", &start.u, dofs)?;
-    check_bounds(bounds, dofs)?;
-    let mut all = bounds.lower.iter().chain(&bounds.upper).enumerate();
-    match all.find(|(_, bound)| bound.is_finite()) {
-        Some((k, bound)) => Err(Error::Untreated {
-            solver: "CondensedNewton",
-            what: "a bound on the unknowns",
-            value: format!("{bound} on unknown {}", k % dofs.max(1)),
-            remedy: "state it as a row of the gaps, or solve by `FixedPoint`",
-        }),
-        None => Ok(()),
-    }
 }

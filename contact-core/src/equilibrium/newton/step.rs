@@ -64,9 +64,7 @@ impl Step {
         };
         let mut anderson = Anderson::of(Acceleration::Anderson(DEPTH));
         loop {
-            if stop.is_requested() {
-                return Err(Halt::Stopped);
-            }
+            Halt::if_requested(stop)?;
             let (image, lambda) = condensed.corrected(here, &step, tangent, least, stop, cost)?;
             step.corrections += 1;
             let change = largest(image.iter().zip(&step.x).map(|(a, b)| a - b));

@@ -130,9 +130,7 @@ impl Tangent {
         let may_add = here.acts.contains(&true);
         self.shift = 0.0;
         loop {
-            if stop.is_requested() {
-                return Err(Halt::Stopped);
-            }
+            Halt::if_requested(stop)?;
             let acting = here.acts.iter().zip(&here.stiffness);
             self.added = acting
                 .map(|(acts, s)| if *acts { self.ratio * s } else { 0.0 })
@@ -260,14 +258,13 @@ impl Tangent {
         let Some(factor) = &self.factor else {
             return Mat::zeros(rows.len(), rows.len());
         };
-        let mut step = vec![0; self.pattern.dim()];
-        (0..step.len()).for_each(|k| step[factor.analysis().unknown(k)] = k);
+        let steps = factor.analysis().steps();
         let entries = rows.iter().enumerate().flat_map(|(place, &row)| {
-            let entries = matrix.row(row).map(move |(j, a)| (place, j, a));
-            entries.collect::<Vec<_>>()
+            let entries = matrix.row(row);
+            entries
+                .map(|(j, a)| (place, steps[j], a))
+                .collect::<Vec<_>>()
         });
-        let coefficients = entries.map(|(place, j, a)| (place, step[j], a)).collect();
-        let W = gram(factor, rows.len(), coefficients);
-        Mat::from_fn(rows.len(), rows.len(), |i, j| W[(i.max(j), i.min(j))])
+        gram(factor, rows.len(), entries.collect())
     }
 }

@@ -7,7 +7,7 @@ mod fixed;
 use nalgebra::{DMatrix, DVector};
 
 use super::*;
-use crate::gaps::Row;
+use crate::gaps::{Row, Sampling};
 use crate::linear::SymmetricPattern;
 use crate::nlp::Bounds;
 use crate::{GapVariation, RowKey};
