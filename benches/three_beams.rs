@@ -6,8 +6,7 @@
 //! cargo bench --bench three_beams -- --across 4 --along 16
 //! ```
 //!
-//! No files are written. Every case runs in a process of its own, so that the peak of memory is its
-//! own, too.
+//! No files are written. Every case runs in a process of its own, so that the peak of memory is its own, too.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -18,7 +17,10 @@ use ipopt_contact::contact_fem::output::record::{exit, peak_memory};
 use ipopt_contact::prelude::*;
 use ipopt_contact::versions;
 use ipopt_contact_scenes::beams::{self, Beams, Law};
-use ipopt_contact_scenes::{Failure, cli};
+use ipopt_contact_scenes::{
+    Failure,
+    cli::{self, Solver},
+};
 
 /// Times the three beams
 #[derive(Parser, Debug)]
@@ -32,9 +34,12 @@ struct Arguments {
     /// Integrate exactly instead of at Gauss points
     #[arg(long)]
     exact: bool,
-    /// Run one case in this process
-    #[arg(long, hide = true)]
-    case: Option<usize>,
+    /// How a load increment is solved; may be repeated
+    #[arg(long, value_enum, default_values_t = [Solver::Ipopt, Solver::Automatic])]
+    solver: Vec<Solver>,
+    /// Run one case with one solver in this process: their places in the lists
+    #[arg(long, hide = true, num_args = 2)]
+    only: Option<Vec<usize>>,
     /// What `cargo bench` passes; without it, as from `cargo test`, a tiny run shows that it works
     #[arg(long, hide = true)]
     bench: bool,
@@ -49,28 +54,33 @@ const CASES: [(&str, Law, bool); 4] = [
 ];
 
 const HEADER: &str = "\
-case                      free dofs  rows   wall s  set-up s  projection s  callbacks s  optimizer s  fixed  Ipopt  factori-  peak    tip
-                                                                                                      point  iter.   sations    MB     UL";
+case                      solver    free dofs  rows   wall s  set-up s  projection s  callbacks s  optimizer s  outer  inner  factori-  peak    tip
+                                                                                                                iter.  iter.   sations    MB     UL";
 
 fn main() -> ExitCode {
     let mut arguments = Arguments::parse();
     if !arguments.bench {
         (arguments.across, arguments.along) = (1, 3);
     }
-    exit(match arguments.case {
-        Some(case) => measure(&arguments, case),
-        None => all(),
+    exit(match arguments.only.as_deref() {
+        Some(&[case, solver]) => measure(&arguments, case, arguments.solver[solver]),
+        _ => all(&arguments),
     })
 }
 
-/// Runs every case in a child.
-fn all() -> Result<(), Failure> {
+/// Runs every case with every solver in a child.
+fn all(arguments: &Arguments) -> Result<(), Failure> {
     println!("{}\n\n{HEADER}", versions());
-    (0..CASES.len()).try_for_each(|case| cli::again(&["--case", &case.to_string()]))
+    for case in 0..CASES.len() {
+        for solver in 0..arguments.solver.len() {
+            cli::again(&["--only", &case.to_string(), &solver.to_string()])?;
+        }
+    }
+    Ok(())
 }
 
 /// One load increment: all of the load at small strain, a tenth for the neo-Hookean beams.
-fn measure(arguments: &Arguments, case: usize) -> Result<(), Failure> {
+fn measure(arguments: &Arguments, case: usize, solver: Solver) -> Result<(), Failure> {
     let (name, law, contact) = CASES[case];
     let clock = Instant::now();
     let beams = Beams {
@@ -86,7 +96,7 @@ fn measure(arguments: &Arguments, case: usize) -> Result<(), Failure> {
     let set_up = clock.elapsed().as_secs_f64();
     let increments = if law == Law::NeoHookean { 10 } else { 1 };
     let mut tip = f64::NAN;
-    let mut simulation = Simulation::with_increments(increments);
+    let mut simulation = Simulation::solved_by(solver.with_tolerance(None), increments);
     let history = simulation.run_observed(&mut problem, |step| {
         let u = step.problem.displacements(&step.solution.state.u);
         tip = beams::tip(step.problem, &u, 0)[2];
@@ -95,15 +105,16 @@ fn measure(arguments: &Arguments, case: usize) -> Result<(), Failure> {
     let cost = history.run.cost();
     let peak = peak_memory().map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6));
     println!(
-        "{name:<25} {:>9} {:>5} {:>8.2} {set_up:>9.2} {:>13.2} {:>12.2} {:>12.2} {:>6} {:>6} {:>9} {peak:>5} {tip:>6.3}",
+        "{name:<25} {:<9} {:>9} {:>5} {:>8.2} {set_up:>9.2} {:>13.2} {:>12.2} {:>12.2} {:>6} {:>6} {:>9} {peak:>5} {tip:>6.3}",
+        solver.to_string(),
         problem.dofs().free(),
         history.steps.last().map_or(0, |step| step.rows),
         clock.elapsed().as_secs_f64(),
         cost.projection,
         cost.callbacks,
         cost.optimizer,
-        cost.fixed_point,
-        cost.iterations,
+        cost.outer_iterations,
+        cost.inner_iterations,
         cost.factorizations,
     );
     Ok(())

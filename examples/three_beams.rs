@@ -97,10 +97,10 @@ fn message(step: &StepView<'_, 3>) -> String {
     let u = step.problem.displacements(&step.solution.state.u);
     let attempt = &step.record.attempt;
     format!(
-        "tip {:.3}  iterations {} ({} of Ipopt)",
+        "tip {:.3}  iterations {} ({} inner)",
         beams::tip(step.problem, &u, 0)[2],
         attempt.iterations.len(),
-        attempt.cost.iterations
+        attempt.cost.inner_iterations
     )
 }
 

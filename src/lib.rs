@@ -1,4 +1,4 @@
-//! Frictionless contact between elastic bodies by energy minimisation with Ipopt: symmetric, with no master and slave
+//! Frictionless contact between elastic bodies by energy minimisation: symmetric, with no master and slave
 //! to choose.
 //!
 //! The library minimises the total energy of all bodies under weak non-penetration constraints, which both sides of
@@ -6,6 +6,9 @@
 //! iteration updates the projections until the displacement no longer changes, and load steps increase the load to its
 //! full value. The method is that of Houssein, Garnotel and Hecht, *Contact problems in industrial applications using
 //! FreeFEM*.
+//!
+//! Simulations find the same equilibria by faster solvers, and use the paper's where these do not apply or fail, see
+//! [`Automatic`](contact_core::Automatic). `Simulation::solved_by(Retry::<InteriorPoint>::default(), 100)` runs the paper's.
 //!
 //! This crate re-exports two crates and has a [`prelude`] for scenes:
 //! - [`contact_fem`]: meshes, materials, assembly, contact constraints, scenes, load histories, output;
@@ -114,8 +117,9 @@ pub mod prelude {
     pub use std::ops::ControlFlow;
 
     pub use contact_core::{
-        Acceleration, Continuation, Ending, Equilibrium, FixedPoint, InteriorPoint, LoadSteps,
-        Method, Outcome, PenalizedSlack, Penalty, Retry, Stop,
+        Acceleration, Automatic, Condensed, CondensedNewton, Continuation, Ending, Equilibrium,
+        FixedPoint, InteriorPoint, LoadSteps, Method, Outcome, PenalizedSlack, Penalty, Retry,
+        Stop,
     };
     pub use contact_fem::certificate::{Condition, Limits};
     pub use contact_fem::mesh::generators::{

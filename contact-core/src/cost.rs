@@ -7,15 +7,15 @@ use std::ops::AddAssign;
 /// a run the sum over its load steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
-    /// Iterations of the fixed point.
-    pub fixed_point: usize,
-    /// Solves by the optimiser, cold retries included.
+    /// Iterations of the fixed point or of Newton's method.
+    pub outer_iterations: usize,
+    /// Solves of a subproblem, cold retries included.
     pub solves: usize,
     /// Solves repeated from a cold start because the warm start failed.
     pub cold_retries: usize,
-    /// Iterations of the optimiser.
-    pub iterations: usize,
-    /// Numerical factorisations of its linear system.
+    /// Iterations within these solves: those of the optimiser, or steps towards the active rows.
+    pub inner_iterations: usize,
+    /// Numerical factorisations.
     pub factorizations: usize,
     /// Evaluations of the energy's value.
     pub values: usize,
@@ -23,6 +23,8 @@ pub struct Cost {
     pub gradients: usize,
     /// Evaluations of its Hessian.
     pub hessians: usize,
+    /// Iterations of the optimiser that reused a constant Hessian.
+    pub reused_hessians: usize,
     /// Seconds for projections, normals and rows (steps 1–4 of Algorithm 2).
     pub projection: f64,
     /// Seconds inside the energy and the gaps while the optimiser runs.
@@ -76,14 +78,15 @@ impl FactorSize {
 
 impl AddAssign for Cost {
     fn add_assign(&mut self, other: Self) {
-        self.fixed_point += other.fixed_point;
+        self.outer_iterations += other.outer_iterations;
         self.solves += other.solves;
         self.cold_retries += other.cold_retries;
-        self.iterations += other.iterations;
+        self.inner_iterations += other.inner_iterations;
         self.factorizations += other.factorizations;
         self.values += other.values;
         self.gradients += other.gradients;
         self.hessians += other.hessians;
+        self.reused_hessians += other.reused_hessians;
         self.projection += other.projection;
         self.callbacks += other.callbacks;
         self.optimizer += other.optimizer;

@@ -9,8 +9,9 @@
 //! # Contact
 //! A [`Method`] minimises an [`Energy`] under linearised gap constraints [`LinearGaps`]. A [`FixedPoint`]
 //! linearises the constraints anew and minimises again until the displacement no longer changes (Algorithm 2
-//! of Houssein, Garnotel and Hecht). It implements [`Equilibrium`], which solves for one load. [`LoadSteps`]
-//! raises the load step by step to its full value. All of them work on any [`ContactProblem`].
+//! of Houssein, Garnotel and Hecht). It implements [`Equilibrium`], which solves for one load. With the feature `linear`,
+//! `Condensed` and `CondensedNewton` do so without an inner optimiser, and `Automatic` takes the one that fits the
+//! problem. [`LoadSteps`] raises the load step by step to its full value. All of them work on any [`ContactProblem`].
 //!
 //! | level | result | how it ended |
 //! |---|---|---|
@@ -54,7 +55,7 @@ pub use cost::Cost;
 pub use energy::{DirectSum, Energy};
 pub use equilibrium::{Acceleration, Equilibrium, FixedPoint, Retry};
 #[cfg(feature = "linear")]
-pub use equilibrium::{Condensed, CondensedNewton};
+pub use equilibrium::{Automatic, Condensed, CondensedNewton};
 pub use error::Error;
 pub use gaps::{LinearGaps, RowKey};
 pub use load_steps::{LoadStepped, LoadSteps};

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::equilibrium::{Equilibrium, Iteration, Solution, StepContext};
+use crate::equilibrium::{Equilibrium, Failed, Iteration, Solution, StepContext};
 use crate::{ContactProblem, Cost, Ending, Energy, Error, Outcome, State, Stop};
 
 /// A contact problem whose loads and prescribed displacements scale with one factor.
@@ -82,6 +82,8 @@ pub struct Attempt {
     pub energy: f64,
     /// The smallest domain function (volume ratio J) at its end; `+∞` where there is none.
     pub min_domain: f64,
+    /// The solvers that failed at this load before the outcome.
+    pub failed: Vec<Failed>,
     /// The iterations of the attempt.
     pub iterations: Vec<Iteration>,
     /// Their cost; `wall` is the time of the whole attempt.
@@ -103,6 +105,14 @@ pub struct Run {
     pub attempts: Vec<Attempt>,
     /// The error that ended the run, if it is [`Ending::Failed`].
     pub error: Option<Arc<Error>>,
+}
+
+impl Attempt {
+    /// The solver of the last iteration, see [`Choice::solver`](crate::equilibrium::Choice::solver); `None` if there is no
+    /// iteration.
+    pub fn solver(&self) -> Option<&'static str> {
+        self.iterations.last().map(|iteration| iteration.solver)
+    }
 }
 
 impl Run {
@@ -324,6 +334,7 @@ impl Path<'_> {
             min_domain: domain(problem.energy(), &solution.state.u)
                 .into_iter()
                 .fold(f64::INFINITY, f64::min),
+            failed: solution.failed.clone(),
             iterations: solution.history.clone(),
             cost: Cost {
                 wall: clock.elapsed().as_secs_f64(),

@@ -55,7 +55,7 @@ impl fmt::Display for Outcome {
                 f,
                 "cycles with period {period} at amplitude {amplitude:.2e}"
             ),
-            Outcome::IterationLimit => write!(f, "iteration limit of the fixed point"),
+            Outcome::IterationLimit => write!(f, "iteration limit"),
             Outcome::SubproblemFailed(why) => write!(f, "subproblem not solved: {why}"),
             Outcome::Tunnelled { depth, place } => write!(
                 f,

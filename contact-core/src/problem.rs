@@ -190,6 +190,10 @@ pub trait ContactProblem {
     ) -> Result<Option<GapVariation>, Error> {
         Ok(None)
     }
+    /// Whether [`LinearGaps::is_exact`] holds for the rows at any u. A problem that wraps another one must pass this on.
+    fn has_exact_gaps(&self) -> bool {
+        false
+    }
     /// Units in which the problem's quantities are O(1).
     fn scale(&self) -> Scale {
         Scale::default()

@@ -40,7 +40,7 @@ impl LeftOut {
                 true => history.run.attempts.len(),
                 false => 0,
             },
-            hessians: cost.iterations.saturating_sub(cost.hessians),
+            hessians: cost.reused_hessians,
         }
     }
 }

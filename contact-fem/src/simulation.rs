@@ -77,18 +77,13 @@ pub struct StepView<'a, const D: usize> {
     pub record: &'a StepRecord<D>,
 }
 
-/// The default solver of a simulation: the paper's fixed-point iteration with Ipopt.
-#[cfg(feature = "ipopt")]
-pub type DefaultSolver = contact_core::Retry<contact_core::InteriorPoint>;
-/// Without the feature `ipopt` there is no built-in solver: the user supplies one.
-#[cfg(not(feature = "ipopt"))]
-pub type DefaultSolver = Box<dyn Equilibrium>;
+/// The default solver of a simulation: it chooses the solver that fits the problem.
+pub type DefaultSolver = contact_core::Automatic;
 
 /// The solution procedure of a scene: load increments up to full load and the solver of each.
 ///
 /// A bar of length 4 is drawn by σ = 2: it grows by σL/E, and stores half of the load's work.
 /// ```
-/// # #[cfg(feature = "ipopt")]
 /// # fn main() -> Result<(), contact_fem::Error> {
 /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 /// use contact_fem::{Body, LinearElastic, Scene, Simulation};
@@ -111,8 +106,6 @@ pub type DefaultSolver = Box<dyn Equilibrium>;
 /// assert!((history.steps[1].energy + 0.5 * 2.0 * growth).abs() < 1e-9);
 /// # Ok(())
 /// # }
-/// # #[cfg(not(feature = "ipopt"))]
-/// # fn main() {}
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Simulation<S = DefaultSolver> {
@@ -122,7 +115,6 @@ pub struct Simulation<S = DefaultSolver> {
     pub solver: S,
 }
 
-#[cfg(feature = "ipopt")]
 impl Simulation {
     /// `increments` equal increments; all other settings have their defaults.
     pub fn with_increments(increments: usize) -> Self {

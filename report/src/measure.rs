@@ -114,8 +114,8 @@ fn cost<const D: usize>(history: &History<D>, wall: f64, set_up: f64) -> Cost {
         memory: peak_memory(),
         steps: history.steps.len(),
         cuts: history.run.cuts(),
-        fixed_point: effort.fixed_point,
-        iterations: effort.iterations,
+        fixed_point: effort.outer_iterations,
+        iterations: effort.inner_iterations,
         factorizations: effort.factorizations,
         phases: Phases {
             set_up,

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 use std::process::Command;
 
+use clap::ValueEnum;
 use contact_core::ipopt::{self, OptionValue};
 use contact_core::nlp::{Bounds, Pattern, Structure};
 use contact_core::{
-    Acceleration, Condensed, CondensedNewton, Equilibrium, FixedPoint, InteriorPoint, Method,
+    Acceleration, Automatic, Condensed, CondensedNewton, Equilibrium, InteriorPoint, Method,
     PenalizedSlack, Penalty, Retry,
 };
 use contact_fem::Simulation;
@@ -20,21 +21,21 @@ pub struct Options {
     /// Load increments; every example has its own default
     #[arg(long, value_parser = positive)]
     pub increments: Option<usize>,
-    /// How a load increment is solved
-    #[arg(long, value_enum, default_value_t = Solver::Ipopt)]
-    pub solver: Solver,
-    /// Relative change of the displacement at which an increment has converged, in (0, 1)
-    #[arg(long, default_value_t = FixedPoint::<InteriorPoint>::default().tolerance, value_parser = tolerance)]
-    pub tolerance: f64,
-    /// How Ipopt states every subproblem
-    #[arg(long, value_enum, default_value_t = Formulation::InteriorPoint)]
-    pub method: Formulation,
-    /// How fixed-point iterates are combined
-    #[arg(long, value_enum, default_value_t = Combine::Anderson)]
-    pub acceleration: Combine,
-    /// Number of earlier differences that Anderson acceleration uses
-    #[arg(long, default_value_t = default_depth(), value_parser = positive)]
-    pub depth: usize,
+    /// How a load increment is solved [default: ipopt with an option that only Ipopt has, else automatic]
+    #[arg(long, value_enum)]
+    pub solver: Option<Solver>,
+    /// Relative change of the displacement at which an increment has converged, in (0, 1) [default: the solver's own]
+    #[arg(long, value_parser = tolerance)]
+    pub tolerance: Option<f64>,
+    /// How Ipopt states every subproblem [default: interior-point]
+    #[arg(long, value_enum)]
+    pub method: Option<Formulation>,
+    /// How Ipopt's fixed-point iterates are combined [default: anderson]
+    #[arg(long, value_enum)]
+    pub acceleration: Option<Combine>,
+    /// Number of earlier differences that Anderson acceleration uses [default: the library's]
+    #[arg(long, value_parser = positive)]
+    pub depth: Option<usize>,
     /// Interval of .vtu files in increments, 0 for none
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub vtu_every: usize,
@@ -52,25 +53,28 @@ pub struct Options {
 /// `--solver`
 #[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Solver {
-    /// Algorithm 2 of the paper: a fixed point of subproblems that Ipopt solves
+    /// The one that fits the scene, see `contact_core::Automatic`
     #[default]
+    Automatic,
+    /// Algorithm 2 of the paper: a fixed point of subproblems that Ipopt solves
     Ipopt,
     /// Newton's method, with contact condensed onto its rows
     Newton,
-    /// One factorisation, for laws for small strains only
+    /// One factorisation, for laws for small strains with contact in the reference geometry only
     Condensed,
 }
 
 impl Solver {
-    /// The solver with this tolerance, where it has one.
-    pub fn with_tolerance(self, tolerance: f64) -> Box<dyn Equilibrium> {
+    /// The solver with its own tolerance, or with this one where it has one.
+    pub fn with_tolerance(self, tolerance: Option<f64>) -> Box<dyn Equilibrium> {
         match self {
-            Solver::Ipopt => {
-                let mut retry = Retry::<InteriorPoint>::default();
-                retry.fixed_point.tolerance = tolerance;
-                Box::new(retry)
+            Solver::Automatic => {
+                Box::new(tolerance.map_or_else(Automatic::default, Automatic::with_tolerance))
             }
-            Solver::Newton => Box::new(CondensedNewton::with_tolerance(tolerance)),
+            Solver::Ipopt => Box::new(fixed_point(InteriorPoint::default(), tolerance)),
+            Solver::Newton => Box::new(
+                tolerance.map_or_else(CondensedNewton::default, CondensedNewton::with_tolerance),
+            ),
             Solver::Condensed => Box::new(Condensed::new()),
         }
     }
@@ -78,12 +82,18 @@ impl Solver {
 
 impl std::fmt::Display for Solver {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Solver::Ipopt => "ipopt",
-            Solver::Newton => "newton",
-            Solver::Condensed => "condensed",
-        })
+        let value = self.to_possible_value();
+        f.write_str(value.as_ref().map_or("", |value| value.get_name()))
     }
+}
+
+/// The paper's fixed point with its own tolerance, or with this one.
+fn fixed_point<M: Method>(method: M, tolerance: Option<f64>) -> Retry<M> {
+    let mut retry = Retry::with(method);
+    if let Some(tolerance) = tolerance {
+        retry.fixed_point.tolerance = tolerance;
+    }
+    retry
 }
 
 /// `--method`
@@ -115,20 +125,38 @@ impl Options {
         increments: usize,
     ) -> Result<Simulation<Box<dyn Equilibrium>>, Failure> {
         let increments = self.increments.unwrap_or(increments);
-        let method = self.method()?;
-        let solver: Box<dyn Equilibrium> = match self.solver {
+        let solver = match self.solver()? {
             Solver::Ipopt => {
-                let mut retry = Retry::with(method);
-                retry.fixed_point.tolerance = self.tolerance;
+                let mut retry = fixed_point(self.method()?, self.tolerance);
+                let depth = self.depth.unwrap_or_else(default_depth);
                 retry.fixed_point.acceleration = match self.acceleration {
-                    Combine::Plain => Acceleration::Plain,
-                    Combine::Anderson => Acceleration::Anderson(self.depth),
+                    Some(Combine::Plain) => Acceleration::Plain,
+                    Some(Combine::Anderson) | None => Acceleration::Anderson(depth),
                 };
                 Box::new(retry)
             }
             other => other.with_tolerance(self.tolerance),
         };
         Ok(Simulation::solved_by(solver, increments))
+    }
+
+    /// The chosen solver: the one given, else Ipopt if an option is given that only Ipopt has.
+    fn solver(&self) -> Result<Solver, Failure> {
+        let given = [
+            ("--method", self.method.is_some()),
+            ("--acceleration", self.acceleration.is_some()),
+            ("--depth", self.depth.is_some()),
+            ("--ipopt", !self.ipopt.is_empty()),
+        ];
+        let only = given.iter().find(|(_, is_given)| *is_given);
+        match (self.solver, only) {
+            (None | Some(Solver::Ipopt), Some(_)) => Ok(Solver::Ipopt),
+            (Some(other), Some((option, _))) => Err(format!(
+                "{option} has no effect with --solver {other}: take --solver ipopt, or leave {option} out"
+            )
+            .into()),
+            (solver, None) => Ok(solver.unwrap_or_default()),
+        }
     }
 
     /// The recording of an example called `name`.
@@ -158,7 +186,7 @@ impl Options {
             Some(Pattern::diagonal(1)),
         )?;
         ipopt::Solver::new(any, &options)?;
-        Ok(match self.method {
+        Ok(match self.method.unwrap_or(Formulation::InteriorPoint) {
             Formulation::InteriorPoint => Box::new(InteriorPoint {
                 options,
                 ..InteriorPoint::default()

@@ -26,6 +26,7 @@ pub mod hertz;
 pub mod studies;
 pub mod tables;
 
+use contact_fem::certificate::{Condition, Limits};
 use contact_fem::model::Passes;
 use contact_fem::{Body, Error, Scene};
 
@@ -53,6 +54,22 @@ pub fn pair<const D: usize>(
     let second = scene.add("second", second);
     scene.contact(first.on(on_first), second.on(on_second))?;
     Ok(scene)
+}
+
+/// The limits of the certificate, those on what a solver leaves ten times tighter.
+pub fn tight() -> Limits {
+    let left = [
+        Condition::WeakPenetration,
+        Condition::Adhesion,
+        Condition::Complementarity,
+        Condition::Stationarity,
+        Condition::ActionReaction,
+        Condition::Balance,
+    ];
+    let limits = Limits::default();
+    left.into_iter().fold(limits, |limits, condition| {
+        limits.with(condition, 0.1 * Limits::default().of(condition))
+    })
 }
 
 /// The same roles for the pair in reverse order.

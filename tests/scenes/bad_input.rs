@@ -1,5 +1,6 @@
 //! Bad input is refused before any solve, by a typed error that names it.
 
+use contact_core::Automatic;
 use contact_fem::mesh::generators::{
     Diagonals, annulus, cuboid, cuboid_graded, disc, linspace, rectangle,
 };
@@ -490,13 +491,20 @@ fn settings() {
     let error = run(Simulation::with_increments(0)).expect("refused");
     assert_says(&error, &["increments", "0"]);
     for tolerance in [0.0, -1.0, f64::NAN, 2.0] {
-        let mut simulation = Simulation::with_increments(1);
-        simulation.solver.fixed_point.tolerance = tolerance;
-        let error = run(simulation).expect("refused");
-        assert_says(&error, &["tolerance", &tolerance.to_string()]);
+        for simulation in [
+            Simulation::solved_by(Automatic::with_tolerance(tolerance), 1),
+            {
+                let mut simulation = Simulation::with_increments(1);
+                simulation.solver.newton.tolerance = tolerance;
+                simulation
+            },
+        ] {
+            let error = run(simulation).expect("refused");
+            assert_says(&error, &["tolerance", &tolerance.to_string()]);
+        }
     }
     let mut simulation = Simulation::with_increments(1);
-    simulation.solver.fixed_point.max_iterations = 0;
+    simulation.solver.fixed_point.fixed_point.max_iterations = 0;
     assert!(run(simulation).is_some());
     for points in [0, 65] {
         let mut scene = alone(held(0.0));

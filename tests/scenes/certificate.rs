@@ -280,7 +280,6 @@ fn an_observer_may_stop_at_a_bad_certificate() {
     let mut problem = disc_in_disc(32, Roles::default());
     let strict = Limits::default().with(Condition::NodalPenetration, 0.0);
     let mut simulation = contact_fem::Simulation::with_increments(8);
-    simulation.solver.fixed_point.tolerance = 1e-6;
     let history = simulation.run_observed(&mut problem, |step| {
         match step.record.certificate.holds(&strict) {
             true => ControlFlow::Continue(()),

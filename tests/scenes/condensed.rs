@@ -2,7 +2,6 @@
 
 use contact_core::equilibrium::Condensed;
 use contact_core::{InteriorPoint, Retry};
-use contact_fem::certificate::{Condition, Limits};
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::model::{Integration, Problem};
@@ -12,23 +11,7 @@ use contact_fem::{Body, LinearElastic, NeoHookean, Scene, Simulation};
 use ipopt_contact_scenes::beams::{Beams, Law};
 use ipopt_contact_scenes::blocks::{self, Blocks};
 use ipopt_contact_scenes::hertz::{Fineness, Hertz};
-use ipopt_contact_scenes::{cantilevers, pair};
-
-/// Limits of the certificate, those on what a solver leaves ten times tighter.
-fn tight() -> Limits {
-    let left = [
-        Condition::WeakPenetration,
-        Condition::Adhesion,
-        Condition::Complementarity,
-        Condition::Stationarity,
-        Condition::ActionReaction,
-        Condition::Balance,
-    ];
-    let limits = Limits::default();
-    left.into_iter().fold(limits, |limits, condition| {
-        limits.with(condition, 0.1 * Limits::default().of(condition))
-    })
-}
+use ipopt_contact_scenes::{cantilevers, pair, tight};
 
 fn condensed<const D: usize>(scene: Scene<D>, increments: usize) -> (Problem<D>, History<D>) {
     let mut problem = scene.problem().expect("valid scene");

@@ -264,7 +264,7 @@ impl<const D: usize> Full<'_, D> {
                 },
                 rows: self.lean.contact_nodes() - solution.gaps.len(),
                 solves: 0,
-                hessians: cost.iterations.saturating_sub(cost.hessians),
+                hessians: cost.inner_iterations.saturating_sub(cost.hessians),
             },
         }
     }

@@ -5,6 +5,7 @@
 mod common;
 
 mod audit;
+mod automatic;
 mod bad_input;
 mod beams;
 mod certificate;

@@ -388,7 +388,7 @@ fn results_and_iterations_do_not_depend_on_units() {
             let history = run_with(method().as_mut(), &mut problem, 10, 1e-7);
             assert_eq!(history.run.ending, Ending::Complete);
             let attempts = history.steps.iter().map(|step| &step.attempt);
-            let counts = attempts.map(|a| (a.iterations.len(), a.cost.iterations));
+            let counts = attempts.map(|a| (a.iterations.len(), a.cost.inner_iterations));
             let energy = history.steps.last().expect("steps").energy;
             (energy / (modulus * length * length), counts.collect())
         };
@@ -459,7 +459,11 @@ fn warm_solves_at_a_large_penalty_take_few_iterations() {
     let history = run(&mut problem, 5, 1e-6);
     let mut method = PenalizedSlack::with(Continuation::fixed(1e12));
     let found = solved(&mut problem, &mut method, history.run.state.u);
-    let iterations: Vec<usize> = found.history.iter().map(|i| i.cost.iterations).collect();
+    let iterations: Vec<usize> = found
+        .history
+        .iter()
+        .map(|i| i.cost.inner_iterations)
+        .collect();
     assert!(iterations.iter().all(|&n| n <= 20), "{iterations:?}");
 }
 

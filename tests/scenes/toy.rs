@@ -9,8 +9,8 @@ use contact_core::linear::SymmetricPattern;
 use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalty, Subproblem};
 use contact_core::nlp::Bounds;
 use contact_core::{
-    Acceleration, ContactProblem, Ending, Energy, Equilibrium, Error, FixedPoint, InteriorPoint,
-    LoadStepped, LoadSteps, Outcome, Retry, Solved, State, Stop,
+    Acceleration, Automatic, ContactProblem, Ending, Energy, Equilibrium, Error, FixedPoint,
+    InteriorPoint, LoadStepped, LoadSteps, Outcome, Retry, Solved, State, Stop,
 };
 
 /// E(u) = ½ k |u|² − t f·u with load factor t for one point in the plane, outside the unit disc around (0, −1).
@@ -103,6 +103,32 @@ fn exact(force: [f64; 2]) -> ([f64; 2], f64) {
     let r = d[0].hypot(d[1]);
     let u = [CENTRE[0] + d[0] / r, CENTRE[1] + d[1] / r];
     (u, 1.0 - r)
+}
+
+/// Newton's method does not treat bounds: the default solver gives such problems to Ipopt. The point ends where the circle
+/// meets its bound.
+#[test]
+fn a_point_on_a_circle_with_a_bound() {
+    let mut problem = Point::pulled([0.6, -1.3]);
+    problem.bounds.upper[0] = 0.1;
+    let mut solver = Automatic::with_tolerance(1e-9);
+    assert_eq!(solver.choice(&problem).solver, "ipopt");
+    let start = State {
+        u: vec![0.0; 2],
+        ..State::default()
+    };
+    let solution = solver.solve_from(&problem, start).expect("no misuse");
+    assert_eq!(solution.outcome, Outcome::Converged);
+    assert!(
+        solution
+            .history
+            .iter()
+            .all(|iteration| iteration.solver == "ipopt")
+    );
+    let expected = [0.1, CENTRE[1] + (1.0_f64 - 0.01).sqrt()];
+    for (u, expected) in solution.state.u.iter().zip(expected) {
+        assert!((u - expected).abs() < 1e-7, "{u} for {expected}");
+    }
 }
 
 #[test]

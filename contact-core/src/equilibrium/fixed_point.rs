@@ -1,7 +1,7 @@
 //! Algorithm 2: the symmetric fixed-point iteration on projections and normals.
 
 use super::journal::Journal;
-use super::{Acceleration, Equilibrium, Solution, StepContext, check_settings};
+use super::{Acceleration, Choice, Equilibrium, Solution, StepContext, check_settings};
 use crate::method::Method;
 use crate::{ContactProblem, Error, State};
 
@@ -64,6 +64,13 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
             journal.accept(gaps, minimum, error);
         }
         Ok(journal.solution())
+    }
+
+    fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
+        Choice {
+            solver: self.method.name(),
+            why: Choice::GIVEN,
+        }
     }
 
     fn validate(&self) -> Result<(), Error> {

@@ -6,7 +6,7 @@ use super::accuracy::Accuracy;
 use super::anderson::Anderson;
 use super::cycles::CycleDetector;
 use super::{FixedPoint, Iteration, Solution, least_displacement};
-use crate::method::{Minimum, Subproblem, check_bounds};
+use crate::method::{Method, Minimum, Subproblem, check_bounds};
 use crate::{ContactProblem, Cost, Error, LinearGaps, Multipliers, Outcome, Solved, State, Stop};
 
 /// The state of a running fixed-point iteration.
@@ -16,6 +16,8 @@ pub(super) struct Journal<'a> {
     /// Lower bound on the denominator of the relative change (UL).
     pub least: f64,
     problem: &'a dyn ContactProblem,
+    /// The name of the method.
+    solver: &'static str,
     tolerance: f64,
     max_iterations: usize,
     anderson: Anderson,
@@ -36,7 +38,7 @@ impl<'a> Journal<'a> {
     const GUESS: f64 = 1.0;
 
     /// Before the first iteration.
-    pub fn new<M>(
+    pub fn new<M: Method>(
         settings: &FixedPoint<M>,
         problem: &'a dyn ContactProblem,
         start: State,
@@ -48,6 +50,7 @@ impl<'a> Journal<'a> {
         Ok(Journal {
             least: least_displacement(problem),
             problem,
+            solver: settings.method.name(),
             tolerance: settings.tolerance,
             max_iterations: settings.max_iterations,
             anderson: Anderson::of(settings.acceleration),
@@ -61,6 +64,7 @@ impl<'a> Journal<'a> {
                 gaps: LinearGaps::new(false),
                 lambda: Vec::new(),
                 history: Vec::new(),
+                failed: Vec::new(),
             },
             point: start,
             clock: Instant::now(),
@@ -112,10 +116,11 @@ impl<'a> Journal<'a> {
             _ => f64::INFINITY,
         };
         self.solution.history.push(Iteration {
+            solver: self.solver,
             error,
             rows: gaps.len(),
             cost: Cost {
-                fixed_point: 1,
+                outer_iterations: 1,
                 projection: self.projection,
                 wall: self.clock.elapsed().as_secs_f64(),
                 ..minimum.cost

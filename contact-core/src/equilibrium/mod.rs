@@ -8,12 +8,15 @@
 //! | `accuracy` | the accuracy asked of the next subproblem |
 //! | `anderson` | the next iterate |
 //! | `cycles` | detection of periodic iterates |
+//! | `automatic` | the solver that fits a problem, with the feature `linear` |
 //! | `retry` | further attempts where the fixed point does not converge |
 //! | `newton` | Newton's method with contact condensed onto its rows, with the feature `linear` |
 //! | `condensed` | convex quadratic programs condensed onto their rows, with the feature `linear` |
 
 mod accuracy;
 pub mod anderson;
+#[cfg(feature = "linear")]
+mod automatic;
 #[cfg(feature = "linear")]
 mod condensed;
 mod cycles;
@@ -25,15 +28,19 @@ mod retry;
 
 pub use anderson::Acceleration;
 #[cfg(feature = "linear")]
+pub use automatic::Automatic;
+#[cfg(feature = "linear")]
 pub use condensed::Condensed;
 pub use fixed_point::{FixedPoint, relative_change};
 #[cfg(feature = "linear")]
 pub use newton::CondensedNewton;
 pub use retry::Retry;
 
-use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, State, Stop};
+use std::fmt;
+
 #[cfg(feature = "linear")]
-use crate::{gaps::Sampling, method::check_bounds};
+use crate::{Bounds, gaps::Sampling, method::check_bounds};
+use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, State, Stop};
 
 /// A solver for equilibrium at one load.
 pub trait Equilibrium {
@@ -55,6 +62,14 @@ pub trait Equilibrium {
     /// The first setting that is out of range.
     fn validate(&self) -> Result<(), Error> {
         Ok(())
+    }
+
+    /// The solver that `problem` gets first, for records.
+    fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
+        Choice {
+            solver: "custom",
+            why: Choice::GIVEN,
+        }
     }
 
     /// Solves a single problem, without load steps.
@@ -82,6 +97,10 @@ impl<E: Equilibrium + ?Sized> Equilibrium for &mut E {
         (**self).solve(problem, start, context)
     }
 
+    fn choice(&self, problem: &dyn ContactProblem) -> Choice {
+        (**self).choice(problem)
+    }
+
     fn validate(&self) -> Result<(), Error> {
         (**self).validate()
     }
@@ -97,9 +116,33 @@ impl<E: Equilibrium + ?Sized> Equilibrium for Box<E> {
         (**self).solve(problem, start, context)
     }
 
+    fn choice(&self, problem: &dyn ContactProblem) -> Choice {
+        (**self).choice(problem)
+    }
+
     fn validate(&self) -> Result<(), Error> {
         (**self).validate()
     }
+}
+
+/// A solver and the reason why it was chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// Its name: `ipopt`, `newton`, `condensed`, or `custom` for solvers of other crates.
+    pub solver: &'static str,
+    /// The reason.
+    pub why: &'static str,
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({})", self.solver, self.why)
+    }
+}
+
+impl Choice {
+    /// The reason of a solver that does not look at the problem.
+    pub const GIVEN: &str = "as asked for";
 }
 
 /// The load step that a solve belongs to.
@@ -130,10 +173,12 @@ impl<'a> StepContext<'a> {
     }
 }
 
-/// One iteration of Algorithm 2.
+/// One iteration of the fixed point or of Newton's method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iteration {
-    /// The relative change of step 6; infinite if the subproblem was not solved.
+    /// The solver, see [`Choice::solver`].
+    pub solver: &'static str,
+    /// The relative change of u, see [`relative_change`]; infinite if the subproblem was not solved.
     pub error: f64,
     /// The number of rows.
     pub rows: usize,
@@ -154,14 +199,43 @@ pub struct Solution {
     pub gaps: LinearGaps,
     /// Their multipliers λ ≥ 0 (UF).
     pub lambda: Vec<f64>,
-    /// One entry per iteration.
+    /// One entry per iteration, those of failed attempts included.
     pub history: Vec<Iteration>,
+    /// The attempts at this load that failed before, in order.
+    pub failed: Vec<Failed>,
+}
+
+/// An attempt at a load step after which another solver, or another setting, was tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failed {
+    /// The solver, see [`Choice::solver`].
+    pub solver: &'static str,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+impl fmt::Display for Failed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.solver, self.outcome)
+    }
 }
 
 impl Solution {
     /// The sum of the costs in the history.
     pub fn cost(&self) -> Cost {
         self.history.iter().map(|iteration| iteration.cost).sum()
+    }
+
+    /// This solution after `first` by `solver`, which failed.
+    fn after(mut self, first: Solution, solver: &'static str) -> Self {
+        self.history.splice(..0, first.history);
+        let own = Failed {
+            solver,
+            outcome: first.outcome,
+        };
+        self.failed
+            .splice(..0, first.failed.into_iter().chain([own]));
+        self
     }
 }
 
@@ -199,6 +273,16 @@ fn rows_of_both_roles(problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearG
     Ok(forward.and(problem.linearize_reversed(u, Sampling::Nodes)?))
 }
 
+/// An unknown and its bound (UL), if there is one.
+#[cfg(feature = "linear")]
+fn finite_bound(bounds: &Bounds) -> Option<(usize, f64)> {
+    let of = |bounds: &[f64]| {
+        let mut all = bounds.iter().copied().enumerate();
+        all.find(|(_, bound)| bound.is_finite())
+    };
+    of(&bounds.lower).or_else(|| of(&bounds.upper))
+}
+
 /// Checks the start, and that no unknown has a finite bound, which `solver` does not treat.
 #[cfg(feature = "linear")]
 fn check_unbounded(
@@ -209,12 +293,11 @@ fn check_unbounded(
     let (bounds, dofs) = (problem.bounds(), problem.energy().dofs());
     Error::check_vector("start.u", &start.u, dofs)?;
     check_bounds(bounds, dofs)?;
-    let mut all = bounds.lower.iter().chain(&bounds.upper).enumerate();
-    match all.find(|(_, bound)| bound.is_finite()) {
+    match finite_bound(bounds) {
         Some((k, bound)) => Err(Error::Untreated {
             solver,
             what: "a bound on the unknowns",
-            value: format!("{bound} on unknown {}", k % dofs),
+            value: format!("{bound} on unknown {k}"),
             remedy: "state it as a row of the gaps, or solve by `FixedPoint`",
         }),
         None => Ok(()),

@@ -1,7 +1,7 @@
 //! Further attempts where the fixed-point iteration cycles or reaches its limit, as it may near a kink of the
 //! projections.
 
-use super::{Acceleration, Equilibrium, FixedPoint, Solution, StepContext};
+use super::{Acceleration, Choice, Equilibrium, FixedPoint, Solution, StepContext};
 use crate::method::Method;
 use crate::{ContactProblem, Error, Outcome, State};
 
@@ -42,15 +42,16 @@ impl<M: Method> Equilibrium for Retry<M> {
                 Acceleration::Plain => start.clone(),
                 Acceleration::Anderson(_) => (context.lifted)(),
             };
-            let mut history = std::mem::take(&mut solution.history);
             self.fixed_point.acceleration = acceleration;
             let again = self.fixed_point.solve(problem, start, context);
             self.fixed_point.acceleration = accelerated;
-            solution = again?;
-            history.append(&mut solution.history);
-            solution.history = history;
+            solution = again?.after(solution, self.fixed_point.method.name());
         }
         Ok(solution)
+    }
+
+    fn choice(&self, problem: &dyn ContactProblem) -> Choice {
+        self.fixed_point.choice(problem)
     }
 
     fn validate(&self) -> Result<(), Error> {

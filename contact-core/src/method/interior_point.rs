@@ -88,6 +88,10 @@ impl InteriorPoint {
 }
 
 impl Method for InteriorPoint {
+    fn name(&self) -> &'static str {
+        "ipopt"
+    }
+
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
         check_tolerance("tolerance", self.tolerance)?;
         check_tolerance("complementarity", self.complementarity)?;

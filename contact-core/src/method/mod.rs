@@ -58,6 +58,11 @@ pub(crate) fn check_bounds(bounds: &Bounds, dofs: usize) -> Result<(), Error> {
 
 /// A method for step 5: it minimises E(u) subject to C u + c₀ ≥ 0.
 pub trait Method {
+    /// The name of the optimiser, for records.
+    fn name(&self) -> &'static str {
+        "custom"
+    }
+
     /// The rows that the method needs; by default one per contact node.
     fn sampling(&self) -> Sampling {
         Sampling::Nodes
@@ -68,6 +73,10 @@ pub trait Method {
 }
 
 impl<M: Method + ?Sized> Method for &mut M {
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
+
     fn sampling(&self) -> Sampling {
         (**self).sampling()
     }
@@ -78,6 +87,10 @@ impl<M: Method + ?Sized> Method for &mut M {
 }
 
 impl<M: Method + ?Sized> Method for Box<M> {
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
+
     fn sampling(&self) -> Sampling {
         (**self).sampling()
     }

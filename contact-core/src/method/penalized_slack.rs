@@ -36,6 +36,10 @@ impl PenalizedSlack {
 }
 
 impl Method for PenalizedSlack {
+    fn name(&self) -> &'static str {
+        "ipopt"
+    }
+
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
         let remedy = "choose a positive multiple of the length scale, such as 1";
         Error::check_setting(self.bound > 0.0, "bound", self.bound, remedy)?;

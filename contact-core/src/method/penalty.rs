@@ -51,6 +51,10 @@ impl Penalty {
 }
 
 impl Method for Penalty {
+    fn name(&self) -> &'static str {
+        "ipopt"
+    }
+
     fn sampling(&self) -> Sampling {
         Sampling::Points
     }

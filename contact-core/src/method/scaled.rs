@@ -191,11 +191,12 @@ impl<'a> Scaled<'a> {
         Cost {
             solves: totals.warm + totals.cold,
             cold_retries: totals.cold_retries,
-            iterations: totals.iterations,
+            inner_iterations: totals.iterations,
             factorizations: totals.factorizations,
             values: self.values,
             gradients: self.gradients,
             hessians: self.hessians,
+            reused_hessians: totals.iterations.saturating_sub(self.hessians),
             callbacks: self.seconds,
             optimizer: wall - self.seconds,
             wall,

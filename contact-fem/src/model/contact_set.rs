@@ -400,6 +400,7 @@ mod tests {
             let mut u = rest.clone();
             u[0] += 1e-3;
             let solution = Solution {
+                failed: Vec::new(),
                 lambda: vec![1.0; gaps.len()],
                 state: State {
                     u,

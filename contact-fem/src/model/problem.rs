@@ -178,6 +178,10 @@ impl<const D: usize> ContactProblem for Problem<D> {
         &self.bounds
     }
 
+    fn has_exact_gaps(&self) -> bool {
+        self.is_exact()
+    }
+
     fn scale(&self) -> Scale {
         self.scale
     }

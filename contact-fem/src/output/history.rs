@@ -91,8 +91,8 @@ impl Tables {
 
 /// The cost of an attempt, converged or not: the last columns of a step.
 const COST_COLUMNS: [&str; 13] = [
-    "fixed_point_iterations",
-    "ipopt_iterations",
+    "iterations",
+    "inner_iterations",
     "factorizations",
     "solves",
     "cold_retries",
@@ -113,14 +113,15 @@ fn certificate_columns() -> impl Iterator<Item = String> {
     names.map(|name| format!("certificate_{name}"))
 }
 
-const ITERATION_COLUMNS: [&str; 16] = [
+const ITERATION_COLUMNS: [&str; 17] = [
     "increment",
     "from",
     "factor",
     "iteration",
+    "solver",
     "error",
     "rows",
-    "ipopt_iterations",
+    "inner_iterations",
     "factorizations",
     "solves",
     "cold_retries",
@@ -133,7 +134,15 @@ const ITERATION_COLUMNS: [&str; 16] = [
 ];
 
 fn step_columns<const D: usize>(bodies: &[String]) -> Vec<String> {
-    let mut columns = strings(&["increment", "from", "factor", "outcome", "energy"]);
+    let mut columns = strings(&[
+        "increment",
+        "from",
+        "factor",
+        "outcome",
+        "solver",
+        "failed",
+        "energy",
+    ]);
     for quantity in ["reaction", "contact_force"] {
         for body in bodies {
             let axes = ["x", "y", "z"].into_iter().take(D);
@@ -157,11 +166,14 @@ fn step_line<const D: usize>(
     bodies: usize,
 ) -> Vec<String> {
     let increment = record.and_then(|record| record.increment);
+    let failed: Vec<String> = attempt.failed.iter().map(ToString::to_string).collect();
     let mut line = vec![
         increment.map_or_else(String::new, |k| k.to_string()),
         number(attempt.from),
         number(attempt.to),
         attempt.outcome.to_string(),
+        attempt.solver().unwrap_or_default().to_owned(),
+        failed.join("; "),
         number(attempt.energy),
     ];
     match record {
@@ -205,6 +217,7 @@ fn iteration_lines(attempt: &Attempt, increment: Option<usize>) -> Vec<Vec<Strin
             number(attempt.from),
             number(attempt.to),
             (k + 1).to_string(),
+            iteration.solver.to_owned(),
             number(iteration.error),
             iteration.rows.to_string(),
         ];
@@ -217,7 +230,7 @@ fn iteration_lines(attempt: &Attempt, increment: Option<usize>) -> Vec<Vec<Strin
 
 fn counts(cost: &Cost) -> [String; 7] {
     [
-        cost.iterations,
+        cost.inner_iterations,
         cost.factorizations,
         cost.solves,
         cost.cold_retries,
@@ -310,10 +323,11 @@ mod tests {
 
     fn attempt(to: f64, outcome: Outcome) -> Attempt {
         let iteration = Iteration {
+            solver: "ipopt",
             error: 0.25,
             rows: 7,
             cost: Cost {
-                iterations: 11,
+                inner_iterations: 11,
                 projection: 0.5,
                 ..Cost::default()
             },
@@ -329,6 +343,7 @@ mod tests {
                 wall: 4.0,
                 ..[iteration.cost; 2].into_iter().sum()
             },
+            failed: Vec::new(),
             iterations: vec![iteration; 2],
         }
     }
@@ -375,7 +390,7 @@ mod tests {
         assert_eq!(steps[0][at("rows")], "7");
         assert_eq!(steps[0][at("penetration")], "0");
         assert_eq!(steps[0][at("weak_penetration")], "1e-12");
-        assert_eq!(steps[0][at("ipopt_iterations")], "22");
+        assert_eq!(steps[0][at("inner_iterations")], "22");
         assert_eq!(steps[0][at("certificate_stationarity")], "1e-9");
         assert_eq!(steps[0][at("certificate_drift")], "");
         assert_eq!(steps[0][at("certificate_holds")], "false");
@@ -395,15 +410,12 @@ mod tests {
         tables.finish(&history).expect("written");
         let steps = read(tables.path());
         assert_eq!(steps.len(), 2);
-        assert_eq!(
-            steps[0][at("outcome")],
-            "iteration limit of the fixed point"
-        );
+        assert_eq!(steps[0][at("outcome")], "iteration limit");
         assert_eq!(steps[0][at("reaction_ring_y")], "");
         assert_eq!(steps[0][at("min_j")], "0.75");
         assert_eq!(steps[0][at("certificate_holds")], "");
         assert_eq!(steps[0][at("rows")], "");
-        assert_eq!(steps[0][at("ipopt_iterations")], "22");
+        assert_eq!(steps[0][at("inner_iterations")], "22");
         assert_eq!(steps[1][at("increment")], "1");
         assert_eq!(read(&folder.join("run_iterations.csv")).len(), 4);
         std::fs::remove_dir_all(&folder).expect("removed");

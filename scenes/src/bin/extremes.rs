@@ -32,7 +32,7 @@ struct Arguments {
     #[arg(long, default_value = "")]
     filter: String,
     /// How a load increment is solved
-    #[arg(long, value_enum, default_value_t = Solver::Ipopt)]
+    #[arg(long, value_enum, default_value_t = Solver::Automatic)]
     solver: Solver,
     /// Seconds after which a case is given up
     #[arg(long, default_value_t = 120)]
@@ -52,6 +52,9 @@ fn main() -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     cases.retain(|case| case.name.contains(&arguments.filter) && (case.quick || !arguments.quick));
+    if cases.is_empty() {
+        return Err(format!("no case has `{}` in its name", arguments.filter).into());
+    }
     files::make_folder(&arguments.out)?;
     let mut entries = Vec::new();
     for (k, case) in cases.iter().enumerate() {

@@ -218,7 +218,7 @@ impl<const D: usize> Setting<D> {
                 return Ok(());
             }
         };
-        let solver = solver.with_tolerance(1e-8);
+        let solver = solver.with_tolerance(Some(1e-8));
         let mut simulation = Simulation::solved_by(solver, increments);
         let history = simulation.run(&mut problem)?;
         let certificate = history.certificate();
@@ -226,7 +226,7 @@ impl<const D: usize> Setting<D> {
         let cost = history.run.cost();
         entry.certificate = certificate.is_some_and(holds);
         entry.factorisations = cost.factorizations;
-        entry.iterations = cost.fixed_point;
+        entry.iterations = cost.outer_iterations;
         let ending = history.run.ending.to_string();
         if !history.is_complete() {
             entry.outcome = "not converged".to_string();

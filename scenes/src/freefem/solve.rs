@@ -11,7 +11,7 @@ use contact_fem::simulation::History;
 use contact_fem::{Simulation, StepRecord};
 
 use super::cases::{Built, Case, Size};
-use crate::{Failure, files};
+use crate::{Failure, cli::Solver, files};
 
 /// Solves the case and writes `result.txt`, `history.txt`, `displacement_BODY.txt` and
 /// `pressure_BODY.txt` to `folder`.
@@ -31,8 +31,8 @@ fn run<const D: usize>(
     folder: &Path,
 ) -> Result<(), Failure> {
     let increments = size.of(case.increments);
-    let mut simulation = Simulation::with_increments(increments);
-    simulation.solver.fixed_point.tolerance = case.tolerance;
+    let solver = Solver::Ipopt.with_tolerance(Some(case.tolerance));
+    let mut simulation = Simulation::solved_by(solver, increments);
     let history = simulation.run(&mut problem)?;
     let seconds = clock.elapsed().as_secs_f64();
     files::write(folder.join("history.txt"), lines(case, &history))?;
@@ -100,8 +100,8 @@ fn result<const D: usize>(
     let is_complete = history.run.ending == Ending::Complete;
     let mut values = vec![
         ("increments", increments as f64),
-        ("fixed_point_iterations", cost.fixed_point as f64),
-        ("ipopt_iterations", cost.iterations as f64),
+        ("fixed_point_iterations", cost.outer_iterations as f64),
+        ("ipopt_iterations", cost.inner_iterations as f64),
         ("seconds_total", seconds),
         ("seconds_rows", cost.projection),
         ("seconds_ipopt", cost.optimizer),

@@ -212,8 +212,8 @@ fn ended<const D: usize>(
     let cost = history.run.cost();
     Ok(history.run.solution.map(|solution| Ended {
         penetration: problem.relative_penetration(&solution.state.u),
-        fixed_point: cost.fixed_point,
-        ipopt: cost.iterations,
+        fixed_point: cost.outer_iterations,
+        ipopt: cost.inner_iterations,
         solution,
     }))
 }

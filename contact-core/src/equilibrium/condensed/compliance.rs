@@ -69,6 +69,7 @@ impl Compliance {
         stop: &Stop,
     ) -> Result<(), Halt> {
         let first = self.rows.len();
+        Halt::if_too_many(first + more.len())?;
         self.rows.extend(more);
         more.iter().for_each(|&k| self.is_held[k] = true);
         for (block, share) in stiffness.blocks_mut().iter_mut().zip(&mut self.shares) {

@@ -15,6 +15,8 @@ pub(in crate::equilibrium) enum Halt {
     Stopped,
 }
 
+/// The most rows that are condensed: their dense compliance has 8 rows² bytes, and its solution takes twice as much again.
+const MOST_ROWS: usize = 20_000;
 /// Rows that no unknown moves may overlap by this share of the problem's length.
 const IMMOVABLE: f64 = 1e-9;
 
@@ -23,6 +25,16 @@ impl Halt {
     pub fn if_requested(stop: &Stop) -> Result<(), Halt> {
         match stop.is_requested() {
             true => Err(Halt::Stopped),
+            false => Ok(()),
+        }
+    }
+
+    /// [`Halt::Failed`] if the compliance of so many rows is too large.
+    pub fn if_too_many(rows: usize) -> Result<(), Halt> {
+        match rows > MOST_ROWS {
+            true => Err(Halt::Failed(format!(
+                "{rows} rows may act, and a dense compliance is kept for {MOST_ROWS} at most: solve by `FixedPoint`"
+            ))),
             false => Ok(()),
         }
     }

@@ -31,7 +31,7 @@ use self::rounds::{Iterate, Rounds};
 use self::rows::Rows;
 use self::stiffness::Stiffness;
 use super::{
-    Equilibrium, Iteration, Solution, StepContext, check_unbounded, least_displacement,
+    Choice, Equilibrium, Iteration, Solution, StepContext, check_unbounded, least_displacement,
     relative_change, rows_of_both_roles,
 };
 use crate::cost::FactorSize;
@@ -140,12 +140,13 @@ impl Equilibrium for Condensed {
                 gaps: LinearGaps::new(true),
                 lambda: Vec::new(),
                 history: Vec::new(),
+                failed: Vec::new(),
             });
         }
         let gaps = rows_of_both_roles(problem, &start.u)?;
         check_gaps(&gaps)?;
         let mut cost = Cost {
-            fixed_point: 1,
+            outer_iterations: 1,
             values: 2,
             projection: clock.elapsed().as_secs_f64(),
             ..Cost::default()
@@ -185,7 +186,9 @@ impl Equilibrium for Condensed {
                 multipliers: Multipliers::new(&gaps, &lambda),
                 u: at.u,
             },
+            failed: Vec::new(),
             history: vec![Iteration {
+                solver: NAME,
                 error,
                 rows: gaps.len(),
                 cost,
@@ -194,8 +197,17 @@ impl Equilibrium for Condensed {
             lambda,
         })
     }
+
+    fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
+        Choice {
+            solver: NAME,
+            why: Choice::GIVEN,
+        }
+    }
 }
 
+/// The name in records.
+const NAME: &str = "condensed";
 /// Parallel rows share a force where their gaps differ by no more than this share of the problem's length.
 const TIE: f64 = 1e-12;
 

@@ -156,7 +156,7 @@ impl Rounds<'_> {
             )));
         }
         self.cost.solves += 1;
-        self.cost.iterations += solved.steps;
+        self.cost.inner_iterations += solved.steps;
         let mut change = vec![0.0; lambda.len()];
         for (&k, l) in rows.iter().zip(&solved.lambda) {
             change[k] = l - lambda[k];

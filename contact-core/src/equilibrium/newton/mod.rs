@@ -5,6 +5,7 @@
 //! | `linearization` | E and the gaps at u, to second order |
 //! | `step` | Newton's step, the solution of the linearised contact problem |
 //! | `tangent` | the matrix that is factored |
+//! | `watchdog` | progress, and the way back where there is none |
 //!
 //! An equilibrium of Algorithm 2 satisfies ∇E(u) = C(u)ᵀλ and 0 ≤ λ ⟂ c(u) ≥ 0, with projections and normals taken at u
 //! itself. With K = ∇²E, G = ∂c/∂u and D = ∂(C(u)ᵀλ)/∂u at u, Newton's step x and the new multipliers μ solve
@@ -26,6 +27,7 @@ mod step;
 mod tangent;
 #[cfg(test)]
 mod tests;
+mod watchdog;
 
 use std::fmt;
 use std::time::Instant;
@@ -33,9 +35,10 @@ use std::time::Instant;
 use self::linearization::Linearization;
 use self::step::Step;
 use self::tangent::Tangent;
+use self::watchdog::Watchdog;
 use super::condensed::halt::Halt;
 use super::{
-    Equilibrium, Iteration, Solution, StepContext, check_settings, check_unbounded,
+    Choice, Equilibrium, Iteration, Solution, StepContext, check_settings, check_unbounded,
     least_displacement, relative_change, rows_of_both_roles,
 };
 use crate::cost::FactorSize;
@@ -49,12 +52,12 @@ use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcom
 /// [`ContactProblem::vary_gaps`]. It is accurate to a hundredth: near the solution each one leaves about a hundredth of
 /// the error, or less.
 ///
-/// A step is shortened where it would take a domain function ([`Energy::domain`]) below a tenth of its value. There is
-/// no other safeguard: a state that this iteration converges to is an equilibrium, and may be an unstable one.
+/// A step is shortened where it would take a domain function ([`Energy::domain`]) below a tenth of its value. Where neither
+/// energy and overlap nor the change of u fall for a few iterations, the method returns to the best state and takes a shorter
+/// step. A converged state is checked at u itself: rows, forces and what they would still move.
 ///
-/// A converged state is checked at u itself: rows, forces and what they would still move.
-///
-/// The factor is kept for the next iteration and the next load step while steps are short and easily corrected. Clones start without it.
+/// The factor is kept for the next iteration and the next load step while steps are short and easily corrected. Clones
+/// start without it.
 ///
 /// In [`Cost`], a fixed-point iteration is a step of Newton's method, a solve is a linear complementarity problem, and an
 /// iteration is a step towards its active rows.
@@ -94,6 +97,8 @@ impl fmt::Debug for CondensedNewton {
     }
 }
 
+/// The name in records.
+const NAME: &str = "newton";
 /// A step may not take a domain function below this share of its value.
 const GUARD: f64 = 0.1;
 /// A small step with a larger shift of the diagonal, relative to K's, does not show convergence.
@@ -110,27 +115,35 @@ impl Equilibrium for CondensedNewton {
     ) -> Result<Solution, Error> {
         self.validate()?;
         check_unbounded(problem, &start, "CondensedNewton")?;
-        let energy = problem.energy().value(&start.u);
-        let mut iterate = Iterate {
+        let mut at = Point {
             gaps: LinearGaps::new(false),
             lambda: Vec::new(),
-            history: Vec::new(),
             state: start,
         };
+        let mut history = Vec::new();
+        let energy = problem.energy().value(&at.state.u);
         let outcome = match energy.is_finite() {
             true => self
-                .iterate(problem, &mut iterate, context)
+                .iterate(problem, &mut at, energy, &mut history, context)
                 .or_else(Halt::outcome)?,
             false => Outcome::InadmissibleStart,
         };
         Ok(Solution {
             outcome,
-            energy: problem.energy().value(&iterate.state.u),
-            state: iterate.state,
-            gaps: iterate.gaps,
-            lambda: iterate.lambda,
-            history: iterate.history,
+            energy: problem.energy().value(&at.state.u),
+            state: at.state,
+            gaps: at.gaps,
+            lambda: at.lambda,
+            history,
+            failed: Vec::new(),
         })
+    }
+
+    fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
+        Choice {
+            solver: NAME,
+            why: Choice::GIVEN,
+        }
     }
 
     fn validate(&self) -> Result<(), Error> {
@@ -139,12 +152,12 @@ impl Equilibrium for CondensedNewton {
     }
 }
 
-/// The last iterate, with the rows at its u, and the history.
-struct Iterate {
+/// u and its multipliers, with the rows at u.
+#[derive(Clone)]
+struct Point {
     state: State,
     gaps: LinearGaps,
     lambda: Vec<f64>,
-    history: Vec<Iteration>,
 }
 
 impl CondensedNewton {
@@ -159,12 +172,12 @@ impl CondensedNewton {
     fn iterate(
         &mut self,
         problem: &dyn ContactProblem,
-        at: &mut Iterate,
+        at: &mut Point,
+        start: f64,
+        history: &mut Vec<Iteration>,
         context: &StepContext<'_>,
     ) -> Result<Outcome, Halt> {
-        let stop = context.stop;
         let energy = problem.energy();
-        let least = least_displacement(problem);
         let kept = self
             .kept
             .take()
@@ -175,24 +188,32 @@ impl CondensedNewton {
         if context.from == 0.0 {
             tangent.begin();
         }
-        at.gaps = rows_of_both_roles(problem, &at.state.u)?;
-        at.name_multipliers();
+        at.project(problem)?;
+        let mut iterate = Iterate {
+            watchdog: Watchdog::new(at, start),
+            problem,
+            at,
+            least: least_displacement(problem),
+            tolerance: self.tolerance,
+            stop: context.stop,
+        };
         for _ in 0..self.max_iterations {
-            if stop.is_requested() {
+            if context.stop.is_requested() {
                 return Ok(Outcome::Interrupted);
             }
             let clock = Instant::now();
             let mut cost = Cost {
-                fixed_point: 1,
+                outer_iterations: 1,
                 ..Cost::default()
             };
-            let moved = at.moved(problem, tangent, least, self.tolerance, stop, &mut cost);
+            let moved = iterate.moved(tangent, &mut cost);
             cost.wall = clock.elapsed().as_secs_f64();
             cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
             cost.factor = Some(FactorSize::of_entries(tangent.fill()));
-            at.history.push(Iteration {
+            history.push(Iteration {
+                solver: NAME,
                 error: moved.as_ref().map_or(f64::INFINITY, |moved| moved.error),
-                rows: at.gaps.len(),
+                rows: iterate.at.gaps.len(),
                 cost,
             });
             if moved?.is_over {
@@ -203,6 +224,17 @@ impl CondensedNewton {
     }
 }
 
+/// The iteration at one load.
+struct Iterate<'a> {
+    problem: &'a dyn ContactProblem,
+    at: &'a mut Point,
+    watchdog: Watchdog,
+    /// Lower bound on the size of the displacements (UL), and bound on their relative change.
+    least: f64,
+    tolerance: f64,
+    stop: &'a Stop,
+}
+
 /// How an iteration went.
 struct Moved {
     /// The relative change of u.
@@ -211,19 +243,12 @@ struct Moved {
     is_over: bool,
 }
 
-impl Iterate {
+impl Iterate<'_> {
     /// Moves by one step of Newton's method.
-    fn moved(
-        &mut self,
-        problem: &dyn ContactProblem,
-        tangent: &mut Tangent,
-        least: f64,
-        tolerance: f64,
-        stop: &Stop,
-        cost: &mut Cost,
-    ) -> Result<Moved, Halt> {
-        let size = self.size(least);
-        let here = Linearization::new(problem, &self.state, &self.gaps, cost)?;
+    fn moved(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Moved, Halt> {
+        let Iterate { problem, stop, .. } = *self;
+        let size = self.at.size(self.least);
+        let here = Linearization::new(problem, &self.at.state, &self.at.gaps, cost)?;
         let step = match Step::new(&here, tangent, size, stop, cost) {
             Err(Halt::Failed(_)) if !tangent.is_fresh() => {
                 tangent.forget();
@@ -231,41 +256,50 @@ impl Iterate {
             }
             step => step?,
         };
-        let (u, share) = guarded(problem.energy(), &self.state.u, &step.x)?;
-        let error = relative_change(&u, &self.state.u, least);
+        let before = &self.at.state.u;
+        let trial = Trial::new(problem.energy(), before, &step.x, self.watchdog.limit())?;
+        let error = relative_change(&trial.u, before, self.least);
         tangent.moved(error, step.corrections);
         let change = here.lambda.iter().zip(&step.lambda);
-        let lambda: Vec<f64> = change.map(|(l, m)| l + share * (m - l)).collect();
-        self.state = State {
-            multipliers: Multipliers::new(&self.gaps, &lambda),
-            u,
+        let lambda: Vec<f64> = change.map(|(l, m)| l + trial.share * (m - l)).collect();
+        self.at.state = State {
+            multipliers: Multipliers::new(&self.at.gaps, &lambda),
+            u: trial.u,
         };
         let clock = Instant::now();
-        self.gaps = rows_of_both_roles(problem, &self.state.u)?;
-        self.name_multipliers();
+        self.at.project(problem)?;
         cost.projection += clock.elapsed().as_secs_f64();
+        if let Some(best) = self.watchdog.judge(self.at, trial.energy, error) {
+            *self.at = best;
+            tangent.forget();
+            return Ok(Moved {
+                error,
+                is_over: false,
+            });
+        }
         // a shortened step and a shifted diagonal make small changes far from a solution
-        let is_small = error < tolerance && share == 1.0 && tangent.shift() <= SHIFT;
-        let bound = tolerance * self.size(least);
-        let is_over = is_small && self.is_equilibrium(problem, tangent, bound, cost)?;
+        let is_small = error < self.tolerance && trial.share == 1.0 && tangent.shift() <= SHIFT;
+        let bound = self.tolerance * self.at.size(self.least);
+        let is_over = is_small && self.at.is_equilibrium(problem, tangent, bound, cost)?;
         Ok(Moved { error, is_over })
     }
+}
 
+impl Point {
     /// The largest displacement, at least `least` (UL).
     fn size(&self, least: f64) -> f64 {
         self.state.u.iter().fold(least, |size, u| size.max(u.abs()))
     }
 
-    /// Gives each row at u its multiplier.
-    fn name_multipliers(&mut self) {
-        let known = self
-            .gaps
-            .keys()
-            .iter()
-            .map(|&key| self.state.multipliers.of(key));
+    /// Takes the rows at u, each with its multiplier.
+    fn project(&mut self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        self.gaps = rows_of_both_roles(problem, &self.state.u)?;
+        let keys = self.gaps.keys().iter();
+        let known = keys.map(|&key| self.state.multipliers.of(key));
         self.lambda = known
             .map(|l| if l.is_finite() { l.max(0.0) } else { 0.0 })
             .collect();
+        Ok(())
     }
 
     /// Whether rows and forces at u itself are in equilibrium: no row overlaps by more than `bound` (UL), none with a
@@ -296,28 +330,42 @@ impl Iterate {
     }
 }
 
-/// u + t x and t, the largest of 1, ½, ¼ … at which the energy is finite and all domain functions are above [`GUARD`] times
-/// their values.
-fn guarded(energy: &dyn Energy, u: &[f64], x: &[f64]) -> Result<(Vec<f64>, f64), Halt> {
-    let domain = |u: &[f64]| {
-        let mut d = vec![0.0; energy.domain_len()];
-        energy.domain(u, &mut d);
-        d
-    };
-    let now = domain(u);
-    let mut share = 1.0;
-    for _ in 0..HALVINGS {
-        let next: Vec<f64> = u.iter().zip(x).map(|(u, x)| u + share * x).collect();
-        let is_inside = domain(&next)
-            .iter()
-            .zip(&now)
-            .all(|(d, now)| *d > GUARD * now);
-        if is_inside && energy.value(&next).is_finite() {
-            return Ok((next, share));
+/// The end of a step.
+struct Trial {
+    /// u + t x.
+    u: Vec<f64>,
+    /// t.
+    share: f64,
+    /// E(u + t x) (UF·UL).
+    energy: f64,
+}
+
+impl Trial {
+    /// t is the largest of `limit` times 1, ½, ¼ … at which the energy is finite and all domain functions are above [`GUARD`]
+    /// times their values at u.
+    fn new(energy: &dyn Energy, u: &[f64], x: &[f64], limit: f64) -> Result<Self, Halt> {
+        let domain = |u: &[f64]| {
+            let mut d = vec![0.0; energy.domain_len()];
+            energy.domain(u, &mut d);
+            d
+        };
+        let now = domain(u);
+        let mut share = limit;
+        for _ in 0..HALVINGS {
+            let trial: Vec<f64> = u.iter().zip(x).map(|(u, x)| u + share * x).collect();
+            let (inside, value) = (domain(&trial), energy.value(&trial));
+            let is_inside = inside.iter().zip(&now).all(|(d, now)| *d > GUARD * now);
+            if is_inside && value.is_finite() {
+                return Ok(Trial {
+                    u: trial,
+                    share,
+                    energy: value,
+                });
+            }
+            share *= 0.5;
         }
-        share *= 0.5;
+        Err(Halt::Failed(
+            "Newton's step leaves the domain of the energy, however short".into(),
+        ))
     }
-    Err(Halt::Failed(
-        "Newton's step leaves the domain of the energy, however short".into(),
-    ))
 }

@@ -56,7 +56,7 @@ impl Step {
         let m = here.gaps.len();
         let close =
             (0..m).filter(|&i| here.acts[i] || here.overlaps(i, here.c[i], OVERLAP * least));
-        let mut condensed = Condensed::new(close.collect(), here, tangent);
+        let mut condensed = Condensed::new(close.collect(), here, tangent)?;
         let mut step = Step {
             x: vec![0.0; here.load.len()],
             lambda: here.lambda.clone(),
@@ -78,7 +78,7 @@ impl Step {
             if !missing.is_empty() && !is_last {
                 condensed.rows.extend(missing);
                 condensed.rows.sort_unstable();
-                condensed = Condensed::new(condensed.rows, here, tangent);
+                condensed = Condensed::new(condensed.rows, here, tangent)?;
                 step.x = image;
                 anderson.restart();
                 continue;
@@ -95,9 +95,10 @@ impl Step {
 }
 
 impl Condensed {
-    fn new(rows: Vec<usize>, here: &Linearization<'_>, tangent: &Tangent) -> Self {
+    fn new(rows: Vec<usize>, here: &Linearization<'_>, tangent: &Tangent) -> Result<Self, Halt> {
+        Halt::if_too_many(rows.len())?;
         let W = tangent.compliance(here.gaps.matrix(), &rows);
-        Condensed { rows, W }
+        Ok(Condensed { rows, W })
     }
 
     /// x' and μ of one correction.
@@ -124,7 +125,7 @@ impl Condensed {
         let bound = (SHARE_OF_DISPLACEMENTS * least).max(SHARE_OF_GAPS * deepest);
         let solved = complementarity::solve(&self.W, &gaps, &known, bound, stop)?;
         cost.solves += 1;
-        cost.iterations += solved.steps;
+        cost.inner_iterations += solved.steps;
         if solved.left * bound > (CONTRADICTION * deepest).max(VISIBLE * least) {
             return Err(Halt::Failed(
                 "the linearised rows contradict each other: no step satisfies all of them".into(),

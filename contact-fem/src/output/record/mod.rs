@@ -1,10 +1,10 @@
 //! Recorded runs: they write files, show progress and stop cleanly on Ctrl-C.
 
 mod interrupt;
-mod memory;
 mod observer;
 mod progress;
 mod summary;
+mod usage;
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -25,7 +25,7 @@ use observer::Observer;
 use summary::Summary;
 
 pub use interrupt::{INTERRUPTED, stop_on_ctrl_c};
-pub use memory::peak_memory;
+pub use usage::{cpu_seconds, peak_memory};
 
 /// The exit code of a run that converged with a certificate that does not hold.
 pub const NOT_CERTIFIED: u8 = 3;
@@ -163,18 +163,23 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
     /// summary, too, unless its files could not be created at all.
     pub fn run(self, problem: &mut Problem<D>) -> Result<Recorded<D>, Error> {
         let Recording { simulation, plan } = self;
-        let clock = Instant::now();
+        let (clock, processor) = (Instant::now(), cpu_seconds());
         stop_on_ctrl_c(&simulation.load_steps.stop);
+        let choice = simulation.solver.choice(problem);
         if !plan.quiet {
             let findings = problem.findings_in(plan.increments);
             findings.iter().for_each(print);
+            print(format!("solver: {choice}"));
         }
         let mut observer = Observer::new(&plan, problem)?;
         let result = simulation.run_observed(problem, |step| observer.observe(step));
         let written = observer.finish(result.as_ref().ok());
         let drawn = plan.draw(problem, &observer.stages);
-        let seconds = clock.elapsed().as_secs_f64();
-        let summary = Summary::new(&plan, problem, &observer, &result, seconds);
+        let spent = cpu_seconds()
+            .zip(processor)
+            .map(|(now, before)| now - before);
+        let seconds = (clock.elapsed().as_secs_f64(), spent);
+        let summary = Summary::new(&plan, problem, &observer, &result, choice, seconds);
         let path = plan.folder.join("summary.json");
         let text = summary.json().map_err(|why| file::failed(&path, why))?;
         file::replace(&path, text.as_bytes())?;
@@ -195,11 +200,11 @@ impl<const D: usize> Plan<'_, D> {
         }
         let record = step.record;
         format!(
-            "energy {:.4}  reaction {:.2}  iterations {} ({} of Ipopt)",
+            "energy {:.4}  reaction {:.2}  iterations {} ({} inner)",
             record.energy,
             (self.force)(record),
             record.attempt.iterations.len(),
-            record.attempt.cost.iterations
+            record.attempt.cost.inner_iterations
         )
     }
 

@@ -1,8 +1,11 @@
 //! `summary.json`: the input of a run, its ending, results and cost.
 
-use contact_core::Ending;
+use std::collections::BTreeMap;
+
 use contact_core::cost::{Cost, FactorSize};
+use contact_core::equilibrium::Choice;
 use contact_core::ipopt::{Blas, doctor, versions};
+use contact_core::{Ending, InteriorPoint, Method};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -12,7 +15,7 @@ use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
 use crate::model::{Finding, Problem};
-use crate::simulation::History;
+use crate::simulation::{History, StepRecord};
 
 /// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL. Values that
 /// require a converged step are null if there is none, and so are values that do not apply.
@@ -25,11 +28,18 @@ pub(super) struct Summary {
     /// What the checks of the scene found, the worst first.
     findings: Vec<Value>,
     increments: usize,
+    /// The solver that the problem got first, and why.
+    solver: &'static str,
+    solver_because: &'static str,
     converged: bool,
     status: String,
     load_factor: f64,
     steps: usize,
     cuts: usize,
+    /// Converged steps by solver.
+    steps_by_solver: BTreeMap<&'static str, usize>,
+    /// Attempts at a load step that failed and were repeated with another solver or setting.
+    repeated_attempts: usize,
     energy: Option<f64>,
     reaction: Option<f64>,
     reactions: Vec<Vec<f64>>,
@@ -38,12 +48,16 @@ pub(super) struct Summary {
     weak_penetration: Option<f64>,
     /// The worst values of all steps.
     certificate: Option<Value>,
-    fixed_point_iterations: usize,
-    ipopt_iterations: usize,
+    /// Iterations of the fixed point or of Newton's method.
+    iterations: usize,
+    /// Iterations within them: those of Ipopt, or steps towards the active rows.
+    inner_iterations: usize,
     factorisations: usize,
     cold_retries: usize,
     left_out: Option<Value>,
     wall_seconds: f64,
+    /// Processor time of the run, over all its threads.
+    cpu_seconds: Option<f64>,
     seconds: Value,
     peak_memory_bytes: Option<u64>,
     factor: Option<Value>,
@@ -54,13 +68,14 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    /// The summary of a run that `observer` has followed; `wall` is its total time in seconds.
+    /// The summary of a run that `observer` has followed, with its total time and the processor's (s).
     pub(super) fn new<const D: usize>(
         plan: &Plan<'_, D>,
         problem: &Problem<D>,
         observer: &Observer<'_, D>,
         result: &Result<History<D>, Error>,
-        wall: f64,
+        choice: Choice,
+        (wall, cpu): (f64, Option<f64>),
     ) -> Self {
         let (records, history) = (&observer.records, result.as_ref().ok());
         let last = records.last();
@@ -71,6 +86,7 @@ impl Summary {
             Some(history) => history.run.cost(),
             None => records.iter().map(|record| record.attempt.cost).sum(),
         };
+        let steps_by_solver = steps_by_solver(records);
         let left_out = history.map(|history| LeftOut::new(problem, history));
         let shares = shares(&cost, observer.seconds, wall);
         let vectors = last.map_or(&[][..], |record| &record.reactions);
@@ -78,6 +94,7 @@ impl Summary {
         let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.4}"));
         let mut table = vec![
             format!("{}: {status}", plan.name),
+            format!("solver             {}", solvers(choice, &steps_by_solver)),
             format!(
                 "energy             {:>10} UF·UL",
                 number(last.map(|r| r.energy))
@@ -88,7 +105,9 @@ impl Summary {
         table.extend(certificate.map(|found| format!("certificate of all steps {found}")));
         table.extend(left_out.map(|left| format!("left out                   {left}")));
         table.extend(time_lines(&shares, wall));
-        table.extend(program_lines());
+        if steps_by_solver.contains_key(InteriorPoint::default().name()) {
+            table.extend(ipopt_lines());
+        }
         Summary {
             scene: plan.name.clone(),
             bodies: problem.scene().names().to_vec(),
@@ -99,11 +118,15 @@ impl Summary {
                 .map(finding)
                 .collect(),
             increments: plan.increments,
+            solver: choice.solver,
+            solver_because: choice.why,
             converged: history.is_some_and(|h| h.run.ending == Ending::Complete),
             status,
             load_factor: last.map_or(0.0, |record| record.factor),
             steps: records.len(),
             cuts: history.map_or(0, |history| history.run.cuts()),
+            steps_by_solver,
+            repeated_attempts: history.map_or(0, repeated_attempts),
             energy: last.map(|record| record.energy),
             reaction,
             reactions: vectors
@@ -114,8 +137,8 @@ impl Summary {
             penetration: last.map(|record| record.penetration),
             weak_penetration: last.map(|record| record.weak_penetration),
             certificate: certificate.map(values),
-            fixed_point_iterations: cost.fixed_point,
-            ipopt_iterations: cost.iterations,
+            iterations: cost.outer_iterations,
+            inner_iterations: cost.inner_iterations,
             factorisations: cost.factorizations,
             cold_retries: cost.cold_retries,
             left_out: left_out.map(|left| {
@@ -125,6 +148,7 @@ impl Summary {
                 })
             }),
             wall_seconds: wall,
+            cpu_seconds: cpu,
             seconds: shares
                 .iter()
                 .map(|&(name, seconds)| (name.to_string(), json!(seconds)))
@@ -144,6 +168,28 @@ impl Summary {
     pub(super) fn table(&self) -> &str {
         &self.table
     }
+}
+
+/// How many converged steps each solver solved.
+fn steps_by_solver<const D: usize>(records: &[StepRecord<D>]) -> BTreeMap<&'static str, usize> {
+    let mut steps = BTreeMap::new();
+    for solver in records.iter().filter_map(|record| record.attempt.solver()) {
+        *steps.entry(solver).or_default() += 1;
+    }
+    steps
+}
+
+/// The solver, why it was chosen, and what others solved.
+fn solvers(choice: Choice, steps: &BTreeMap<&'static str, usize>) -> String {
+    let all: usize = steps.values().sum();
+    let others = steps.iter().filter(|(solver, _)| **solver != choice.solver);
+    let others = others.map(|(solver, count)| format!(", {count} of {all} steps by {solver}"));
+    format!("{choice}{}", others.collect::<String>())
+}
+
+fn repeated_attempts<const D: usize>(history: &History<D>) -> usize {
+    let attempts = history.run.attempts.iter();
+    attempts.map(|attempt| attempt.failed.len()).sum()
 }
 
 fn status<const D: usize>(
@@ -224,8 +270,8 @@ fn shares(cost: &Cost, output: f64, wall: f64) -> [(&'static str, f64); 5] {
 
 fn cost_lines(cost: &Cost) -> Vec<String> {
     let mut lines = vec![
-        format!("fixed point        {:>10} iterations", cost.fixed_point),
-        format!("Ipopt              {:>10} iterations", cost.iterations),
+        format!("iterations         {:>10}", cost.outer_iterations),
+        format!("inner iterations   {:>10}", cost.inner_iterations),
         format!("factorisations     {:>10}", cost.factorizations),
     ];
     lines.extend(cost.factor.map(|factor| {
@@ -272,7 +318,8 @@ fn program() -> Value {
     })
 }
 
-fn program_lines() -> Vec<String> {
+/// The Ipopt that a run was solved by.
+fn ipopt_lines() -> Vec<String> {
     let versions = versions();
     let blas = versions.blas.as_ref();
     let mut lines = vec![format!(

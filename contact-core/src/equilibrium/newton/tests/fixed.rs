@@ -189,3 +189,20 @@ fn a_factor_is_kept_for_loads_nearby() {
     let solution = other.solve_with(&mut solver, &[0.0; 3]);
     assert_near(&solution.state.u, &[1.0; 3], 1e-12);
 }
+
+/// Newton's method on √(1 + u²) goes from u to −u³, away from the minimum at 0 where |u| > 1. Without the way back it would
+/// never arrive.
+#[test]
+fn steps_that_lead_away_are_shortened() {
+    let toy = Toy {
+        value: Box::new(|u| (1.0 + u[0] * u[0]).sqrt()),
+        gradient: Box::new(|u| vec![u[0] / (1.0 + u[0] * u[0]).sqrt()]),
+        hessian: Box::new(|u| DMatrix::from_element(1, 1, (1.0 + u[0] * u[0]).powf(-1.5))),
+        ..Toy::quadratic(&DMatrix::identity(1, 1), &[0.0], &[])
+    };
+    for start in [0.5, 1.5, 3.0] {
+        let solution = toy.solve_from(&[start]);
+        assert_eq!(solution.outcome, Outcome::Converged, "from {start}");
+        assert_near(&solution.state.u, &[0.0], 1e-6);
+    }
+}

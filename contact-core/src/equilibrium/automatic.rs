@@ -1,0 +1,139 @@
+//! The solver that fits a problem, with the paper's fixed point where it fails.
+
+use super::{Choice, Condensed, CondensedNewton, Equilibrium, Solution, StepContext};
+#[cfg(feature = "ipopt")]
+use super::{Retry, finite_bound};
+#[cfg(feature = "ipopt")]
+use crate::Outcome;
+#[cfg(feature = "ipopt")]
+use crate::method::InteriorPoint;
+use crate::{ContactProblem, Error, State};
+
+/// The solver that fits the problem.
+///
+/// | problem | solver |
+/// |---|---|
+/// | some unknowns have bounds | `Retry<InteriorPoint>`, the paper's fixed point with Ipopt |
+/// | quadratic energy and exact rows: small strains, contact in the reference geometry | [`Condensed`] |
+/// | all others | [`CondensedNewton`] |
+///
+/// A load step that one of the last two does not solve is repeated by the fixed point from the same start.
+/// [`Solution::failed`] has the first outcome then. Without the feature `ipopt` there is no fixed point.
+#[derive(Clone, Debug, Default)]
+pub struct Automatic {
+    /// For quadratic energies and exact rows.
+    pub condensed: Condensed,
+    /// For other problems.
+    pub newton: CondensedNewton,
+    /// For bounds on unknowns, and for load steps that the others do not solve.
+    #[cfg(feature = "ipopt")]
+    pub fixed_point: Retry<InteriorPoint>,
+}
+
+/// A field of [`Automatic`].
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Condensed,
+    Newton,
+    #[cfg(feature = "ipopt")]
+    FixedPoint,
+}
+
+impl Automatic {
+    /// With this bound on the relative change of u, see [`relative_change`](super::relative_change).
+    pub fn with_tolerance(tolerance: f64) -> Self {
+        let mut automatic = Automatic {
+            newton: CondensedNewton::with_tolerance(tolerance),
+            ..Automatic::default()
+        };
+        #[cfg(feature = "ipopt")]
+        {
+            automatic.fixed_point.fixed_point.tolerance = tolerance;
+        }
+        automatic
+    }
+
+    /// The first way for `problem`, and the reason.
+    fn way(problem: &dyn ContactProblem) -> (Way, &'static str) {
+        #[cfg(feature = "ipopt")]
+        if finite_bound(problem.bounds()).is_some() {
+            return (Way::FixedPoint, "unknowns have bounds");
+        }
+        let energy = problem.energy();
+        match (energy.is_quadratic(), problem.has_exact_gaps()) {
+            (true, true) => (Way::Condensed, "quadratic energy and exact rows"),
+            (true, false) => (Way::Newton, "projections follow the bodies"),
+            (false, _) => (Way::Newton, "the energy is not quadratic"),
+        }
+    }
+
+    /// The solver of a way.
+    fn solver(&self, way: Way) -> &dyn Equilibrium {
+        match way {
+            Way::Condensed => &self.condensed,
+            Way::Newton => &self.newton,
+            #[cfg(feature = "ipopt")]
+            Way::FixedPoint => &self.fixed_point,
+        }
+    }
+
+    /// The same, to solve with.
+    fn solver_mut(&mut self, way: Way) -> &mut dyn Equilibrium {
+        match way {
+            Way::Condensed => &mut self.condensed,
+            Way::Newton => &mut self.newton,
+            #[cfg(feature = "ipopt")]
+            Way::FixedPoint => &mut self.fixed_point,
+        }
+    }
+}
+
+impl Equilibrium for Automatic {
+    #[cfg(feature = "ipopt")]
+    fn solve(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let (way, _) = Self::way(problem);
+        if way == Way::FixedPoint {
+            return self.fixed_point.solve(problem, start, context);
+        }
+        let first = self
+            .solver_mut(way)
+            .solve(problem, start.clone(), context)?;
+        match first.outcome {
+            Outcome::Converged | Outcome::Interrupted | Outcome::InadmissibleStart => Ok(first),
+            _ => {
+                let second = self.fixed_point.solve(problem, start, context)?;
+                Ok(second.after(first, self.choice(problem).solver))
+            }
+        }
+    }
+
+    #[cfg(not(feature = "ipopt"))]
+    fn solve(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let (way, _) = Self::way(problem);
+        self.solver_mut(way).solve(problem, start, context)
+    }
+
+    fn choice(&self, problem: &dyn ContactProblem) -> Choice {
+        let (way, why) = Self::way(problem);
+        Choice {
+            why,
+            ..self.solver(way).choice(problem)
+        }
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        #[cfg(feature = "ipopt")]
+        self.fixed_point.validate()?;
+        self.newton.validate()
+    }
+}

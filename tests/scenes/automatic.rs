@@ -1,0 +1,92 @@
+//! The default solver: which one it takes, and what it does where that one fails.
+
+use std::path::Path;
+
+use crate::common::{disc_in_disc, relative, run};
+use contact_core::equilibrium::Failed;
+use contact_core::{Automatic, Ending, Equilibrium, Outcome};
+use contact_fem::Simulation;
+use contact_fem::model::{Geometry, Problem};
+use ipopt_contact_scenes::disc_in_disc::Roles;
+use ipopt_contact_scenes::{cantilevers, tight};
+
+fn chosen<const D: usize>(problem: &Problem<D>) -> &'static str {
+    Automatic::default().choice(problem).solver
+}
+
+#[test]
+fn the_solver_fits_the_scene() {
+    let scene = || cantilevers::scene([4, 2, 2]).expect("a scene");
+    let mut small = scene().problem().expect("valid scene");
+    assert_eq!(chosen(&small), "condensed");
+    let history = Simulation::with_increments(1)
+        .run(&mut small)
+        .expect("no misuse");
+    let step = history.last().expect("converged");
+    assert_eq!(step.attempt.solver(), Some("condensed"));
+    assert_eq!(step.attempt.cost.factorizations, 1);
+
+    let mut scene = scene();
+    scene.geometry = Some(Geometry::Current);
+    let mut following = scene.problem().expect("valid scene");
+    assert_eq!(chosen(&following), "newton");
+    let history = Simulation::with_increments(1)
+        .run(&mut following)
+        .expect("no misuse");
+    let certificate = history.certificate().expect("converged");
+    assert!(certificate.holds(&tight()), "{certificate}");
+
+    let large = disc_in_disc(16, Roles::default());
+    assert_eq!(chosen(&large), "newton");
+}
+
+/// Newton's method with too few iterations fails at every step; the fixed point solves them all, and the record says so.
+#[test]
+fn steps_that_newton_does_not_solve_are_solved_by_ipopt() {
+    let increments = 4;
+    let mut simulation = Simulation::with_increments(increments);
+    simulation.solver.newton.max_iterations = 1;
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fallback");
+    let mut recording = simulation.record(&folder);
+    recording.plan.quiet = true;
+    let recorded = recording.run(&mut disc_in_disc(24, Roles::default()));
+    let history = recorded.expect("no misuse").history;
+    assert!(history.is_complete(), "{}", history.run.ending);
+    let failed = Failed {
+        solver: "newton",
+        outcome: Outcome::IterationLimit,
+    };
+    for step in &history.steps {
+        assert_eq!(step.attempt.solver(), Some("ipopt"));
+        assert_eq!(step.attempt.failed.first(), Some(&failed));
+        assert_eq!(step.attempt.iterations[0].solver, "newton");
+    }
+    let direct = run(&mut disc_in_disc(24, Roles::default()), increments, 1e-8);
+    let [found, expected] = [&history, &direct].map(|h| h.last().expect("steps").energy);
+    assert!(relative(found, expected) < 1e-7, "{found} for {expected}");
+
+    let text = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+    let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(summary["solver"], "newton");
+    assert_eq!(summary["steps_by_solver"]["ipopt"], increments);
+    let failures = history.steps.iter().map(|step| step.attempt.failed.len());
+    assert_eq!(summary["repeated_attempts"], failures.sum::<usize>());
+    assert!(summary["cpu_seconds"].as_f64().is_some_and(|s| s > 0.0));
+}
+
+#[test]
+fn a_stop_request_is_not_taken_for_a_failure() {
+    let mut simulation = Simulation::with_increments(4);
+    simulation.load_steps.stop.request();
+    let history = simulation
+        .run(&mut disc_in_disc(16, Roles::default()))
+        .expect("no misuse");
+    assert_eq!(history.run.ending, Ending::Interrupted { at: 0.0 });
+    assert!(
+        history
+            .run
+            .attempts
+            .iter()
+            .all(|attempt| attempt.failed.is_empty())
+    );
+}
