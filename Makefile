@@ -34,11 +34,12 @@ demo: install
 
 # The dev profile optimises here and keeps its checks for overflow. The first line covers units, integration tests,
 # doctests and the build of the examples; the second runs one that asserts its numbers; the third is what does without
-# Ipopt, the fourth what does without libclang; the others, fewer output formats.
+# Ipopt, the fourth the same with threads, the fifth what does without libclang; the others, fewer output formats.
 test: install
 	$(CARGO) test --workspace
 	$(CARGO) run -p contact-core --example hanging_chain
 	$(CARGO) test -p contact-core -p contact-fem --no-default-features --lib
+	$(CARGO) test -p contact-core -p contact-fem --no-default-features --features threads --lib --test threads
 	$(CARGO) test -p ipopt-contact-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
 	$(CARGO) check -p ipopt-contact --no-default-features
 	$(CARGO) check -p contact-fem --features vtk

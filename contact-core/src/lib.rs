@@ -48,6 +48,8 @@ pub mod load_steps;
 pub mod method;
 pub mod nlp;
 pub mod outcome;
+#[cfg(feature = "linear")]
+mod parallel;
 pub mod problem;
 mod stop;
 

@@ -21,6 +21,7 @@ pub mod material;
 pub mod mesh;
 pub mod model;
 pub mod output;
+mod parallel;
 pub mod simulation;
 pub mod tensor;
 

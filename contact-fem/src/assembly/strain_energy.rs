@@ -13,6 +13,7 @@ use super::{BodyEnergy, CellState};
 use crate::element::Element;
 use crate::material::{Deformation, Material};
 use crate::mesh::Mesh;
+use crate::parallel;
 use crate::tensor::{Matrix, Vector, inverse_transpose};
 
 /// One quadrature point: its weight times reference volume, and ∂N_a/∂X.
@@ -129,28 +130,22 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         entries
     }
 
-    /// Calls `visit` with every assembled cell, its quadrature points and the deformations there at
-    /// u.
-    fn visit(
-        &self,
-        u: &[f64],
-        mut visit: impl FnMut(&E::PerNode<usize>, &[Point<D, E>], &[Deformation<D>]),
-    ) {
-        let mut trial = lock(&self.trial);
-        let points = trial.at(u, |deformations| {
-            deformations.reserve_exact(self.points.len());
-            for (cell, points) in self.assembled() {
-                let local = self.gather(cell, u);
-                let at = points
-                    .iter()
-                    .map(|point| Deformation::new(point.deformation(&local)));
-                deformations.extend(at);
-            }
-        });
-        let cells = points.chunks_exact(E::QUADRATURE.len());
-        for ((cell, points), at) in self.assembled().zip(cells) {
-            visit(cell, points, at);
-        }
+    /// Calls `evaluate` with the deformations at u, one for each quadrature point.
+    fn evaluate(&self, u: &[f64], evaluate: impl FnOnce(&[Deformation<D>])) {
+        // not under the lock: while a thread waits for others, rayon may give it work that comes here again
+        let mut trial = std::mem::take(&mut *lock(&self.trial));
+        evaluate(trial.at(u, |deformations| {
+            deformations.resize(self.points.len(), Deformation::new(Matrix::identity()));
+            let size = E::QUADRATURE.len();
+            parallel::fill(deformations, size, |k, deformations| {
+                let local = self.gather(&self.cells[k], u);
+                let points = &self.points[k * size..(k + 1) * size];
+                for (at, point) in deformations.iter_mut().zip(points) {
+                    *at = Deformation::new(point.deformation(&local));
+                }
+            });
+        }));
+        *lock(&self.trial) = trial;
     }
 
     /// Releases the memory shared by evaluations at one u.
@@ -159,15 +154,22 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
     }
 
     /// Calls `add(dof, force)` with the internal forces ∫ P ∇N_a dX, cell by cell.
-    fn internal_forces(&self, u: &[f64], mut add: impl FnMut(usize, f64)) {
-        self.visit(u, |cell, points, at| {
-            for (point, at) in points.iter().zip(at) {
-                let P = self.material.stress(at) * point.weight;
-                for (&a, dN) in cell.as_ref().iter().zip(point.gradients.as_ref()) {
-                    let force = P * dN;
+    fn internal_forces(&self, u: &[f64], mut add: impl FnMut(usize, f64) + Send) {
+        self.evaluate(u, |at| {
+            let forces = |q: usize| {
+                let point = &self.points[q];
+                let P = self.material.stress(&at[q]) * point.weight;
+                let mut forces = E::per_node(Vector::zeros());
+                let nodes = forces.as_mut().iter_mut().zip(point.gradients.as_ref());
+                nodes.for_each(|(force, dN)| *force = P * dN);
+                forces
+            };
+            parallel::in_order(at.len(), forces, |q, forces| {
+                let cell = self.cells[q / E::QUADRATURE.len()];
+                for (&a, force) in cell.as_ref().iter().zip(forces.as_ref()) {
                     (0..D).for_each(|i| add(D * a + i, force[i]));
                 }
-            }
+            });
         });
     }
 }
@@ -226,12 +228,9 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     // E = Σ_cells Σ_q w_q ψ(F_q) − f·U
     fn value(&self, u: &[f64]) -> f64 {
         let mut energy = 0.0;
-        self.visit(u, |_, points, at| {
-            let psi = at.iter().map(|at| self.material.energy_density(at));
-            points
-                .iter()
-                .zip(psi)
-                .for_each(|(point, psi)| energy += point.weight * psi);
+        self.evaluate(u, |at| {
+            let share = |q: usize| self.points[q].weight * self.material.energy_density(&at[q]);
+            parallel::in_order(at.len(), share, |_, share| energy += share);
         });
         if !energy.is_finite() {
             return f64::INFINITY;
@@ -266,29 +265,34 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     // K_ab = Σ_q w_q A : (∇N_a ⊗ ∇N_b), lower triangle
     fn hessian(&self, u: &[f64], values: &mut [f64]) {
         values.fill(0.0);
-        let mut k = 0..;
-        self.visit(u, |cell, points, at| {
-            let nodes = cell.as_ref();
-            let mut blocks = E::per_node(E::per_node(Matrix::<D>::zeros()));
-            for (point, at) in points.iter().zip(at) {
-                let A = self.material.contraction(at);
-                let dN = point.gradients.as_ref();
-                for (a, row) in blocks.as_mut().iter_mut().enumerate() {
-                    for (b, block) in row.as_mut()[..=a].iter_mut().enumerate() {
-                        *block += A(&dN[a], &dN[b]) * point.weight;
+        let size = E::QUADRATURE.len();
+        self.evaluate(u, |at| {
+            let blocks = |k: usize| {
+                let mut blocks = E::per_node(E::per_node(Matrix::<D>::zeros()));
+                let own = k * size..(k + 1) * size;
+                for (point, at) in self.points[own.clone()].iter().zip(&at[own]) {
+                    let A = self.material.contraction(at);
+                    let dN = point.gradients.as_ref();
+                    for (a, row) in blocks.as_mut().iter_mut().enumerate() {
+                        for (b, block) in row.as_mut()[..=a].iter_mut().enumerate() {
+                            *block += A(&dN[a], &dN[b]) * point.weight;
+                        }
                     }
                 }
-            }
-            let k = k.next().unwrap_or_default();
-            for (a, row) in blocks.as_ref().iter().enumerate() {
-                for (b, block) in row.as_ref()[..=a].iter().enumerate() {
-                    if nodes[a] >= nodes[b] {
-                        self.slots.add(k, (a, b), |i, j| block[(i, j)], values);
-                    } else {
-                        self.slots.add(k, (a, b), |i, j| block[(j, i)], values);
+                blocks
+            };
+            parallel::in_order(self.cells.len(), blocks, |k, blocks| {
+                let nodes = self.cells[k].as_ref();
+                for (a, row) in blocks.as_ref().iter().enumerate() {
+                    for (b, block) in row.as_ref()[..=a].iter().enumerate() {
+                        if nodes[a] >= nodes[b] {
+                            self.slots.add(k, (a, b), |i, j| block[(i, j)], values);
+                        } else {
+                            self.slots.add(k, (a, b), |i, j| block[(j, i)], values);
+                        }
                     }
                 }
-            }
+            });
         });
     }
 
@@ -308,9 +312,8 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
         if !M::NEEDS_POSITIVE_J {
             return;
         }
-        let mut d = d.iter_mut();
-        self.visit(u, |_, _, at| {
-            at.iter().zip(&mut d).for_each(|(at, d)| *d = at.J);
+        self.evaluate(u, |at| {
+            at.iter().zip(d).for_each(|(at, d)| *d = at.J);
         });
     }
 }

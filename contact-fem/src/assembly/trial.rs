@@ -22,16 +22,15 @@ impl<const D: usize> Default for Trial<D> {
 }
 
 impl<const D: usize> Trial<D> {
-    /// The deformations at u; `push` appends each of them if they are not stored.
+    /// The deformations at u; `fill` sets all of them, in place of those of another u, if they are not stored.
     pub fn at(
         &mut self,
         u: &[f64],
-        push: impl FnOnce(&mut Vec<Deformation<D>>),
+        fill: impl FnOnce(&mut Vec<Deformation<D>>),
     ) -> &[Deformation<D>] {
         if !(self.is_valid && self.u == u) {
             self.is_valid = false; // until the deformations are complete
-            self.points.clear();
-            push(&mut self.points);
+            fill(&mut self.points);
             self.u.clear();
             self.u.extend_from_slice(u);
             self.is_valid = true;

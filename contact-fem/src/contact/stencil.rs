@@ -1,10 +1,13 @@
 //! One integration point of a pass.
 
+use std::ops::Range;
+
 use super::cut::{Integration, Points};
 use super::moving::Moving;
 use super::search::{Master, Own, Projection, Seeker};
 use super::surface::Surface;
-use crate::element::facet_shapes;
+use crate::element::{Facet, facet_shapes};
+use crate::parallel;
 use crate::tensor::Vector;
 
 /// An integration point q of the slave that counts, and the point of the master that it must not
@@ -100,13 +103,43 @@ pub fn stencils<'a, const D: usize>(
     integration: Integration,
     reach: f64,
 ) -> Vec<Stencil<'a, D>> {
+    let positions = slave.gather(x);
+    let size = slave.facet_size();
+    let on = |facets| on_facets(facets, slave, master, &positions, integration, reach, size);
+    let parts = parallel::parts(slave.facets().len(), FACETS, on);
+    let mut stencils = Vec::new();
+    let mut first = 0;
+    for (part, points) in parts {
+        stencils.extend(part.into_iter().map(|stencil| Stencil {
+            number: first + stencil.number,
+            ..stencil
+        }));
+        first += points;
+    }
+    stencils
+}
+
+/// So many facets are one thread's part: in the plane, where a facet takes a few µs, much more work than it is to hand
+/// it over.
+const FACETS: usize = 16;
+
+/// As [`stencils`], on some facets of `slave` alone, whose own nodes are at `positions`. The points are numbered from
+/// zero; the second result is their number.
+fn on_facets<'a, const D: usize>(
+    facets: Range<usize>,
+    slave: &'a Surface<D>,
+    master: &'a Master<D>,
+    positions: &[Vector<D>],
+    integration: Integration,
+    reach: f64,
+    facet_size: f64,
+) -> (Vec<Stencil<'a, D>>, usize) {
     let mut stencils = Vec::new();
     let mut number = 0;
     let same_body = slave.body() == master.surface().body();
-    let positions = slave.gather(x);
     let mut rule = Points::new(integration, slave, master.surface());
-    let facet_size = slave.facet_size();
-    for (index, facet) in slave.facets_at(&positions).enumerate() {
+    for index in facets {
+        let facet = Facet::gather(slave.order(), slave.facet(index), positions);
         let reference = &slave.reference()[index];
         let seeker = |lambda: &Vector<D>| Seeker {
             x: facet.point(lambda),
@@ -135,5 +168,5 @@ pub fn stencils<'a, const D: usize>(
             number += 1;
         }
     }
-    stencils
+    (stencils, number)
 }

@@ -6,8 +6,8 @@ use super::halt::Halt;
 use super::pruned::{gram, mirror};
 use super::rows::Rows;
 use super::stiffness::{Block, Stiffness};
-use crate::Stop;
 use crate::linear::Factor;
+use crate::{Stop, parallel};
 
 /// W (UL/UF) of the rows of the working set, which only grows.
 pub(super) struct Compliance {
@@ -72,23 +72,24 @@ impl Compliance {
         Halt::if_too_many(first + more.len())?;
         self.rows.extend(more);
         more.iter().for_each(|&k| self.is_held[k] = true);
-        for (block, share) in stiffness.blocks_mut().iter_mut().zip(&mut self.shares) {
+        let held = &self.rows;
+        let shares = stiffness.blocks_mut().iter_mut().zip(&mut self.shares);
+        parallel::try_map(shares, |(block, share)| {
             Halt::if_requested(stop)?;
             let touches = |&place: &usize| {
-                let mut entries = all.row(self.rows[place]).iter();
+                let mut entries = all.row(held[place]).iter();
                 entries.any(|entry| block.range.contains(&entry.0))
             };
             let known = share.places.len();
-            share
-                .places
-                .extend((first..self.rows.len()).filter(touches));
-            let rows: Vec<usize> = share.places.iter().map(|&place| self.rows[place]).collect();
+            share.places.extend((first..held.len()).filter(touches));
+            let rows: Vec<usize> = share.places.iter().map(|&place| held[place]).collect();
             match rows.len() - known {
                 0 => {}
                 few if known > 0 && few <= FEW => share.append(known, &rows, all, block)?,
                 _ => share.compute(&rows, all, block),
             }
-        }
+            Ok::<_, Halt>(())
+        })?;
         let m = self.rows.len();
         self.W = Mat::zeros(m, m);
         for Share { places, W } in &self.shares {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::halt::Halt;
 use crate::linear::{Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern};
-use crate::{Energy, Stop};
+use crate::{Energy, Stop, parallel};
 
 /// n σ: a block of n unknowns that floats is factored as K + σ diag K, so that a motion without strain meets this many
 /// entries of the diagonal as its stiffness, whatever n.
@@ -39,16 +39,12 @@ impl Stiffness {
     /// Factors the Hessian `values` of `energy`.
     pub fn new(energy: &dyn Energy, values: Vec<f64>, stop: &Stop) -> Result<Self, Halt> {
         let pattern = energy.hessian_pattern().clone();
-        let mut blocks: Vec<Block> = Vec::new();
-        for range in energy
-            .blocks()
-            .into_iter()
-            .filter(|range| !range.is_empty())
-        {
-            Halt::if_requested(stop)?;
-            let block = Block::new(&pattern, &values, range, &blocks, stop)?;
-            blocks.push(block);
-        }
+        let mut ranges = energy.blocks();
+        ranges.retain(|range| !range.is_empty());
+        let analyses = analyses(&pattern, &ranges, stop)?;
+        let blocks = parallel::try_map(ranges.into_iter().zip(analyses), |(range, analysis)| {
+            Block::new(&pattern, &values, range, &analysis, stop)
+        })?;
         Ok(Stiffness {
             factorizations: 1 + usize::from(blocks.iter().any(|block| block.floats)),
             pattern,
@@ -87,9 +83,14 @@ impl Stiffness {
 
     /// Overwrites b (n, UF) with M⁻¹ b (n, UL).
     pub fn solve(&mut self, b: &mut [f64]) -> Result<(), Halt> {
+        let mut parts = Vec::with_capacity(self.blocks.len());
+        let (mut first, mut rest) = (0, b);
         for Block { range, factor, .. } in &mut self.blocks {
-            factor.solve(&mut b[range.clone()])?;
+            let (own, after) = rest.split_at_mut(range.end - first);
+            parts.push((factor, &mut own[range.start - first..]));
+            (first, rest) = (range.end, after);
         }
+        parallel::try_map(parts, |(factor, own)| factor.solve(own))?;
         Ok(())
     }
 
@@ -115,34 +116,18 @@ impl Block {
         pattern: &SymmetricPattern,
         values: &[f64],
         range: Range<usize>,
-        earlier: &[Block],
+        analysis: &Analysis,
         stop: &Stop,
     ) -> Result<Self, Halt> {
-        let (first, n) = (range.start, range.len());
-        let slots = pattern.column(first).start..pattern.column(range.end - 1).end;
-        let places = pattern.rows()[slots.clone()]
-            .iter()
-            .zip(&pattern.cols()[slots.clone()]);
-        let places: Vec<_> = places.map(|(i, j)| (i - first, j - first)).collect();
-        // sorted, none repeated: the slots keep their order
-        let (own, _) = SymmetricPattern::from_entries(n, &places)?;
-        let alike = earlier.iter().map(|block| block.factor.analysis());
-        let analysis = match alike
-            .into_iter()
-            .find(|analysis| *analysis.pattern() == own)
-        {
-            Some(analysis) => analysis.clone(),
-            None => Analysis::new(&own, &Ordering::Automatic)?,
-        };
         let steps = analysis.steps();
         Halt::if_requested(stop)?;
-        let mut factor = Cholesky::new(&analysis, Kind::Llt)?;
-        let values = &values[slots];
+        let mut factor = Cholesky::new(analysis, Kind::Llt)?;
+        let values = &values[slots(pattern, &range)];
         let floats = match factor.refactor(values) {
             Ok(_) => false,
             Err(FactorError::NotPositiveDefinite { .. }) => {
                 Halt::if_requested(stop)?;
-                let shifted = shifted(&own, values);
+                let shifted = shifted(analysis.pattern(), values);
                 factor
                     .refactor(&shifted)
                     .map_err(|why| indefinite(why, &range))?;
@@ -157,6 +142,41 @@ impl Block {
             floats,
         })
     }
+}
+
+/// The slots of a block.
+fn slots(pattern: &SymmetricPattern, range: &Range<usize>) -> Range<usize> {
+    pattern.column(range.start).start..pattern.column(range.end - 1).end
+}
+
+/// The analysis of each block, which those with the same pattern share.
+fn analyses(
+    pattern: &SymmetricPattern,
+    ranges: &[Range<usize>],
+    stop: &Stop,
+) -> Result<Vec<Analysis>, Halt> {
+    let mut patterns: Vec<SymmetricPattern> = Vec::new();
+    let mut numbers = Vec::new();
+    for range in ranges {
+        let slots = slots(pattern, range);
+        let rows = pattern.rows()[slots.clone()].iter();
+        let places = rows.zip(&pattern.cols()[slots]);
+        let places: Vec<_> = places
+            .map(|(i, j)| (i - range.start, j - range.start))
+            .collect();
+        // sorted, none repeated: the slots keep their order
+        let (own, _) = SymmetricPattern::from_entries(range.len(), &places)?;
+        let known = patterns.iter().position(|other| *other == own);
+        numbers.push(known.unwrap_or(patterns.len()));
+        if known.is_none() {
+            patterns.push(own);
+        }
+    }
+    let analyses = parallel::try_map(&patterns, |pattern| {
+        Halt::if_requested(stop)?;
+        Ok::<_, Halt>(Analysis::new(pattern, &Ordering::Automatic)?)
+    })?;
+    Ok(numbers.iter().map(|&k| analyses[k].clone()).collect())
 }
 
 /// K + σ diag K.
