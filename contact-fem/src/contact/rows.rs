@@ -2,9 +2,8 @@
 
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 
-use super::cut::Integration;
 use super::search::Master;
-use super::stencil::{Stencil, stencils};
+use super::stencil::{Projected, Stencil};
 use super::surface::Surface;
 use crate::assembly::{Dof, DofMap};
 use crate::tensor::Vector;
@@ -60,16 +59,17 @@ pub struct PassRows<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> PassRows<'a, D> {
-    /// Projects every point of `integration` on `slave` to `master`.
+    /// Of the `points` projected from `slave` to `master`.
     pub fn new(
         slave: &'a Surface<D>,
         master: &'a Master<D>,
-        x: &[Vector<D>],
-        integration: Integration,
-        reach: f64,
+        points: &[Projected<D>],
         sampling: Sampling,
     ) -> Self {
-        let stencils = stencils(slave, master, x, integration, reach);
+        let points = points.iter();
+        let stencils: Vec<_> = points
+            .map(|point| Stencil::new(slave, master, *point))
+            .collect();
         let names = match sampling {
             Sampling::Nodes => slave.nodes().to_vec(),
             Sampling::Points => stencils.iter().map(Stencil::number).collect(),

@@ -10,12 +10,10 @@ use crate::element::{Facet, facet_shapes};
 use crate::parallel;
 use crate::tensor::Vector;
 
-/// An integration point q of the slave that counts, and the point of the master that it must not
-/// penetrate.
+/// An integration point q of a slave that counts, and the point of the master that it must not penetrate; without the
+/// two surfaces.
 #[derive(Clone, Copy, Debug)]
-pub struct Stencil<'a, const D: usize> {
-    slave: &'a Surface<D>,
-    master: &'a Moving<D>,
+pub struct Projected<const D: usize> {
     number: usize,
     facet: usize,
     /// ξ: barycentric coordinates on the slave's facet.
@@ -25,20 +23,38 @@ pub struct Stencil<'a, const D: usize> {
     projection: Projection<D>,
 }
 
+/// An integration point q of the slave that counts, and the point of the master that it must not
+/// penetrate.
+#[derive(Clone, Copy, Debug)]
+pub struct Stencil<'a, const D: usize> {
+    slave: &'a Surface<D>,
+    master: &'a Moving<D>,
+    point: Projected<D>,
+}
+
 impl<'a, const D: usize> Stencil<'a, D> {
+    /// A point projected from `slave` to `master`.
+    pub fn new(slave: &'a Surface<D>, master: &'a Master<D>, point: Projected<D>) -> Self {
+        Stencil {
+            slave,
+            master: master.moving(),
+            point,
+        }
+    }
+
     /// Its number among all integration points of the pass, including those that do not count.
     pub fn number(&self) -> usize {
-        self.number
+        self.point.number
     }
 
     /// w_q: the quadrature weight times the reference measure (UL in the plane, UL² in space).
     pub fn weight(&self) -> f64 {
-        self.weight
+        self.point.weight
     }
 
     /// x_q (UL).
     pub fn point(&self) -> Vector<D> {
-        self.x
+        self.point.x
     }
 
     /// The master's surface.
@@ -48,28 +64,31 @@ impl<'a, const D: usize> Stencil<'a, D> {
 
     /// The projection of x_q on the master.
     pub fn projection(&self) -> &Projection<D> {
-        &self.projection
+        &self.point.projection
     }
 
     /// φ_i(q) of the slave's nodes i, given by their positions in [`Surface::nodes`].
     pub fn test_functions(&self) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let nodes = self.slave.facet(self.facet).iter().copied();
-        let tests = nodes.zip(self.slave.test_functions(&self.lambda));
+        let nodes = self.slave.facet(self.point.facet).iter().copied();
+        let tests = nodes.zip(self.slave.test_functions(&self.point.lambda));
         tests.take(self.slave.test_nodes())
     }
 
     /// N_a(ξ) of the slave facet's scene nodes a.
     pub(super) fn slave_shapes(&self) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
         let slave = self.slave;
-        let nodes = slave.facet(self.facet).iter().map(|&a| slave.nodes()[a]);
-        nodes.zip(facet_shapes(slave.order(), &self.lambda))
+        let nodes = slave
+            .facet(self.point.facet)
+            .iter()
+            .map(|&a| slave.nodes()[a]);
+        nodes.zip(facet_shapes(slave.order(), &self.point.lambda))
     }
 
     /// ∇g with η* and n held, as (scene node, coefficient): N_a n at the nodes of the slave's
     /// facet, −N_b n at those of the master's. In self-contact a node may occur as both. g = Σ
     /// coefficient · x.
     pub fn frozen_gradient(&self) -> impl Iterator<Item = (usize, Vector<D>)> + Clone + 'a {
-        let (master, p) = (self.master.surface(), self.projection);
+        let (master, p) = (self.master.surface(), self.point.projection);
         let own = self.slave_shapes();
         let other = master.facet(p.facet).iter().map(|&b| master.nodes()[b]);
         let other = other.zip(facet_shapes(master.order(), &p.lambda).map(|N| -N));
@@ -83,12 +102,15 @@ impl<'a, const D: usize> Stencil<'a, D> {
     pub(super) fn moved(&self, master: &'a Moving<D>, x: Vector<D>, lambda: Vector<D>) -> Self {
         let projection = Projection {
             lambda,
-            ..self.projection
+            ..self.point.projection
         };
         Stencil {
             master,
-            x,
-            projection,
+            point: Projected {
+                x,
+                projection,
+                ..self.point
+            },
             ..*self
         }
     }
@@ -96,45 +118,63 @@ impl<'a, const D: usize> Stencil<'a, D> {
 
 /// Projects every point of `integration` on `slave` to `master`, for positions `x` of all scene
 /// nodes, and returns those that count within the search radius `reach` (UL).
-pub fn stencils<'a, const D: usize>(
+pub fn projected<const D: usize>(
+    slave: &Surface<D>,
+    master: &Master<D>,
+    x: &[Vector<D>],
+    integration: Integration,
+    reach: f64,
+) -> Vec<Projected<D>> {
+    let positions = slave.gather(x);
+    let size = slave.facet_size();
+    let on = |facets| on_facets(facets, slave, master, &positions, integration, reach, size);
+    let mut parts = parallel::parts(slave.facets().len(), FACETS, on);
+    if parts.len() == 1 {
+        return parts.swap_remove(0).0;
+    }
+    let mut projected = Vec::new();
+    let mut first = 0;
+    for (part, points) in parts {
+        projected.extend(part.into_iter().map(|point| Projected {
+            number: first + point.number,
+            ..point
+        }));
+        first += points;
+    }
+    projected
+}
+
+/// The points of [`projected`] with their surfaces.
+#[cfg(test)]
+pub(super) fn stencils<'a, const D: usize>(
     slave: &'a Surface<D>,
     master: &'a Master<D>,
     x: &[Vector<D>],
     integration: Integration,
     reach: f64,
 ) -> Vec<Stencil<'a, D>> {
-    let positions = slave.gather(x);
-    let size = slave.facet_size();
-    let on = |facets| on_facets(facets, slave, master, &positions, integration, reach, size);
-    let parts = parallel::parts(slave.facets().len(), FACETS, on);
-    let mut stencils = Vec::new();
-    let mut first = 0;
-    for (part, points) in parts {
-        stencils.extend(part.into_iter().map(|stencil| Stencil {
-            number: first + stencil.number,
-            ..stencil
-        }));
-        first += points;
-    }
-    stencils
+    let points = projected(slave, master, x, integration, reach).into_iter();
+    points
+        .map(|point| Stencil::new(slave, master, point))
+        .collect()
 }
 
 /// So many facets are one thread's part: in the plane, where a facet takes a few µs, much more work than it is to hand
 /// it over.
 const FACETS: usize = 16;
 
-/// As [`stencils`], on some facets of `slave` alone, whose own nodes are at `positions`. The points are numbered from
+/// As [`projected`], on some facets of `slave` alone, whose own nodes are at `positions`. The points are numbered from
 /// zero; the second result is their number.
-fn on_facets<'a, const D: usize>(
+fn on_facets<const D: usize>(
     facets: Range<usize>,
-    slave: &'a Surface<D>,
-    master: &'a Master<D>,
+    slave: &Surface<D>,
+    master: &Master<D>,
     positions: &[Vector<D>],
     integration: Integration,
     reach: f64,
     facet_size: f64,
-) -> (Vec<Stencil<'a, D>>, usize) {
-    let mut stencils = Vec::new();
+) -> (Vec<Projected<D>>, usize) {
+    let mut projected = Vec::new();
     let mut number = 0;
     let same_body = slave.body() == master.surface().body();
     let mut rule = Points::new(integration, slave, master.surface());
@@ -155,9 +195,7 @@ fn on_facets<'a, const D: usize>(
         };
         for (weight, lambda) in rule.on(&facet, master, &seeker) {
             let seeker = seeker(lambda);
-            stencils.extend(master.find(&seeker).map(|projection| Stencil {
-                slave,
-                master: master.moving(),
+            projected.extend(master.find(&seeker).map(|projection| Projected {
                 number,
                 facet: index,
                 lambda: *lambda,
@@ -168,5 +206,5 @@ fn on_facets<'a, const D: usize>(
             number += 1;
         }
     }
-    (stencils, number)
+    (projected, number)
 }

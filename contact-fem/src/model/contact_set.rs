@@ -12,6 +12,7 @@ use super::{Geometry, Integration, Pair, Passes, Scene, Side};
 use crate::contact::motion::Motion;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::search::nodes_inside;
+use crate::contact::stencil::{Projected, projected};
 use crate::contact::variation::Variation;
 use crate::contact::{Master, Pass, Surface};
 use crate::tensor::Vector;
@@ -41,6 +42,8 @@ pub(super) struct Located<const D: usize> {
     pub x: Vec<Vector<D>>,
     /// One master for each surface, in the same order.
     pub masters: Vec<Master<D>>,
+    /// The integration points of each pass with their projections.
+    projected: Vec<OnceLock<Vec<Projected<D>>>>,
     /// The result of [`nodes_inside`] at these positions, pass by pass.
     inside: OnceLock<Vec<Vec<(usize, f64)>>>,
 }
@@ -132,6 +135,7 @@ impl<const D: usize> ContactSet<D> {
         let located = Arc::new(Located {
             x: x.to_vec(),
             masters: surfaces.map(|s| Master::new(s, x)).collect(),
+            projected: self.passes.iter().map(|_| OnceLock::new()).collect(),
             inside: OnceLock::new(),
         });
         *last = Some(Arc::clone(&located));
@@ -164,13 +168,29 @@ impl<const D: usize> ContactSet<D> {
             prescribed: &kinematics.prescribed,
         };
         for (k, pass) in passes {
-            let slave = &self.surfaces[pass.slave];
-            let master = &located.masters[pass.master];
-            let (integration, reach) = (self.integration, self.reach);
-            let rows = PassRows::new(slave, master, &located.x, integration, reach, sampling);
+            let rows = self.pass_rows(&located, k, pass, sampling);
             rows.append(k as u32, &kinematics.X, &unknowns, &mut gaps);
         }
         gaps
+    }
+
+    /// The rows of the pass numbered `k`. Its points are projected once for all queries at these positions.
+    fn pass_rows<'a>(
+        &'a self,
+        located: &'a Located<D>,
+        k: usize,
+        pass: Pass,
+        sampling: Sampling,
+    ) -> PassRows<'a, D> {
+        let slave = &self.surfaces[pass.slave];
+        let master = &located.masters[pass.master];
+        let known = &located.projected[k];
+        let points = known.get().unwrap_or_else(|| {
+            // not within `get_or_init`: while a thread waits for others, rayon may give it work that comes here again
+            let points = projected(slave, master, &located.x, self.integration, self.reach);
+            known.get_or_init(|| points)
+        });
+        PassRows::new(slave, master, points, sampling)
     }
 
     /// The variation of the rows `gaps` of all passes, frozen at `u`; `None` if they do not depend on
@@ -192,11 +212,7 @@ impl<const D: usize> ContactSet<D> {
             .collect();
         let mut variation = Variation::new(gaps.len(), located.x.len());
         for (k, pass) in self.passes.iter().enumerate() {
-            let slave = &self.surfaces[pass.slave];
-            let master = &located.masters[pass.master];
-            let (integration, reach) = (self.integration, self.reach);
-            let sampling = gaps.sampling();
-            let rows = PassRows::new(slave, master, &located.x, integration, reach, sampling);
+            let rows = self.pass_rows(&located, k, *pass, gaps.sampling());
             let key = |node: usize| RowKey {
                 pass: k as u32,
                 node: node as u32,

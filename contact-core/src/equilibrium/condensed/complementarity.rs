@@ -27,7 +27,7 @@ const FIRST: f64 = 0.01;
 const LAST: f64 = 1e-8;
 const RATIO: f64 = 0.1;
 /// ε of the first round from multipliers that are known, relative to what is left of the condition over the largest λ.
-const WARM: f64 = 1e-4;
+const WARM: f64 = 0.01;
 /// The round-off of the gaps, relative to the largest one of the start.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 /// A step is full within this.

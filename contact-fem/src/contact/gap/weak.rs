@@ -10,6 +10,7 @@ use super::definition::{Case, DIFFERENCE, STEP, bump, master};
 use super::*;
 use crate::assembly::DofMap;
 use crate::contact::rows::{PassRows, Unknowns};
+use crate::contact::stencil::projected;
 use crate::contact::{Integration, Master, Surface};
 use crate::element::{FacetRule, Order, facet_shapes};
 
@@ -128,7 +129,8 @@ impl<const D: usize> Pair<D> {
         let master = Master::new(&self.master, &self.case.x);
         let x = &self.case.x;
         let integration = Integration::Gauss(points);
-        let rows = PassRows::new(&self.slave, &master, x, integration, 1.0, Sampling::Nodes);
+        let found = projected(&self.slave, &master, x, integration, 1.0);
+        let rows = PassRows::new(&self.slave, &master, &found, Sampling::Nodes);
         let all_free = DofMap::new(&vec![false; D * x.len()]);
         let unknowns = Unknowns {
             dofs: &all_free,
@@ -160,7 +162,8 @@ impl<const D: usize> Pair<D> {
     fn forces(&self, x: &[Vector<D>], along: Option<&[Vector<D>]>) -> (f64, Vec<Vector<D>>, Feet) {
         let master = Master::new(&self.master, x);
         let integration = Integration::Gauss(2);
-        let rows = PassRows::new(&self.slave, &master, x, integration, 1.0, Sampling::Nodes);
+        let found = projected(&self.slave, &master, x, integration, 1.0);
+        let rows = PassRows::new(&self.slave, &master, &found, Sampling::Nodes);
         let multiplier = |node: usize| 1.0 + 0.7 * (node as f64).sin();
         let mut forces = vec![Vector::zeros(); x.len()];
         let (mut energy, mut feet) = (0.0, Vec::new());
