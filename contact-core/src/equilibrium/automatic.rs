@@ -19,7 +19,9 @@ use crate::{ContactProblem, Error, State};
 ///
 /// A load step that one of the last two does not solve is repeated by the fixed point from the same start.
 /// [`Solution::failed`] has the first outcome then. Without the feature `ipopt` there is no fixed point.
-#[derive(Clone, Debug, Default)]
+///
+/// By default the tolerance is that of [`CondensedNewton`], for the fixed point, too.
+#[derive(Clone, Debug)]
 pub struct Automatic {
     /// For quadratic energies and exact rows.
     pub condensed: Condensed,
@@ -40,17 +42,18 @@ enum Way {
 }
 
 impl Automatic {
-    /// With this bound on the relative change of u, see [`relative_change`](super::relative_change).
+    /// With this bound on the relative change of u for Newton's method and the fixed point, see [`relative_change`](super::relative_change).
     pub fn with_tolerance(tolerance: f64) -> Self {
-        let mut automatic = Automatic {
+        Automatic {
+            condensed: Condensed::new(),
             newton: CondensedNewton::with_tolerance(tolerance),
-            ..Automatic::default()
-        };
-        #[cfg(feature = "ipopt")]
-        {
-            automatic.fixed_point.fixed_point.tolerance = tolerance;
+            #[cfg(feature = "ipopt")]
+            fixed_point: {
+                let mut fixed_point = Retry::default();
+                fixed_point.fixed_point.tolerance = tolerance;
+                fixed_point
+            },
         }
-        automatic
     }
 
     /// The first way for `problem`, and the reason.
@@ -85,6 +88,12 @@ impl Automatic {
             #[cfg(feature = "ipopt")]
             Way::FixedPoint => &mut self.fixed_point,
         }
+    }
+}
+
+impl Default for Automatic {
+    fn default() -> Self {
+        Automatic::with_tolerance(CondensedNewton::default().tolerance)
     }
 }
 

@@ -33,7 +33,7 @@ impl Halt {
     pub fn if_too_many(rows: usize) -> Result<(), Halt> {
         match rows > MOST_ROWS {
             true => Err(Halt::Failed(format!(
-                "{rows} rows may act, and a dense compliance is kept for {MOST_ROWS} at most: solve by `FixedPoint`"
+                "{rows} rows may act, and a dense compliance is kept for {MOST_ROWS} at most: solve by `FixedPoint`, which has none"
             ))),
             false => Ok(()),
         }

@@ -157,10 +157,6 @@ impl Equilibrium for Condensed {
         };
         let length = problem.scale().length;
         let solved = self.equilibrium(problem, &gaps, &start, &mut at, context.stop, &mut cost);
-        let outcome = match solved {
-            Ok(()) => Outcome::Converged,
-            Err(halt) => halt.outcome()?,
-        };
         let is_finite = at.u.iter().chain(&at.lambda).all(|value| value.is_finite());
         if !is_finite {
             at.u.clone_from(&start.u);
@@ -171,6 +167,13 @@ impl Equilibrium for Condensed {
                 kept.rows.shared(&at.lambda, gaps.constant(), TIE * length)
             }
             _ => vec![0.0; gaps.len()],
+        };
+        let outcome = match solved {
+            Ok(()) => Outcome::Converged,
+            Err(halt) => {
+                self.kept = None; // the working set may be ahead of its W
+                halt.outcome()?
+            }
         };
         let least = least_displacement(problem);
         let error = match outcome {
@@ -260,7 +263,7 @@ fn check_start(problem: &dyn ContactProblem, start: &State) -> Result<(), Error>
             solver: "Condensed",
             what: "`Energy::is_quadratic`",
             value: "false".into(),
-            remedy: "give all bodies a law for small strains, or solve by `FixedPoint`",
+            remedy: "give all bodies a law for small strains, or solve by `CondensedNewton`",
         }),
     }
 }
@@ -272,7 +275,7 @@ fn check_gaps(gaps: &LinearGaps) -> Result<(), Error> {
             solver: "Condensed",
             what: "`LinearGaps::is_exact`",
             value: "false".into(),
-            remedy: "look for contact in the reference geometry, or solve by `FixedPoint`",
+            remedy: "look for contact in the reference geometry, or solve by `CondensedNewton`",
         });
     }
     Error::check_vector("the constants of the gaps", gaps.constant(), gaps.len())?;

@@ -19,6 +19,8 @@ struct Quadratic {
     is_quadratic: bool,
     bounds: Bounds,
     gaps: LinearGaps,
+    /// Requested whenever the gradient is evaluated.
+    stops: Option<Stop>,
 }
 
 impl Quadratic {
@@ -46,6 +48,7 @@ impl Quadratic {
             is_quadratic: true,
             bounds: Bounds::default(),
             gaps,
+            stops: None,
         }
     }
 
@@ -75,6 +78,7 @@ impl Energy for Quadratic {
         terms.map(|(u, (Ku, f))| u * (0.5 * Ku - f)).sum()
     }
     fn gradient(&self, u: &[f64], g: &mut [f64]) {
+        self.stops.iter().for_each(Stop::request);
         self.pattern.product(&self.values, u, g);
         g.iter_mut().zip(&self.load).for_each(|(g, f)| *g -= f);
     }
@@ -393,6 +397,26 @@ fn a_request_to_stop_ends_the_solve() {
     let context = StepContext::single(&start, &lifted, &stop);
     let solution = Condensed::new().solve(&problem, problem.start(), &context);
     assert_eq!(solution.expect("quadratic").outcome, Outcome::Interrupted);
+}
+
+/// A stop between the factors and the compliance leaves nothing half done for the next solve.
+#[test]
+fn a_solver_that_was_stopped_solves_again() {
+    let mut problem = springs(&[(vec![-1.0, 1.0], 1.0)]);
+    problem.load[0] = 4.0;
+    let stop = Stop::new();
+    problem.stops = Some(stop.clone());
+    let start = problem.start();
+    let lifted = || start.clone();
+    let mut solver = Condensed::new();
+    let context = StepContext::single(&start, &lifted, &stop);
+    let stopped = solver.solve(&problem, problem.start(), &context);
+    assert_eq!(stopped.expect("quadratic").outcome, Outcome::Interrupted);
+    problem.stops = None;
+    let solution = solver.solve_from(&problem, problem.start());
+    let solution = solution.expect("quadratic");
+    assert_eq!(solution.outcome, Outcome::Converged);
+    assert!((solution.state.u[0] - 1.75).abs() < 1e-11);
 }
 
 #[test]

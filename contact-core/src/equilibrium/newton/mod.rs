@@ -62,7 +62,8 @@ use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcom
 /// In [`Cost`], a fixed-point iteration is a step of Newton's method, a solve is a linear complementarity problem, and an
 /// iteration is a step towards its active rows.
 pub struct CondensedNewton {
-    /// Bound on the relative change of u in the last iteration, see [`relative_change`].
+    /// Bound on the relative change of u in the last iteration, see [`relative_change`]. Rows are closed, and forces in
+    /// equilibrium, to the same share of the displacements, but at most to 1e-10.
     pub tolerance: f64,
     /// The iteration limit.
     pub max_iterations: usize,
@@ -103,6 +104,8 @@ const NAME: &str = "newton";
 const GUARD: f64 = 0.1;
 /// A small step with a larger shift of the diagonal, relative to K's, does not show convergence.
 const SHIFT: f64 = 1e-5;
+/// Rows are closed to this share of the displacements, whatever the tolerance: steps leave so much.
+const CLOSED: f64 = 1e-10;
 /// A step is halved at most so often.
 const HALVINGS: usize = 20;
 
@@ -204,6 +207,8 @@ impl CondensedNewton {
             let clock = Instant::now();
             let mut cost = Cost {
                 outer_iterations: 1,
+                // that of the start
+                values: usize::from(history.is_empty()),
                 ..Cost::default()
             };
             let moved = iterate.moved(tangent, &mut cost);
@@ -243,45 +248,77 @@ struct Moved {
     is_over: bool,
 }
 
+impl Moved {
+    fn on(error: f64) -> Self {
+        Moved {
+            error,
+            is_over: false,
+        }
+    }
+}
+
 impl Iterate<'_> {
-    /// Moves by one step of Newton's method.
+    /// Moves by one step of Newton's method, or back to the best state.
     fn moved(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Moved, Halt> {
-        let Iterate { problem, stop, .. } = *self;
-        let size = self.at.size(self.least);
-        let here = Linearization::new(problem, &self.at.state, &self.at.gaps, cost)?;
-        let step = match Step::new(&here, tangent, size, stop, cost) {
-            Err(Halt::Failed(_)) if !tangent.is_fresh() => {
-                tangent.forget();
-                Step::new(&here, tangent, size, stop, cost)?
-            }
-            step => step?,
+        let trial = match self.trial(tangent, cost) {
+            // away from the best state, what fails may be the state
+            Err(Halt::Failed(why)) => match self.watchdog.retreat() {
+                Some(best) => {
+                    *self.at = best;
+                    tangent.forget();
+                    return Ok(Moved::on(f64::INFINITY));
+                }
+                None => return Err(Halt::Failed(why)),
+            },
+            trial => trial?,
         };
-        let before = &self.at.state.u;
-        let trial = Trial::new(problem.energy(), before, &step.x, self.watchdog.limit())?;
-        let error = relative_change(&trial.u, before, self.least);
-        tangent.moved(error, step.corrections);
-        let change = here.lambda.iter().zip(&step.lambda);
-        let lambda: Vec<f64> = change.map(|(l, m)| l + trial.share * (m - l)).collect();
+        let error = relative_change(&trial.u, &self.at.state.u, self.least);
         self.at.state = State {
-            multipliers: Multipliers::new(&self.at.gaps, &lambda),
+            multipliers: Multipliers::new(&self.at.gaps, &trial.lambda),
             u: trial.u,
         };
         let clock = Instant::now();
-        self.at.project(problem)?;
+        self.at.project(self.problem)?;
         cost.projection += clock.elapsed().as_secs_f64();
-        if let Some(best) = self.watchdog.judge(self.at, trial.energy, error) {
-            *self.at = best;
-            tangent.forget();
+        // a shortened step and a shifted diagonal make small changes far from a solution
+        let is_whole = trial.share == 1.0 && tangent.shift() <= SHIFT;
+        let bound = self.tolerance.max(CLOSED) * self.at.size(self.least);
+        if error < self.tolerance
+            && is_whole
+            && self.at.is_equilibrium(self.problem, tangent, bound, cost)?
+        {
             return Ok(Moved {
                 error,
-                is_over: false,
+                is_over: true,
             });
         }
-        // a shortened step and a shifted diagonal make small changes far from a solution
-        let is_small = error < self.tolerance && trial.share == 1.0 && tangent.shift() <= SHIFT;
-        let bound = self.tolerance * self.at.size(self.least);
-        let is_over = is_small && self.at.is_equilibrium(problem, tangent, bound, cost)?;
-        Ok(Moved { error, is_over })
+        let whole = match tangent.shift() > 0.0 {
+            true => None,
+            false => Some(error / trial.share),
+        };
+        if let Some(best) = self.watchdog.judge(self.at, trial.energy, whole) {
+            *self.at = best;
+            tangent.forget();
+        }
+        Ok(Moved::on(error))
+    }
+
+    /// The end of Newton's step from here, shortened as far as it must be.
+    fn trial(&self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Trial, Halt> {
+        let (state, size) = (&self.at.state, self.at.size(self.least));
+        let here = Linearization::new(self.problem, state, &self.at.gaps, cost)?;
+        let step = match Step::new(&here, tangent, size, self.stop, cost) {
+            Err(Halt::Failed(_)) if !tangent.is_fresh() => {
+                tangent.forget();
+                Step::new(&here, tangent, size, self.stop, cost)?
+            }
+            step => step?,
+        };
+        let limit = self.watchdog.limit();
+        let trial = Trial::new(self.problem.energy(), &here, state, &step, limit, cost)?;
+        let error = relative_change(&trial.u, &state.u, self.least);
+        tangent.moved(error, step.corrections);
+        Ok(trial)
     }
 }
 
@@ -321,7 +358,9 @@ impl Point {
             return Ok(false);
         }
         let mut left = vec![0.0; self.state.u.len()];
+        let clock = Instant::now();
         problem.energy().gradient(&self.state.u, &mut left);
+        cost.callbacks += clock.elapsed().as_secs_f64();
         cost.gradients += 1;
         let pushed: Vec<f64> = self.lambda.iter().map(|l| -l).collect();
         self.gaps.add_forces(&pushed, &mut left);
@@ -334,6 +373,8 @@ impl Point {
 struct Trial {
     /// u + t x.
     u: Vec<f64>,
+    /// λ + t (μ − λ) of the rows at u (UF).
+    lambda: Vec<f64>,
     /// t.
     share: f64,
     /// E(u + t x) (UF·UL).
@@ -343,27 +384,44 @@ struct Trial {
 impl Trial {
     /// t is the largest of `limit` times 1, ½, ¼ … at which the energy is finite and all domain functions are above [`GUARD`]
     /// times their values at u.
-    fn new(energy: &dyn Energy, u: &[f64], x: &[f64], limit: f64) -> Result<Self, Halt> {
+    fn new(
+        energy: &dyn Energy,
+        here: &Linearization<'_>,
+        from: &State,
+        step: &Step,
+        limit: f64,
+        cost: &mut Cost,
+    ) -> Result<Self, Halt> {
+        let clock = Instant::now();
         let domain = |u: &[f64]| {
             let mut d = vec![0.0; energy.domain_len()];
             energy.domain(u, &mut d);
             d
         };
-        let now = domain(u);
+        let now = domain(&from.u);
+        let along = |share: f64, a: &[f64], x: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+            a.iter().zip(x).map(|(a, x)| a + share * x).collect()
+        };
         let mut share = limit;
         for _ in 0..HALVINGS {
-            let trial: Vec<f64> = u.iter().zip(x).map(|(u, x)| u + share * x).collect();
-            let (inside, value) = (domain(&trial), energy.value(&trial));
+            let u = along(share, &from.u, &mut step.x.iter().copied());
+            let (inside, value) = (domain(&u), energy.value(&u));
+            cost.values += 1;
             let is_inside = inside.iter().zip(&now).all(|(d, now)| *d > GUARD * now);
             if is_inside && value.is_finite() {
+                cost.callbacks += clock.elapsed().as_secs_f64();
+                let change = step.lambda.iter().zip(&here.lambda);
+                let mut change = change.map(|(m, l)| m - l);
                 return Ok(Trial {
-                    u: trial,
+                    u,
+                    lambda: along(share, &here.lambda, &mut change),
                     share,
                     energy: value,
                 });
             }
             share *= 0.5;
         }
+        cost.callbacks += clock.elapsed().as_secs_f64();
         Err(Halt::Failed(
             "Newton's step leaves the domain of the energy, however short".into(),
         ))

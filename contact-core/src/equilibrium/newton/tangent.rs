@@ -21,7 +21,7 @@ const LAST: f64 = 100.0;
 const GROWTH: f64 = 10.0;
 /// Where that does not suffice: the shift of the diagonal, relative to K's, and the factor by which it grows.
 const SHIFT: f64 = 1e-6;
-const LARGEST_SHIFT: f64 = 100.0;
+const LARGEST_SHIFT: f64 = 25.0;
 const SHIFT_GROWTH: f64 = 30.0;
 /// A new order of elimination is sought where the factor has grown by this ratio.
 const FILL: f64 = 1.3;
@@ -147,10 +147,10 @@ impl Tangent {
                 self.shift = (SHIFT_GROWTH * self.shift).max(SHIFT);
             } else {
                 self.factor = None;
-                return Err(Halt::Failed(
-                    "the Hessian of the energy stays indefinite with any shift of its diagonal"
-                        .into(),
-                ));
+                return Err(Halt::Failed(format!(
+                    "the Hessian of the energy stays indefinite with {:.0} times its diagonal added",
+                    self.shift
+                )));
             }
         }
     }

@@ -1,10 +1,11 @@
 //! Progress of Newton's method, and the way back where there is none.
 //!
 //! The merit is φ(u) = E(u) + ρ Σᵢ (−c_i(u))₊, with rows projected at u and ρ twice the largest multiplier so far. An
-//! iteration is progress if it lowers φ or halves the change of u. The second condition is there since forces along averaged
-//! normals have no potential: near an equilibrium φ may rise. A few iterations may pass without progress; then the method
-//! returns to the best state and takes a shorter step from there (the watchdog technique of Chamberlain, Powell, Lemaréchal
-//! and Pedersen, 1982). The merit costs nothing as long as that does not happen.
+//! iteration is progress if it lowers φ below its value at the best state, or if Newton's step, unshortened, is at most half
+//! as long as the shortest one before. The second condition is there since forces along averaged normals have no potential:
+//! near an equilibrium φ may rise. A few iterations may pass without progress; then the method returns to the best state and
+//! takes a shorter step from there (the watchdog technique of Chamberlain, Powell, Lemaréchal and Pedersen, 1982). The merit
+//! costs nothing as long as that does not happen.
 
 use super::Point;
 
@@ -18,6 +19,8 @@ pub(super) struct Watchdog {
     best: Best,
     /// Iterations since.
     idle: usize,
+    /// The relative length of the shortest step that made progress; infinite before the first step.
+    shortest: f64,
     /// The largest share of a step that may be taken.
     limit: f64,
     /// ρ (UF).
@@ -28,8 +31,6 @@ pub(super) struct Watchdog {
 struct Best {
     point: Point,
     merit: Merit,
-    /// The relative change of u that led to it.
-    change: f64,
 }
 
 /// The terms of φ.
@@ -47,9 +48,9 @@ impl Watchdog {
             best: Best {
                 point: start.clone(),
                 merit: Merit::new(start, energy),
-                change: 1.0,
             },
             idle: 0,
+            shortest: f64::INFINITY,
             limit: 1.0,
             penalty: 0.0,
         }
@@ -60,24 +61,37 @@ impl Watchdog {
         self.limit
     }
 
-    /// Judges a relative change of u that led to `point`, with energy E there. Returns the state to go back to, if it is time.
-    pub fn judge(&mut self, point: &Point, energy: f64, change: f64) -> Option<Point> {
+    /// Judges a step that led to `point`, with energy E there. `length` is the relative length of Newton's step, if it tells.
+    /// Returns the state to go back to, if it is time.
+    pub fn judge(&mut self, point: &Point, energy: f64, length: Option<f64>) -> Option<Point> {
         let lambda = point.lambda.iter();
         self.penalty = lambda.fold(self.penalty, |penalty, l| penalty.max(PENALTY * l));
         let merit = Merit::new(point, energy);
         let [now, then] = [&merit, &self.best.merit].map(|merit| merit.value(self.penalty));
-        if now < then || change <= 0.5 * self.best.change {
+        let is_first = self.shortest == f64::INFINITY;
+        let is_shorter = length.is_some_and(|length| length <= 0.5 * self.shortest);
+        if is_first || is_shorter {
+            self.shortest = length.unwrap_or(self.shortest);
+        }
+        if now < then || (is_shorter && !is_first) {
             self.best = Best {
                 point: point.clone(),
                 merit,
-                change,
             };
             self.idle = 0;
             self.limit = (2.0 * self.limit).min(1.0);
             return None;
         }
         self.idle += 1;
-        if self.idle <= PATIENCE {
+        match self.idle > PATIENCE {
+            true => self.retreat(),
+            false => None,
+        }
+    }
+
+    /// The best state, unless it is the present one; the next step is half as long at most.
+    pub fn retreat(&mut self) -> Option<Point> {
+        if self.idle == 0 {
             return None;
         }
         self.idle = 0;

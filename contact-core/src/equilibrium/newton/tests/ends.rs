@@ -203,3 +203,14 @@ fn an_energy_without_a_minimum_does_not_converge() {
     let solution = Toy::quadratic(&K, &[0.0, 1.0], &[]).solve_from(&[0.0; 2]);
     assert_ne!(solution.outcome, Outcome::Converged, "{:?}", solution.state);
 }
+
+/// Steps close rows to 1e-10 of the displacements; a tighter tolerance on their change is met all the same.
+#[test]
+fn a_tolerance_below_what_steps_leave_is_met() {
+    for tolerance in [1e-10, 1e-12, 1e-14] {
+        let mut solver = CondensedNewton::with_tolerance(tolerance);
+        let solution = spring_at_a_wall().solve_with(&mut solver, &[0.0; 2]);
+        assert_eq!(solution.outcome, Outcome::Converged, "{tolerance}");
+        assert_near(&solution.state.u, &[0.5, 1.0], 1e-10);
+    }
+}
