@@ -14,12 +14,12 @@ help:
 	@echo "make test-blas         all tests with each BLAS, as on an old processor, and compiled for this one"
 	@echo "make valgrind          the tests of the Ipopt binding under memcheck"
 	@echo "make lint              formatting, clippy and documentation, warnings as errors"
-	@echo "make bench             times the disc-in-disc and the three beams"
+	@echo "make bench             times the disc-in-disc, the three beams and small strains, by each solver"
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make report            error against run time: a page, tables and data in out/report, within an hour"
 	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
-	@echo "make extremes          scenes at the limits with their truths: a table and data in out/extremes, within half an hour"
-	@echo "make extremes-quick    two dozen of them, and all by Newton's method; fails where a wrong result is claimed to be right"
+	@echo "make extremes          scenes at the limits with their truths, by each solver: tables and data in out/extremes*, within an hour"
+	@echo "make extremes-quick    two dozen of them, and all on coarse meshes by Newton's method; fails where a wrong result is claimed to be right"
 	@echo "make package           the crates as packages, each checked on its own, and their documentation without Ipopt"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
@@ -64,6 +64,7 @@ lint: install
 bench: install
 	$(CARGO) bench --bench disc_in_disc
 	$(CARGO) bench --bench three_beams
+	$(CARGO) bench --bench condensed --features metis
 
 bench-overhead: install
 	$(CARGO) bench -p contact-core --bench overhead
@@ -76,12 +77,14 @@ report-quick: install
 	$(CARGO) run --release -p ipopt-contact-report -- --quick
 
 extremes: install
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --out out/extremes
 	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --solver newton --out out/extremes-newton
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --solver ipopt --coarse --out out/extremes-ipopt
 
 extremes-quick: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --out out/extremes-quick
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --solver newton --out out/extremes-newton
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --solver ipopt --out out/extremes-quick-ipopt
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --coarse --solver newton --out out/extremes-newton
 
 package: install
 	@./scripts/package.sh

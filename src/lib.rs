@@ -8,12 +8,13 @@
 //! FreeFEM*.
 //!
 //! Simulations find the same equilibria by faster solvers, and use the paper's where these do not apply or fail, see
-//! [`Automatic`](contact_core::Automatic). `Simulation::solved_by(Retry::<InteriorPoint>::default(), 100)` runs the paper's.
+//! [`Automatic`](contact_core::Automatic). `Simulation::solved_by(Retry::<InteriorPoint>::default(), 100)` runs the paper's,
+//! accelerated; with [`Acceleration::Plain`](contact_core::Acceleration::Plain) it is the paper's to the letter.
 //!
 //! This crate re-exports two crates and has a [`prelude`] for scenes:
 //! - [`contact_fem`]: meshes, materials, assembly, contact constraints, scenes, load histories, output;
-//! - [`contact_core`]: energies, the interior point method, the fixed point and load steps in ℝⁿ, and the safe Ipopt
-//!   driver; it knows no mesh.
+//! - [`contact_core`]: energies, the solvers of one load, load steps, and the safe Ipopt driver, all in ℝⁿ; it knows no
+//!   mesh.
 //!
 //! [`nalgebra`], whose vectors and matrices are in the interface of [`contact_fem`], is re-exported in the version used.
 //!
@@ -79,7 +80,8 @@
 //!
 //! # Features
 //! `vtk`, `csv` and `plot` are the output formats of [`contact_fem::output`], `record` makes all of them while a run
-//! goes on: `simulation.record("out/disc")`. All are on by default.
+//! goes on: `simulation.record("out/disc")`. All are on by default. `threads` shares assembly, contact search and the
+//! factors of separate bodies among threads; `metis` orders large factors by nested dissection.
 
 pub use contact_core;
 pub use contact_core::ipopt::{Blas, BlasKind, Versions, versions};

@@ -40,7 +40,7 @@ pub struct Cost {
 /// The size of a factor of the optimiser's linear system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FactorSize {
-    /// The elimination order that the linear solver used.
+    /// The elimination order that the linear solver used, or chose from.
     pub ordering: &'static str,
     /// The size of the factor (bytes).
     pub bytes: u64,
@@ -55,7 +55,10 @@ impl FactorSize {
     #[cfg(feature = "linear")]
     pub(crate) fn of_entries(entries: usize) -> Self {
         FactorSize {
-            ordering: "automatic",
+            ordering: match cfg!(feature = "metis") {
+                true => "minimum degree or nested dissection",
+                false => "minimum degree",
+            },
             bytes: (entries * size_of::<f64>()) as u64,
             workspace_bytes: None,
             reallocations: 0,

@@ -116,9 +116,11 @@ impl Attempt {
 }
 
 impl Run {
-    /// The number of attempts that did not converge.
+    /// The number of attempts that did not converge, those that were stopped left out.
     pub fn cuts(&self) -> usize {
-        let failed = |attempt: &&Attempt| attempt.outcome != Outcome::Converged;
+        let failed = |attempt: &&Attempt| {
+            !matches!(attempt.outcome, Outcome::Converged | Outcome::Interrupted)
+        };
         self.attempts.iter().filter(failed).count()
     }
 

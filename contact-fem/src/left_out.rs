@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use contact_core::load_steps::Attempt;
+
 use crate::certificate::Condition;
 use crate::model::Problem;
 use crate::simulation::{History, StepRecord};
@@ -16,8 +18,8 @@ pub struct LeftOut {
     /// Contact nodes without a row in the last step: each of their integration points is outside
     /// the search radius, beyond the rim of the other surface, or faces away from it.
     pub rows: usize,
-    /// Solves that the fixed-point iteration would have needed to find that exact rows do not
-    /// change: one for each attempt at a load step.
+    /// Solves that an iteration would have needed to find that exact rows do not change: one for each attempt at a load
+    /// step that took a single one.
     pub solves: usize,
     /// Iterations of the optimiser that reused a constant Hessian.
     pub hessians: usize,
@@ -37,12 +39,17 @@ impl LeftOut {
             cells: cells - assembled,
             rows: last.map_or(0, dropped),
             solves: match problem.is_exact() {
-                true => history.run.attempts.len(),
+                true => history.run.attempts.iter().filter(is_single).count(),
                 false => 0,
             },
             hessians: cost.reused_hessians,
         }
     }
+}
+
+/// Whether an attempt did with one solve what an iteration would have needed two for.
+fn is_single(attempt: &&Attempt) -> bool {
+    attempt.iterations.len() == 1
 }
 
 /// The contact nodes without a row, also where rows are integration points.

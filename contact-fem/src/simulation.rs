@@ -35,7 +35,7 @@ pub struct StepRecord<const D: usize> {
     pub weak_penetration: f64,
     /// The certificate, evaluated independently of the solver.
     pub certificate: Certificate,
-    /// The statistics of the fixed-point iteration.
+    /// The attempt at the load step: its solver, iterations and cost.
     pub attempt: Attempt,
 }
 

@@ -24,6 +24,8 @@ pub enum Formulation {
     PenalizedSlack,
     /// (39)
     Penalty,
+    /// None of them: the solver that the library takes by default, see [`Automatic`].
+    Automatic,
 }
 
 /// How fixed-point iterates are combined.
@@ -50,7 +52,7 @@ pub struct Case {
     pub method: Formulation,
     /// The fixed point.
     pub variant: Variant,
-    /// TOLER of the fixed point.
+    /// TOLER of the fixed point; [`Formulation::Automatic`] has its own.
     pub tolerance: f64,
     /// What (7) may leave of gap times force, [`InteriorPoint::complementarity`]. Larger ones than by default raise
     /// Ipopt's tolerance with them, which bounds it, too.
@@ -95,9 +97,9 @@ impl Case {
         (self.points == Points::Exact).then_some(Integration::Exact)
     }
 
-    /// The method with its settings.
-    fn solver(&self) -> Box<dyn Method> {
-        match self.method {
+    /// The method with its settings, where the paper's fixed point has one.
+    fn method(&self) -> Option<Box<dyn Method>> {
+        Some(match self.method {
             Formulation::InteriorPoint => {
                 let default = InteriorPoint::default();
                 let looser = (self.complementarity / default.complementarity).max(1.0);
@@ -109,19 +111,23 @@ impl Case {
             }
             Formulation::PenalizedSlack => Box::new(PenalizedSlack::default()),
             Formulation::Penalty => Box::new(Penalty::default()),
-        }
+            Formulation::Automatic => return None,
+        })
     }
 
-    /// So many load increments with the fixed point asked for.
-    pub fn simulation(&self, increments: usize) -> Simulation<Retry<Box<dyn Method>>> {
-        let mut simulation = Simulation::solved_by(Retry::with(self.solver()), increments);
-        let fixed_point = &mut simulation.solver.fixed_point;
+    /// So many load increments with the solver asked for.
+    pub fn simulation(&self, increments: usize) -> Simulation<Box<dyn Equilibrium>> {
+        let Some(method) = self.method() else {
+            return Simulation::solved_by(Box::new(Automatic::default()), increments);
+        };
+        let mut solver = Retry::with(method);
+        let fixed_point = &mut solver.fixed_point;
         fixed_point.tolerance = self.tolerance;
         fixed_point.acceleration = match self.variant {
             Variant::Plain => Acceleration::Plain,
             Variant::Anderson => fixed_point.acceleration,
         };
-        simulation
+        Simulation::solved_by(Box::new(solver), increments)
     }
 
     /// What it has in common with the same settings on other meshes.
@@ -157,6 +163,7 @@ impl fmt::Display for Setting {
             Formulation::InteriorPoint => "(7)",
             Formulation::PenalizedSlack => "(37)",
             Formulation::Penalty => "(39)",
+            Formulation::Automatic => "default solver",
         };
         write!(f, "P{}, {points}, {method}", case.degree)?;
         if case.variant != default.variant {

@@ -24,13 +24,14 @@ pub struct Options {
     /// How a load increment is solved [default: ipopt with an option that only Ipopt has, else automatic]
     #[arg(long, value_enum)]
     pub solver: Option<Solver>,
-    /// Relative change of the displacement at which an increment has converged, in (0, 1) [default: the solver's own]
+    /// Relative change of the displacement at which an increment has converged, in (0, 1); `condensed` has none
+    /// [default: 1e-6 for ipopt, else 1e-8]
     #[arg(long, value_parser = tolerance)]
     pub tolerance: Option<f64>,
     /// How Ipopt states every subproblem [default: interior-point]
     #[arg(long, value_enum)]
     pub method: Option<Formulation>,
-    /// How Ipopt's fixed-point iterates are combined [default: anderson]
+    /// How Ipopt's fixed-point iterates are combined; the paper's way is plain [default: anderson]
     #[arg(long, value_enum)]
     pub acceleration: Option<Combine>,
     /// Number of earlier differences that Anderson acceleration uses [default: the library's]
@@ -56,7 +57,7 @@ pub enum Solver {
     /// The one that fits the scene, see `contact_core::Automatic`
     #[default]
     Automatic,
-    /// Algorithm 2 of the paper: a fixed point of subproblems that Ipopt solves
+    /// Algorithm 2 of the paper: a fixed point of subproblems that Ipopt solves, accelerated unless --acceleration is plain
     Ipopt,
     /// Newton's method, with contact condensed onto its rows
     Newton,
@@ -142,6 +143,18 @@ impl Options {
 
     /// The chosen solver: the one given, else Ipopt if an option is given that only Ipopt has.
     fn solver(&self) -> Result<Solver, Failure> {
+        let is_plain = matches!(self.acceleration, Some(Combine::Plain));
+        if let (true, Some(depth)) = (is_plain, self.depth) {
+            let text =
+                format!("--depth {depth} has no effect with --acceleration plain: leave it out");
+            return Err(text.into());
+        }
+        if let (Some(Solver::Condensed), Some(tolerance)) = (self.solver, self.tolerance) {
+            return Err(format!(
+                "--tolerance {tolerance} has no effect with --solver condensed, which is exact to round-off: leave it out"
+            )
+            .into());
+        }
         let given = [
             ("--method", self.method.is_some()),
             ("--acceleration", self.acceleration.is_some()),

@@ -13,6 +13,7 @@ use contact_core::{
 use contact_fem::assembly::{BodyEnergy, DofMap, StrainEnergy};
 use contact_fem::contact::Master;
 use contact_fem::contact::rows::{PassRows, Unknowns};
+use contact_fem::contact::stencil::projected;
 use contact_fem::element::{Element, Order, P1, P2};
 use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};
 use contact_fem::model::{Integration, Problem};
@@ -185,7 +186,8 @@ impl<const D: usize> ContactProblem for Full<'_, D> {
         for (k, pass) in self.lean.passes().iter().enumerate() {
             let (slave, master) = (&surfaces[pass.slave], &masters[pass.master]);
             let reach = f64::INFINITY;
-            let rows = PassRows::new(slave, master, x, self.integration, reach, sampling);
+            let points = projected(slave, master, x, self.integration, reach);
+            let rows = PassRows::new(slave, master, &points, sampling);
             rows.append(k as u32, X, &unknowns, &mut gaps);
         }
         Ok(gaps)

@@ -1,5 +1,4 @@
-//! The history of a run as two tables: one line for each load step, and one for each iteration of
-//! Algorithm 2.
+//! The history of a run as two tables: one line for each load step, and one for each iteration of the solver.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -12,8 +11,7 @@ use crate::certificate::{Certificate, Condition, Limits};
 use crate::error::Error;
 use crate::simulation::{History, StepRecord};
 
-/// `NAME.csv`, the load steps, and `NAME_iterations.csv`, the iterations of Algorithm 2 within
-/// them.
+/// `NAME.csv`, the load steps, and `NAME_iterations.csv`, the iterations of the solver within them.
 ///
 /// After every converged step [`Tables::write`] saves the step to disk. Failed attempts are known
 /// only at the end of the run: [`Tables::finish`] writes both files anew with all attempts in
@@ -93,7 +91,7 @@ impl Tables {
 const COST_COLUMNS: [&str; 13] = [
     "iterations",
     "inner_iterations",
-    "factorizations",
+    "factorisations",
     "solves",
     "cold_retries",
     "value_evaluations",
@@ -122,7 +120,7 @@ const ITERATION_COLUMNS: [&str; 17] = [
     "error",
     "rows",
     "inner_iterations",
-    "factorizations",
+    "factorisations",
     "solves",
     "cold_retries",
     "value_evaluations",

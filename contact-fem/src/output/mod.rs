@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`snapshot`] | always | the fields of one state: displacement, pressure, stress |
 //! | `vtk` | `vtk` | a `.vtu` file a step and a `.pvd` file over all of them, for ParaView |
-//! | `history` | `csv` | a table of the steps and a table of the fixed-point iterations |
+//! | `history` | `csv` | a table of the steps and a table of the iterations |
 //! | `picture` | `plot` | deformed meshes and curves as SVG |
 //! | `record` | `record` | a run that makes all of these, shows progress and stops on Ctrl-C |
 //!

@@ -84,6 +84,8 @@ fn cases(scope: Scope) -> Vec<Case> {
     let mut cases = ladder(NAME, p1, p2);
     let exact = ladder(NAME, p1, p2).into_iter();
     cases.extend(exact.map(|case| case.with_points(Points::Exact)));
+    let default = ladder(NAME, p1, p2).into_iter();
+    cases.extend(default.map(|case| case.with_method(Formulation::Automatic)));
     let coarse = || [(1, 2), (2, 1)].into_iter();
     cases.extend(coarse().map(|(degree, level)| {
         Case::new(NAME, degree, level).with_method(Formulation::PenalizedSlack)

@@ -51,6 +51,11 @@ fn cases(scope: Scope) -> Vec<Case> {
     for method in [Formulation::PenalizedSlack, Formulation::Penalty] {
         cases.push(at(&middle).with_method(method));
     }
+    cases.extend(
+        levels
+            .iter()
+            .map(|k| at(k).with_method(Formulation::Automatic)),
+    );
     let tolerances: &[f64] = scope.pick(&[1e-2, 1e-4], &[1e-2, 1e-3, 1e-4, 1e-8]);
     for &tolerance in tolerances {
         let case = Case {

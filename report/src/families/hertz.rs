@@ -191,6 +191,8 @@ fn cases(scope: Scope) -> Vec<Case> {
     let mut cases = ladder(NAME, p1, p2);
     let exact = ladder(NAME, p1, p2).into_iter();
     cases.extend(exact.map(|case| case.with_points(Points::Exact)));
+    let default = ladder(NAME, p1, p2).into_iter();
+    cases.extend(default.map(|case| case.with_method(Formulation::Automatic)));
     let methods: &[Formulation] =
         scope.pick(&[], &[Formulation::PenalizedSlack, Formulation::Penalty]);
     // on coarse meshes: they take hundreds of iterations

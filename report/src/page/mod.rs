@@ -167,7 +167,7 @@ impl Page<'_> {
 }
 
 const INTRODUCTION: &str = "<p>What accuracy costs with this library: benchmark families over meshes, orders, \
-    integration, the paper's methods (7), (37) and (39), fixed-point variants and tolerances. Every result on this \
+    integration, the paper's methods (7), (37) and (39), the library's default solver, fixed-point variants and tolerances. Every result on this \
     page is computed anew by the command that writes it, but FreeFEM's, which are stored; every run is a process of its own with one thread, one at a \
     time, and time counts from building the mesh to the last converged load step. Errors are relative. The broad line \
     joins the runs that no other beats in both cost and error.</p>\n";
@@ -186,6 +186,10 @@ fn look(series: &Series<'_>) -> (Look, String) {
     let (colour, marker, dashed, name) = match (case.method, case.points) {
         (Formulation::PenalizedSlack, _) => (4, Marker::Triangle, true, "(37)".to_string()),
         (Formulation::Penalty, _) => (5, Marker::Diamond, true, "(39)".to_string()),
+        (Formulation::Automatic, _) if quadratic => {
+            (10, Marker::Square, false, "P2, default solver".to_string())
+        }
+        (Formulation::Automatic, _) => (9, Marker::Disc, false, "P1, default solver".to_string()),
         (_, Points::Exact) if case.complementarity != default.complementarity => {
             let name = "exact, (7), other gap × force";
             (7, Marker::Plus, true, name.into())

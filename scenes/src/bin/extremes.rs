@@ -13,6 +13,7 @@ use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
 use clap::Parser;
+use contact_fem::output::record::exit;
 use ipopt_contact_scenes::Failure;
 use ipopt_contact_scenes::cli::Solver;
 use ipopt_contact_scenes::extremes::{self, Case, Entry};
@@ -28,6 +29,9 @@ struct Arguments {
     /// A small selection, within a minute
     #[arg(long)]
     quick: bool,
+    /// Leave out the elastic discs on fine meshes
+    #[arg(long)]
+    coarse: bool,
     /// Only cases whose name contains this
     #[arg(long, default_value = "")]
     filter: String,
@@ -42,8 +46,11 @@ struct Arguments {
     only: Option<String>,
 }
 
-fn main() -> Result<ExitCode, Failure> {
-    let arguments = Arguments::parse();
+fn main() -> ExitCode {
+    exit(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut cases = extremes::all();
     if let Some(name) = &arguments.only {
         let case = cases.iter().find(|case| case.name == *name);
@@ -51,7 +58,11 @@ fn main() -> Result<ExitCode, Failure> {
         println!("{}", serde_json::to_string(&case.run(arguments.solver))?);
         return Ok(ExitCode::SUCCESS);
     }
-    cases.retain(|case| case.name.contains(&arguments.filter) && (case.quick || !arguments.quick));
+    let is_wanted = |case: &Case| {
+        let is_left_out = (arguments.quick && !case.quick) || (arguments.coarse && case.fine);
+        case.name.contains(&arguments.filter) && !is_left_out
+    };
+    cases.retain(is_wanted);
     if cases.is_empty() {
         return Err(format!("no case has `{}` in its name", arguments.filter).into());
     }

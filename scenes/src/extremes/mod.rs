@@ -24,6 +24,8 @@ pub struct Case {
     pub twin: Option<String>,
     /// Whether it is part of the quick selection.
     pub quick: bool,
+    /// Whether its meshes are fine: its solution takes seconds.
+    pub fine: bool,
     /// The number of load increments.
     increments: usize,
     dimension: Dimension,
@@ -155,6 +157,7 @@ impl Case {
             class,
             twin: None,
             quick: false,
+            fine: false,
             increments: 1,
             dimension,
         }

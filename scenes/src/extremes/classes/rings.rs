@@ -85,7 +85,11 @@ fn elastic_discs() -> Vec<Case> {
             scene,
             truth,
         );
-        cases.push(case.increments(increments).twin(name(1.0, 40, 20)));
+        let case = case.increments(increments).twin(name(1.0, 40, 20));
+        cases.push(Case {
+            fine: segments > 40,
+            ..case
+        });
     }
     cases
 }
