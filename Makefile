@@ -5,7 +5,7 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint bench bench-overhead report report-quick extremes extremes-quick package msrv bindings fuzz-readers fuzz-binding
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint bench bench-growth bench-overhead report report-quick extremes extremes-quick package msrv bindings fuzz-readers fuzz-binding
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -15,6 +15,7 @@ help:
 	@echo "make valgrind          the tests of the Ipopt binding under memcheck"
 	@echo "make lint              formatting, clippy and documentation, warnings as errors"
 	@echo "make bench             times the disc-in-disc, the three beams and small strains, by each solver"
+	@echo "make bench-growth      time and memory against the number of unknowns, within a quarter of an hour"
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make report            error against run time: a page, tables and data in out/report, within an hour"
 	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
@@ -65,6 +66,9 @@ bench: install
 	$(CARGO) bench --bench disc_in_disc
 	$(CARGO) bench --bench three_beams
 	$(CARGO) bench --bench condensed --features metis
+
+bench-growth: install
+	$(CARGO) bench --bench growth --features metis
 
 bench-overhead: install
 	$(CARGO) bench -p contact-core --bench overhead
