@@ -97,11 +97,12 @@ fn measure(arguments: &Arguments, segments: usize, solver: Solver) -> Result<(),
     let cost = history.run.cost();
     let bodies = problem.scene().bodies().iter();
     let last = history.last();
+    let by = last.and_then(|step| step.attempt.solver());
     let percent = |seconds: f64| 100.0 * seconds / wall;
     let own = wall - cost.optimizer;
     println!(
         "{:<9} {:>9} {:>9} {wall:>8.2} {:>8.2} {:>5} {:>6} {:>8} {:>10.1} {:>9.1} {:>5.1} {:>9.1} {:>6.1} {:>4} {:>12.6} {:>9.3}",
-        solver.to_string(),
+        by.unwrap_or("none"),
         bodies.map(|body| body.mesh().len()).sum::<usize>(),
         problem.dofs().free(),
         cpu_seconds().unwrap_or(f64::NAN),

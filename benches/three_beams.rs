@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use ipopt_contact::contact_fem::element::Order;
-use ipopt_contact::contact_fem::output::record::{exit, peak_memory};
+use ipopt_contact::contact_fem::output::record::{cpu_seconds, exit, peak_memory};
 use ipopt_contact::prelude::*;
 use ipopt_contact::versions;
 use ipopt_contact_scenes::beams::{self, Beams, Law};
@@ -54,8 +54,8 @@ const CASES: [(&str, Law, bool); 4] = [
 ];
 
 const HEADER: &str = "\
-case                      solver    free dofs  rows   wall s  set-up s  projection s  callbacks s  optimizer s  outer  inner  factori-  peak    tip
-                                                                                                                iter.  iter.   sations    MB     UL";
+case                      solver    free dofs  rows   wall s    cpu s  set-up s  projection s  callbacks s  optimizer s  outer  inner  factori-  peak    tip
+                                                                                                                         iter.  iter.   sations    MB     UL";
 
 fn main() -> ExitCode {
     let mut arguments = Arguments::parse();
@@ -103,13 +103,15 @@ fn measure(arguments: &Arguments, case: usize, solver: Solver) -> Result<(), Fai
         ControlFlow::Break(())
     })?;
     let cost = history.run.cost();
+    let by = history.last().and_then(|step| step.attempt.solver());
     let peak = peak_memory().map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6));
     println!(
-        "{name:<25} {:<9} {:>9} {:>5} {:>8.2} {set_up:>9.2} {:>13.2} {:>12.2} {:>12.2} {:>6} {:>6} {:>9} {peak:>5} {tip:>6.3}",
-        solver.to_string(),
+        "{name:<25} {:<9} {:>9} {:>5} {:>8.2} {:>8.2} {set_up:>9.2} {:>13.2} {:>12.2} {:>12.2} {:>6} {:>6} {:>9} {peak:>5} {tip:>6.3}",
+        by.unwrap_or("none"),
         problem.dofs().free(),
         history.steps.last().map_or(0, |step| step.rows),
         clock.elapsed().as_secs_f64(),
+        cpu_seconds().unwrap_or(f64::NAN),
         cost.projection,
         cost.callbacks,
         cost.optimizer,

@@ -296,7 +296,10 @@ impl Iterate<'_> {
             true => None,
             false => Some(error / trial.share),
         };
-        if let Some(best) = self.watchdog.judge(self.at, trial.energy, whole) {
+        if let Some(best) = self
+            .watchdog
+            .judge(self.at, trial.energy, trial.share, whole)
+        {
             *self.at = best;
             tangent.forget();
         }

@@ -17,8 +17,9 @@ const PENALTY: f64 = 2.0;
 /// What the iterations of one load step have reached.
 pub(super) struct Watchdog {
     best: Best,
-    /// Iterations since.
+    /// Iterations since, and the share of its step that the first of them took.
     idle: usize,
+    left_by: f64,
     /// The relative length of the shortest step that made progress; infinite before the first step.
     shortest: f64,
     /// The largest share of a step that may be taken.
@@ -50,6 +51,7 @@ impl Watchdog {
                 merit: Merit::new(start, energy),
             },
             idle: 0,
+            left_by: 1.0,
             shortest: f64::INFINITY,
             limit: 1.0,
             penalty: 0.0,
@@ -61,9 +63,15 @@ impl Watchdog {
         self.limit
     }
 
-    /// Judges a step that led to `point`, with energy E there. `length` is the relative length of Newton's step, if it tells.
-    /// Returns the state to go back to, if it is time.
-    pub fn judge(&mut self, point: &Point, energy: f64, length: Option<f64>) -> Option<Point> {
+    /// Judges a step, this `share` of Newton's, that led to `point` with energy E. `length` is the relative length of Newton's
+    /// step, if it tells. Returns the state to go back to, if it is time.
+    pub fn judge(
+        &mut self,
+        point: &Point,
+        energy: f64,
+        share: f64,
+        length: Option<f64>,
+    ) -> Option<Point> {
         let lambda = point.lambda.iter();
         self.penalty = lambda.fold(self.penalty, |penalty, l| penalty.max(PENALTY * l));
         let merit = Merit::new(point, energy);
@@ -82,6 +90,9 @@ impl Watchdog {
             self.limit = (2.0 * self.limit).min(1.0);
             return None;
         }
+        if self.idle == 0 {
+            self.left_by = share;
+        }
         self.idle += 1;
         match self.idle > PATIENCE {
             true => self.retreat(),
@@ -89,13 +100,13 @@ impl Watchdog {
         }
     }
 
-    /// The best state, unless it is the present one; the next step is half as long at most.
+    /// The best state, unless it is the present one; the next step is half as long at most as the one that left it.
     pub fn retreat(&mut self) -> Option<Point> {
         if self.idle == 0 {
             return None;
         }
         self.idle = 0;
-        self.limit *= 0.5;
+        self.limit = 0.5 * self.left_by;
         Some(self.best.point.clone())
     }
 }
