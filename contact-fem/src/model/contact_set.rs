@@ -174,7 +174,8 @@ impl<const D: usize> ContactSet<D> {
         gaps
     }
 
-    /// The rows of the pass numbered `k`. Its points are projected once for all queries at these positions.
+    /// The rows of the pass numbered `k`. The points of one of [`Self::passes`] are projected once for all queries at these
+    /// positions.
     fn pass_rows<'a>(
         &'a self,
         located: &'a Located<D>,
@@ -184,10 +185,14 @@ impl<const D: usize> ContactSet<D> {
     ) -> PassRows<'a, D> {
         let slave = &self.surfaces[pass.slave];
         let master = &located.masters[pass.master];
+        let project = || projected(slave, master, &located.x, self.integration, self.reach);
+        if self.passes.get(k) != Some(&pass) {
+            return PassRows::new(slave, master, &project(), sampling);
+        }
         let known = &located.projected[k];
         let points = known.get().unwrap_or_else(|| {
             // not within `get_or_init`: while a thread waits for others, rayon may give it work that comes here again
-            let points = projected(slave, master, &located.x, self.integration, self.reach);
+            let points = project();
             known.get_or_init(|| points)
         });
         PassRows::new(slave, master, points, sampling)
