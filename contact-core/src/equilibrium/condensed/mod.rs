@@ -47,7 +47,7 @@ use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcom
 /// Factors and W are kept for the next solve: a run of many load steps factors once as long as K stays the same.
 /// Clones start without them.
 ///
-/// In [`Cost`], an iteration is a step of Newton's method on the condensed rows, a solve is one of their problems, and
+/// In [`Cost`], an inner iteration is a step of Newton's method on the condensed rows, a solve is one of their problems, and
 /// a factorisation is one of all blocks of K, or of all that float once more.
 #[derive(Default)]
 pub struct Condensed {

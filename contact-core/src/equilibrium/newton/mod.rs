@@ -59,7 +59,7 @@ use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcom
 /// The factor is kept for the next iteration and the next load step while steps are short and easily corrected. Clones
 /// start without it.
 ///
-/// In [`Cost`], a fixed-point iteration is a step of Newton's method, a solve is a linear complementarity problem, and an
+/// In [`Cost`], an outer iteration is a step of Newton's method, a solve is a linear complementarity problem, and an inner
 /// iteration is a step towards its active rows.
 pub struct CondensedNewton {
     /// Bound on the relative change of u in the last iteration, see [`relative_change`]. Rows are closed, and forces in
