@@ -208,12 +208,19 @@ impl Cholesky {
 
     /// The columns of L in the order of elimination; of no meaning where no matrix is factored.
     pub fn panels(&self) -> impl Iterator<Item = Panel<'_>> {
-        let raw = self.analysis.symbolic.raw();
-        let count = match raw {
+        (0..self.panel_count()).map(|s| self.panel(s))
+    }
+
+    pub(super) fn panel_count(&self) -> usize {
+        match self.analysis.symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(all) => all.ncols(),
             SymbolicCholeskyRaw::Supernodal(all) => all.n_supernodes(),
-        };
-        (0..count).map(move |s| match raw {
+        }
+    }
+
+    /// Panel `s` of [`Cholesky::panels`].
+    pub(super) fn panel(&self, s: usize) -> Panel<'_> {
+        match self.analysis.symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(all) => {
                 let entries = all.col_ptr()[s]..all.col_ptr()[s + 1];
                 Panel {
@@ -234,7 +241,7 @@ impl Cholesky {
                     values: &self.values[values],
                 }
             }
-        })
+        }
     }
 
     /// Computes L; at failure the step whose pivot is bad.

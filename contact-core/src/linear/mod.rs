@@ -12,12 +12,16 @@ mod ordering;
 mod pattern;
 #[cfg(all(test, feature = "linear"))]
 mod tests;
+#[cfg(feature = "linear")]
+mod triangular;
 
 #[cfg(feature = "linear")]
 pub use self::cholesky::{Analysis, Cholesky, Kind, Panel};
 #[cfg(feature = "linear")]
 pub use self::ordering::{Ordering, postordered};
 pub use self::pattern::SymmetricPattern;
+#[cfg(feature = "linear")]
+pub(crate) use self::triangular::Reach;
 
 /// A factorisation for symmetric matrices of one pattern: refactored for new values, and used for any number of solves.
 ///

@@ -435,3 +435,58 @@ fn orderings_leave_fewer_entries() {
     assert!(fill(Ordering::MinimumDegree) < 0.6 * natural);
     assert!(fill(Ordering::NestedDissection) < 0.6 * natural);
 }
+
+/// With storage by columns and by dense blocks: what the rows see after the first half, and the solution after forces on
+/// them have been added.
+#[test]
+fn halves_of_a_solve_within_reach_make_the_whole() {
+    for (matrix, ordering) in [
+        (laplacian(12, 2, 0.0), Ordering::Natural),
+        (random(60, 2, 5), Ordering::MinimumDegree),
+        (laplacian(9, 3, 0.0), Ordering::MinimumDegree),
+    ] {
+        let (factor, _) = matrix.factor(Kind::Llt, &ordering).expect("definite");
+        let n = matrix.pattern.dim();
+        let steps = factor.analysis().steps();
+        let ends = [1, n / 3, n / 2];
+        let whole = Reach::whole(&factor);
+        let reach = Reach::of(&factor, ends.iter().map(|&j| steps[j]));
+        let (b, f): (Vec<f64>, Vec<f64>) = (noise(1).take(n).collect(), noise(2).take(3).collect());
+        let mut forced = b.clone();
+        ends.iter().zip(&f).for_each(|(&j, f)| forced[j] += f);
+        let solve = |b: &[f64]| {
+            let dense = matrix.dense().cholesky().expect("definite");
+            dense.solve(&nalgebra::DVector::from_column_slice(b))
+        };
+        let by_step = |b: &[f64]| {
+            let mut x = vec![0.0; n];
+            (0..n).for_each(|j| x[steps[j]] = b[j]);
+            x
+        };
+
+        let mut half = by_step(&b);
+        factor.forward(&whole, &mut half);
+        let mut seen = half.clone();
+        factor.backward(&reach, &mut seen);
+        let free = solve(&b);
+        for &j in &ends {
+            let (x, known) = (seen[steps[j]], free[j]);
+            assert!((x - known).abs() < 1e-12 * free.amax(), "{x} for {known}");
+        }
+        let mut pushed = vec![0.0; n];
+        ends.iter()
+            .zip(&f)
+            .for_each(|(&j, f)| pushed[steps[j]] = *f);
+        factor.forward(&reach, &mut pushed);
+        half.iter_mut().zip(&pushed).for_each(|(x, p)| *x += p);
+        factor.backward(&whole, &mut half);
+        let known = solve(&forced);
+        for j in 0..n {
+            let (x, known_j) = (half[steps[j]], known[j]);
+            assert!(
+                (x - known_j).abs() < 1e-12 * known.amax(),
+                "{x} for {known_j}"
+            );
+        }
+    }
+}

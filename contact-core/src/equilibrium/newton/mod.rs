@@ -49,8 +49,7 @@ use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcom
 ///
 /// The matrix of a step is factored, the rows that may act see its dense compliance, and their multipliers solve a linear
 /// complementarity problem. The step takes into account that projections and normals move, see
-/// [`ContactProblem::vary_gaps`]. It is accurate to a hundredth: near the solution each one leaves about a hundredth of
-/// the error, or less.
+/// [`ContactProblem::vary_gaps`]. It is accurate to a tenth at first, and to a thousandth where steps become rapidly shorter.
 ///
 /// A step is shortened where it would take a domain function ([`Energy::domain`]) below a tenth of its value. Where neither
 /// energy and overlap nor the change of u fall for a few iterations, the method returns to the best state and takes a shorter
@@ -198,6 +197,7 @@ impl CondensedNewton {
             at,
             least: least_displacement(problem),
             tolerance: self.tolerance,
+            length: None,
             stop: context.stop,
         };
         for _ in 0..self.max_iterations {
@@ -237,6 +237,8 @@ struct Iterate<'a> {
     /// Lower bound on the size of the displacements (UL), and bound on their relative change.
     least: f64,
     tolerance: f64,
+    /// The length of the last step (UL).
+    length: Option<f64>,
     stop: &'a Stop,
 }
 
@@ -307,16 +309,18 @@ impl Iterate<'_> {
     }
 
     /// The end of Newton's step from here, shortened as far as it must be.
-    fn trial(&self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Trial, Halt> {
+    fn trial(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Trial, Halt> {
         let (state, size) = (&self.at.state, self.at.size(self.least));
         let here = Linearization::new(self.problem, state, &self.at.gaps, cost)?;
-        let step = match Step::new(&here, tangent, size, self.stop, cost) {
+        let before = self.length.take();
+        let step = match Step::new(&here, tangent, size, before, self.stop, cost) {
             Err(Halt::Failed(_)) if !tangent.is_fresh() => {
                 tangent.forget();
-                Step::new(&here, tangent, size, self.stop, cost)?
+                Step::new(&here, tangent, size, before, self.stop, cost)?
             }
             step => step?,
         };
+        self.length = Some(step.length);
         let limit = self.watchdog.limit();
         let trial = Trial::new(self.problem.energy(), &here, state, &step, limit, cost)?;
         let error = relative_change(&trial.u, &state.u, self.least);

@@ -7,11 +7,12 @@ use super::super::anderson::Anderson;
 use super::super::condensed::complementarity;
 use super::super::condensed::halt::Halt;
 use super::linearization::Linearization;
-use super::tangent::Tangent;
+use super::tangent::{Response, Tangent};
 use crate::{Cost, Stop};
 
-/// A correction below this share of the step ends the correction of its defect.
-const ACCURACY: f64 = 1e-2;
+/// Bounds on the accuracy of a step, see [`accuracy`].
+const LOOSE: f64 = 1e-1;
+const TIGHT: f64 = 1e-3;
 /// The most corrections of one step.
 const CORRECTIONS: usize = 10;
 /// Differences that Anderson's method uses.
@@ -24,8 +25,8 @@ const CONTRADICTION: f64 = 0.1;
 const VISIBLE: f64 = 1e-6;
 /// Rows that would overlap by more than this share of the displacements join the condensed ones.
 const OVERLAP: f64 = 1e-10;
-/// Steps below this share of the displacements are round-off.
-const ROUNDOFF: f64 = 1e-13;
+/// Corrections below this share of the displacements are not needed.
+const NEGLIGIBLE: f64 = 1e-11;
 
 /// Newton's step.
 pub(super) struct Step {
@@ -33,6 +34,8 @@ pub(super) struct Step {
     pub x: Vec<f64>,
     /// The new multipliers (m, UF).
     pub lambda: Vec<f64>,
+    /// The largest entry of x (UL).
+    pub length: f64,
     /// The number of corrections.
     pub corrections: usize,
 }
@@ -41,14 +44,25 @@ pub(super) struct Step {
 struct Condensed {
     rows: Vec<usize>,
     W: Mat<f64>,
+    response: Response,
+}
+
+/// A correction below this share of the step ends the correction of its defect: the square of the step's length over that
+/// of the step before, the second choice of Eisenstat and Walker, SIAM J. Sci. Comput. 17 (1996).
+fn accuracy(length: f64, before: Option<f64>) -> f64 {
+    before.map_or(LOOSE, |before| {
+        (length / before).powi(2).clamp(TIGHT, LOOSE)
+    })
 }
 
 impl Step {
-    /// The step from `here`; `least` is the size of the displacements so far (UL).
+    /// The step from `here`; `least` is the size of the displacements so far, and `before` the length of the step before
+    /// (UL).
     pub fn new(
         here: &Linearization<'_>,
         tangent: &mut Tangent,
         least: f64,
+        before: Option<f64>,
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<Self, Halt> {
@@ -60,6 +74,7 @@ impl Step {
         let mut step = Step {
             x: vec![0.0; here.load.len()],
             lambda: here.lambda.clone(),
+            length: 0.0,
             corrections: 0,
         };
         let mut anderson = Anderson::of(Acceleration::Anderson(DEPTH));
@@ -68,8 +83,8 @@ impl Step {
             let (image, lambda) = condensed.corrected(here, &step, tangent, least, stop, cost)?;
             step.corrections += 1;
             let change = largest(image.iter().zip(&step.x).map(|(a, b)| a - b));
-            let size = largest(image.iter().copied());
-            if !size.is_finite() {
+            step.length = largest(image.iter().copied());
+            if !step.length.is_finite() {
                 return Err(Halt::Failed("Newton's step is not finite".into()));
             }
             step.lambda = lambda;
@@ -84,7 +99,8 @@ impl Step {
                 continue;
             }
             let is_exact = here.is_frozen() && tangent.is_fresh();
-            let is_settled = is_exact || change <= ACCURACY * size || size < ROUNDOFF * least;
+            let enough = accuracy(step.length, before) * step.length;
+            let is_settled = is_exact || change <= enough.max(NEGLIGIBLE * least);
             if is_last || is_settled {
                 step.x = image;
                 return Ok(step);
@@ -97,8 +113,8 @@ impl Step {
 impl Condensed {
     fn new(rows: Vec<usize>, here: &Linearization<'_>, tangent: &Tangent) -> Result<Self, Halt> {
         Halt::if_too_many(rows.len())?;
-        let W = tangent.compliance(here.gaps.matrix(), &rows);
-        Ok(Condensed { rows, W })
+        let (W, response) = tangent.condense(here.gaps.matrix(), &rows)?;
+        Ok(Condensed { rows, W, response })
     }
 
     /// x' and μ of one correction.
@@ -106,19 +122,19 @@ impl Condensed {
         &self,
         here: &Linearization<'_>,
         step: &Step,
-        tangent: &mut Tangent,
+        tangent: &Tangent,
         least: f64,
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<(Vec<f64>, Vec<f64>), Halt> {
         let (mut forces, mut gaps) = here.defect(&step.x, tangent.added(), tangent.shift());
         here.gaps.add_forces(&step.lambda, &mut forces);
-        tangent.solve(&mut forces)?;
-        let mut image: Vec<f64> = step.x.iter().zip(&forces).map(|(x, z)| x + z).collect();
+        let half = self.response.begun(tangent, &forces)?;
+        let seen = self.response.seen(tangent, &half)?;
         let matrix = here.gaps.matrix();
         self.rows
             .iter()
-            .for_each(|&i| gaps[i] += matrix.times(i, &forces));
+            .for_each(|&i| gaps[i] += matrix.times(i, &seen));
         let of = |values: &[f64]| self.rows.iter().map(|&i| values[i]).collect::<Vec<_>>();
         let (known, gaps) = (of(&step.lambda), of(&gaps));
         let deepest = largest(gaps.iter().copied());
@@ -137,10 +153,10 @@ impl Condensed {
             lambda[i] = *new;
             change[i] = new - known;
         }
-        let mut pushed = vec![0.0; image.len()];
+        let mut pushed = vec![0.0; step.x.len()];
         here.gaps.add_forces(&change, &mut pushed);
-        tangent.solve(&mut pushed)?;
-        image.iter_mut().zip(&pushed).for_each(|(x, f)| *x += f);
+        let mut image = self.response.ended(tangent, half, &pushed)?;
+        image.iter_mut().zip(&step.x).for_each(|(z, x)| *z += x);
         Ok((image, lambda))
     }
 

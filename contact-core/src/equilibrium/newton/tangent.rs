@@ -1,5 +1,7 @@
 //! The symmetric matrix S that is factored, and its factor.
 
+use std::collections::BTreeMap;
+
 use faer::Mat;
 
 use super::super::condensed::halt::Halt;
@@ -7,17 +9,17 @@ use super::super::condensed::pruned::gram;
 use super::linearization::Linearization;
 use crate::gaps::SparseRows;
 use crate::linear::{
-    Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern, postordered,
+    Analysis, Cholesky, Factor, FactorError, Kind, Ordering, Reach, SymmetricPattern, postordered,
 };
-use crate::{Cost, Error, Stop};
+use crate::{Cost, Error, RowKey, Stop};
 
 /// The factor is kept where the last step changed u by less than this share and took no more corrections than that.
 const NEAR: f64 = 1e-2;
-const FEW: usize = 6;
+const FEW: usize = 8;
 /// The stiffness that is added to rows that act, relative to their own, where K is not positive definite, and the factor by
 /// which it grows.
 const FIRST: f64 = 1.0;
-const LAST: f64 = 100.0;
+const LAST: f64 = 10.0;
 const GROWTH: f64 = 10.0;
 /// Where that does not suffice: the shift of the diagonal, relative to K's, and the factor by which it grows.
 const SHIFT: f64 = 1e-6;
@@ -36,8 +38,9 @@ pub(super) struct Tangent {
     order: Option<Vec<usize>>,
     fill: usize,
     factor: Option<Cholesky>,
-    /// The stiffness added to each row, and its ratio to the row's own.
+    /// The stiffness added to each row, what the factor has of it, and its ratio to the rows' own.
     added: Vec<f64>,
+    stiffened: BTreeMap<RowKey, f64>,
     ratio: f64,
     /// The shift of the diagonal, relative to K's.
     shift: f64,
@@ -59,6 +62,7 @@ impl Tangent {
             fill: 0,
             factor: None,
             added: Vec::new(),
+            stiffened: BTreeMap::new(),
             ratio: 0.0,
             shift: 0.0,
             last: None,
@@ -119,11 +123,14 @@ impl Tangent {
         let last = self.last.take();
         let went_well =
             last.is_some_and(|(change, corrections)| change < NEAR && corrections <= FEW);
-        self.added.clear();
-        self.added.resize(here.gaps.len(), 0.0);
-        let has_factor = self.factor.is_some() && self.ratio == 0.0 && self.shift == 0.0;
+        let has_factor = self.factor.is_some() && self.shift == 0.0;
         if has_factor && went_well && self.is_like(here) {
             self.is_fresh = false;
+            let rows = here.gaps.keys().iter().zip(&here.acts);
+            let known = |key| self.stiffened.get(key).copied().unwrap_or(0.0);
+            self.added = rows
+                .map(|(key, acts)| if *acts { known(key) } else { 0.0 })
+                .collect();
             return Ok(());
         }
         self.is_fresh = true;
@@ -198,6 +205,9 @@ impl Tangent {
             None => self.analysed()?,
         };
         self.factor.insert(factor).refactor(&self.values)?;
+        let rows = here.gaps.keys().iter().zip(&self.added);
+        let stiffened = rows.filter(|(_, s)| **s > 0.0);
+        self.stiffened = stiffened.map(|(&key, &s)| (key, s)).collect();
         self.diagonal.clear();
         self.diagonal
             .extend((0..self.pattern.dim()).map(|j| here.diagonal(j)));
@@ -245,6 +255,10 @@ impl Tangent {
         Ok(Cholesky::new(&analysis, Kind::Llt)?)
     }
 
+    fn factor(&self) -> Result<&Cholesky, Error> {
+        Ok(self.factor.as_ref().ok_or(FactorError::NotFactored)?)
+    }
+
     /// S⁻¹b, in place.
     pub fn solve(&mut self, b: &mut [f64]) -> Result<(), Error> {
         match &mut self.factor {
@@ -253,11 +267,13 @@ impl Tangent {
         }
     }
 
-    /// W = C S⁻¹ Cᵀ of some `rows` of C, both triangles.
-    pub fn compliance(&self, matrix: &SparseRows, rows: &[usize]) -> Mat<f64> {
-        let Some(factor) = &self.factor else {
-            return Mat::zeros(rows.len(), rows.len());
-        };
+    /// W = C S⁻¹ Cᵀ of some `rows` of C, both triangles, and the part of the factor that it takes.
+    pub fn condense(
+        &self,
+        matrix: &SparseRows,
+        rows: &[usize],
+    ) -> Result<(Mat<f64>, Response), Error> {
+        let factor = self.factor()?;
         let steps = factor.analysis().steps();
         let entries = rows.iter().enumerate().flat_map(|(place, &row)| {
             let entries = matrix.row(row);
@@ -265,6 +281,53 @@ impl Tangent {
                 .map(|(j, a)| (place, steps[j], a))
                 .collect::<Vec<_>>()
         });
-        gram(factor, rows.len(), entries.collect())
+        let entries: Vec<_> = entries.collect();
+        let response = Response {
+            reach: Reach::of(factor, entries.iter().map(|entry| entry.1)),
+            whole: Reach::whole(factor),
+            steps,
+        };
+        Ok((gram(factor, rows.len(), entries), response))
+    }
+}
+
+/// Solves with S in two halves: what the rows see of a solution is known after the first, and forces on the rows can
+/// still be added before the second.
+pub(super) struct Response {
+    /// The part of the factor that the rows see, and all of it.
+    reach: Reach,
+    whole: Reach,
+    /// The step that eliminates each unknown.
+    steps: Vec<usize>,
+}
+
+/// L⁻¹b, in the order of elimination.
+pub(super) struct Half(Vec<f64>);
+
+impl Response {
+    /// The first half of S⁻¹b.
+    pub fn begun(&self, tangent: &Tangent, b: &[f64]) -> Result<Half, Error> {
+        let mut half = vec![0.0; b.len()];
+        self.steps.iter().zip(b).for_each(|(&k, b)| half[k] = *b);
+        tangent.factor()?.forward(&self.whole, &mut half);
+        Ok(Half(half))
+    }
+
+    /// The entries of the solution that the rows see (n); the others are of no meaning.
+    pub fn seen(&self, tangent: &Tangent, half: &Half) -> Result<Vec<f64>, Error> {
+        let mut x = half.0.clone();
+        tangent.factor()?.backward(&self.reach, &mut x);
+        Ok(self.steps.iter().map(|&k| x[k]).collect())
+    }
+
+    /// Adds S⁻¹b for forces b on the rows, and finishes.
+    pub fn ended(&self, tangent: &Tangent, half: Half, b: &[f64]) -> Result<Vec<f64>, Error> {
+        let (factor, Half(mut x)) = (tangent.factor()?, half);
+        let mut added = vec![0.0; b.len()];
+        self.steps.iter().zip(b).for_each(|(&k, b)| added[k] = *b);
+        factor.forward(&self.reach, &mut added);
+        x.iter_mut().zip(&added).for_each(|(x, a)| *x += a);
+        factor.backward(&self.whole, &mut x);
+        Ok(self.steps.iter().map(|&k| x[k]).collect())
     }
 }
