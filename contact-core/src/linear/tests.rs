@@ -443,12 +443,15 @@ fn halves_of_a_solve_within_reach_make_the_whole() {
     for (matrix, ordering) in [
         (laplacian(12, 2, 0.0), Ordering::Natural),
         (random(60, 2, 5), Ordering::MinimumDegree),
-        (laplacian(9, 3, 0.0), Ordering::MinimumDegree),
+        (laplacian(10, 3, 0.0), Ordering::Natural),
     ] {
         let (factor, _) = matrix.factor(Kind::Llt, &ordering).expect("definite");
         let n = matrix.pattern.dim();
+        let has_blocks = factor.panels().any(|panel| panel.size > 1);
+        assert_eq!(has_blocks, n == 1000);
         let steps = factor.analysis().steps();
-        let ends = [1, n / 3, n / 2];
+        let root = factor.analysis().unknown(n - 1);
+        let ends = [1, n / 3, root];
         let whole = Reach::whole(&factor);
         let reach = Reach::of(&factor, ends.iter().map(|&j| steps[j]));
         let (b, f): (Vec<f64>, Vec<f64>) = (noise(1).take(n).collect(), noise(2).take(3).collect());

@@ -20,7 +20,8 @@
 //! accelerated by Anderson's method. S is factored; the rows see its dense compliance W = C S⁻¹ Cᵀ, on which the
 //! complementarity is solved exactly. S = K as long as K is positive definite. From the first K on that is not, S = K − sym D +
 //! Σ s_i C_iᵀC_i over the rows that act, and the defect has the terms s_i C_iᵀ(c + G x)_i too. They vanish where these rows
-//! stay closed. A row that opens leaves the sum in the next step, so that equilibria are the same.
+//! stay closed. A row that opens leaves the defect in the next step, and S before the iteration ends, so that equilibria are the
+//! same. S and its factor are kept for further steps as long as these are short and easily corrected.
 
 mod linearization;
 mod step;
@@ -33,7 +34,7 @@ use std::fmt;
 use std::time::Instant;
 
 use self::linearization::Linearization;
-use self::step::Step;
+use self::step::{Accuracy, Step};
 use self::tangent::Tangent;
 use self::watchdog::Watchdog;
 use super::condensed::halt::Halt;
@@ -105,6 +106,8 @@ const GUARD: f64 = 0.1;
 const SHIFT: f64 = 1e-5;
 /// Rows are closed to this share of the displacements, whatever the tolerance: steps leave so much.
 const CLOSED: f64 = 1e-10;
+/// Corrections of a step below this share of the displacements are not needed, nor those below a tenth of the tolerance.
+const NEGLIGIBLE: f64 = 1e-11;
 /// A step is halved at most so often.
 const HALVINGS: usize = 20;
 
@@ -237,7 +240,7 @@ struct Iterate<'a> {
     /// Lower bound on the size of the displacements (UL), and bound on their relative change.
     least: f64,
     tolerance: f64,
-    /// The length of the last step (UL).
+    /// The length of the last step, unshortened (UL).
     length: Option<f64>,
     stop: &'a Stop,
 }
@@ -266,8 +269,7 @@ impl Iterate<'_> {
             // away from the best state, what fails may be the state
             Err(Halt::Failed(why)) => match self.watchdog.retreat() {
                 Some(best) => {
-                    *self.at = best;
-                    tangent.forget();
+                    self.go_back_to(best, tangent);
                     return Ok(Moved::on(f64::INFINITY));
                 }
                 None => return Err(Halt::Failed(why)),
@@ -285,14 +287,16 @@ impl Iterate<'_> {
         // a shortened step and a shifted diagonal make small changes far from a solution
         let is_whole = trial.share == 1.0 && tangent.shift() <= SHIFT;
         let bound = self.tolerance.max(CLOSED) * self.at.size(self.least);
-        if error < self.tolerance
-            && is_whole
-            && self.at.is_equilibrium(self.problem, tangent, bound, cost)?
-        {
-            return Ok(Moved {
-                error,
-                is_over: true,
-            });
+        if error < self.tolerance && is_whole {
+            // with its stiffness S makes forces look small that move an open row far
+            if tangent.holds_an_open_row(&self.at.state.multipliers) {
+                tangent.forget();
+            } else if self.at.is_equilibrium(self.problem, tangent, bound, cost)? {
+                return Ok(Moved {
+                    error,
+                    is_over: true,
+                });
+            }
         }
         let whole = match tangent.shift() > 0.0 {
             true => None,
@@ -302,21 +306,29 @@ impl Iterate<'_> {
             .watchdog
             .judge(self.at, trial.energy, trial.share, whole)
         {
-            *self.at = best;
-            tangent.forget();
+            self.go_back_to(best, tangent);
         }
         Ok(Moved::on(error))
+    }
+
+    fn go_back_to(&mut self, best: Point, tangent: &mut Tangent) {
+        *self.at = best;
+        self.length = None;
+        tangent.forget();
     }
 
     /// The end of Newton's step from here, shortened as far as it must be.
     fn trial(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Trial, Halt> {
         let (state, size) = (&self.at.state, self.at.size(self.least));
         let here = Linearization::new(self.problem, state, &self.at.gaps, cost)?;
-        let before = self.length.take();
-        let step = match Step::new(&here, tangent, size, before, self.stop, cost) {
+        let accuracy = Accuracy {
+            before: self.length.take(),
+            negligible: NEGLIGIBLE.min(0.1 * self.tolerance) * size,
+        };
+        let step = match Step::new(&here, tangent, size, &accuracy, self.stop, cost) {
             Err(Halt::Failed(_)) if !tangent.is_fresh() => {
                 tangent.forget();
-                Step::new(&here, tangent, size, before, self.stop, cost)?
+                Step::new(&here, tangent, size, &accuracy, self.stop, cost)?
             }
             step => step?,
         };

@@ -10,7 +10,7 @@ use super::linearization::Linearization;
 use super::tangent::{Response, Tangent};
 use crate::{Cost, Stop};
 
-/// Bounds on the accuracy of a step, see [`accuracy`].
+/// Bounds on the accuracy of a step, see [`Accuracy`].
 const LOOSE: f64 = 1e-1;
 const TIGHT: f64 = 1e-3;
 /// The most corrections of one step.
@@ -25,9 +25,6 @@ const CONTRADICTION: f64 = 0.1;
 const VISIBLE: f64 = 1e-6;
 /// Rows that would overlap by more than this share of the displacements join the condensed ones.
 const OVERLAP: f64 = 1e-10;
-/// Corrections below this share of the displacements are not needed.
-const NEGLIGIBLE: f64 = 1e-11;
-
 /// Newton's step.
 pub(super) struct Step {
     /// The change of u (n, UL).
@@ -47,22 +44,31 @@ struct Condensed {
     response: Response,
 }
 
-/// A correction below this share of the step ends the correction of its defect: the square of the step's length over that
-/// of the step before, the second choice of Eisenstat and Walker, SIAM J. Sci. Comput. 17 (1996).
-fn accuracy(length: f64, before: Option<f64>) -> f64 {
-    before.map_or(LOOSE, |before| {
-        (length / before).powi(2).clamp(TIGHT, LOOSE)
-    })
+/// The accuracy of a step: the largest correction that may be its last.
+pub(super) struct Accuracy {
+    /// The length of the step before (UL).
+    pub before: Option<f64>,
+    /// A correction that is not needed, however short the step is (UL).
+    pub negligible: f64,
+}
+
+impl Accuracy {
+    /// For a step of this length (UL): its length times η, the square of its ratio to the step before within bounds. Steps
+    /// that become rapidly shorter are worth more corrections (after the second choice of Eisenstat and Walker, SIAM J. Sci.
+    /// Comput. 17 (1996), with lengths of steps for norms of residuals).
+    fn at(&self, length: f64) -> f64 {
+        let tighter = |before: f64| (length / before).powi(2).clamp(TIGHT, LOOSE);
+        (self.before.map_or(LOOSE, tighter) * length).max(self.negligible)
+    }
 }
 
 impl Step {
-    /// The step from `here`; `least` is the size of the displacements so far, and `before` the length of the step before
-    /// (UL).
+    /// The step from `here`; `least` is the size of the displacements so far (UL).
     pub fn new(
         here: &Linearization<'_>,
         tangent: &mut Tangent,
         least: f64,
-        before: Option<f64>,
+        accuracy: &Accuracy,
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<Self, Halt> {
@@ -99,8 +105,7 @@ impl Step {
                 continue;
             }
             let is_exact = here.is_frozen() && tangent.is_fresh();
-            let enough = accuracy(step.length, before) * step.length;
-            let is_settled = is_exact || change <= enough.max(NEGLIGIBLE * least);
+            let is_settled = is_exact || change <= accuracy.at(step.length);
             if is_last || is_settled {
                 step.x = image;
                 return Ok(step);
@@ -170,8 +175,8 @@ impl Condensed {
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |norm, v| {
-        if v.is_nan() {
+    values.fold(0.0, |norm: f64, v| {
+        if norm.is_nan() || v.is_nan() {
             f64::NAN
         } else {
             norm.max(v.abs())

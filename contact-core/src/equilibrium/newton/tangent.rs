@@ -11,7 +11,7 @@ use crate::gaps::SparseRows;
 use crate::linear::{
     Analysis, Cholesky, Factor, FactorError, Kind, Ordering, Reach, SymmetricPattern, postordered,
 };
-use crate::{Cost, Error, RowKey, Stop};
+use crate::{Cost, Error, Multipliers, RowKey, Stop};
 
 /// The factor is kept where the last step changed u by less than this share and took no more corrections than that.
 const NEAR: f64 = 1e-2;
@@ -19,7 +19,7 @@ const FEW: usize = 8;
 /// The stiffness that is added to rows that act, relative to their own, where K is not positive definite, and the factor by
 /// which it grows.
 const FIRST: f64 = 1.0;
-const LAST: f64 = 10.0;
+const LAST: f64 = 100.0;
 const GROWTH: f64 = 10.0;
 /// Where that does not suffice: the shift of the diagonal, relative to K's, and the factor by which it grows.
 const SHIFT: f64 = 1e-6;
@@ -101,6 +101,14 @@ impl Tangent {
     /// At the start of a run: K is tried by itself again.
     pub fn begin(&mut self) {
         self.ratio = 0.0;
+        if !self.stiffened.is_empty() {
+            self.forget();
+        }
+    }
+
+    /// Whether the factor has stiffness of a row that is without a force now.
+    pub fn holds_an_open_row(&self, now: &Multipliers) -> bool {
+        self.stiffened.keys().any(|&key| now.of(key) <= 0.0)
     }
 
     /// The factor is not to be kept.
@@ -135,6 +143,7 @@ impl Tangent {
         }
         self.is_fresh = true;
         let may_add = here.acts.contains(&true);
+        self.ratio = self.ratio.min(FIRST);
         self.shift = 0.0;
         loop {
             Halt::if_requested(stop)?;

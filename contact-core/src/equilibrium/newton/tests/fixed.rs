@@ -118,6 +118,24 @@ fn an_indefinite_hessian_that_is_convex_on_the_acting_row() {
     assert_near(&solution.expect("a valid problem").state.u, &u, 1e-9);
 }
 
+/// A long chain leaves its wall by a small part of a load that the wall has carried, while another unknown needs stiffness on
+/// its own wall. The chain is 1e5 times softer than its diagonal: with stiffness on the wall that it has left, what moves it
+/// by 1e-3 looks as if it moved it by 1e-9.
+#[test]
+fn stiffness_on_a_row_that_opens_hides_nothing() {
+    for (k, delta) in [(1e5, 1e-3), (1e4, 1e-4), (1e3, 1e-5)] {
+        let K = DMatrix::from_row_slice(3, 3, &[k + 1.0, -k, 0.0, -k, k, 0.0, 0.0, 0.0, -1.0]);
+        let walls = [(vec![0.0, -1.0, 0.0], 1.0), (vec![0.0, 0.0, -1.0], 1.0)];
+        let pull = (1.0 - delta) / (1.0 + 1.0 / k);
+        let toy = Toy::quadratic(&K, &[0.0, pull, 1.0], &walls);
+        let start = with_multipliers(&toy, &[k / (k + 1.0), 1.0, 1.0], &[0.1, 2.0]);
+        let solution = CondensedNewton::default().solve_from(&toy, start);
+        let solution = solution.expect("a valid problem");
+        assert_eq!(solution.outcome, Outcome::Converged);
+        assert_near(&solution.state.u, &[pull, 1.0 - delta, 1.0], 1e-8);
+    }
+}
+
 /// No row acts at the start: the diagonal is shifted until one does.
 #[test]
 fn an_indefinite_hessian_without_an_acting_row_at_the_start() {
