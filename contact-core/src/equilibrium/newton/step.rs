@@ -72,7 +72,7 @@ impl Step {
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<Self, Halt> {
-        tangent.prepare(here, stop, cost)?;
+        tangent.prepare(here, OVERLAP * least, stop, cost)?;
         let m = here.gaps.len();
         let close =
             (0..m).filter(|&i| here.acts[i] || here.overlaps(i, here.c[i], OVERLAP * least));

@@ -121,10 +121,12 @@ impl Tangent {
         self.last = Some((change, corrections));
     }
 
-    /// Provides a factor for the step from `here`: the last one if it is near, or else a new one.
+    /// Provides a factor for the step from `here`: the last one if it is near, or else a new one. Rows that overlap by less
+    /// than `bound` (UL) and have no force get no stiffness.
     pub fn prepare(
         &mut self,
         here: &Linearization<'_>,
+        bound: f64,
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<(), Halt> {
@@ -142,13 +144,18 @@ impl Tangent {
             return Ok(());
         }
         self.is_fresh = true;
-        let may_add = here.acts.contains(&true);
+        let pushes = |i: usize| here.lambda[i] > 0.0 || here.overlaps(i, here.c[i], bound);
+        let acting: Vec<bool> = (0..here.gaps.len())
+            .map(|i| here.acts[i] && pushes(i))
+            .collect();
+        let may_add = acting.contains(&true);
         self.ratio = self.ratio.min(FIRST);
         self.shift = 0.0;
         loop {
             Halt::if_requested(stop)?;
-            let acting = here.acts.iter().zip(&here.stiffness);
             self.added = acting
+                .iter()
+                .zip(&here.stiffness)
                 .map(|(acts, s)| if *acts { self.ratio * s } else { 0.0 })
                 .collect();
             cost.factorizations += 1;

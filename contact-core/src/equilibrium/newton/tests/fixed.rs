@@ -136,6 +136,27 @@ fn stiffness_on_a_row_that_opens_hides_nothing() {
     }
 }
 
+/// A wall twice, and one that touches without a force: rows that act in one step and not in the next, but for round-off.
+#[test]
+fn rows_that_may_or_may_not_act_do_not_go_on_for_ever() {
+    let (saddle, u, lambda) = saddle();
+    let K = (saddle.hessian)(&u);
+    let wall = (vec![0.0, 1.0, 0.0], 1.0);
+    for touch in [0.0, 1e-17, -1e-17, 1e-16, -1e-16, 1e-12, -1e-12] {
+        let beside = (vec![-1.0, 0.0, 0.0], 0.75 + touch);
+        let slanted = (vec![0.3, 0.2, 0.7], 0.2 - 0.225 - 0.7 / 6.0 + touch);
+        let walls = [wall.clone(), wall.clone(), beside, slanted];
+        let toy = Toy::quadratic(&K, &[1.0, -2.0, 0.0], &walls);
+        for start in [[0.0, -1.5, 0.0], [3.0, -4.0, -2.0], u] {
+            let solution = toy.solve_from(&start);
+            assert_eq!(solution.outcome, Outcome::Converged, "{touch} {start:?}");
+            assert!(solution.history.len() < 12, "{}", solution.history.len());
+            assert_near(&solution.state.u, &u, 1e-9);
+            assert_near(&[solution.lambda.iter().take(2).sum()], &[lambda], 1e-9);
+        }
+    }
+}
+
 /// No row acts at the start: the diagonal is shifted until one does.
 #[test]
 fn an_indefinite_hessian_without_an_acting_row_at_the_start() {
