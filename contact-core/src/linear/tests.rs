@@ -457,10 +457,8 @@ fn halves_of_a_solve_within_reach_make_the_whole() {
         let (b, f): (Vec<f64>, Vec<f64>) = (noise(1).take(n).collect(), noise(2).take(3).collect());
         let mut forced = b.clone();
         ends.iter().zip(&f).for_each(|(&j, f)| forced[j] += f);
-        let solve = |b: &[f64]| {
-            let dense = matrix.dense().cholesky().expect("definite");
-            dense.solve(&nalgebra::DVector::from_column_slice(b))
-        };
+        let dense = matrix.dense().cholesky().expect("definite");
+        let solve = |b: &[f64]| dense.solve(&nalgebra::DVector::from_column_slice(b));
         let by_step = |b: &[f64]| {
             let mut x = vec![0.0; n];
             (0..n).for_each(|j| x[steps[j]] = b[j]);

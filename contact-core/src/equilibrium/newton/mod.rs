@@ -288,7 +288,7 @@ impl Iterate<'_> {
         let is_whole = trial.share == 1.0 && tangent.shift() <= SHIFT;
         let bound = self.tolerance.max(CLOSED) * self.at.size(self.least);
         if error < self.tolerance && is_whole {
-            // with its stiffness S makes forces look small that move an open row far
+            // too stiff an S underestimates how far the forces that are left would move the row
             if tangent.holds_an_open_row(&self.at.state.multipliers) {
                 tangent.forget();
             } else if self.at.is_equilibrium(self.problem, tangent, bound, cost)? {

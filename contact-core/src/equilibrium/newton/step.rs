@@ -25,6 +25,7 @@ const CONTRADICTION: f64 = 0.1;
 const VISIBLE: f64 = 1e-6;
 /// Rows that would overlap by more than this share of the displacements join the condensed ones.
 const OVERLAP: f64 = 1e-10;
+
 /// Newton's step.
 pub(super) struct Step {
     /// The change of u (n, UL).

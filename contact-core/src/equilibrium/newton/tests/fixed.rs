@@ -118,9 +118,8 @@ fn an_indefinite_hessian_that_is_convex_on_the_acting_row() {
     assert_near(&solution.expect("a valid problem").state.u, &u, 1e-9);
 }
 
-/// A long chain leaves its wall by a small part of a load that the wall has carried, while another unknown needs stiffness on
-/// its own wall. The chain is 1e5 times softer than its diagonal: with stiffness on the wall that it has left, what moves it
-/// by 1e-3 looks as if it moved it by 1e-9.
+/// A soft chain opens from its wall by δ, while another unknown needs stiffness added at its own wall. A factor that still
+/// has stiffness at the chain's wall takes the force that is left for one that moves the chain by 1e-9, where it moves it by δ.
 #[test]
 fn stiffness_on_a_row_that_opens_hides_nothing() {
     for (k, delta) in [(1e5, 1e-3), (1e4, 1e-4), (1e3, 1e-5)] {
