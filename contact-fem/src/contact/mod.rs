@@ -14,6 +14,7 @@ pub mod rows;
 pub mod search;
 pub mod stencil;
 pub mod surface;
+mod tree;
 pub mod variation;
 
 pub use cut::Integration;

@@ -3,12 +3,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use rstar::{AABB, PointDistance, RTree, RTreeObject};
-
 use super::moving::Moving;
 use super::normals;
-use super::projection::closest_on;
 use super::surface::Surface;
+use super::tree::{Closest, FacetTree};
 use crate::element::{Facet, facet_shapes};
 use crate::tensor::{Vector, facet_normal};
 
@@ -16,7 +14,7 @@ use crate::tensor::{Vector, facet_normal};
 pub struct Master<const D: usize> {
     moving: Moving<D>,
     /// The tree is built by the first search.
-    tree: OnceLock<RTree<Leaf<D>>>,
+    tree: OnceLock<FacetTree<D>>,
     facet_size: f64,
 }
 
@@ -111,20 +109,15 @@ impl<const D: usize> Master<D> {
         self.moving.normals()
     }
 
-    fn tree(&self) -> &RTree<Leaf<D>> {
-        self.tree.get_or_init(|| {
-            let facets = self.surface().facets_at(self.moving.positions());
-            let leaves = facets
-                .enumerate()
-                .map(|(index, facet)| Leaf { index, facet });
-            RTree::bulk_load(leaves.collect())
-        })
+    fn tree(&self) -> &FacetTree<D> {
+        self.tree
+            .get_or_init(|| FacetTree::new(self.surface().facets_at(self.moving.positions())))
     }
 
     /// The closest point to `x`, or `None` if the surface has no facets.
     pub fn project(&self, x: &Vector<D>) -> Option<Projection<D>> {
-        let leaf = self.tree().nearest_neighbor((*x).into())?;
-        Some(self.project_on(leaf, x))
+        let closest = self.tree().nearest(x)?;
+        Some(self.projection(&closest, x))
     }
 
     /// The point that `seeker` must not penetrate, or `None`. It is the closest point of the
@@ -135,9 +128,7 @@ impl<const D: usize> Master<D> {
     /// of those points that count, are on no facet of the neighbourhood, and are local minima of
     /// the distance.
     pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<Projection<D>> {
-        let x: [f64; D] = seeker.x.into();
-        let reach_2 = seeker.reach * seeker.reach;
-        if self.tree().root().envelope().distance_2(&x) > reach_2 {
+        if self.tree().is_beyond(&seeker.x, seeker.reach) {
             return None;
         }
         let counts = |p: &Projection<D>| {
@@ -153,10 +144,9 @@ impl<const D: usize> Master<D> {
             if !is_beyond_the_middle || nearest.off_the_end {
                 return Some(nearest).filter(counts);
             }
-            let behind = self.tree().nearest_neighbor_iter_with_distance_2(x);
+            let behind = self.tree().by_distance(&seeker.x, seeker.reach);
             return behind
-                .take_while(|(_, distance_2)| *distance_2 <= reach_2)
-                .map(|(leaf, _)| self.project_on(leaf, &seeker.x))
+                .map(|closest| self.projection(&closest, &seeker.x))
                 .find(|p| counts(p) && self.is_local_minimum(p, &seeker.x));
         };
         let is_own = |node: usize| own.nodes.iter().any(|&a| own.surface.nodes()[a] == node);
@@ -164,11 +154,10 @@ impl<const D: usize> Master<D> {
             let nodes = self.surface().facet(facet).iter();
             nodes.map(|&b| self.surface().nodes()[b]).any(is_own)
         };
-        let nearest = self.tree().nearest_neighbor_iter_with_distance_2(x);
+        let nearest = self.tree().by_distance(&seeker.x, seeker.reach);
         nearest
-            .take_while(|(_, distance_2)| *distance_2 <= reach_2)
-            .filter(|(leaf, _)| !neighbour(leaf.index))
-            .map(|(leaf, _)| self.project_on(leaf, &seeker.x))
+            .filter(|closest| !neighbour(closest.leaf.index))
+            .map(|closest| self.projection(&closest, &seeker.x))
             .find(|p| counts(p) && self.is_local_minimum(p, &seeker.x))
     }
 
@@ -202,19 +191,15 @@ impl<const D: usize> Master<D> {
             return true;
         }
         let nodes = self.surface().facet(p.facet);
-        let x = (*x).into();
-        let around = Vector::repeat(Self::OFF_THE_END * self.facet_size);
-        let at_foot = AABB::from_corners((p.foot - around).into(), (p.foot + around).into());
-        let meets = |leaf: &&Leaf<D>| {
-            let others = self.surface().facet(leaf.index);
-            leaf.index != p.facet && others.iter().any(|a| nodes.contains(a))
-        };
-        let closer = (p.distance * (1.0 - Self::OFF_THE_END)).powi(2);
+        let closer = p.distance * (1.0 - Self::OFF_THE_END);
         let mut others = self
             .tree()
-            .locate_in_envelope_intersecting(at_foot)
-            .filter(meets);
-        !others.any(|leaf| leaf.distance_2(&x) < closer)
+            .at(&p.foot, Self::OFF_THE_END * self.facet_size)
+            .filter(|leaf| {
+                let others = self.surface().facet(leaf.index);
+                leaf.index != p.facet && others.iter().any(|a| nodes.contains(a))
+            });
+        !others.any(|leaf| leaf.distance(x) < closer)
     }
 
     /// The distance of `seeker` from the surface (UL). On its own body, the distance from the point
@@ -233,14 +218,12 @@ impl<const D: usize> Master<D> {
         x: &Vector<D>,
         distance: f64,
     ) -> impl Iterator<Item = (usize, &Facet<D>)> {
-        let near = self
-            .tree()
-            .locate_within_distance((*x).into(), distance * distance);
+        let near = self.tree().within(x, distance);
         near.map(|leaf| (leaf.index, &leaf.facet))
     }
 
-    fn project_on(&self, leaf: &Leaf<D>, x: &Vector<D>) -> Projection<D> {
-        let lambda = closest_on(x, &leaf.facet);
+    fn projection(&self, closest: &Closest<'_, D>, x: &Vector<D>) -> Projection<D> {
+        let Closest { leaf, lambda, .. } = *closest;
         let foot = leaf.facet.point(&lambda);
         let offset = x - foot;
         let nodes = self.surface().facet(leaf.index);
@@ -257,11 +240,12 @@ impl<const D: usize> Master<D> {
             normal,
             distance: offset.norm(),
             gap: offset.dot(&normal),
-            off_the_end: self.is_off_the_end(leaf, &lambda, &offset),
+            off_the_end: self.is_off_the_end(closest, &offset),
         }
     }
 
-    fn is_off_the_end(&self, leaf: &Leaf<D>, lambda: &Vector<D>, offset: &Vector<D>) -> bool {
+    fn is_off_the_end(&self, closest: &Closest<'_, D>, offset: &Vector<D>) -> bool {
+        let Closest { leaf, lambda, .. } = closest;
         if !self.surface().is_rim(leaf.index, lambda) {
             return false;
         }
@@ -270,28 +254,6 @@ impl<const D: usize> Master<D> {
         let size = (tangent[1] - tangent[0]).norm();
         let tangential = offset - n * offset.dot(&n);
         tangential.norm() > Self::OFF_THE_END * size
-    }
-}
-
-/// An entry of the tree: a facet with its index.
-struct Leaf<const D: usize> {
-    index: usize,
-    facet: Facet<D>,
-}
-
-impl<const D: usize> RTreeObject for Leaf<D> {
-    type Envelope = AABB<[f64; D]>;
-
-    fn envelope(&self) -> Self::Envelope {
-        let (low, high) = self.facet.bounding_box();
-        AABB::from_corners(low.into(), high.into())
-    }
-}
-
-impl<const D: usize> PointDistance for Leaf<D> {
-    fn distance_2(&self, point: &[f64; D]) -> f64 {
-        let x = Vector::from(*point);
-        (x - self.facet.point(&closest_on(&x, &self.facet))).norm_squared()
     }
 }
 

@@ -12,6 +12,7 @@
 //! own two facets only.
 
 use std::collections::HashMap;
+use std::ops::AddAssign;
 
 use contact_core::GapVariation;
 use contact_core::gaps::SparseRows;
@@ -23,20 +24,47 @@ use super::stencil::Stencil;
 use crate::assembly::{Dof, DofMap};
 use crate::tensor::{Matrix, Vector};
 
-/// A sum of linear forms in the positions of nodes and in averaged normals.
+/// A sum with one term a key. The keys are apart from the terms, so that a key is found by a short scan.
 #[derive(Clone, Debug)]
-struct Form<T> {
-    nodes: Vec<(usize, T)>,
-    normals: Vec<(usize, T)>,
+struct Sum<T> {
+    keys: Vec<usize>,
+    terms: Vec<T>,
 }
 
-impl<T> Default for Form<T> {
-    fn default() -> Self {
-        Form {
-            nodes: Vec::new(),
-            normals: Vec::new(),
+/// A linear form in the positions of nodes and in averaged normals.
+#[derive(Clone, Debug)]
+struct Form<T> {
+    nodes: Sum<T>,
+    normals: Sum<T>,
+}
+
+impl<T: AddAssign> Sum<T> {
+    const EMPTY: Self = Sum {
+        keys: Vec::new(),
+        terms: Vec::new(),
+    };
+
+    /// Adds to the term of `key`.
+    fn add(&mut self, key: usize, term: T) {
+        match self.keys.iter().position(|other| *other == key) {
+            Some(k) => self.terms[k] += term,
+            None => {
+                self.keys.push(key);
+                self.terms.push(term);
+            }
         }
     }
+
+    fn iter(&self) -> impl Iterator<Item = (usize, &T)> {
+        self.keys.iter().copied().zip(&self.terms)
+    }
+}
+
+impl<T: AddAssign> Form<T> {
+    const ZERO: Self = Form {
+        nodes: Sum::EMPTY,
+        normals: Sum::EMPTY,
+    };
 }
 
 /// The sums over the integration points of all passes.
@@ -47,7 +75,7 @@ pub struct Variation<const D: usize> {
     forces: Vec<Form<Matrix<D>>>,
     /// The numbers of the normals by surface and node, and their forms in the positions.
     numbers: HashMap<(usize, usize), usize>,
-    normals: Vec<Vec<(usize, Matrix<D>)>>,
+    normals: Vec<Sum<Matrix<D>>>,
 }
 
 /// A node of one of the two facets of a point.
@@ -66,8 +94,8 @@ impl<const D: usize> Variation<D> {
     /// Of `rows` rows over `nodes` scene nodes.
     pub fn new(rows: usize, nodes: usize) -> Self {
         Variation {
-            gaps: vec![Form::default(); rows],
-            forces: vec![Form::default(); nodes],
+            gaps: vec![Form::ZERO; rows],
+            forces: vec![Form::ZERO; nodes],
             numbers: HashMap::new(),
             normals: Vec::new(),
         }
@@ -111,10 +139,10 @@ impl<const D: usize> Variation<D> {
             let form = &mut self.gaps[row];
             for point in &near {
                 let gradient = foot.q * point.shape + foot.p * point.slopes.dot(&foot.mu);
-                add(&mut form.nodes, point.node, gradient * share);
+                form.nodes.add(point.node, gradient * share);
             }
             for (b, N) in normals() {
-                add(&mut form.normals, b, foot.w * (N * share));
+                form.normals.add(b, foot.w * (N * share));
             }
         }
         if force == 0.0 {
@@ -126,10 +154,10 @@ impl<const D: usize> Variation<D> {
             for other in &near {
                 let turned = other.normal * own.shape;
                 let moved = foot.m.n * other.lambda.tr_mul(&own.slopes).transpose();
-                add(&mut form.nodes, other.node, (turned - moved) * force);
+                form.nodes.add(other.node, (turned - moved) * force);
             }
             for (b, N) in normals() {
-                add(&mut form.normals, b, A * (N * own.shape * force));
+                form.normals.add(b, A * (N * own.shape * force));
             }
         }
     }
@@ -139,13 +167,13 @@ impl<const D: usize> Variation<D> {
         let normals = &mut self.normals;
         *self.numbers.entry((index, b)).or_insert_with(|| {
             let slope = surface.normal(b).slope();
-            let mut form = Vec::new();
+            let mut form = Sum::EMPTY;
             for (facet, addend) in surface.addends(b) {
                 let nodes = surface.surface().facet(facet);
                 for (by_corner, slopes) in addend.jacobian().iter().zip(&addend.slopes) {
                     for (&c, share) in nodes.iter().zip(slopes).filter(|(_, s)| **s != 0.0) {
                         let node = surface.surface().nodes()[c];
-                        add(&mut form, node, slope * by_corner * *share);
+                        form.add(node, slope * by_corner * *share);
                     }
                 }
             }
@@ -164,12 +192,12 @@ impl<const D: usize> Variation<D> {
         let mut row = Vec::new();
         for form in &self.gaps {
             let nodes = form.nodes.iter();
-            collect(&mut row, nodes.flat_map(|(a, v)| components(*a, v)), free);
+            collect(&mut row, nodes.flat_map(|(a, v)| components(a, v)), free);
             variation.gradients.push(&row);
             let normals = form.normals.iter();
             collect(
                 &mut row,
-                normals.flat_map(|(k, v)| components(*k, v)),
+                normals.flat_map(|(k, v)| components(k, v)),
                 internal::<D>,
             );
             variation.internal_gradients.push(&row);
@@ -179,13 +207,13 @@ impl<const D: usize> Variation<D> {
         }
         for (a, form) in self.forces.iter().enumerate() {
             for i in 0..D {
-                if let Some(j) = free(a, i).filter(|_| !form.nodes.is_empty()) {
+                if let Some(j) = free(a, i).filter(|_| !form.nodes.keys.is_empty()) {
                     collect(
                         &mut row,
-                        form.nodes.iter().flat_map(|(b, m)| line(*b, m, i)),
+                        form.nodes.iter().flat_map(|(b, m)| line(b, m, i)),
                         free,
                     );
-                    let normals = form.normals.iter().flat_map(|(k, m)| line(*k, m, i));
+                    let normals = form.normals.iter().flat_map(|(k, m)| line(k, m, i));
                     let by_unknown = row.clone();
                     collect(&mut row, normals, internal::<D>);
                     variation.push_force(j, &by_unknown, &row);
@@ -218,14 +246,6 @@ fn near<const D: usize>(stencil: &Stencil<'_, D>, foot: &Foot<'_, D>) -> Vec<Nea
         near(surface.nodes()[node], -foot.N[b], slopes)
     });
     own.chain(other).collect()
-}
-
-/// Adds to the term of `key`.
-fn add<T: std::ops::AddAssign>(terms: &mut Vec<(usize, T)>, key: usize, term: T) {
-    match terms.iter_mut().find(|(other, _)| *other == key) {
-        Some((_, sum)) => *sum += term,
-        None => terms.push((key, term)),
-    }
 }
 
 fn internal<const D: usize>(k: usize, i: usize) -> Option<usize> {
@@ -264,14 +284,14 @@ fn collect(
 /// One row for each component of a normal.
 fn push_rows<const D: usize>(
     rows: &mut SparseRows,
-    form: &[(usize, Matrix<D>)],
+    form: &Sum<Matrix<D>>,
     place: impl Fn(usize, usize) -> Option<usize> + Copy,
 ) {
     let mut row = Vec::new();
     for i in 0..D {
         collect(
             &mut row,
-            form.iter().flat_map(|(b, m)| line(*b, m, i)),
+            form.iter().flat_map(|(b, m)| line(b, m, i)),
             place,
         );
         rows.push(&row);

@@ -206,6 +206,22 @@ impl<const D: usize> Facet<D> {
         points.iter().fold((points[0], points[0]), grow)
     }
 
+    /// A bound on |x(λ) − Σ λ_k x_k|, the distance from the flat facet between the corners (UL): the
+    /// difference is Σ 4 λ_a λ_b d over the edges ab, d the offsets of their middle nodes, and
+    /// Σ 4 λ_a λ_b is at most 1 on a segment and 4/3 on a triangle.
+    pub fn bulge(&self) -> f64 {
+        if self.is_flat {
+            return 0.0;
+        }
+        let (corners, middles) = self.nodes().split_at(D);
+        let offset = |(e, middle): (usize, &Vector<D>)| {
+            let [a, b] = facet_edge::<D>(e).map(|k| corners[k]);
+            (middle - (a + b) * 0.5).norm()
+        };
+        let largest = middles.iter().enumerate().map(offset).fold(0.0, f64::max);
+        largest * if D == 2 { 1.0 } else { 4.0 / 3.0 }
+    }
+
     /// The flat pieces between the nodes, each given by the λ of its corners: the facet itself, two
     /// segments, or four triangles.
     pub fn pieces(&self) -> &'static [[[f64; 3]; 3]] {
