@@ -76,7 +76,8 @@ fn run(arguments: &Arguments) -> Result<Recorded<2>, Failure> {
 
     let mut problem = disc_in_disc::scene(arguments.mesh, roles)?.problem()?;
     let mut simulation = arguments.options.simulation(100)?;
-    let recording = arguments.options.record(&mut simulation, "disc_in_disc");
+    let mut recording = arguments.options.record(&mut simulation, "disc_in_disc");
+    recording.plan.own_files = vec!["force.svg".into()];
     let picture = recording.plan.folder.join("force.svg");
     let recorded = recording.force(force).run(&mut problem)?;
 

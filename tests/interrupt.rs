@@ -88,8 +88,9 @@ fn check_summary(folder: &Path, finished: usize) {
     assert_eq!(summary["converged"], false);
     assert_eq!(summary["steps"], finished);
     assert!(summary["energy"].is_number() && summary["findings"].is_array());
-    let status = summary["status"].as_str().expect("a status");
-    assert!(status.starts_with("interrupted"), "{status}");
+    assert_eq!(summary["status"], "stopped");
+    let reason = summary["reason"].as_str().expect("a reason");
+    assert!(reason.starts_with("interrupted"), "{reason}");
 }
 
 fn lines(path: &Path) -> usize {

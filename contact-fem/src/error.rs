@@ -346,6 +346,12 @@ pub enum Error {
         /// The problem, what was expected and the remedy.
         problem: Problem,
     },
+    /// Another recorded run writes to the folder.
+    #[error("another run writes to {folder}: wait for its end, or record to another folder")]
+    FolderInUse {
+        /// Which folder.
+        folder: std::path::PathBuf,
+    },
     /// A file could not be written.
     #[error("cannot write {path}: {source}")]
     Write {

@@ -1,6 +1,7 @@
 //! The history of a run as two tables: one line for each load step, and one for each iteration of the solver.
 
 use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use contact_core::load_steps::Attempt;
@@ -30,24 +31,26 @@ impl Tables {
     /// with these names of its bodies.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Error::Write`] if the files cannot be created or the name has characters other than
+    /// letters, digits, `_`, `-` and `.`.
     pub fn create<const D: usize>(
         folder: &Path,
         name: &str,
         bodies: &[String],
     ) -> Result<Self, Error> {
+        file::check_name(folder, name)?;
         file::create_folder(folder)?;
+        let [steps, iterations] = Self::files(name);
         Ok(Tables {
-            steps: Table::create(
-                folder.join(format!("{name}.csv")),
-                step_columns::<D>(bodies),
-            )?,
-            iterations: Table::create(
-                folder.join(format!("{name}_iterations.csv")),
-                strings(&ITERATION_COLUMNS),
-            )?,
+            steps: Table::create(folder.join(steps), step_columns::<D>(bodies))?,
+            iterations: Table::create(folder.join(iterations), strings(&ITERATION_COLUMNS))?,
             bodies: bodies.len(),
         })
+    }
+
+    /// The names of the tables' files.
+    pub(super) fn files(name: &str) -> [String; 2] {
+        [format!("{name}.csv"), format!("{name}_iterations.csv")]
     }
 
     /// The path of the table of the load steps.
@@ -262,52 +265,65 @@ fn strings(names: &[&str]) -> Vec<String> {
 struct Table {
     path: PathBuf,
     columns: Vec<String>,
-    writer: csv::Writer<File>,
+    file: File,
+    /// The length of the whole lines.
+    length: u64,
 }
 
 impl Table {
     fn create(path: PathBuf, columns: Vec<String>) -> Result<Self, Error> {
-        let failed = |source| file::failed(&path, source);
-        let mut writer = csv::Writer::from_path(&path).map_err(failed)?;
-        writer.write_record(&columns).map_err(failed)?;
-        writer
-            .flush()
-            .map_err(|source| file::failed(&path, source))?;
+        let (file, length) = create(&path, &columns, &[])?;
         Ok(Table {
             path,
             columns,
-            writer,
+            file,
+            length,
         })
     }
 
-    /// Appends lines and flushes them to the operating system.
+    /// Appends lines: all of them, or on an error none.
     fn append(&mut self, lines: impl IntoIterator<Item = Vec<String>>) -> Result<(), Error> {
-        let written = lines
-            .into_iter()
-            .try_for_each(|line| self.writer.write_record(&line))
-            .and_then(|()| Ok(self.writer.flush()?));
-        written.map_err(|source| file::failed(&self.path, source))
+        let bytes = text(&self.path, lines)?;
+        self.file.write_all(&bytes).map_err(|source| {
+            // the first error is the one to tell
+            let _ = self.file.set_len(self.length);
+            file::failed(&self.path, source)
+        })?;
+        self.length += bytes.len() as u64;
+        Ok(())
     }
 
     /// Replaces the file by the whole table at once.
     fn replace(&mut self, lines: Vec<Vec<String>>) -> Result<(), Error> {
-        let mut all = csv::Writer::from_writer(Vec::new());
-        let lines = std::iter::once(&self.columns).chain(&lines);
-        let bytes = lines
-            .into_iter()
-            .try_for_each(|line| all.write_record(line))
-            .map_err(|source| file::failed(&self.path, source))
-            .and_then(|()| {
-                let written = all.into_inner();
-                written.map_err(|error| file::failed(&self.path, error.to_string()))
-            })?;
-        file::replace(&self.path, &bytes)?;
-        // later lines are appended to the new file
-        let appending = File::options().append(true).open(&self.path);
-        let file = appending.map_err(|source| file::failed(&self.path, source))?;
-        self.writer = csv::Writer::from_writer(file);
+        (self.file, self.length) = create(&self.path, &self.columns, &lines)?;
         Ok(())
     }
+}
+
+/// Replaces the file by a table; later lines are appended to it.
+fn create(path: &Path, columns: &[String], lines: &[Vec<String>]) -> Result<(File, u64), Error> {
+    let bytes = text(
+        path,
+        std::iter::once(columns).chain(lines.iter().map(Vec::as_slice)),
+    )?;
+    file::replace(path, &bytes)?;
+    let appending = File::options().append(true).open(path);
+    let file = appending.map_err(|source| file::failed(path, source))?;
+    Ok((file, bytes.len() as u64))
+}
+
+/// The lines of a table as text.
+fn text(
+    path: &Path,
+    lines: impl IntoIterator<Item = impl AsRef<[String]>>,
+) -> Result<Vec<u8>, Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for line in lines {
+        let written = writer.write_record(line.as_ref());
+        written.map_err(|source| file::failed(path, source))?;
+    }
+    let bytes = writer.into_inner();
+    bytes.map_err(|error| file::failed(path, error.to_string()))
 }
 
 #[cfg(test)]
@@ -417,6 +433,18 @@ mod tests {
         assert_eq!(steps[1][at("increment")], "1");
         assert_eq!(read(&folder.join("run_iterations.csv")).len(), 4);
         std::fs::remove_dir_all(&folder).expect("removed");
+    }
+
+    #[test]
+    fn names_that_leave_the_folder_are_refused() {
+        let folder = std::env::temp_dir().join(format!("contact-fem-name-{}", std::process::id()));
+        for name in [
+            "", ".", "..", "../evil", "a/b", "/evil", "a\\b", "a\nb", "a\0",
+        ] {
+            let refused = Tables::create::<2>(&folder, name, &[]);
+            assert!(matches!(refused, Err(Error::Write { .. })), "{name:?}");
+        }
+        assert!(!folder.exists());
     }
 
     #[test]

@@ -76,11 +76,7 @@ impl Series {
     /// letters, digits, `_`, `-` and `.`.
     pub fn create(folder: impl Into<PathBuf>, name: &str) -> Result<Self, Error> {
         let folder = folder.into();
-        let plain = |c: char| c.is_alphanumeric() || "_-.".contains(c);
-        if name.is_empty() || !name.chars().all(plain) {
-            let why = "a series' name is made of letters, digits, `_`, `-` and `.`";
-            return Err(file::failed(&folder.join(name), why));
-        }
+        file::check_name(&folder, name)?;
         file::create_folder(&folder)?;
         Ok(Series {
             folder,
@@ -133,6 +129,13 @@ impl Series {
     /// Whether the series has no states.
     pub fn is_empty(&self) -> bool {
         self.times.is_empty()
+    }
+
+    /// The names of the files that the next state is written to, the one that lists the others first.
+    #[cfg(feature = "record")]
+    pub(super) fn next_files(&self) -> [String; 2] {
+        let state = self.file_name(self.times.len());
+        [format!("{}.pvd", self.name), state]
     }
 
     fn file_name(&self, index: usize) -> String {
@@ -193,7 +196,7 @@ fn escaped(name: &str) -> String {
         ("\"", "&quot;"),
     ];
     let replace = |text: String, (from, to): (&str, &str)| text.replace(from, to);
-    special.into_iter().fold(name.to_string(), replace)
+    special.into_iter().fold(file::in_xml(name), replace)
 }
 
 /// Inserts `text` at the beginning of the grid, which the writer does not support. Offsets of the
@@ -358,8 +361,17 @@ mod tests {
     }
 
     #[test]
+    fn names_of_bodies_are_valid_in_xml() {
+        let text = metadata(&["a\u{0}\u{1b}<\"b".into()], None);
+        assert!(
+            text.contains("Name=\"body_a\u{fffd}\u{fffd}&lt;&quot;b\""),
+            "{text}"
+        );
+    }
+
+    #[test]
     fn odd_names_are_refused() {
-        for name in ["", "a/b", "a\"b", "a<b"] {
+        for name in ["", ".", "..", "../a", "a/b", "a\"b", "a<b", "a\u{1}"] {
             let refused = Series::create(folder("names"), name);
             assert!(matches!(refused, Err(Error::Write { .. })), "{name}");
         }

@@ -41,7 +41,7 @@ fn save(
     }
     // full opacity is the default of SVG; thousands of polygons do not repeat it
     let text = text.replace(" opacity=\"1\"", "");
-    file::replace(path, text.as_bytes())
+    file::replace(path, file::in_xml(&text).as_bytes())
 }
 
 /// A number with at most six significant digits, without trailing zeros.
@@ -111,6 +111,20 @@ mod tests {
             let text = written("curves", |path| curves.save(path));
             assert!(text.contains("x (UL)") && text.contains("two"));
         }
+    }
+
+    #[test]
+    fn titles_are_valid_in_xml() {
+        let curves = Curves {
+            title: "a\u{0}b\u{1b}[1m\u{ffff}\t& <".into(),
+            x_label: "\u{8}".into(),
+            y_label: String::new(),
+            curves: Vec::new(),
+        };
+        let text = written("titles", |path| curves.save(path));
+        let is_valid = |c: char| c >= ' ' && c != '\u{ffff}' || "\t\n\r".contains(c);
+        assert!(text.chars().all(is_valid), "{text:?}");
+        assert!(text.contains("a\u{fffd}b\u{fffd}[1m\u{fffd}") && text.contains("&amp; &lt;"));
     }
 
     #[test]

@@ -1,8 +1,10 @@
-//! Ctrl-C and termination requests, which stop a run cleanly.
+//! Signals: Ctrl-C and termination requests, which stop a run cleanly, and the limit of the size of files.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use contact_core::Stop;
+
+use super::complain;
 
 /// The exit code of a program that was stopped by a signal.
 pub const INTERRUPTED: u8 = 130;
@@ -39,5 +41,16 @@ fn interrupt(running: Option<&Mutex<Running>>) {
     }
     running.interrupted = true;
     running.stops.iter().for_each(Stop::request);
-    eprintln!("stopping; press Ctrl-C again to give up at once");
+    complain("stopping; press Ctrl-C again to give up at once");
+}
+
+/// Lets writing beyond the limit of a file's size (`ulimit -f`) fail in this thread, where else a signal would end the
+/// process.
+pub(super) fn refuse_rather_than_end() {
+    #[cfg(unix)]
+    {
+        use nix::sys::signal::{SigSet, Signal};
+        // a signal that is blocked stays pending; it is never let through, since it would end the process then
+        let _ = SigSet::from(Signal::SIGXFSZ).thread_block();
+    }
 }

@@ -1,5 +1,6 @@
 //! Recorded runs: they write files, show progress and stop cleanly on Ctrl-C.
 
+mod folder;
 mod interrupt;
 mod observer;
 mod progress;
@@ -21,9 +22,11 @@ use crate::certificate::Limits;
 use crate::error::Error;
 use crate::model::Problem;
 use crate::simulation::{DefaultSolver, History, Simulation, StepRecord, StepView};
+use folder::{Folder, Heading, check_file_name};
 use observer::Observer;
 use summary::Summary;
 
+use interrupt::refuse_rather_than_end;
 pub use interrupt::{INTERRUPTED, stop_on_ctrl_c};
 pub use usage::{cpu_seconds, peak_memory};
 
@@ -42,6 +45,25 @@ type Message<'a, const D: usize> = Box<dyn Fn(&StepView<'_, D>) -> String + 'a>;
 /// | `NAME.pvd`, `NAME_0000.vtu`, … | the states for ParaView, see [`Series`](super::vtk::Series) |
 /// | `meshes.svg` | the deformed bodies at rest, half way and at the end |
 /// | `summary.json` | what ran on what, the findings before the run, how it ended, the results and what they cost |
+/// | `run.lock` | the names of all these files; locked during the run |
+///
+/// A run has its folder for itself. A second one gets [`Error::FolderInUse`] and changes nothing. The lock is `flock`'s,
+/// on Unix only; it ends with the process, by whatever cause. The file `run.lock` stays.
+///
+/// Before a run writes anything, it removes the files of the run before: those that `run.lock` lists, the summary first.
+/// It leaves all others alone. Copy results that you want to keep, or record each run to a folder of its own.
+///
+/// The summary's `status` is at any time one of these, with its `reason`:
+///
+/// | `status` | the run |
+/// |---|---|
+/// | `running` | goes on; or the process was killed, if the lock is free: `flock --nonblock FOLDER/run.lock true` succeeds then |
+/// | `complete` | reached full load; `reason` is null unless the certificate does not hold |
+/// | `stopped` | was stopped by Ctrl-C, a termination request or a limit of time |
+/// | `failed` | has a load step that did not converge, met an error, could not write a file, or panicked |
+///
+/// While it is `running`, and where it failed before the first load step or by a panic, the summary has its first keys
+/// only, up to `reason`. A folder with files and no summary is one whose next run was killed before it began.
 pub struct Recording<'a, const D: usize, S = DefaultSolver> {
     simulation: &'a mut Simulation<S>,
     /// The files and the output.
@@ -61,6 +83,9 @@ pub struct Plan<'a, const D: usize> {
     pub picture: String,
     /// Whether the state half way to full load is kept for the picture; `true` by default.
     pub half_way: bool,
+    /// The names of files that the caller adds to the folder after the run, such as pictures. The next run removes them
+    /// with the others. None by default.
+    pub own_files: Vec<String>,
     /// Whether nothing is printed; `false` by default.
     pub quiet: bool,
     increments: usize,
@@ -89,7 +114,7 @@ pub struct Stage<const D: usize> {
 
 impl<S: Equilibrium> Simulation<S> {
     /// Records the run: it prints the findings of the scene, writes all files to `folder`, shows progress and stops on
-    /// Ctrl-C.
+    /// Ctrl-C. The folder belongs to the run, which removes the files of an earlier one, see [`Recording`].
     ///
     /// ```
     /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
@@ -122,6 +147,7 @@ impl<S: Equilibrium> Simulation<S> {
             vtu_every: 1,
             picture: "meshes.svg".into(),
             half_way: true,
+            own_files: Vec::new(),
             quiet: false,
             increments: self.load_steps.increments,
             force: Box::new(largest),
@@ -159,36 +185,48 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
     /// Solves the problem from rest to full load, as [`Simulation::run`] does.
     ///
     /// # Errors
-    /// As [`Simulation::run`], and if a file cannot be written. A run that ends with an error leaves a
-    /// summary, too, unless its files could not be created at all.
+    /// As [`Simulation::run`]; [`Error::FolderInUse`] if another run writes to the folder; [`Error::Write`] with the
+    /// first file that cannot be written. A run that ends with an error leaves a summary, too, with the status
+    /// `failed`, if the disk takes one.
+    ///
+    /// The calling thread gets an error instead of the signal SIGXFSZ from now on, where a file grows beyond a limit of
+    /// the system.
     pub fn run(self, problem: &mut Problem<D>) -> Result<Recorded<D>, Error> {
         let Recording { simulation, plan } = self;
+        plan.check()?;
         let (clock, processor) = (Instant::now(), cpu_seconds());
+        refuse_rather_than_end();
         stop_on_ctrl_c(&simulation.load_steps.stop);
         let choice = simulation.solver.choice(problem);
+        let mut folder = Folder::claim(&plan.folder, Heading::new(&plan, choice))?;
         if !plan.quiet {
             let findings = problem.findings_in(plan.increments);
             findings.iter().for_each(print);
             print(format!("solver: {choice}"));
         }
-        let mut observer = Observer::new(&plan, problem)?;
+        let mut observer = match Observer::new(&plan, &mut folder, problem) {
+            Ok(observer) => observer,
+            Err(error) => return Err(folder.failed(error)),
+        };
         let result = simulation.run_observed(problem, |step| observer.observe(step));
         let written = observer.finish(result.as_ref().ok());
-        let drawn = plan.draw(problem, &observer.stages);
+        let drawn = plan.draw(problem, &observer.stages, observer.folder);
+        let written = written.and(drawn);
         let spent = cpu_seconds()
             .zip(processor)
             .map(|(now, before)| now - before);
         let seconds = (clock.elapsed().as_secs_f64(), spent);
-        let summary = Summary::new(&plan, problem, &observer, &result, choice, seconds);
-        let path = plan.folder.join("summary.json");
-        let text = summary.json().map_err(|why| file::failed(&path, why))?;
-        file::replace(&path, text.as_bytes())?;
-        written.and(drawn)?;
+        let ending = (&result, written.as_ref().err());
+        let summary = Summary::new(&plan, problem, &observer, ending, choice, seconds);
+        let (table, text) = (summary.table().to_string(), summary.json());
+        let stages = observer.stages;
+        let text = text.map_err(|why| file::failed(&plan.folder, why));
+        let concluded = text.and_then(|text| folder.conclude(&text));
+        written.and(concluded).map_err(|why| folder.failed(why))?;
         if !plan.quiet {
             let files = plan.folder.display();
-            print(format!("{}\n  files              {files}", summary.table()));
+            print(format!("{table}\n  files              {files}"));
         }
-        let stages = observer.stages;
         result.map(|history| Recorded { history, stages })
     }
 }
@@ -208,10 +246,28 @@ impl<const D: usize> Plan<'_, D> {
         )
     }
 
-    fn draw(&self, problem: &Problem<D>, stages: &[Stage<D>]) -> Result<(), Error> {
+    /// Checks the names before the folder is touched.
+    fn check(&self) -> Result<(), Error> {
+        file::check_name(&self.folder, &self.name)?;
+        let picture = Some(&self.picture).filter(|name| !name.is_empty());
+        let mut names = self.own_files.iter().chain(picture);
+        names.try_for_each(|name| check_file_name(&self.folder, name))
+    }
+
+    /// Draws the picture, and lists the files that the caller adds.
+    fn draw(
+        &self,
+        problem: &Problem<D>,
+        stages: &[Stage<D>],
+        folder: &mut Folder,
+    ) -> Result<(), Error> {
+        self.own_files
+            .iter()
+            .try_for_each(|name| folder.add(name))?;
         if self.picture.is_empty() {
             return Ok(());
         }
+        folder.add(&self.picture)?;
         let panels = stages.iter().map(|stage| Panel {
             title: stage.title.clone(),
             snapshot: &stage.snapshot,
@@ -243,7 +299,7 @@ pub fn exit<T: Termination>(result: Result<T, impl Display>) -> ExitCode {
     match result {
         Ok(done) => done.report(),
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(format_args!("error: {error}"));
             ExitCode::from(2)
         }
     }
@@ -252,7 +308,14 @@ pub fn exit<T: Termination>(result: Result<T, impl Display>) -> ExitCode {
 /// Prints a line on the standard output. A closed pipe, as after `| head`, is ignored.
 pub fn print(line: impl Display) {
     match writeln!(std::io::stdout(), "{line}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => eprintln!("cannot print: {error}"),
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain(format_args!("cannot print: {error}"));
+        }
         _ => {}
     }
+}
+
+/// Prints a line on the standard error, if that can be written to: it may be a file on a full disk.
+fn complain(line: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{line}");
 }

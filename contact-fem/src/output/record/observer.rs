@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use super::folder::Folder;
 use super::progress::Progress;
 use super::{Plan, Stage};
 use crate::error::Error;
@@ -16,6 +17,7 @@ use crate::simulation::{History, StepRecord, StepView};
 /// pictures.
 pub(super) struct Observer<'a, const D: usize> {
     recording: &'a Plan<'a, D>,
+    pub(super) folder: &'a mut Folder,
     series: Series,
     tables: Tables,
     progress: Progress,
@@ -30,16 +32,24 @@ pub(super) struct Observer<'a, const D: usize> {
 
 impl<'a, const D: usize> Observer<'a, D> {
     /// Creates the files, with the state at rest as the first one.
-    pub(super) fn new(recording: &'a Plan<'a, D>, problem: &Problem<D>) -> Result<Self, Error> {
-        let (folder, name) = (&recording.folder, &recording.name);
-        let mut series = Series::create(folder, name)?;
-        let tables = Tables::create::<D>(folder, name, problem.scene().names())?;
+    pub(super) fn new(
+        recording: &'a Plan<'a, D>,
+        folder: &'a mut Folder,
+        problem: &Problem<D>,
+    ) -> Result<Self, Error> {
+        let (path, name) = (&recording.folder, &recording.name);
+        let mut series = Series::create(path, name)?;
+        for table in Tables::files(name) {
+            folder.add(&table)?;
+        }
+        let tables = Tables::create::<D>(path, name, problem.scene().names())?;
         let rest = Snapshot::at_rest(problem)?;
         if recording.vtu_every > 0 {
-            series.write(0.0, problem, &rest)?;
+            write(folder, &mut series, 0.0, problem, &rest)?;
         }
         Ok(Observer {
             recording,
+            folder,
             series,
             tables,
             progress: Progress::new(recording.increments, recording.quiet),
@@ -78,7 +88,8 @@ impl<'a, const D: usize> Observer<'a, D> {
             None => recording.vtu_every == 1,
         };
         if is_due {
-            self.series.write(record.factor, step.problem, &snapshot)?;
+            let (time, problem) = (record.factor, step.problem);
+            write(self.folder, &mut self.series, time, problem, &snapshot)?;
         }
         // the last stage is replaced by the next one unless it is at rest or half way
         if self.stages.len() > 1 && !self.stages[self.stages.len() - 1].is_half_way {
@@ -96,8 +107,8 @@ impl<'a, const D: usize> Observer<'a, D> {
         Ok(())
     }
 
-    /// Ends the recording: adds the failed attempts to the tables, or returns the error of a file
-    /// that could not be written during the run.
+    /// Ends the recording: adds the failed attempts to the tables and brings all data to the disk, or
+    /// returns the error of a file that could not be written during the run.
     pub(super) fn finish(&mut self, history: Option<&History<D>>) -> Result<(), Error> {
         let clock = Instant::now();
         self.progress.finish();
@@ -107,7 +118,22 @@ impl<'a, const D: usize> Observer<'a, D> {
         if let Some(history) = history {
             self.tables.finish(history)?;
         }
+        self.folder.sync()?;
         self.seconds += clock.elapsed().as_secs_f64();
         Ok(())
     }
+}
+
+/// Lists the next files of a series and writes them.
+fn write<const D: usize>(
+    folder: &mut Folder,
+    series: &mut Series,
+    time: f64,
+    problem: &Problem<D>,
+    snapshot: &Snapshot<D>,
+) -> Result<(), Error> {
+    for name in series.next_files() {
+        folder.add(&name)?;
+    }
+    series.write(time, problem, snapshot)
 }

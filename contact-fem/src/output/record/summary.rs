@@ -9,6 +9,7 @@ use contact_core::{Ending, InteriorPoint, Method};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::folder::Heading;
 use super::observer::Observer;
 use super::{Plan, peak_memory};
 use crate::certificate::{Certificate, Limits};
@@ -21,18 +22,13 @@ use crate::simulation::{History, StepRecord};
 /// require a converged step are null if there is none, and so are values that do not apply.
 #[derive(Serialize)]
 pub(super) struct Summary {
-    scene: String,
+    #[serde(flatten)]
+    heading: Heading,
     /// The names of the bodies, in the order of the reactions.
     bodies: Vec<String>,
     mesh: Value,
     /// What the checks of the scene found, the worst first.
     findings: Vec<Value>,
-    increments: usize,
-    /// The solver that the problem got first, and why.
-    solver: &'static str,
-    solver_because: &'static str,
-    converged: bool,
-    status: String,
     load_factor: f64,
     steps: usize,
     cuts: usize,
@@ -68,12 +64,13 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    /// The summary of a run that `observer` has followed, with its total time and the processor's (s).
+    /// The summary of a run that `observer` has followed, with what became of it and of its files, and with its total
+    /// time and the processor's (s).
     pub(super) fn new<const D: usize>(
         plan: &Plan<'_, D>,
         problem: &Problem<D>,
         observer: &Observer<'_, D>,
-        result: &Result<History<D>, Error>,
+        (result, unwritten): (&Result<History<D>, Error>, Option<&Error>),
         choice: Choice,
         (wall, cpu): (f64, Option<f64>),
     ) -> Self {
@@ -81,7 +78,7 @@ impl Summary {
         let last = records.last();
         let certificates = records.iter().map(|record| record.certificate);
         let certificate = certificates.reduce(Certificate::or_worse);
-        let status = status(result, certificate);
+        let (status, told) = status(result, unwritten, certificate);
         let cost = match history {
             Some(history) => history.run.cost(),
             None => records.iter().map(|record| record.attempt.cost).sum(),
@@ -93,7 +90,7 @@ impl Summary {
         let reaction = last.map(|record| (plan.force)(record));
         let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.4}"));
         let mut table = vec![
-            format!("{}: {status}", plan.name),
+            format!("{}: {told}", plan.name),
             format!("solver             {}", solvers(choice, &steps_by_solver)),
             format!(
                 "energy             {:>10} UF·UL",
@@ -109,7 +106,12 @@ impl Summary {
             table.extend(ipopt_lines());
         }
         Summary {
-            scene: plan.name.clone(),
+            heading: Heading {
+                converged: history.is_some_and(|h| h.run.ending == Ending::Complete),
+                status,
+                reason: Some(told).filter(|told| told != status),
+                ..observer.folder.heading.clone()
+            },
             bodies: problem.scene().names().to_vec(),
             mesh: mesh(problem),
             findings: problem
@@ -117,11 +119,6 @@ impl Summary {
                 .iter()
                 .map(finding)
                 .collect(),
-            increments: plan.increments,
-            solver: choice.solver,
-            solver_because: choice.why,
-            converged: history.is_some_and(|h| h.run.ending == Ending::Complete),
-            status,
             load_factor: last.map_or(0.0, |record| record.factor),
             steps: records.len(),
             cuts: history.map_or(0, |history| history.run.cuts()),
@@ -192,19 +189,30 @@ fn repeated_attempts<const D: usize>(history: &History<D>) -> usize {
     attempts.map(|attempt| attempt.failed.len()).sum()
 }
 
+/// How the run ended, in one word and as a text.
 fn status<const D: usize>(
     result: &Result<History<D>, Error>,
+    unwritten: Option<&Error>,
     certificate: Option<Certificate>,
-) -> String {
-    let status = match result {
-        Err(error) => format!("failed: {error}"),
-        Ok(history) => history.run.ending.to_string(),
+) -> (&'static str, String) {
+    let (status, told) = match (result, unwritten) {
+        (_, Some(error)) | (Err(error), None) => ("failed", format!("failed: {error}")),
+        (Ok(history), None) => {
+            let ending = &history.run.ending;
+            let status = match ending {
+                Ending::Complete => "complete",
+                Ending::Interrupted { .. } => "stopped",
+                _ => "failed",
+            };
+            (status, ending.to_string())
+        }
     };
     match certificate {
         Some(found) if !found.holds(&Limits::default()) => {
-            format!("{status}, but its certificate does not hold")
+            let told = format!("{told}, but its certificate does not hold");
+            (status, told)
         }
-        _ => status,
+        _ => (status, told),
     }
 }
 
