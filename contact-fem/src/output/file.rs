@@ -29,9 +29,15 @@ fn put(
     finish: impl FnOnce(&File) -> std::io::Result<()>,
 ) -> Result<(), Error> {
     let beside = beside(path);
-    let written = File::create(&beside)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| finish(&file)))
-        .and_then(|()| std::fs::rename(&beside, path));
+    // what is there is written over: it keeps its room on a full disk
+    let mut over = File::options();
+    let opened = over.write(true).create(true).truncate(false).open(&beside);
+    let written = opened.and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.set_len(bytes.len() as u64)?;
+        finish(&file)?;
+        std::fs::rename(&beside, path)
+    });
     written.map_err(|source| {
         // the first error is the one to tell
         let _ = std::fs::remove_file(&beside);
