@@ -318,7 +318,7 @@ pub enum Error {
     /// A facet on two boundaries, which a format with one label for each facet cannot represent.
     #[error(
         "the facet {nodes:?} is on the boundaries `{first}` and `{second}`: FreeFEM's formats have \
-         one label a facet, so give it one name"
+         one label a facet, so give it one name, or write bodies that touch to files of their own"
     )]
     SharedFacet {
         /// Its corners.

@@ -217,9 +217,9 @@ pub enum Problem {
         /// The body.
         body: String,
     },
-    /// A facet in a group that is on the boundary of no body.
+    /// A facet in a group that belongs to no body.
     #[error(
-        "the facet at {at:?} with vertices {vertices:?} in `{boundary}` is on the boundary of no \
+        "the facet at {at:?} with vertices {vertices:?} in `{boundary}` belongs to no cell of a \
          body: remove it from the group, or take bodies one at a time with `MeshFile::body`, which \
          leaves it out"
     )]
