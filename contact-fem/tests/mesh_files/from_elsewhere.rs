@@ -149,7 +149,43 @@ fn regions_and_labels_of_freefem_are_bodies_and_boundaries() {
     let lower: &[(&str, f64)] = &[("1", 1.0), ("2", 2.0), ("3", 1.0), ("4", 2.0), ("5", 2.0)];
     let upper: &[(&str, f64)] = &[("1", 0.5), ("2", 1.0), ("3", 0.5), ("4", 1.0), ("6", 2.0)];
     let expected: Expected = &[("7", 2.0, lower), ("9", 1.0, upper)];
-    check::<3>("freefem_3d", &read("freefem_3d.mesh"), expected);
+    for name in ["freefem_3d.mesh", "freefem_3d.meshb"] {
+        let file = read(name);
+        assert_eq!(file.format(), Format::Medit);
+        check::<3>(name, &file, expected);
+    }
+}
+
+/// Files of FreeFEM and of libMeshb, which was given the text.
+#[test]
+fn binary_files_of_medit_hold_what_the_text_holds() {
+    let files = [
+        ("freefem_3d.mesh", "freefem_3d.meshb", 1e-12),
+        ("blocks.2.mesh", "blocks.2.v1.meshb", 1e-7),
+        ("blocks.2.mesh", "blocks.2.v3.meshb", 0.0),
+        ("blocks.2.mesh", "blocks.2.v4.meshb", 0.0),
+        ("bricks.2.mesh", "bricks.2.v1.meshb", 1e-7),
+    ];
+    for (text, binary, round_off) in files {
+        let (text, file) = (read(text), read(binary));
+        assert_eq!(file.format(), Format::Medit);
+        assert_eq!(file.vertices().len(), text.vertices().len(), "{binary}");
+        for (x, y) in file.vertices().iter().zip(text.vertices()) {
+            let is_close = |i: usize| (x[i] - y[i]).abs() <= round_off;
+            assert!((0..3).all(is_close), "{binary}: {x:?} {y:?}");
+        }
+        let labelled = |file: &MeshFile| {
+            let elements = file.elements().iter().flat_map(|elements| {
+                let label = file.groups()[elements.groups[0]].number;
+                let nodes = elements.iter().map(<[usize]>::to_vec);
+                nodes.map(move |nodes| (elements.kind, label, nodes))
+            });
+            let mut elements: Vec<_> = elements.collect();
+            elements.sort();
+            elements
+        };
+        assert_eq!(labelled(&file), labelled(&text), "{binary}");
+    }
 }
 
 /// Edges in VTK's order.

@@ -38,7 +38,7 @@ pub enum Problem {
     Empty,
     /// A format other than the supported ones.
     #[error(
-        "begins with `{start}`: this is no Gmsh MSH, Medit .mesh or FreeFEM .msh file; export one \
+        "begins with `{start}`: this is no Gmsh MSH, Medit .mesh or .meshb or FreeFEM .msh file; export one \
          of these"
     )]
     UnknownFormat {
