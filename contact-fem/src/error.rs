@@ -124,6 +124,19 @@ pub enum Error {
         /// The names that exist.
         known: Vec<String>,
     },
+    /// A point with no node, or with several.
+    #[error(
+        "{found} nodes are within {within:.1e} of {point:?}, where there should be one: give the coordinates with all \
+         digits, and of each body to its own mesh"
+    )]
+    NodeAt {
+        /// The point (UL).
+        point: Vec<f64>,
+        /// The number of nodes there.
+        found: usize,
+        /// The distance that counts (UL).
+        within: f64,
+    },
     /// A support or a traction on a boundary without facets.
     #[error(
         "the {what} acts on nothing, since boundary `{name}` has no facets: check the predicate that names it, \

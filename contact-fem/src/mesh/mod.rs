@@ -2,6 +2,7 @@
 
 mod boundary;
 pub mod generators;
+mod places;
 mod quadratic;
 pub mod read;
 pub mod write;

@@ -156,6 +156,41 @@ fn regions_and_labels_of_freefem_are_bodies_and_boundaries() {
     }
 }
 
+/// The field (x², x y) of FreeFEM's P2, whose nodes are told by their coordinates.
+#[test]
+fn nodes_of_freefem_are_found_by_their_places() {
+    let mesh = read("freefem_p2.msh")
+        .bodies::<2>()
+        .expect("a body")
+        .remove(0)
+        .1
+        .quadratic();
+    let text = std::fs::read_to_string(support::folder().join("freefem_p2.txt")).expect("a file");
+    let numbers = text
+        .split_whitespace()
+        .map(|word| word.parse().expect("a number"));
+    let lines: Vec<[f64; 4]> = numbers
+        .collect::<Vec<f64>>()
+        .chunks_exact(4)
+        .map(|line| [line[0], line[1], line[2], line[3]])
+        .collect();
+    let points: Vec<[f64; 2]> = lines.iter().map(|&[x, y, ..]| [x, y]).collect();
+    let nodes = mesh.nodes_at(&points).expect("nodes");
+    let mut sorted = nodes.clone();
+    sorted.sort_unstable();
+    assert!(sorted.iter().copied().eq(0..mesh.nodes().len()));
+    assert!(nodes != sorted, "FreeFEM has an order of its own");
+    for (&node, [.., u, v]) in nodes.iter().zip(&lines) {
+        let x = mesh.nodes()[node];
+        // the file has 12 digits of the corners
+        assert!((x[0] * x[0] - u).abs() < 1e-9 && (x[0] * x[1] - v).abs() < 1e-9);
+    }
+    let error = mesh
+        .nodes_at(&[[0.0, 0.0], [0.1, 0.0]])
+        .expect_err("no node");
+    assert!(error.to_string().contains("0 nodes are within"), "{error}");
+}
+
 /// Files of FreeFEM and of libMeshb, which was given the text.
 #[test]
 fn binary_files_of_medit_hold_what_the_text_holds() {

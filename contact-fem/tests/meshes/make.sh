@@ -28,7 +28,7 @@ mesh -2 blocks.geo -part 2 -format msh22 -o partitioned.v22.msh
 mesh -2 blocks.geo -setnumber Mesh.RecombineAll 1 -format msh41 -o quadrilaterals.v41.msh
 mesh -2 blocks.geo -order 3 -format msh41 -o blocks.3.v41.msh
 # FreeFEM's; it writes the borders as a geometry of its own beside, which is not used.
-for name in blocks bricks labels; do
+for name in blocks bricks labels p2; do
     FF_LOADPATH=${FF_LOADPATH:-/usr/lib/freefem++} FreeFem++ -nw -v 0 "$name.edp" >/dev/null
 done
 rm -f freefem.mesh.gmsh
