@@ -124,6 +124,19 @@ pub enum Error {
         /// The names that exist.
         known: Vec<String>,
     },
+    /// A point with no node, or with several.
+    #[error(
+        "{found} nodes are within {within:.1e} of {point:?}, where there should be one: give the coordinates with all \
+         digits, and of each body to its own mesh"
+    )]
+    NodeAt {
+        /// The point (UL).
+        point: Vec<f64>,
+        /// The number of nodes there.
+        found: usize,
+        /// The distance that counts (UL).
+        within: f64,
+    },
     /// A support or a traction on a boundary without facets.
     #[error(
         "the {what} acts on nothing, since boundary `{name}` has no facets: check the predicate that names it, \
@@ -318,7 +331,7 @@ pub enum Error {
     /// A facet on two boundaries, which a format with one label for each facet cannot represent.
     #[error(
         "the facet {nodes:?} is on the boundaries `{first}` and `{second}`: FreeFEM's formats have \
-         one label a facet, so give it one name"
+         one label a facet, so give it one name, or write bodies that touch to files of their own"
     )]
     SharedFacet {
         /// Its corners.

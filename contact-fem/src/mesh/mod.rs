@@ -2,6 +2,7 @@
 
 mod boundary;
 pub mod generators;
+mod places;
 mod quadratic;
 pub mod read;
 pub mod write;
@@ -31,6 +32,12 @@ pub struct Mesh<const D: usize> {
     owners: Vec<usize>,
     /// Named sets of exterior facets.
     boundaries: BTreeMap<String, Vec<usize>>,
+    /// Named facets between two cells: their corners.
+    inner: BTreeMap<String, Vec<[usize; D]>>,
+    /// The labels that names have in the file that the mesh is from.
+    labels: BTreeMap<String, i32>,
+    /// The region in that file.
+    region: Option<i32>,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -90,6 +97,9 @@ impl<const D: usize> Mesh<D> {
             facets,
             owners,
             boundaries: BTreeMap::new(),
+            inner: BTreeMap::new(),
+            labels: BTreeMap::new(),
+            region: None,
         };
         mesh.check_edges()?;
         mesh.check_cells()?;
@@ -271,6 +281,18 @@ impl<const D: usize> Mesh<D> {
             known: self.boundaries.keys().cloned().collect(),
         })?;
         Ok(indices.iter().map(|&f| self.facet(f)).collect())
+    }
+
+    /// The names that a file gives to facets between two cells, with the corners of those facets, such as those
+    /// of a line inside a region. Nothing acts on them.
+    pub fn inner_facets(&self) -> impl Iterator<Item = (&str, &[[usize; D]])> {
+        let inner = self.inner.iter();
+        inner.map(|(name, facets)| (name.as_str(), facets.as_slice()))
+    }
+
+    /// The region that the mesh has in its file: a label of cells, or the number of a physical group.
+    pub fn region(&self) -> Option<i32> {
+        self.region
     }
 
     /// The nodes of a named boundary, each once, ascending.

@@ -149,7 +149,78 @@ fn regions_and_labels_of_freefem_are_bodies_and_boundaries() {
     let lower: &[(&str, f64)] = &[("1", 1.0), ("2", 2.0), ("3", 1.0), ("4", 2.0), ("5", 2.0)];
     let upper: &[(&str, f64)] = &[("1", 0.5), ("2", 1.0), ("3", 0.5), ("4", 1.0), ("6", 2.0)];
     let expected: Expected = &[("7", 2.0, lower), ("9", 1.0, upper)];
-    check::<3>("freefem_3d", &read("freefem_3d.mesh"), expected);
+    for name in ["freefem_3d.mesh", "freefem_3d.meshb"] {
+        let file = read(name);
+        assert_eq!(file.format(), Format::Medit);
+        check::<3>(name, &file, expected);
+    }
+}
+
+/// The field (x², x y) of FreeFEM's P2, whose nodes are told by their coordinates.
+#[test]
+fn nodes_of_freefem_are_found_by_their_places() {
+    let mesh = read("freefem_p2.msh")
+        .bodies::<2>()
+        .expect("a body")
+        .remove(0)
+        .1
+        .quadratic();
+    let text = std::fs::read_to_string(support::folder().join("freefem_p2.txt")).expect("a file");
+    let numbers = text
+        .split_whitespace()
+        .map(|word| word.parse().expect("a number"));
+    let lines: Vec<[f64; 4]> = numbers
+        .collect::<Vec<f64>>()
+        .chunks_exact(4)
+        .map(|line| [line[0], line[1], line[2], line[3]])
+        .collect();
+    let points: Vec<[f64; 2]> = lines.iter().map(|&[x, y, ..]| [x, y]).collect();
+    let nodes = mesh.nodes_at(&points).expect("nodes");
+    let mut sorted = nodes.clone();
+    sorted.sort_unstable();
+    assert!(sorted.iter().copied().eq(0..mesh.nodes().len()));
+    assert!(nodes != sorted, "FreeFEM has an order of its own");
+    for (&node, [.., u, v]) in nodes.iter().zip(&lines) {
+        let x = mesh.nodes()[node];
+        // the file has 12 digits of the corners
+        assert!((x[0] * x[0] - u).abs() < 1e-9 && (x[0] * x[1] - v).abs() < 1e-9);
+    }
+    let error = mesh
+        .nodes_at(&[[0.0, 0.0], [0.1, 0.0]])
+        .expect_err("no node");
+    assert!(error.to_string().contains("0 nodes are within"), "{error}");
+}
+
+/// Files of FreeFEM and of libMeshb, which was given the text.
+#[test]
+fn binary_files_of_medit_hold_what_the_text_holds() {
+    let files = [
+        ("freefem_3d.mesh", "freefem_3d.meshb", 1e-12),
+        ("blocks.2.mesh", "blocks.2.v1.meshb", 1e-7),
+        ("blocks.2.mesh", "blocks.2.v3.meshb", 0.0),
+        ("blocks.2.mesh", "blocks.2.v4.meshb", 0.0),
+        ("bricks.2.mesh", "bricks.2.v1.meshb", 1e-7),
+    ];
+    for (text, binary, round_off) in files {
+        let (text, file) = (read(text), read(binary));
+        assert_eq!(file.format(), Format::Medit);
+        assert_eq!(file.vertices().len(), text.vertices().len(), "{binary}");
+        for (x, y) in file.vertices().iter().zip(text.vertices()) {
+            let is_close = |i: usize| (x[i] - y[i]).abs() <= round_off;
+            assert!((0..3).all(is_close), "{binary}: {x:?} {y:?}");
+        }
+        let labelled = |file: &MeshFile| {
+            let elements = file.elements().iter().flat_map(|elements| {
+                let label = file.groups()[elements.groups[0]].number;
+                let nodes = elements.iter().map(<[usize]>::to_vec);
+                nodes.map(move |nodes| (elements.kind, label, nodes))
+            });
+            let mut elements: Vec<_> = elements.collect();
+            elements.sort();
+            elements
+        };
+        assert_eq!(labelled(&file), labelled(&text), "{binary}");
+    }
 }
 
 /// Edges in VTK's order.

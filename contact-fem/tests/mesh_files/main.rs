@@ -2,6 +2,7 @@
 
 mod damaged;
 mod from_elsewhere;
+mod labels;
 mod refused;
 mod support;
 mod to_bodies;

@@ -184,6 +184,106 @@ fn medit() {
     assert_eq!(place, File);
 }
 
+/// The byte of a number in a good file, what it is replaced by, the byte of the problem, or 0 for the whole file, its kind,
+/// and what the message has to contain.
+type BinaryCase<'a> = (usize, i32, usize, fn(&Problem) -> bool, &'a str);
+
+/// A triangle in each version, with a section of a kind that is not read, and none of these.
+#[test]
+fn medit_in_binary() {
+    let good = |version: i32| {
+        let wide = version > 3;
+        let integer = |n: i64| match wide {
+            true => n.to_le_bytes().to_vec(),
+            false => (n as i32).to_le_bytes().to_vec(),
+        };
+        let real = |x: f64| match version {
+            1 => (x as f32).to_le_bytes().to_vec(),
+            _ => x.to_le_bytes().to_vec(),
+        };
+        let vertex = |x: f64, y: f64| [real(x), real(y), integer(-7)].concat();
+        let vertices = [
+            integer(3),
+            vertex(0.0, 0.0),
+            vertex(1.0, 0.0),
+            vertex(0.0, 1.0),
+        ];
+        let triangle = [1, 1, 2, 3, 9].map(integer);
+        let sections = [
+            (3_i32, 2_i32.to_le_bytes().to_vec()),
+            (99, integer(0)),
+            (4, vertices.concat()),
+            (6, triangle.concat()),
+            (54, Vec::new()),
+        ];
+        let mut bytes = [1, version].map(i32::to_le_bytes).concat();
+        let mut starts = Vec::new();
+        for (code, items) in sections {
+            starts.push(bytes.len());
+            bytes.extend(code.to_le_bytes());
+            let size = if version > 2 { 8 } else { 4 };
+            let next = match code {
+                54 => 0,
+                _ => bytes.len() + size + items.len(),
+            };
+            bytes.extend(&next.to_le_bytes()[..size]);
+            bytes.extend(items);
+        }
+        (bytes, starts)
+    };
+    for version in 1..=4 {
+        let (bytes, starts) = good(version);
+        let file = MeshFile::parse(&bytes).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(file.vertices()[1], [1.0, 0.0, 0.0]);
+        assert_eq!(file.bodies::<2>().expect("a body")[0].0, "9");
+        let position = if version > 2 { 8 } else { 4 };
+        let [dimension, none, vertices, triangles, end] = starts[..] else {
+            panic!("{starts:?}");
+        };
+        let items = |section: usize| section + 4 + position;
+        let integer = if version > 3 { 8 } else { 4 };
+        #[rustfmt::skip]
+        let cases: &[BinaryCase] = &[
+            (items(dimension), 4, items(dimension), is!(Expected), "dimension 2 or 3"),
+            (dimension + 4, 3, items(dimension), is!(Expected), "a position from"),
+            (dimension + 4, i32::MAX, items(dimension), is!(Expected), "a position from"),
+            (items(none), 1, items(none), is!(UnsupportedElement), "`HexahedraQ4`"),
+            (items(vertices), i32::MAX, items(vertices), is!(Count), "announces 2147483647"),
+            (vertices + 4, 0x1000, triangles - integer, is!(Expected), "the next section at byte"),
+            (vertices, 11, items(triangles), is!(Order), "`Vertices` have to"),
+            (vertices, 54, 0, is!(Missing), "`Vertices`"),
+            (triangles, 11, 0, is!(Missing), "`Triangles`"),
+            (items(triangles) + integer, 4, items(triangles) + integer, is!(UnknownNode), "node 4"),
+            (items(triangles), 0, items(triangles), is!(Expected), "the next section at byte"),
+        ];
+        for &(at, number, place, is_kind, part) in cases {
+            let mut bad = bytes.clone();
+            bad[at..at + 4].copy_from_slice(&number.to_le_bytes());
+            let (found, problem) = refusal(&bad);
+            let what = format!("version {version}, {number} at {at}: {found:?} {problem}");
+            assert!(is_kind(&problem), "{what}");
+            assert!(problem.to_string().contains(part), "{what}");
+            assert!(
+                found == Place::Byte(place) || (place, found) == (0, File),
+                "{what}"
+            );
+        }
+        for length in 8..end + 4 {
+            let (_, problem) = refusal(&bytes[..length]);
+            assert!(
+                matches!(problem, Truncated { .. } | Count { .. } | Expected { .. }),
+                "{problem}"
+            );
+        }
+        let mut big = bytes.clone();
+        big[..8].copy_from_slice(&[0, 0, 0, 1, 0, 0, 0, version as u8]);
+        let (_, problem) = refusal(&big);
+        assert!(matches!(&problem, Unsupported { found, .. } if found.contains("big-endian")));
+        big[..8].copy_from_slice(&[1, 0, 0, 0, 5, 0, 0, 0]);
+        assert!(matches!(refusal(&big).1, UnknownFormat { .. }));
+    }
+}
+
 #[test]
 fn freefem() {
     let good = "3 1 1\n0 0 1\n1 0 1\n0 1 1\n1 2 3 5\n1 2 9\n";
@@ -250,7 +350,6 @@ fn files_of_other_programs_are_refused_by_name() {
         ("quadrilaterals.v41.msh", "4-node quadrilateral"),
         ("partitioned.v41.msh", "partitioned"),
         ("partitioned.v22.msh", "partitioned"),
-        ("freefem_3d.meshb", "binary Medit"),
     ] {
         let text = refused(name);
         assert!(text.contains(reason), "{text}");

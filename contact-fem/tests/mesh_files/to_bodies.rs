@@ -64,12 +64,31 @@ fn cells_without_groups_are_one_body() {
 
 #[test]
 fn facets_between_bodies_bound_both() {
-    let edge = (1, 3, "50 20");
     let diagonal = (1, 4, "50 10");
     let bodies = bodies(&[LOWER, RIGHT, UPPER, LEFT, (1, 3, "30 50"), diagonal]).expect("bodies");
     assert_eq!(names(&bodies[0].1), ["3", "4"]);
     assert_eq!(names(&bodies[1].1), ["3", "4"]);
-    let error = self::bodies(&[LOWER, RIGHT, UPPER, LEFT, edge]).expect_err("inside one");
+}
+
+#[test]
+fn facets_inside_a_body_are_named() {
+    let edge = (1, 3, "50 20");
+    let bodies = bodies(&[LOWER, RIGHT, UPPER, LEFT, edge]).expect("bodies");
+    let (lower, upper) = (&bodies[0].1, &bodies[1].1);
+    let inner: Vec<_> = lower.inner_facets().collect();
+    let &[(name, &[facet])] = &inner[..] else {
+        panic!("{inner:?}");
+    };
+    let mut ends = facet.map(|a| <[f64; 2]>::from(lower.nodes()[a]));
+    ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    assert_eq!((name, ends), ("3", [[0.5, 0.5], [1.0, 0.0]]));
+    assert!(lower.boundary("3").is_err());
+    assert_eq!(upper.inner_facets().count(), 0);
+}
+
+#[test]
+fn facets_of_no_cell_are_refused() {
+    let error = bodies(&[LOWER, RIGHT, UPPER, LEFT, (1, 3, "10 30")]).expect_err("no edge");
     let Problem::LooseFacet {
         vertices,
         at,
@@ -78,13 +97,13 @@ fn facets_between_bodies_bound_both() {
     else {
         panic!("{error}");
     };
-    assert_eq!((&*vertices, at), (&[5, 2][..], [0.75, 0.25, 0.0]));
+    assert_eq!((&*vertices, at), (&[1, 3][..], [0.5, 0.5, 0.0]));
     assert_eq!(boundary, "3");
 }
 
 #[test]
-fn facets_inside_are_left_out_of_bodies_taken_alone() {
-    let edges = [(1, 3, "50 20"), (1, 1, "10 20")];
+fn facets_of_others_are_left_out_of_bodies_taken_alone() {
+    let edges = [(1, 3, "50 40"), (1, 1, "10 20")];
     let text = square(&[&[LOWER, RIGHT, UPPER, LEFT], &edges[..]].concat());
     let file = MeshFile::parse(text.as_bytes()).expect("a mesh file");
     assert_eq!(names(&file.body::<2>("5").expect("a body")), ["rim"]);
@@ -114,7 +133,7 @@ fn label_0_may_lie_anywhere() {
     let medit = |label: i32| {
         let text = format!(
             "MeshVersionFormatted 1 Dimension 2 Vertices 4 0 0 0 1 0 0 1 1 0 0 1 0 \
-             Edges 2 1 3 {label} 1 2 {label} Triangles 2 1 2 3 0 1 3 4 0 End"
+             Edges 3 1 3 {label} 1 2 {label} 4 2 {label} Triangles 2 1 2 3 0 1 3 4 0 End"
         );
         let file = MeshFile::parse(text.as_bytes()).expect("a mesh file");
         file.bodies::<2>().map_err(problem)
@@ -125,7 +144,8 @@ fn label_0_may_lie_anywhere() {
         ("0", vec!["0"])
     );
     assert_eq!(bodies[0].1.boundary("0").expect("named"), [[0, 1]]);
-    let error = medit(2).expect_err("an edge inside");
+    assert_eq!(bodies[0].1.inner_facets().count(), 0);
+    let error = medit(2).expect_err("an edge of no cell");
     assert!(matches!(error, Problem::LooseFacet { .. }), "{error}");
 }
 

@@ -28,10 +28,16 @@ mesh -2 blocks.geo -part 2 -format msh22 -o partitioned.v22.msh
 mesh -2 blocks.geo -setnumber Mesh.RecombineAll 1 -format msh41 -o quadrilaterals.v41.msh
 mesh -2 blocks.geo -order 3 -format msh41 -o blocks.3.v41.msh
 # FreeFEM's; it writes the borders as a geometry of its own beside, which is not used.
-for name in blocks bricks; do
+for name in blocks bricks labels p2; do
     FF_LOADPATH=${FF_LOADPATH:-/usr/lib/freefem++} FreeFem++ -nw -v 0 "$name.edp" >/dev/null
 done
 rm -f freefem.mesh.gmsh
+# Medit's binary versions that FreeFEM does not write, by libMeshb where it is installed.
+if cc meshb.c -lMeshb.7 -lm -o meshb 2>/dev/null; then
+    for version in 1 3 4; do ./meshb blocks.2.mesh "blocks.2.v$version.meshb" "$version"; done
+    ./meshb bricks.2.mesh bricks.2.v1.meshb 1
+    rm meshb
+fi
 for version in 1 3 4; do
     mesh -2 blocks.geo -setnumber Mesh.MshFileVersion "$version" -format msh -o "blocks.v$version.msh"
 done

@@ -1,6 +1,6 @@
 //! Builds the meshes of bodies from a file's contents.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::parts::{Corners, Part, sorted};
 use super::{Group, MeshFile, Place, Problem};
@@ -14,8 +14,15 @@ struct Labelled<'a> {
     corners: &'a [usize],
     /// The indices of its groups; several groups may have one name.
     groups: Vec<usize>,
-    /// Whether it is on the boundary of a body.
+    /// Whether it is a facet of a body.
     met: bool,
+}
+
+/// A body that is being read.
+struct Body<const D: usize> {
+    mesh: Mesh<D>,
+    /// The numbers of its nodes in the file.
+    used: Vec<usize>,
 }
 
 impl MeshFile {
@@ -25,20 +32,21 @@ impl MeshFile {
     ///
     /// Cells are the elements of dimension D; cells of negative orientation are reversed. Facets of
     /// dimension D − 1 in groups become boundaries of the bodies that they bound, with the names of
-    /// their groups; a facet between two bodies becomes a boundary facet of both. Facets with label
-    /// 0 are ignored where they bound no body, since many programs write 0 for a facet without a
-    /// label. Vertices without a cell are dropped.
+    /// their groups; a facet between two bodies becomes a boundary facet of both. Facets in groups
+    /// inside a body become [`Mesh::inner_facets`]. Facets with label 0 are ignored where they bound
+    /// no body, since many programs write 0 for a facet without a label. Vertices without a cell are
+    /// dropped.
     ///
     /// # Errors
     /// [`Error::MeshFile`] if the mesh has another dimension, is not plane for D = 2, has cells in
     /// two bodies or twice in one, has cells in no group beside cells in one, has a labelled facet
-    /// that bounds no body, or has a body that is not a valid [`Mesh`].
+    /// that belongs to no body, or has a body that is not a valid [`Mesh`].
     pub fn bodies<const D: usize>(&self) -> Result<Vec<(String, Mesh<D>)>, Error> {
         self.all_bodies().map_err(|problem| self.error(problem))
     }
 
-    /// The body with this name alone. It may share cells with other bodies and have labelled facets
-    /// in its interior, which are left out.
+    /// The body with this name alone. It may share cells with other bodies. Facets of the others are
+    /// left out.
     ///
     /// # Errors
     /// As [`MeshFile::bodies`]; also if the name does not exist.
@@ -62,11 +70,13 @@ impl MeshFile {
         let mut labelled = self.labelled_facets(D);
         let mut bodies = Vec::new();
         for part in &parts {
-            let mesh = self.mesh(part, &mut labelled)?;
-            bodies.push((part.name.to_string(), mesh));
+            bodies.push(self.body_of(part, &mut labelled)?);
         }
+        self.name_inner(&mut bodies, &mut labelled);
         self.check_met(&labelled)?;
-        Ok(bodies)
+        let bodies = bodies.into_iter();
+        let names = parts.iter().map(|part| part.name.to_string());
+        Ok(names.zip(bodies.map(|body| body.mesh)).collect())
     }
 
     fn one_body<const D: usize>(&self, name: &str) -> Result<Mesh<D>, Problem> {
@@ -79,7 +89,10 @@ impl MeshFile {
         };
         let part = parts.swap_remove(index);
         self.check_cells_differ(std::slice::from_ref(&part))?;
-        self.mesh(&part, &mut self.labelled_facets(D))
+        let mut labelled = self.labelled_facets(D);
+        let mut body = self.body_of(&part, &mut labelled)?;
+        self.name_inner(std::slice::from_mut(&mut body), &mut labelled);
+        Ok(body.mesh)
     }
 
     /// The facets in groups.
@@ -101,7 +114,7 @@ impl MeshFile {
         labelled
     }
 
-    /// Checks that every labelled facet bounds a body.
+    /// Checks that every labelled facet belongs to a body.
     fn check_met(&self, labelled: &HashMap<Corners, Labelled>) -> Result<(), Problem> {
         let meant = |facet: &&Labelled| !facet.met && self.true_group(facet).is_some();
         let loose = labelled.values().filter(meant);
@@ -127,11 +140,11 @@ impl MeshFile {
     }
 
     /// The mesh of a body with its boundaries.
-    fn mesh<const D: usize>(
+    fn body_of<const D: usize>(
         &self,
         part: &Part,
         labelled: &mut HashMap<Corners, Labelled>,
-    ) -> Result<Mesh<D>, Problem> {
+    ) -> Result<Body<D>, Problem> {
         let (order, mut cells) = self.cell_nodes::<D>(part)?;
         let mut used = cells.clone();
         used.sort_unstable();
@@ -159,13 +172,54 @@ impl MeshFile {
             }
         }
         for (group, facets) in by_group {
-            let name = self.groups[group].name.clone();
+            let name = self.keep_label(&mut mesh, group);
             let boundary = mesh.boundaries.entry(name).or_default();
             boundary.extend(facets);
             boundary.sort_unstable();
             boundary.dedup();
         }
-        Ok(mesh)
+        mesh.region = part.region.and_then(|region| region.try_into().ok());
+        Ok(Body { mesh, used })
+    }
+
+    /// The name of a group, whose number the mesh keeps as its label. Of several numbers the smallest is kept.
+    fn keep_label<const D: usize>(&self, mesh: &mut Mesh<D>, group: usize) -> String {
+        let Group { number, name, .. } = &self.groups[group];
+        if let Ok(number) = i32::try_from(*number) {
+            let label = mesh.labels.entry(name.clone()).or_insert(number);
+            *label = number.min(*label);
+        }
+        name.clone()
+    }
+
+    /// Names the labelled facets between two cells of a body.
+    fn name_inner<const D: usize>(
+        &self,
+        bodies: &mut [Body<D>],
+        labelled: &mut HashMap<Corners, Labelled>,
+    ) {
+        if labelled.values().all(|facet| facet.met) {
+            return;
+        }
+        for Body { mesh, used } in bodies {
+            let mut found = BTreeSet::new();
+            for corners in (0..mesh.len()).map(|cell| mesh.corners(cell)) {
+                for omitted in 0..=D {
+                    let facet = std::array::from_fn(|k| corners[k + usize::from(k >= omitted)]);
+                    let key = sorted(&facet.map(|a: usize| used[a]));
+                    let facets = labelled.get_mut(&key).filter(|facet| !facet.met);
+                    let Some(labelled) = facets else { continue };
+                    labelled.met = true;
+                    let groups = labelled.groups.iter();
+                    let groups = groups.filter(|&&group| self.groups[group].number != 0);
+                    found.extend(groups.map(|&group| (group, facet)));
+                }
+            }
+            for (group, facet) in found {
+                let name = self.keep_label(mesh, group);
+                mesh.inner.entry(name).or_default().push(facet);
+            }
+        }
     }
 
     /// The order of a body's cells and all their nodes, flat, as [`Mesh::of_order`] expects them.

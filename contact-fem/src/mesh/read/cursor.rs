@@ -17,17 +17,22 @@ pub(super) struct Cursor<'a> {
     comment: Option<u8>,
     /// Whether numbers are binary.
     pub binary: bool,
+    /// Whether binary integers have eight bytes instead of four.
+    pub is_wide: bool,
+    /// Whether binary real numbers have four bytes instead of eight.
+    pub is_single: bool,
 }
 
 impl<'a> Cursor<'a> {
     pub fn new(bytes: &'a [u8], comment: Option<u8>) -> Self {
-        let (at, last, binary) = (0, 0, false);
         Cursor {
             bytes,
-            at,
-            last,
+            at: 0,
+            last: 0,
             comment,
-            binary,
+            binary: false,
+            is_wide: false,
+            is_single: false,
         }
     }
 
@@ -93,8 +98,22 @@ impl<'a> Cursor<'a> {
         number.ok_or_else(|| self.unexpected(what, word))
     }
 
+    /// The number of bytes before the cursor.
+    pub fn position(&self) -> usize {
+        self.at
+    }
+
+    /// Moves forward to a position.
+    pub fn move_to(&mut self, position: u64) -> Result<(), Fault> {
+        let (at, end) = (self.at, self.bytes.len());
+        let fits = |p: &usize| (at..=end).contains(p);
+        let position = usize::try_from(position).ok().filter(fits).ok_or(position);
+        self.at = position.map_err(|p| self.wrong(&format!("a position from {at} to {end}"), p))?;
+        Ok(())
+    }
+
     /// Reads the next `N` bytes.
-    fn take<const N: usize>(&mut self, what: &str) -> Result<[u8; N], Fault> {
+    pub fn take<const N: usize>(&mut self, what: &str) -> Result<[u8; N], Fault> {
         self.last = self.at;
         let bytes = self.rest().first_chunk::<N>();
         let bytes = *bytes.ok_or_else(|| self.unexpected(what, None))?;
@@ -102,13 +121,14 @@ impl<'a> Cursor<'a> {
         Ok(bytes)
     }
 
-    /// Reads an integer, which has four bytes in binary files.
+    /// Reads an integer, which has four or eight bytes in binary files.
     pub fn integer(&mut self, what: &str) -> Result<i64, Fault> {
-        match self.binary {
-            true => self
+        match (self.binary, self.is_wide) {
+            (true, true) => self.take(what).map(i64::from_le_bytes),
+            (true, false) => self
                 .take(what)
                 .map(|bytes| i32::from_le_bytes(bytes).into()),
-            false => self.text_integer(what),
+            (false, _) => self.text_integer(what),
         }
     }
 
@@ -120,12 +140,20 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Reads a real number, finite or not, which has eight bytes in binary files.
+    /// Reads a real number, finite or not, which has eight or four bytes in binary files.
     pub fn real(&mut self, what: &str) -> Result<f64, Fault> {
-        match self.binary {
-            true => self.take(what).map(f64::from_le_bytes),
-            false => self.parse(what),
+        match (self.binary, self.is_single) {
+            (true, true) => self
+                .take(what)
+                .map(|bytes| f32::from_le_bytes(bytes).into()),
+            (true, false) => self.take(what).map(f64::from_le_bytes),
+            (false, _) => self.parse(what),
         }
+    }
+
+    /// The bytes of so many binary real numbers and integers.
+    pub fn bytes_of(&self, reals: usize, integers: usize) -> usize {
+        reals * if self.is_single { 4 } else { 8 } + integers * if self.is_wide { 8 } else { 4 }
     }
 
     /// Reads three coordinates.

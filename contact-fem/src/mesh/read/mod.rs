@@ -1,5 +1,5 @@
-//! Mesh files of Gmsh (MSH 4.1 and 2.2, text and binary), Medit (`.mesh`, text; FreeFEM writes it
-//! too) and FreeFEM (`.msh` in the plane).
+//! Mesh files of Gmsh (MSH 4.1 and 2.2, text and binary), Medit (`.mesh`, and `.meshb` in binary;
+//! FreeFEM writes both) and FreeFEM (`.msh` in the plane).
 //!
 //! A [`MeshFile`] has the contents of a file in any of these formats; [`MeshFile::bodies`] builds
 //! meshes from it. Invalid contents are rejected as [`Error::MeshFile`] with the line and the
@@ -52,7 +52,7 @@ pub enum Format {
     Gmsh41,
     /// Gmsh's MSH 2.2, text or binary.
     Gmsh22,
-    /// Medit's `.mesh`, text.
+    /// Medit's `.mesh`, text, or `.meshb`, binary.
     Medit,
     /// FreeFEM's `.msh` in the plane.
     FreeFem,
@@ -173,10 +173,8 @@ fn contents(bytes: &[u8]) -> Result<(Format, Contents), Fault> {
     if medit::recognised(start) {
         return Ok((Format::Medit, medit::read(bytes)?));
     }
-    if medit::binary(start) {
-        let found = "a binary Medit file".to_string();
-        let remedy = "write it as text, with the ending .mesh instead of .meshb";
-        return Err(Problem::Unsupported { found, remedy }.into());
+    if medit::binary::recognised(bytes) {
+        return Ok((Format::Medit, medit::binary::read(bytes)?));
     }
     if freefem::recognised(start) {
         return Ok((Format::FreeFem, freefem::read(bytes)?));

@@ -8,6 +8,8 @@ use super::{Elements, MeshFile, Problem};
 /// The cells of a body.
 pub(super) struct Part<'a> {
     pub name: &'a str,
+    /// The number of its group; the smallest if several have the name.
+    pub region: Option<i64>,
     /// The indices of the cells in the file's elements, ascending.
     pub blocks: Vec<usize>,
 }
@@ -51,8 +53,12 @@ impl MeshFile {
         used.retain(|&g| !by_group[g].is_empty());
         used.sort_by_key(|&g| self.groups[g].number);
         if used.is_empty() {
-            let (name, blocks) = ("body", free);
-            return Ok(vec![Part { name, blocks }]);
+            let (name, region, blocks) = ("body", None, free);
+            return Ok(vec![Part {
+                name,
+                region,
+                blocks,
+            }]);
         }
         let mut parts: Vec<Part> = Vec::new();
         let mut by_name = HashMap::new();
@@ -60,8 +66,11 @@ impl MeshFile {
             let name = self.groups[g].name.as_str();
             let part = *by_name.entry(name).or_insert(parts.len());
             if part == parts.len() {
-                let blocks = Vec::new();
-                parts.push(Part { name, blocks });
+                parts.push(Part {
+                    name,
+                    region: Some(self.groups[g].number),
+                    blocks: Vec::new(),
+                });
             }
             parts[part].blocks.append(&mut by_group[g]);
         }

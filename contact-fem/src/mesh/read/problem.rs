@@ -38,7 +38,7 @@ pub enum Problem {
     Empty,
     /// A format other than the supported ones.
     #[error(
-        "begins with `{start}`: this is no Gmsh MSH, Medit .mesh or FreeFEM .msh file; export one \
+        "begins with `{start}`: this is no Gmsh MSH, Medit .mesh or .meshb or FreeFEM .msh file; export one \
          of these"
     )]
     UnknownFormat {
@@ -217,9 +217,9 @@ pub enum Problem {
         /// The body.
         body: String,
     },
-    /// A facet in a group that is on the boundary of no body.
+    /// A facet in a group that belongs to no body.
     #[error(
-        "the facet at {at:?} with vertices {vertices:?} in `{boundary}` is on the boundary of no \
+        "the facet at {at:?} with vertices {vertices:?} in `{boundary}` belongs to no cell of a \
          body: remove it from the group, or take bodies one at a time with `MeshFile::body`, which \
          leaves it out"
     )]

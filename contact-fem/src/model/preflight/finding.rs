@@ -45,6 +45,8 @@ pub enum FindingKind {
     ThinBody,
     /// A cell is a sliver. The value is its longest edge, divided by its smallest height.
     Sliver,
+    /// Quadratic contact facets are straight along a curve. The value is the largest angle between two of them (degrees).
+    StraightFacets,
     /// The facets of two surfaces differ in size. The value is the ratio of their lengths.
     MeshRatio,
     /// Linear elements lock. The value is Poisson's ratio.

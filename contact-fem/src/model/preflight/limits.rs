@@ -29,6 +29,18 @@ pub(super) const COINCIDES: f64 = 1e-6;
 /// see material that is thinner (its share for overlaps of two bodies), and may take a body's far side for its near one.
 pub(super) const THIN: f64 = 0.2;
 
+/// The largest angle (degrees) between facets of a plane: above the digits that mesh files keep. A circle of 3600 facets
+/// turns by as much from one to the next.
+pub(super) const STRAIGHT: f64 = 0.1;
+
+/// The smallest angle (degrees) between facets that may be a true corner: below the 45° of a chamfer, and above the 30°
+/// of a circle of 12 facets.
+pub(super) const CORNER: f64 = 40.0;
+
+/// The largest number of straight facets with bends on all sides that are no curve: a bevel has one, and a corner with two
+/// bevels two.
+pub(super) const MOST_STRAIGHT: usize = 2;
+
 /// The largest ratio of a cell's longest edge to its smallest height (no unit). The condition number of the stiffness
 /// grows with its square: 6 digits are lost here. Meshes graded towards a contact have 700, and are solved to the
 /// usual accuracy.

@@ -1,5 +1,6 @@
 //! Checks of a scene before any solve. They cost much less than one factorisation.
 
+mod curves;
 mod finding;
 mod input;
 mod interference;
@@ -101,6 +102,7 @@ pub(super) fn without_surfaces<const D: usize>(
 pub(super) fn with_surfaces<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     interference::check(setup, report);
     surfaces::check(setup, report);
+    curves::check(setup, report);
     meshes::check(setup, report);
     laws::check(setup, report);
     steps::check(setup, report);

@@ -1,7 +1,7 @@
 //! Each rule finds its scene, and not the benign twin of it.
 
 use super::{Finding, FindingKind, Severity};
-use crate::mesh::generators::{Diagonals, linspace, rectangle};
+use crate::mesh::generators::{Diagonals, disc, linspace, onto_sphere, rectangle};
 use crate::model::{Geometry, Integration, Overlaps};
 use crate::tensor::Vector;
 use crate::{Body, Error, LinearElastic, Material, Mesh, NeoHookean, Scene};
@@ -393,6 +393,48 @@ fn thin_bodies() {
     let quadratic = scene(plate(10).quadratic(), below().quadratic(), "faces");
     let found = of(&quadratic, FindingKind::ThinBody);
     assert!((found[0].value - 0.1).abs() < 1e-9, "{found:?}");
+}
+
+#[test]
+fn straight_facets_along_a_curve() {
+    // a disc whose lower part is pressed on a block
+    let scene = |disc: Mesh<2>| {
+        let mut disc = disc.translated([0.5, 2.0]).expect("moved");
+        disc.name_boundary("top", |x| x[1] > 2.8);
+        disc.name_boundary("low", |x| x[1] < 2.1);
+        let mut scene = Scene::new();
+        let block = scene.add("block", held(unit(0.0).quadratic(), linear()));
+        let disc = scene.add("disc", pushed(disc, linear(), [0.0, -0.01]));
+        scene
+            .contact(block.on("top"), disc.on("low"))
+            .expect("a pair");
+        scene
+    };
+    let straight = |segments: usize| disc(1.0, segments, 6, 0.0).expect("mesh").quadratic();
+    let curved = |segments: usize| {
+        let mesh = straight(segments).curved("boundary", onto_sphere(1.0));
+        mesh.expect("curved")
+    };
+    for segments in [12, 36] {
+        let found = differ(
+            &scene(straight(segments)),
+            &scene(curved(segments)),
+            FindingKind::StraightFacets,
+        );
+        let angle = 360.0 / segments as f64;
+        assert!((found.value - angle).abs() < 1e-9, "{found}");
+        assert_eq!(found.bodies, ["disc"]);
+    }
+    let linear = disc(1.0, 36, 6, 0.0).expect("mesh");
+    assert!(of(&scene(linear), FindingKind::StraightFacets).is_empty());
+    // sides of two facets with bends of 20° are sides of a polygon
+    let polygon = disc(1.0, 36, 6, 0.0).expect("mesh").mapped(|x| {
+        let turn = std::f64::consts::TAU / 18.0;
+        let from = x[1].atan2(x[0]).rem_euclid(turn) - turn / 2.0;
+        x * ((turn / 2.0).cos() / from.cos())
+    });
+    let polygon = polygon.expect("mapped").quadratic();
+    assert!(of(&scene(polygon), FindingKind::StraightFacets).is_empty());
 }
 
 #[test]

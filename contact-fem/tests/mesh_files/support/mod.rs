@@ -5,7 +5,8 @@ pub mod mutation;
 
 use std::path::{Path, PathBuf};
 
-use contact_fem::{Error, MeshFile};
+use contact_fem::mesh::write::to_freefem;
+use contact_fem::{Error, Mesh, MeshFile};
 
 /// The folder of the meshes that other programs made.
 pub fn folder() -> PathBuf {
@@ -33,14 +34,14 @@ pub fn mesh_files() -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// Does with a file all that there is to do: reads it, makes bodies in the plane and in space, all
-/// together and one by one, and says what is wrong. Gives whether it could be read, and what was
-/// wrong.
+/// together and one by one, writes them, and says what is wrong. Gives whether it could be read, and
+/// what was wrong.
 pub fn read_fully(bytes: &[u8]) -> (bool, Vec<Error>) {
     let mut errors = Vec::new();
     let read = MeshFile::parse(bytes).map_err(|error| errors.push(error));
     if let Ok(file) = &read {
-        errors.extend(file.bodies::<2>().err());
-        errors.extend(file.bodies::<3>().err());
+        errors.extend(file.bodies::<2>().and_then(written).err());
+        errors.extend(file.bodies::<3>().and_then(written).err());
         for group in file.groups().iter().filter(|g| g.dimension > 1).take(3) {
             errors.extend(file.body::<2>(&group.name).err());
             errors.extend(file.body::<3>(&group.name).err());
@@ -48,6 +49,11 @@ pub fn read_fully(bytes: &[u8]) -> (bool, Vec<Error>) {
     }
     errors.iter().for_each(|error| drop(error.to_string()));
     (read.is_ok(), errors)
+}
+
+fn written<const D: usize>(bodies: Vec<(String, Mesh<D>)>) -> Result<(), Error> {
+    let bodies: Vec<&Mesh<D>> = bodies.iter().map(|(_, mesh)| mesh).collect();
+    to_freefem(&bodies).map(drop)
 }
 
 /// The memory that reading a file fully may take (bytes).

@@ -1,7 +1,9 @@
-//! Medit's `.mesh` files in text, which FreeFEM, Gmsh, Mmg and others write.
+//! Medit's files, which FreeFEM, Gmsh, Mmg and others write: `.mesh` in text, `.meshb` in binary.
 //!
 //! A file consists of keywords, each followed by a number of items and, mostly, as many lines of
 //! numbers. Other keywords are skipped.
+
+pub(super) mod binary;
 
 use super::ElementKind;
 use super::contents::Contents;
@@ -15,14 +17,6 @@ const FIRST: &[u8] = b"MeshVersionFormatted";
 pub(super) fn recognised(start: &[u8]) -> bool {
     let first = Cursor::new(start, Some(b'#')).word();
     first.is_some_and(|word| word == FIRST)
-}
-
-/// Whether the file begins with the numbers of a binary file of either endianness: 1 and a version.
-pub(super) fn binary(start: &[u8]) -> bool {
-    matches!(
-        start,
-        [1, 0, 0, 0, 1..=4, 0, 0, 0, ..] | [0, 0, 0, 1, 0, 0, 0, 1..=4, ..]
-    )
 }
 
 /// Reads the whole file.
@@ -44,11 +38,17 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
                 d @ 2..=3 => dimension = Some(d as usize),
                 d => return Err(file.wrong("dimension 2 or 3", d)),
             },
-            b"Vertices" => vertices(&mut file, &mut contents, dimension)?,
+            b"Vertices" => vertices(&mut file, &mut contents, dimension, count)?,
             word if !is_keyword(word) => return Err(file.unexpected("a keyword", Some(word))),
             word => match kind(word) {
-                Some(kind) => elements(&mut file, &mut contents, kind, word)?,
-                None if names_elements(word) => refuse(&mut file, word)?,
+                Some(kind) => {
+                    let of = count(&mut file)?;
+                    elements(&mut file, &mut contents, kind, &excerpt(word), of)?;
+                }
+                None if names_elements(word) => {
+                    let of = count(&mut file)?;
+                    refuse(&file, &excerpt(word), of)?;
+                }
                 None => {
                     while file.peek().is_some_and(|w| !is_keyword(w)) {
                         file.word();
@@ -97,10 +97,17 @@ fn is_keyword(word: &[u8]) -> bool {
     word.first().is_some_and(u8::is_ascii_alphabetic) && text.parse::<f64>().is_err()
 }
 
+/// The number of items in text.
+fn count(file: &mut Cursor) -> Result<u64, Fault> {
+    file.size("the number of items")
+}
+
+/// Reads the vertices, whose number `count` reads.
 fn vertices(
     file: &mut Cursor,
     contents: &mut Contents,
     dimension: Option<usize>,
+    count: impl FnOnce(&mut Cursor) -> Result<u64, Fault>,
 ) -> Result<(), Fault> {
     let out_of_place = |remedy| Problem::Order {
         section: "Vertices".to_string(),
@@ -111,8 +118,9 @@ fn vertices(
     }
     let remedy = "`Dimension` has to come first";
     let dimension = dimension.ok_or_else(|| file.fault(out_of_place(remedy)))?;
-    let count = file.size("the number of vertices")?;
-    for number in 1..=file.room("vertices", count, dimension + 1, 0)? {
+    let count = count(file)?;
+    let each = file.bytes_of(dimension, 1);
+    for number in 1..=file.room("vertices", count, dimension + 1, each)? {
         let mut point = [0.0; 3];
         for x in &mut point[..dimension] {
             *x = file.real("a coordinate")?;
@@ -124,29 +132,31 @@ fn vertices(
     Ok(())
 }
 
+/// Reads `count` elements.
 fn elements(
     file: &mut Cursor,
     contents: &mut Contents,
     kind: ElementKind,
-    keyword: &[u8],
+    keyword: &str,
+    count: u64,
 ) -> Result<(), Fault> {
-    let count = file.size("the number of elements")?;
     if count > 0 && contents.vertices.is_empty() {
         return Err(file.fault(Problem::Order {
-            section: excerpt(keyword),
+            section: keyword.to_string(),
             remedy: "`Vertices` have to come first",
         }));
     }
-    let count = file.room("elements", count, kind.nodes() + 1, 0)?;
+    let numbers = kind.nodes() + 1;
+    let count = file.room("elements", count, numbers, file.bytes_of(0, numbers))?;
     labelled(file, contents, kind, count)
 }
 
 /// Rejects elements that are not supported, unless their number is 0.
-fn refuse(file: &mut Cursor, keyword: &[u8]) -> Result<(), Fault> {
-    match file.size("the number of elements")? {
+fn refuse(file: &Cursor, keyword: &str, count: u64) -> Result<(), Fault> {
+    match count {
         0 => Ok(()),
         _ => Err(file.fault(Problem::UnsupportedElement {
-            kind: format!("`{}`", excerpt(keyword)),
+            kind: format!("`{keyword}`"),
         })),
     }
 }
