@@ -128,7 +128,9 @@ pub mod prelude {
         Diagonals, annulus, cuboid, cuboid_graded, cylinder, disc, eighth_sphere, equilateral_disc,
         extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,
     };
-    pub use contact_fem::model::{BodyId, Geometry, Integration, Passes, Problem, Side};
+    pub use contact_fem::model::{
+        BodyId, Geometry, InitialGaps, Integration, Passes, Problem, Side,
+    };
     pub use contact_fem::simulation::{History, StepView};
     pub use contact_fem::{
         Body, Certificate, LeftOut, LinearElastic, Material, Mesh, MeshFile, NeoHookean, Scene,

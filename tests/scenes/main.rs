@@ -15,6 +15,7 @@ mod disc_in_disc;
 mod extremes;
 mod freefem;
 mod hertz;
+mod initial_gaps;
 mod left_out;
 mod many_bodies;
 mod methods;

@@ -65,7 +65,7 @@ pub struct Overlap<const D: usize> {
     /// that is smaller.
     pub relative: f64,
     /// The depth divided by the thickness, or by twice the largest face if that is smaller.
-    of_thickness: f64,
+    pub(crate) of_thickness: f64,
 }
 
 /// The boxes of all cells and faces at one state.
@@ -185,10 +185,15 @@ impl<const D: usize> Audit<D> {
     }
 
     /// An overlap on the straight way of all nodes from `before` to `after` (UL) that is deeper than
-    /// [`Overlap::LIMIT`] of the thickness, or `None`. Bodies that slide on each other do not move on
+    /// [`Overlap::LIMIT`] of the thickness, and than what is `granted` to the two bodies beyond it, or `None`. Bodies that slide on each other do not move on
     /// straight lines, and overlap a little on the way; shares of the thickness leave that out. The way is
     /// examined at a fixed number of stops at most.
-    pub fn passage(&self, before: &[Vector<D>], after: &[Vector<D>]) -> Option<Overlap<D>> {
+    pub fn passage(
+        &self,
+        before: &[Vector<D>],
+        after: &[Vector<D>],
+        granted: impl Fn([usize; 2]) -> f64,
+    ) -> Option<Overlap<D>> {
         let moved = before.iter().zip(after).map(|(a, b)| (b - a).norm());
         let moved = moved.fold(0.0, f64::max);
         let thinnest = self.topology.thinnest();
@@ -200,7 +205,9 @@ impl<const D: usize> Audit<D> {
             let way = before.iter().zip(after);
             let x: Vec<_> = way.map(|(a, b)| a * (1.0 - t) + b * t).collect();
             let mut overlaps = self.find_overlaps(&x).into_iter();
-            overlaps.find(|overlap| overlap.of_thickness > Overlap::<D>::LIMIT)
+            overlaps.find(|overlap| {
+                overlap.of_thickness > Overlap::<D>::LIMIT + granted(overlap.bodies)
+            })
         };
         (1..stops as usize).find_map(at)
     }

@@ -161,8 +161,8 @@ fn a_passage_between_two_states() {
     };
     let below = moved(-1.0);
     assert_eq!(audit.overlap(&below), None, "the ends tell nothing");
-    assert!(audit.passage(&before, &below).is_some());
-    assert_eq!(audit.passage(&before, &moved(3.0)), None);
+    assert!(audit.passage(&before, &below, |_| 0.0).is_some());
+    assert_eq!(audit.passage(&before, &moved(3.0), |_| 0.0), None);
 }
 
 #[test]

@@ -97,8 +97,8 @@ impl Certificate {
             Condition::ActionReaction => Some(action_reaction),
             Condition::Balance => Some(balance),
             Condition::Inverted => Some(problem.inverted(u).max(audit.inverted) as f64),
-            Condition::Overlap => Some(deepest_of(&audit.overlaps, &|_| true)),
-            Condition::Unopposed => Some(deepest_of(&audit.overlaps, &is_unopposed)),
+            Condition::Overlap => Some(deepest_of(problem, &audit.overlaps, &|_| true)),
+            Condition::Unopposed => Some(deepest_of(problem, &audit.overlaps, &is_unopposed)),
             Condition::SmallStrain => has_small_strain.then(|| audit.strain.max(audit.rotation)),
             Condition::Moment => Some(moment(&positions, &forces)),
             Condition::Closed => Some(closed as f64),
@@ -192,10 +192,18 @@ fn pushed_pairs<const D: usize>(
     pushed.map(|(bodies, _)| bodies).collect()
 }
 
-/// The largest relative depth of the overlaps of bodies that count.
-fn deepest_of<const D: usize>(overlaps: &[Overlap<D>], counts: &dyn Fn([usize; 2]) -> bool) -> f64 {
+/// The largest relative depth of the overlaps of bodies that count, less what is left of initial ones.
+fn deepest_of<const D: usize>(
+    problem: &Problem<D>,
+    overlaps: &[Overlap<D>],
+    counts: &dyn Fn([usize; 2]) -> bool,
+) -> f64 {
     let those = overlaps.iter().filter(|overlap| counts(overlap.bodies));
-    those.map(|overlap| overlap.relative).fold(0.0, worse)
+    let depth = |overlap: &Overlap<D>| {
+        let granted = problem.granted(overlap.bodies, problem.load());
+        overlap.relative - granted.map_or(0.0, |(relative, _)| relative)
+    };
+    those.map(depth).fold(0.0, worse)
 }
 
 /// |Σ x ∧ f| of the contact forces, divided by Σ |x − c| |f| with the centre c of all nodes.

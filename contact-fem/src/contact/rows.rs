@@ -43,6 +43,8 @@ struct NodalRow<const D: usize> {
     /// a_i = Σ_q w_q φ_i(q) and Σ_q w_q |φ_i(q)| over the points that count.
     area: f64,
     magnitude: f64,
+    /// What is added to the gap (UL).
+    widening: f64,
 }
 
 /// The constraints of one pass, linearised at current positions `x` of all scene nodes.
@@ -89,6 +91,20 @@ impl<'a, const D: usize> PassRows<'a, D> {
         }
     }
 
+    /// Adds `widths`, one for each of the slave's nodes (UL), to the gaps. The row of a point adds what its test functions
+    /// interpolate.
+    pub fn widen(&mut self, widths: impl Fn(usize) -> f64) {
+        for (i, row) in self.rows.iter_mut().enumerate() {
+            row.widening = match self.sampling {
+                Sampling::Nodes => widths(i),
+                Sampling::Points => {
+                    let shares = self.stencils[i].test_functions();
+                    shares.map(|(k, phi)| phi * widths(k)).sum()
+                }
+            };
+        }
+    }
+
     /// The integration points that count. Each comes with its rows as (the row's [`RowKey::node`],
     /// its share w_q φ_i(q)/a_i in the row): c_i = Σ_q share_iq g_q. Rows without support are left
     /// out.
@@ -124,7 +140,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
             }
             row.free.clear();
             row.prescribed.clear();
-            row.constant = 0.0;
+            row.constant = nodal.widening;
             row.weight = nodal.area;
             for (a, coefficient) in &nodal.terms {
                 row.constant += coefficient.dot(&X[*a]);

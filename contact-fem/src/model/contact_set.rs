@@ -7,8 +7,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use contact_core::GapVariation;
 use contact_core::gaps::{LinearGaps, RowKey, Sampling};
 
+use super::initial_gaps::{Depths, InitialOverlaps};
 use super::kinematics::Kinematics;
-use super::{Geometry, Integration, Pair, Passes, Scene, Side};
+use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
 use crate::contact::motion::Motion;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::search::nodes_inside;
@@ -31,6 +32,8 @@ pub(super) struct ContactSet<const D: usize> {
     integration: Integration,
     /// The search radius of integration points (UL).
     pub reach: f64,
+    initial_gaps: InitialGaps,
+    initial_overlaps: InitialOverlaps,
     /// The surfaces at the most recent positions, and how many sets of positions there have been.
     located: Mutex<Option<Arc<Located<D>>>>,
     built: AtomicUsize,
@@ -71,7 +74,7 @@ impl<const D: usize> ContactSet<D> {
             let surface = Surface::new(body, mesh.order(), facets, &kinematics.X);
             Arc::new(surface)
         };
-        ContactSet {
+        let mut set = ContactSet {
             surfaces: sides.iter().map(surface).collect(),
             passes,
             reversed,
@@ -82,8 +85,69 @@ impl<const D: usize> ContactSet<D> {
                 (None, Geometry::Reference) => kinematics.diagonal(),
                 (None, Geometry::Current) => REACH * kinematics.diagonal(),
             },
+            initial_gaps: scene.initial_gaps,
+            initial_overlaps: InitialOverlaps::default(),
             located: Mutex::new(None),
             built: AtomicUsize::new(0),
+        };
+        if set.initial_gaps != InitialGaps::Refuse {
+            set.initial_overlaps = set.overlaps_at_rest(kinematics);
+        }
+        set
+    }
+
+    /// The overlaps of all passes and of those with exchanged roles in the reference configuration.
+    fn overlaps_at_rest(&self, kinematics: &Kinematics<D>) -> InitialOverlaps {
+        let mut passes = self.passes.clone();
+        for pass in &self.passes {
+            let turned = Pass {
+                slave: pass.master,
+                master: pass.slave,
+            };
+            if !passes.contains(&turned) {
+                passes.push(turned);
+            }
+        }
+        let rest = vec![0.0; kinematics.dofs.free()];
+        let located = self.located_at(&kinematics.X);
+        let inside = self.inside(&passes, &located, &kinematics.X);
+        let depths = passes
+            .iter()
+            .zip(inside)
+            .enumerate()
+            .map(|(k, (pass, inside))| {
+                let slave = &self.surfaces[pass.slave];
+                let mut depths = Depths {
+                    rows: vec![0.0; slave.nodes().len()],
+                    nodes: vec![0.0; slave.nodes().len()],
+                };
+                for (node, gap) in inside {
+                    depths.nodes[node] = -gap;
+                }
+                let gaps = self.rows(
+                    std::iter::once((k, *pass)),
+                    kinematics,
+                    &rest,
+                    Sampling::Nodes,
+                );
+                let mut c = vec![0.0; gaps.len()];
+                gaps.value(&rest, &mut c);
+                let places = slave.nodes().iter().enumerate();
+                let places: HashMap<usize, usize> =
+                    places.map(|(place, &node)| (node, place)).collect();
+                for (key, c) in gaps.keys().iter().zip(c) {
+                    depths.rows[places[&(key.node as usize)]] = (-c).max(0.0);
+                }
+                ((pass.slave, pass.master), depths)
+            });
+        InitialOverlaps(depths.collect())
+    }
+
+    /// The deepest initial overlap (UL) that the load resolves.
+    pub fn resolved_overlap(&self) -> f64 {
+        match self.initial_gaps {
+            InitialGaps::Resolve => self.initial_overlaps.largest(),
+            _ => 0.0,
         }
     }
 
@@ -168,7 +232,11 @@ impl<const D: usize> ContactSet<D> {
             prescribed: &kinematics.prescribed,
         };
         for (k, pass) in passes {
-            let rows = self.pass_rows(&located, k, pass, sampling);
+            let mut rows = self.pass_rows(&located, k, pass, sampling);
+            if let Some(depths) = self.initial_overlaps.of(pass) {
+                let left = self.initial_gaps.share_left(kinematics.factor);
+                rows.widen(|node| left * depths.rows[node]);
+            }
             rows.append(k as u32, &kinematics.X, &unknowns, &mut gaps);
         }
         gaps
@@ -244,17 +312,22 @@ impl<const D: usize> ContactSet<D> {
         let then;
         let inside = match self.geometry {
             Geometry::Reference => {
-                then = self.inside(&located, &kinematics.positions(u));
+                then = self.inside(&self.passes, &located, &kinematics.positions(u));
                 &then
             }
             Geometry::Current => {
-                let now = || self.inside(&located, &located.x);
+                let now = || self.inside(&self.passes, &located, &located.x);
                 located.inside.get_or_init(now)
             }
         };
+        let left = self.initial_gaps.share_left(kinematics.factor);
         let depth = |(pass, inside): (&Pass, &Vec<(usize, f64)>)| {
             let units = units(&self.surfaces[pass.slave]);
-            let depths = inside.iter().map(|(k, gap)| -gap / units[*k]);
+            let initial = self.initial_overlaps.of(*pass);
+            let granted = |k: usize| initial.map_or(0.0, |depths| left * depths.nodes[k]);
+            let depths = inside
+                .iter()
+                .map(|(k, gap)| (-gap - granted(*k)) / units[*k]);
             depths.fold(0.0, f64::max)
         };
         self.passes
@@ -265,13 +338,18 @@ impl<const D: usize> ContactSet<D> {
     }
 
     /// The result of [`nodes_inside`] between positions `now`, pass by pass.
-    pub fn inside(&self, located: &Located<D>, now: &[Vector<D>]) -> Vec<Vec<(usize, f64)>> {
+    pub fn inside(
+        &self,
+        passes: &[Pass],
+        located: &Located<D>,
+        now: &[Vector<D>],
+    ) -> Vec<Vec<(usize, f64)>> {
         let of_pass = |pass: &Pass| {
             let [own, master] = [pass.slave, pass.master].map(|k| &located.masters[k]);
             let slave = &self.surfaces[pass.slave];
             nodes_inside(slave, own.normals(), master, &located.x, now, self.reach)
         };
-        self.passes.iter().map(of_pass).collect()
+        passes.iter().map(of_pass).collect()
     }
 
     /// How far bodies have passed through each other (UL), or `None` if they have not. They have if

@@ -11,7 +11,7 @@ use contact_core::{ContactProblem, DirectSum, Energy, Error, GapVariation, LoadS
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Setup};
-use super::{BodyId, Finding, Geometry, Overlaps, Scene, scale};
+use super::{BodyId, Finding, Geometry, InitialGaps, Overlaps, Scene, scale};
 use crate::assembly::{BodyEnergy, DofMap};
 use crate::audit::{Audit, Overlap};
 use crate::contact::{Pass, Surface};
@@ -28,6 +28,8 @@ pub struct Problem<const D: usize> {
     pub(super) contact: ContactSet<D>,
     scale: Scale,
     pub(super) audit: Audit<D>,
+    /// What the audit finds in the reference configuration, if initial overlaps are resolved or adjusted.
+    overlaps_at_rest: Vec<Overlap<D>>,
     /// `None`: prescribed displacements are eliminated, not unknowns.
     bounds: Bounds,
     pub(super) findings: Vec<Finding>,
@@ -40,10 +42,22 @@ impl<const D: usize> Problem<D> {
         let contact = ContactSet::new(&scene, scene.pairs(), geometry, &kinematics);
         let length = kinematics.diagonal();
         let lengths = (length, contact.smallest_facet(length));
+        let audit = Audit::new(&scene, &kinematics.X);
+        let overlaps_at_rest = match scene.initial_gaps {
+            InitialGaps::Refuse => Vec::new(),
+            _ => audit.at(&kinematics.X).overlaps,
+        };
         Problem {
-            scale: scale::estimate(&scene, geometry, &energies, lengths),
+            scale: scale::estimate(
+                &scene,
+                geometry,
+                &energies,
+                lengths,
+                contact.resolved_overlap(),
+            ),
             energy: DirectSum::new(energies),
-            audit: Audit::new(&scene, &kinematics.X),
+            audit,
+            overlaps_at_rest,
             scene,
             kinematics,
             contact,
@@ -157,6 +171,15 @@ impl<const D: usize> Problem<D> {
         self.contact.built()
     }
 
+    /// What is left of the overlap with which two bodies started, at load factor `load`: its relative depth, and as a
+    /// share of the thickness. `None` if they did not overlap, or initial overlaps are refused.
+    pub(crate) fn granted(&self, [a, b]: [usize; 2], load: f64) -> Option<(f64, f64)> {
+        let left = self.scene.initial_gaps.share_left(load);
+        let mut rest = self.overlaps_at_rest.iter();
+        let initial = rest.find(|o| o.bodies == [a, b] || o.bodies == [b, a])?;
+        Some((left * initial.relative, left * initial.of_thickness))
+    }
+
     /// The rows c(u) = C u + c₀ with projections and normals frozen at `u`.
     pub fn rows(&self, u: &[f64], sampling: Sampling) -> LinearGaps {
         self.rows_of(self.passes(), u, sampling)
@@ -188,7 +211,8 @@ impl<const D: usize> ContactProblem for Problem<D> {
 
     fn prescribed_magnitude(&self) -> f64 {
         let prescribed = self.kinematics.prescribed.iter();
-        prescribed.fold(0.0, |m, v| m.max(v.abs()))
+        let overlap = self.contact.resolved_overlap() * self.load();
+        prescribed.fold(overlap, |m, v| m.max(v.abs()))
     }
 
     fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
@@ -225,12 +249,17 @@ impl<const D: usize> LoadStepped for Problem<D> {
     fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage> {
         let before = self.kinematics.positions_at(last, from);
         let after = self.kinematics.positions(u);
-        let deep = |overlap: &Overlap<D>| overlap.relative > Overlap::<D>::LIMIT;
+        let deep = |overlap: &Overlap<D>| {
+            let granted = self.granted(overlap.bodies, self.load());
+            overlap.relative > Overlap::<D>::LIMIT + granted.map_or(0.0, |(relative, _)| relative)
+        };
+        let of_thickness =
+            |bodies: [usize; 2]| self.granted(bodies, from).map_or(0.0, |(_, share)| share);
         // cutting a step does not change the solution of a linear scene; its certificate tells
         let overlap = match (self.contact.geometry, self.scene.overlaps) {
             (Geometry::Current, Overlaps::Refused) => {
                 let now = self.audit.overlap(&after).filter(deep);
-                now.or_else(|| self.audit.passage(&before, &after))
+                now.or_else(|| self.audit.passage(&before, &after, of_thickness))
             }
             _ => None,
         };

@@ -16,7 +16,7 @@ const MARGIN: f64 = 10.0;
 /// The estimated strain of a scene without loads and prescribed displacements.
 const UNLOADED: f64 = 1e-6;
 
-/// The units of a scene with diagonal `length` and smallest contact facet `facet` (UL).
+/// The units of a scene with diagonal `length`, smallest contact facet `facet` and an `overlap` that the load resolves (UL).
 ///
 /// The length scale is the expected displacement over the whole scene, the resolution that of a
 /// facet, and the energy scale that of the softest body at this displacement.
@@ -25,9 +25,10 @@ pub(super) fn estimate<const D: usize>(
     geometry: Geometry,
     energies: &[Box<dyn BodyEnergy<D>>],
     (length, facet): (f64, f64),
+    overlap: f64,
 ) -> Scale {
     let stiffness = softest(energies);
-    let expected = expected_strain(scene, stiffness, length, facet);
+    let expected = expected_strain(scene, stiffness, (length, facet), overlap);
     let strain = match scene.bodies().iter().all(Body::is_small_strain) {
         true => expected,
         false => expected.max(SMALLEST_STRAIN),
@@ -54,14 +55,14 @@ fn softest<const D: usize>(energies: &[Box<dyn BodyEnergy<D>>]) -> f64 {
 }
 
 /// The expected displacement divided by the scene's `length`, at most 1: [`MARGIN`] times the
-/// largest prescribed displacement, or the extension of a bar of the given stiffness under the
+/// largest prescribed displacement or resolved overlap, or the extension of a bar of the given stiffness under the
 /// loads. The scales are proportional to the loads, so that the solutions of linear scenes are as
 /// well, however small the loads are.
 fn expected_strain<const D: usize>(
     scene: &Scene<D>,
     stiffness: f64,
-    length: f64,
-    facet: f64,
+    (length, facet): (f64, f64),
+    overlap: f64,
 ) -> f64 {
     let bodies = || scene.bodies().iter();
     let magnitude = |body: &Body<D>| body.forces().iter().fold(0.0, |m: f64, v| m + v.abs());
@@ -69,7 +70,7 @@ fn expected_strain<const D: usize>(
     let prescribed = bodies().flat_map(|body| body.prescribed().iter().flatten());
     let prescribed = prescribed.fold(0.0, |m: f64, v| m.max(v.abs()));
     let stretch = force / stiffness * (facet / length).powi(D as i32 - 2);
-    match MARGIN * prescribed.max(stretch) / length {
+    match MARGIN * prescribed.max(overlap).max(stretch) / length {
         strain if strain > 0.0 => strain.min(1.0),
         _ => UNLOADED,
     }
@@ -120,7 +121,7 @@ mod tests {
     fn strains_that_round_off_hides() {
         let length = |scene: Scene<2>| {
             let energies: Vec<_> = scene.bodies().iter().map(|body| body.energy()).collect();
-            estimate(&scene, Geometry::Current, &energies, (5.0, 1.0)).length
+            estimate(&scene, Geometry::Current, &energies, (5.0, 1.0), 0.0).length
         };
         let large = scene(NeoHookean::new(1.0, 0.3).expect("law"), 1e-12);
         assert!((length(large) / 5e-9 - 1.0).abs() < 1e-14);

@@ -3,7 +3,7 @@
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Report, Setup};
-use super::{Body, BodyId, Finding, Integration, Problem, Side};
+use super::{Body, BodyId, Finding, InitialGaps, Integration, Problem, Side};
 use crate::audit::Audit;
 use crate::element::Order;
 use crate::error::Error;
@@ -109,6 +109,8 @@ pub struct Scene<const D: usize> {
     /// The largest overlap of bodies in the reference configuration that is accepted, as a share of
     /// the facet size: polygons of touching curves overlap slightly. 0.05 by default.
     pub overlap_tolerance: f64,
+    /// What becomes of contact surfaces that overlap in the reference configuration.
+    pub initial_gaps: InitialGaps,
     /// What happens to a load step at whose end bodies are deep inside each other or themselves.
     pub overlaps: Overlaps,
 }
@@ -124,6 +126,7 @@ impl<const D: usize> Default for Scene<D> {
             geometry: None,
             reach: None,
             overlap_tolerance: 0.05,
+            initial_gaps: InitialGaps::default(),
             overlaps: Overlaps::default(),
         }
     }

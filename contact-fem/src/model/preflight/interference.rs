@@ -3,7 +3,7 @@
 use super::limits::TOUCHES;
 use super::{Finding, FindingKind, Report, Setup, Severity, overlap};
 use crate::audit::Overlap;
-use crate::model::Overlaps;
+use crate::model::{InitialGaps, Overlaps};
 
 /// Checks that no bodies start deeper inside each other than the tolerance, and finds those that start less deep or
 /// have no contact pair.
@@ -17,19 +17,33 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     for (a, b, found) in inside {
         let size = found.size;
         if found.depth > TOUCHES * size {
-            let tolerance = setup.scene.overlap_tolerance * size;
+            let tolerance = overlap::accepted(setup.scene) * size;
             let note = Finding::new(
                 Severity::Note,
                 FindingKind::Interference,
                 &[&names[a], &names[b]],
             );
             let note = note.at(&found.x).measured(found.depth, tolerance);
+            let (becomes, remedy) = match setup.scene.initial_gaps {
+                InitialGaps::Refuse => (
+                    "the first load step pushes it out",
+                    "nothing, if chords of curved surfaces overlap so; otherwise move the bodies apart",
+                ),
+                InitialGaps::Resolve => (
+                    "the load pushes it out",
+                    "nothing, for an interference fit; otherwise move the bodies apart",
+                ),
+                InitialGaps::Adjust => (
+                    "it stays, and causes no force",
+                    "nothing, if the bodies are to touch there; otherwise move them apart",
+                ),
+            };
             report.add(note.says(
                 format!(
-                    "body `{}` starts {:.3e} inside body `{}`; the first load step pushes it out",
+                    "body `{}` starts {:.3e} inside body `{}`; {becomes}",
                     names[a], found.depth, names[b]
                 ),
-                "nothing, if chords of curved surfaces overlap so; otherwise move the bodies apart",
+                remedy,
             ));
         }
     }

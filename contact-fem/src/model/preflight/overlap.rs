@@ -13,6 +13,7 @@ use crate::contact::{Master, Surface};
 use crate::element::Facet;
 use crate::error::Error;
 use crate::mesh::Mesh;
+use crate::model::{InitialGaps, Scene};
 use crate::tensor::{Vector, facet_normal};
 
 /// Checks that no body starts inside another body of a contact pair; `inside` is the result of [`deepest`].
@@ -40,13 +41,21 @@ pub(super) struct Inside<const D: usize> {
     pub size: f64,
 }
 
+/// The largest overlap that is accepted, as a share of the facet size.
+pub(super) fn accepted<const D: usize>(scene: &Scene<D>) -> f64 {
+    match scene.initial_gaps {
+        InitialGaps::Refuse => scene.overlap_tolerance,
+        InitialGaps::Resolve | InitialGaps::Adjust => InitialGaps::LARGEST,
+    }
+}
+
 /// Checks that no contact node starts inside the other body by more than the tolerance.
 fn nodes_inside<const D: usize>(
     setup: &Setup<'_, D>,
     inside: &[(usize, usize, Inside<D>)],
 ) -> Result<(), Error> {
     for &(slave, master, ref inside) in inside {
-        let tolerance = setup.scene.overlap_tolerance * inside.size;
+        let tolerance = accepted(setup.scene) * inside.size;
         if inside.depth > tolerance {
             return Err(Error::Overlap {
                 slave: setup.scene.names()[slave].clone(),
@@ -65,7 +74,7 @@ fn nodes_inside<const D: usize>(
 pub(super) fn deepest<const D: usize>(setup: &Setup<'_, D>) -> Vec<(usize, usize, Inside<D>)> {
     let x = &setup.kinematics.X[..];
     let located = setup.contact.located_at(x);
-    let inside = setup.contact.inside(&located, x);
+    let inside = setup.contact.inside(&setup.contact.passes, &located, x);
     let passes = setup.contact.passes.iter().zip(inside);
     let found = passes.filter_map(|(pass, facing)| {
         let slave = &setup.contact.surfaces[pass.slave];
@@ -139,7 +148,7 @@ fn crossing<const D: usize>(setup: &Setup<'_, D>, a: usize, b: usize) -> Result<
                     continue;
                 }
                 let size = (edge[1] - edge[0]).norm().max((other[1] - other[0]).norm());
-                let tolerance = setup.scene.overlap_tolerance * size;
+                let tolerance = accepted(setup.scene) * size;
                 let crossed = pierce(&edge, other).filter(|(_, depth)| *depth > tolerance);
                 if let Some((point, depth)) = crossed {
                     return Err(Error::Crossing {
@@ -196,7 +205,7 @@ fn coincident<const D: usize>(setup: &Setup<'_, D>, a: usize, b: usize) -> Resul
         let other_corners = corners(other, found.data);
         let edge = |corners: &[Vector<D>]| (corners[1] - corners[0]).norm();
         let size = edge(&x).max(edge(&other_corners));
-        let tolerance = setup.scene.overlap_tolerance * size;
+        let tolerance = accepted(setup.scene) * size;
         if depth > tolerance {
             return Err(Error::Crossing {
                 first: setup.scene.names()[a].clone(),

@@ -1,0 +1,62 @@
+//! Bodies that overlap in the reference configuration, as in an interference fit.
+
+use std::collections::HashMap;
+
+use crate::contact::Pass;
+
+/// What becomes of contact surfaces that overlap in the reference configuration.
+///
+/// An overlap can be resolved or adjusted up to a fifth of the facet size. Beyond that, the contact search cannot tell
+/// on which side of a surface a point belongs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InitialGaps {
+    /// Overlaps larger than [`Scene::overlap_tolerance`](super::Scene::overlap_tolerance) are an error. Smaller ones are
+    /// pushed out by the first load step.
+    #[default]
+    Refuse,
+    /// The load pushes overlaps out, as in a press fit: at load factor t, gaps are at least −(1 − t) times the initial
+    /// overlap, so that nothing overlaps at full load.
+    Resolve,
+    /// Overlaps stay and cause no force: gaps are measured from the initial overlap. This is for meshes that overlap
+    /// though the bodies only touch.
+    Adjust,
+}
+
+impl InitialGaps {
+    /// The largest overlap that is resolved or adjusted, as a share of the facet size.
+    pub(super) const LARGEST: f64 = 0.2;
+
+    /// The share of the initial overlaps that is left at load factor `factor`.
+    pub(super) fn share_left(self, factor: f64) -> f64 {
+        match self {
+            InitialGaps::Refuse => 0.0,
+            InitialGaps::Resolve => 1.0 - factor,
+            InitialGaps::Adjust => 1.0,
+        }
+    }
+}
+
+/// The initial overlaps of one pass, one for each node of the slave, in the order of its nodes (UL, ≥ 0).
+#[derive(Clone, Debug)]
+pub(super) struct Depths {
+    /// Of the nodes' rows.
+    pub rows: Vec<f64>,
+    /// Of the nodes themselves.
+    pub nodes: Vec<f64>,
+}
+
+/// The initial overlaps of passes by slave and master. It is empty if they are refused.
+#[derive(Clone, Debug, Default)]
+pub(super) struct InitialOverlaps(pub HashMap<(usize, usize), Depths>);
+
+impl InitialOverlaps {
+    pub fn of(&self, pass: Pass) -> Option<&Depths> {
+        self.0.get(&(pass.slave, pass.master))
+    }
+
+    /// The deepest overlap of all rows (UL).
+    pub fn largest(&self) -> f64 {
+        let rows = self.0.values().flat_map(|depths| &depths.rows);
+        rows.copied().fold(0.0, f64::max)
+    }
+}

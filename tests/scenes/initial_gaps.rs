@@ -1,0 +1,303 @@
+//! Bodies that overlap in the reference configuration: interference fits and meshes that overlap.
+
+use std::f64::consts::FRAC_PI_2;
+
+use contact_core::gaps::Sampling;
+use contact_core::{InteriorPoint, LoadStepped, Retry};
+use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
+use contact_fem::model::{FindingKind, Geometry, InitialGaps, Integration, Problem, Severity};
+use contact_fem::simulation::History;
+use contact_fem::tensor::Vector;
+use contact_fem::{Body, Error, LinearElastic, Material, Mesh, NeoHookean, Scene, Simulation};
+use ipopt_contact_scenes::tight;
+
+use crate::common::relative;
+
+const OVERLAP: f64 = 0.01;
+const PUSH: f64 = 0.1;
+
+/// Two blocks of height 1 and modulus 1 that do not widen; the upper one starts `overlap` inside the lower one, and its
+/// top is pushed down by [`PUSH`]. Their meshes do not match.
+fn blocks(law: impl Material<2> + Copy, gaps: InitialGaps, overlap: f64) -> Scene<2> {
+    let block = |y: f64, cells: usize, side: &str, push: f64| {
+        let (x, y) = (linspace(0.0, 1.0, cells), linspace(y, y + 1.0, cells));
+        let mesh = rectangle(&x, &y, Diagonals::Rising).expect("mesh");
+        let mut body = Body::new(mesh, law);
+        body.prescribe(side, [Some(0.0), Some(-push)])
+            .expect("support");
+        body
+    };
+    let mut scene = Scene::new();
+    let lower = scene.add("lower", block(0.0, 4, "bottom", 0.0));
+    let upper = scene.add("upper", block(1.0 - overlap, 3, "top", PUSH));
+    scene
+        .contact(lower.on("top"), upper.on("bottom"))
+        .expect("a pair");
+    scene.initial_gaps = gaps;
+    scene.integration = Some(Integration::Exact);
+    scene
+}
+
+fn linear() -> LinearElastic {
+    LinearElastic::new(1.0, 0.0).expect("law")
+}
+
+/// The force on the lower block at each of two increments, by the default solver and by the paper's method.
+fn forces(scene: impl Fn() -> Scene<2>) -> [[f64; 2]; 2] {
+    let by_default = Simulation::with_increments(2).run(&mut scene().problem().expect("valid"));
+    let method = &mut InteriorPoint::default();
+    let mut paper = Simulation::solved_by(Retry::with(method), 2);
+    let by_paper = paper.run(&mut scene().problem().expect("valid"));
+    [by_default, by_paper].map(|history| {
+        let history = history.expect("no misuse");
+        assert!(history.is_complete(), "{}", history.run.ending);
+        let force = |k: usize| {
+            let certificate = &history.steps[k].certificate;
+            assert!(certificate.holds(&Default::default()), "{certificate}");
+            history.steps[k].reactions[0][1]
+        };
+        [force(0), force(1)]
+    })
+}
+
+/// At load factor t both blocks together are shorter by t times push and overlap if it is resolved, by t times the push
+/// if it is left out.
+#[test]
+fn blocks_press_by_what_is_resolved() {
+    for (gaps, shortened) in [
+        (InitialGaps::Resolve, PUSH + OVERLAP),
+        (InitialGaps::Adjust, PUSH),
+    ] {
+        for geometry in [Geometry::Reference, Geometry::Current] {
+            let found = forces(|| {
+                let mut scene = blocks(linear(), gaps, OVERLAP);
+                scene.geometry = Some(geometry);
+                scene
+            });
+            for (force, t) in found
+                .iter()
+                .flat_map(|forces| forces.iter().zip([0.5, 1.0]))
+            {
+                let expected = t * shortened / 2.0;
+                assert!(
+                    relative(*force, expected) < 1e-6,
+                    "{gaps:?} {geometry:?}: {force} for {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// Rows of nodes and of points vanish at load factor 0, where half of the overlap is left they have grown by the other half.
+#[test]
+fn rows_start_at_zero() {
+    for sampling in [Sampling::Nodes, Sampling::Points] {
+        let scene = blocks(linear(), InitialGaps::Resolve, OVERLAP);
+        let mut problem = scene.problem().expect("valid");
+        let rest = vec![0.0; problem.dofs().free()];
+        for (load, expected) in [(0.0, 0.0), (0.5, -0.5 * OVERLAP)] {
+            problem.set_load(load).expect("load");
+            // the rows of the upper block's nodes, whose prescribed ones are on the other side
+            let rows = problem.rows(&rest, sampling);
+            let mut c = vec![0.0; rows.len()];
+            rows.value(&rest, &mut c);
+            assert!(!c.is_empty());
+            assert!(
+                c.iter().all(|c| (c - expected).abs() < 1e-15),
+                "{sampling:?} {load}: {c:?}"
+            );
+        }
+    }
+}
+
+/// A quarter of a ring, of quadratic elements, free to move in radial direction.
+fn ring(radii: [f64; 2], segments: usize, law: impl Material<2>) -> Body<2> {
+    let mesh = || -> Result<Mesh<2>, Error> {
+        let (r, angle) = (
+            linspace(radii[0], radii[1], 3),
+            linspace(0.0, FRAC_PI_2, segments),
+        );
+        let mesh = rectangle(&r, &angle, Diagonals::Rising)?.quadratic();
+        mesh.mapped(|x| Vector::<2>::new(x[0] * x[1].cos(), x[0] * x[1].sin()))
+    };
+    let mut ring = Body::new(mesh().expect("mesh"), law);
+    ring.prescribe("bottom", [None, Some(0.0)])
+        .expect("symmetry");
+    ring.prescribe("top", [Some(0.0), None]).expect("symmetry");
+    ring
+}
+
+/// Inner radius, common radius and outer radius.
+const RADII: [f64; 3] = [1.0, 2.0, 3.0];
+const POISSON: f64 = 0.3;
+/// Of the two rings.
+const SEGMENTS: [usize; 2] = [7, 9];
+
+/// A ring pressed into another one of half its modulus, too large by `interference`.
+fn press_fit<M: Material<2>>(
+    law: impl Fn(f64) -> M,
+    interference: f64,
+    segments: [usize; 2],
+) -> Problem<2> {
+    let mut scene = Scene::new();
+    let hub = ring(
+        [RADII[0], RADII[1] + interference],
+        segments[0],
+        law(2000.0),
+    );
+    let hub = scene.add("hub", hub);
+    let tyre = scene.add("tyre", ring([RADII[1], RADII[2]], segments[1], law(1000.0)));
+    scene
+        .contact(hub.on("right"), tyre.on("left"))
+        .expect("a pair");
+    scene.initial_gaps = InitialGaps::Resolve;
+    scene.problem().expect("valid")
+}
+
+/// The pressure in the fit by Lamé's solution in plane strain.
+fn pressure_by_lame(interference: f64) -> f64 {
+    let [a, b, c] = RADII.map(|r| r * r);
+    let [hub, tyre] = [2000.0, 1000.0].map(|young| young / (1.0 - POISSON * POISSON));
+    let nu = POISSON / (1.0 - POISSON);
+    let give = RADII[1] * (((b + a) / (b - a) - nu) / hub + ((c + b) / (c - b) + nu) / tyre);
+    interference / give
+}
+
+/// The mean pressure at full load: the radial contact forces on the tyre over the area of the fit.
+fn mean_pressure(problem: &Problem<2>, history: &History<2>) -> f64 {
+    assert!(history.is_complete(), "{}", history.run.ending);
+    let certificate = history.certificate().expect("converged");
+    assert!(certificate.holds(&tight()), "{certificate}");
+    let solution = history.run.solution.as_ref().expect("converged");
+    let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
+    let radial = |a: usize| forces[a].dot(&problem.reference()[a].normalize());
+    problem.nodes(1).map(radial).sum::<f64>() / (RADII[1] * FRAC_PI_2)
+}
+
+/// The chords of coarse rings differ by more than a small interference: the error falls with the meshes.
+#[test]
+fn a_press_fit_has_the_pressure_of_lame() {
+    let law = |young| LinearElastic::new(young, POISSON).expect("law");
+    let interference = 1e-3;
+    let expected = pressure_by_lame(interference);
+    let errors = [[7, 9], [14, 18], [28, 36]].map(|segments| {
+        let mut problem = press_fit(law, interference, segments);
+        let history = Simulation::with_increments(1).run(&mut problem);
+        relative(
+            mean_pressure(&problem, &history.expect("no misuse")),
+            expected,
+        )
+    });
+    assert!(
+        errors[0] < 1e-2 && errors[2] < 0.5 * errors[0],
+        "{errors:?}"
+    );
+    // the rest is of the order of interference over radius
+    assert!(errors[2] < 1e-3, "{errors:?}");
+}
+
+/// The end does not depend on the increments, and large strains are close to small ones.
+#[test]
+fn a_press_fit_at_large_strains() {
+    let law = |young| NeoHookean::new(young, POISSON).expect("law");
+    let interference = 0.02;
+    let pressures = [1, 4].map(|increments| {
+        let mut problem = press_fit(law, interference, SEGMENTS);
+        let history = Simulation::with_increments(increments)
+            .run(&mut problem)
+            .expect("no misuse");
+        mean_pressure(&problem, &history)
+    });
+    assert!(relative(pressures[0], pressures[1]) < 1e-6, "{pressures:?}");
+    let expected = pressure_by_lame(interference);
+    assert!(
+        relative(pressures[0], expected) < 0.03,
+        "{pressures:?} for {expected}"
+    );
+}
+
+/// A sleeve thinner than the facets, and too small by half of its thickness.
+#[test]
+fn a_thin_sleeve() {
+    let law = NeoHookean::new(1000.0, POISSON).expect("law");
+    let mut scene = Scene::new();
+    let hub = scene.add("hub", ring([1.0, 2.0], 14, law));
+    let sleeve = scene.add("sleeve", ring([1.99, 2.01], 14, law));
+    scene
+        .contact(hub.on("right"), sleeve.on("left"))
+        .expect("a pair");
+    scene.initial_gaps = InitialGaps::Resolve;
+    let mut problem = scene.problem().expect("valid");
+    let history = Simulation::with_increments(2)
+        .run(&mut problem)
+        .expect("no misuse");
+    assert!(history.is_complete(), "{}", history.run.ending);
+    for step in &history.steps {
+        assert!(
+            step.certificate.holds(&Default::default()),
+            "{}",
+            step.certificate
+        );
+    }
+    // the sleeve is a bar in plane strain, stretched around a hub that hardly gives
+    let (thickness, strain) = (0.02, 0.01 / 2.0);
+    let hoop = 1000.0 / (1.0 - POISSON * POISSON);
+    let expected = 0.5 * hoop * strain * strain * thickness * 2.0 * FRAC_PI_2;
+    let found = history.last().expect("converged").energy;
+    assert!(relative(found, expected) < 0.05, "{found} for {expected}");
+}
+
+/// In space, where the blocks' meshes do not match either.
+#[test]
+fn blocks_in_space() {
+    let block = |z: f64, cells: usize, side: &str, push: f64| {
+        let mesh = cuboid([0.0, 0.0, z], [1.0; 3], [cells; 3]).expect("mesh");
+        let mut body = Body::new(mesh, linear());
+        body.prescribe(side, [Some(0.0), Some(0.0), Some(-push)])
+            .expect("support");
+        body
+    };
+    let mut scene = Scene::new();
+    let lower = scene.add("lower", block(0.0, 3, "bottom", 0.0));
+    let upper = scene.add("upper", block(1.0 - OVERLAP, 2, "top", PUSH));
+    scene
+        .contact(lower.on("top"), upper.on("bottom"))
+        .expect("a pair");
+    scene.initial_gaps = InitialGaps::Resolve;
+    scene.integration = Some(Integration::Exact);
+    let mut problem = scene.problem().expect("valid");
+    let history = Simulation::with_increments(1)
+        .run(&mut problem)
+        .expect("no misuse");
+    let step = history.last().expect("converged");
+    let expected = (PUSH + OVERLAP) / 2.0;
+    assert!(
+        relative(step.reactions[0][2], expected) < 1e-6,
+        "{} for {expected}",
+        step.reactions[0]
+    );
+}
+
+#[test]
+fn deep_overlaps_are_refused() {
+    // the facets of the coarser block are a half long
+    for (gaps, largest) in [(InitialGaps::Refuse, 0.05), (InitialGaps::Resolve, 0.2)] {
+        let refused = blocks(linear(), gaps, 1.1 * largest * 0.5).problem();
+        assert!(matches!(
+            refused,
+            Err(Error::Overlap { .. } | Error::Crossing { .. })
+        ));
+        let accepted = blocks(linear(), gaps, 0.9 * largest / 3.0)
+            .problem()
+            .expect("valid");
+        let kinds = accepted
+            .findings()
+            .iter()
+            .map(|finding| (finding.severity, finding.kind));
+        assert!(
+            kinds
+                .into_iter()
+                .any(|kind| kind == (Severity::Note, FindingKind::Interference))
+        );
+    }
+}
