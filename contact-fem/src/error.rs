@@ -256,8 +256,8 @@ pub enum Error {
     /// Bodies that overlap in the reference configuration.
     #[error(
         "body `{slave}` starts inside body `{master}`: gap {gap:.3e} at node {node} ({x:?}) against the \
-         {tolerance:.3e} that the scene grants; move the bodies apart, or let `Scene::initial_gaps` resolve an \
-         interference fit of at most a fifth of the facets (`Scene::overlap_tolerance` is for chords of touching curves)"
+         {tolerance:.3e} that `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move the bodies apart, or let \
+         `Scene::initial_gaps` resolve an interference fit of at most a fifth of the facets"
     )]
     Overlap {
         /// The body whose node is inside.
@@ -275,9 +275,9 @@ pub enum Error {
     },
     /// Bodies that intersect in the reference configuration.
     #[error(
-        "bodies `{first}` and `{second}` cross at {x:?}, {depth:.3e} deep against the {tolerance:.3e} that the scene \
-         grants; move them apart, or let `Scene::initial_gaps` resolve an interference fit of at most a fifth of the \
-         facets (`Scene::overlap_tolerance` is for chords of touching curves)"
+        "bodies `{first}` and `{second}` cross at {x:?}, {depth:.3e} deep against the {tolerance:.3e} that \
+         `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move them apart, or let `Scene::initial_gaps` \
+         resolve an interference fit of at most a fifth of the facets"
     )]
     Crossing {
         /// The body with the intersecting edge.
