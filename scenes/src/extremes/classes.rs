@@ -4,6 +4,8 @@ mod bodies;
 mod rings;
 mod unsolvable;
 
+use contact_fem::model::InitialGaps;
+
 use super::Case;
 use super::stack::{Law, Stack};
 
@@ -17,6 +19,7 @@ pub(super) fn all() -> Vec<Case> {
         redundant(),
         compression(),
         gaps(),
+        interference(),
         thickness(),
         meshes(),
         many(),
@@ -216,6 +219,50 @@ fn gaps() -> Vec<Case> {
             };
             let case = stack.case(name(gap, increments), "gap");
             cases.push(case.increments(increments).twin(name(0.0, 1)));
+        }
+    }
+    cases
+}
+
+/// Blocks that start inside each other: the fit alone, a push beside it, or an overlap that stays.
+fn interference() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (dimension, is_quadratic) in [(2, false), (2, true), (3, false), (3, true)] {
+        for (law_name, law) in LAWS {
+            let stack = |gap: f64, press: f64, initial_gaps: InitialGaps| Stack {
+                dimension,
+                law,
+                is_quadratic,
+                nu: 0.0,
+                gap,
+                press,
+                initial_gaps,
+                cells: vec![[2, 2], [3, 2]],
+                ..Stack::default()
+            };
+            let name = |what: &str| {
+                let words = words(dimension, is_quadratic);
+                format!("stack {law_name} {words}, {what}")
+            };
+            let benign = name("no overlap, pushed");
+            let class = "interference";
+            let push = stack(0.0, 0.05, InitialGaps::Refuse);
+            cases.push(push.case(benign.clone(), class));
+            for (what, stack, increments) in [
+                ("fit of 0.05", stack(-0.05, 0.05, InitialGaps::Resolve), 1),
+                (
+                    "fit of 0.05 in 10",
+                    stack(-0.05, 0.05, InitialGaps::Resolve),
+                    10,
+                ),
+                ("fit of 1e-6", stack(-1e-6, 1e-6, InitialGaps::Resolve), 1),
+                ("fit and push", stack(-0.01, 0.05, InitialGaps::Resolve), 3),
+                ("overlap stays", stack(-0.05, 0.05, InitialGaps::Adjust), 1),
+            ] {
+                let case = stack.case(name(what), class).increments(increments);
+                let is_quick = dimension == 2 && increments == 1;
+                cases.push(if is_quick { case.quick() } else { case }.twin(benign.clone()));
+            }
         }
     }
     cases

@@ -1,6 +1,7 @@
 //! Blocks on top of each other, whose state is homogeneous in each: the truth is the solution of one scalar equation.
 
 use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
+use contact_fem::model::InitialGaps;
 use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
 
 use super::{Case, Check, Truth};
@@ -24,8 +25,9 @@ pub(super) struct Stack {
     pub young: Vec<f64>,
     /// The heights of the blocks (UL).
     pub heights: Vec<f64>,
-    /// The gap below the uppermost block (UL).
+    /// The gap below the uppermost block (UL), negative if it overlaps with the one below.
     pub gap: f64,
+    pub initial_gaps: InitialGaps,
     /// The shortening of all blocks together, without the gap (UL).
     pub press: f64,
     /// Cells along the width and over the height, block by block.
@@ -47,6 +49,7 @@ impl Default for Stack {
             young: vec![1e3; 2],
             heights: vec![1.0; 2],
             gap: 0.0,
+            initial_gaps: InitialGaps::Refuse,
             press: 0.1,
             cells: vec![[3, 3], [4, 4]],
             is_quadratic: false,
@@ -142,6 +145,7 @@ impl Stack {
         body: impl Fn(Mesh<D>, usize) -> Result<Body<D>, Failure>,
     ) -> Result<Scene<D>, Failure> {
         let mut scene = Scene::new();
+        scene.initial_gaps = self.initial_gaps;
         let mut ids = Vec::new();
         for k in 0..self.heights.len() {
             let mut mesh = mesh(k)?;
@@ -171,7 +175,11 @@ impl Stack {
                 block.prescribe("lower", along)?;
             }
             if k + 1 == self.heights.len() {
-                along[D - 1] = Some(-self.length * (self.press + self.gap));
+                let way = match self.initial_gaps {
+                    InitialGaps::Adjust => self.press,
+                    _ => self.press + self.gap,
+                };
+                along[D - 1] = Some(-self.length * way);
                 block.prescribe("upper", along)?;
             }
             ids.push(scene.add(format!("block {k}"), block));
