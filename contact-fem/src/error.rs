@@ -257,7 +257,7 @@ pub enum Error {
     #[error(
         "body `{slave}` starts inside body `{master}`: gap {gap:.3e} at node {node} ({x:?}) against the \
          {tolerance:.3e} that `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move the bodies apart, or let \
-         `Scene::initial_gaps` resolve an interference fit of at most a fifth of the facets"
+         `Scene::initial_gaps` resolve an interference fit of at most 0.15 of the facets"
     )]
     Overlap {
         /// The body whose node is inside.
@@ -277,7 +277,7 @@ pub enum Error {
     #[error(
         "bodies `{first}` and `{second}` cross at {x:?}, {depth:.3e} deep against the {tolerance:.3e} that \
          `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move them apart, or let `Scene::initial_gaps` \
-         resolve an interference fit of at most a fifth of the facets"
+         resolve an interference fit of at most 0.15 of the facets"
     )]
     Crossing {
         /// The body with the intersecting edge.

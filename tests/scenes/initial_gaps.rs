@@ -3,15 +3,18 @@
 use std::f64::consts::FRAC_PI_2;
 
 use contact_core::gaps::Sampling;
-use contact_core::{InteriorPoint, LoadStepped, Retry};
+use contact_core::{InteriorPoint, LoadStepped, Penalty, Retry};
+use contact_fem::certificate::Certificate;
 use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
-use contact_fem::model::{FindingKind, Geometry, InitialGaps, Integration, Problem, Severity};
+use contact_fem::model::{
+    Finding, FindingKind, Geometry, InitialGaps, Integration, Problem, Severity,
+};
 use contact_fem::simulation::History;
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Material, Mesh, NeoHookean, Scene, Simulation};
 use ipopt_contact_scenes::tight;
 
-use crate::common::relative;
+use crate::common::{relative, run_with};
 
 const OVERLAP: f64 = 0.01;
 const PUSH: f64 = 0.1;
@@ -88,7 +91,29 @@ fn blocks_press_by_what_is_resolved() {
     }
 }
 
-/// Rows of nodes and of points vanish at load factor 0, where half of the overlap is left they have grown by the other half.
+/// The penalty of the paper on points.
+#[test]
+fn points_leave_out_what_nodes_do() {
+    for (gaps, shortened) in [
+        (InitialGaps::Resolve, PUSH + OVERLAP),
+        (InitialGaps::Adjust, PUSH),
+    ] {
+        let mut scene = blocks(linear(), gaps, OVERLAP);
+        scene.integration = Some(Integration::Gauss(4));
+        let mut problem = scene.problem().expect("valid");
+        let history = run_with(&mut Penalty::default(), &mut problem, 2, 1e-8);
+        assert!(history.is_complete(), "{}", history.run.ending);
+        for (step, t) in history.steps.iter().zip([0.5, 1.0]) {
+            let (force, expected) = (step.reactions[0][1], t * shortened / 2.0);
+            assert!(
+                relative(force, expected) < 1e-2,
+                "{gaps:?}: {force} for {expected}"
+            );
+        }
+    }
+}
+
+/// Rows of nodes and of points vanish at load factor 0; at half load they have fallen by half of the overlap.
 #[test]
 fn rows_start_at_zero() {
     for sampling in [Sampling::Nodes, Sampling::Points] {
@@ -107,6 +132,97 @@ fn rows_start_at_zero() {
                 "{sampling:?} {load}: {c:?}"
             );
         }
+    }
+}
+
+/// Two blocks as before, but the lower face of the upper one is tilted: it starts inside the lower one by `depths` at its ends.
+fn tilted(depths: [f64; 2], gaps: InitialGaps) -> Scene<2> {
+    let mesh = |y: f64| {
+        let (x, y) = (linspace(0.0, 1.0, 4), linspace(y, y + 1.0, 4));
+        rectangle(&x, &y, Diagonals::Rising).expect("mesh")
+    };
+    let mut lower = Body::new(mesh(0.0), linear());
+    lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
+    let depth = |x: f64| depths[0] + (depths[1] - depths[0]) * x;
+    let lowered = mesh(1.0).mapped(|x| *x - Vector::<2>::new(0.0, depth(x[0]) * (2.0 - x[1])));
+    let mut upper = Body::new(lowered.expect("mesh"), linear());
+    upper.prescribe("top", [Some(0.0); 2]).expect("support");
+    let mut scene = Scene::new();
+    let (lower, upper) = (scene.add("lower", lower), scene.add("upper", upper));
+    scene
+        .contact(lower.on("top"), upper.on("bottom"))
+        .expect("a pair");
+    scene.initial_gaps = gaps;
+    scene.integration = Some(Integration::Exact);
+    scene
+}
+
+/// The row of a node has its own overlap: that at the node inside the face, at a third of the facet at its ends.
+#[test]
+fn rows_of_an_overlap_that_varies() {
+    let depths = [0.005, 0.03];
+    let mut problem = tilted(depths, InitialGaps::Resolve)
+        .problem()
+        .expect("valid");
+    let rest = vec![0.0; problem.dofs().free()];
+    for load in [0.0, 0.5, 1.0] {
+        problem.set_load(load).expect("load");
+        let rows = problem.rows(&rest, Sampling::Nodes);
+        let mut c = vec![0.0; rows.len()];
+        rows.value(&rest, &mut c);
+        assert_eq!(c.len(), 10);
+        for (key, c) in rows.keys().iter().zip(c) {
+            let x = problem.reference()[key.node as usize][0];
+            let x = x.clamp(0.25 / 3.0, 1.0 - 0.25 / 3.0);
+            let expected = -load * (depths[0] + (depths[1] - depths[0]) * x);
+            // along a normal that is tilted by 1/40
+            assert!(
+                (c - expected).abs() < 1e-3 * depths[1],
+                "{load} {x}: {c} for {expected}"
+            );
+        }
+    }
+}
+
+/// A node too deep to face the other surface has no row: the scene is refused, not solved without it.
+#[test]
+fn the_deep_end_of_a_tilted_face_is_seen() {
+    let facet = 0.25;
+    for gaps in [InitialGaps::Resolve, InitialGaps::Adjust] {
+        for deep in [0.17, 0.28, 0.6] {
+            let refused = tilted([0.1 * facet, deep * facet], gaps).problem();
+            assert!(
+                matches!(refused, Err(Error::Overlap { .. })),
+                "{gaps:?} {deep}"
+            );
+        }
+        assert!(tilted([0.1 * facet, 0.14 * facet], gaps).problem().is_ok());
+    }
+}
+
+/// A third body inside the lower one, without a pair, is not what the scene grants.
+#[test]
+fn overlaps_without_a_pair_are_not_granted() {
+    for geometry in [Geometry::Reference, Geometry::Current] {
+        let mut scene = blocks(linear(), InitialGaps::Adjust, OVERLAP);
+        let (x, y) = (linspace(0.8, 1.8, 4), linspace(0.2, 0.7, 4));
+        let mesh = rectangle(&x, &y, Diagonals::Rising).expect("mesh");
+        let mut third = Body::new(mesh, linear());
+        third.prescribe("right", [Some(0.0); 2]).expect("support");
+        scene.add("third", third);
+        scene.geometry = Some(geometry);
+        let mut problem = scene.problem().expect("valid");
+        let history = Simulation::with_increments(1)
+            .run(&mut problem)
+            .expect("no misuse");
+        let holds = |c: Certificate| c.holds(&Default::default());
+        assert!(!history.is_complete() || !history.certificate().is_some_and(holds));
+        assert_eq!(
+            history.is_complete(),
+            geometry == Geometry::Reference,
+            "{}",
+            history.run.ending
+        );
     }
 }
 
@@ -280,24 +396,50 @@ fn blocks_in_space() {
 
 #[test]
 fn deep_overlaps_are_refused() {
-    // the facets of the coarser block are a half long
-    for (gaps, largest) in [(InitialGaps::Refuse, 0.05), (InitialGaps::Resolve, 0.2)] {
-        let refused = blocks(linear(), gaps, 1.1 * largest * 0.5).problem();
-        assert!(matches!(
-            refused,
-            Err(Error::Overlap { .. } | Error::Crossing { .. })
-        ));
-        let accepted = blocks(linear(), gaps, 0.9 * largest / 3.0)
+    // of the coarser block
+    let facet = 1.0 / 3.0;
+    for (gaps, largest) in [(InitialGaps::Refuse, 0.05), (InitialGaps::Resolve, 0.15)] {
+        let refused = blocks(linear(), gaps, 1.1 * largest * facet).problem();
+        assert!(matches!(refused, Err(Error::Overlap { .. })));
+        let accepted = blocks(linear(), gaps, 0.9 * largest * facet)
             .problem()
             .expect("valid");
-        let kinds = accepted
-            .findings()
-            .iter()
-            .map(|finding| (finding.severity, finding.kind));
-        assert!(
-            kinds
-                .into_iter()
-                .any(|kind| kind == (Severity::Note, FindingKind::Interference))
-        );
+        let is_noted =
+            |f: &Finding| (f.severity, f.kind) == (Severity::Note, FindingKind::Interference);
+        assert!(accepted.findings().iter().any(is_noted));
+    }
+}
+
+/// A block on rollers that nothing touches may go sideways; a held one may not.
+#[test]
+fn what_nothing_determines_is_told() {
+    let scene = |sideways: Option<f64>| {
+        let mut scene = tilted([0.01; 2], InitialGaps::Resolve);
+        let mesh = rectangle(&[2.0, 3.0], &[0.0, 1.0], Diagonals::Rising).expect("mesh");
+        let mut block = Body::new(mesh, linear());
+        block
+            .prescribe("bottom", [sideways, Some(0.0)])
+            .expect("support");
+        let block = scene.add("block", block);
+        let lower = scene.ids().next().expect("a body");
+        scene
+            .contact(lower.on("right"), block.on("left"))
+            .expect("a pair");
+        scene
+    };
+    for (sideways, expected) in [(None, 1), (Some(0.0), 0)] {
+        let mut problem = scene(sideways).problem().expect("valid");
+        let history = Simulation::with_increments(1)
+            .run(&mut problem)
+            .expect("no misuse");
+        let solution = history.run.solution.as_ref().expect("converged");
+        let found = problem.undetermined(solution);
+        assert_eq!(found.len(), expected, "{found:?}");
+        for part in found {
+            assert_eq!(
+                (part.body.as_str(), &part.motions[..]),
+                ("block", &["translation x".to_string()][..])
+            );
+        }
     }
 }

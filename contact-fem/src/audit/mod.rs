@@ -65,7 +65,7 @@ pub struct Overlap<const D: usize> {
     /// that is smaller.
     pub relative: f64,
     /// The depth divided by the thickness, or by twice the largest face if that is smaller.
-    pub(crate) of_thickness: f64,
+    of_thickness: f64,
 }
 
 /// The boxes of all cells and faces at one state.
@@ -142,10 +142,30 @@ impl<const D: usize> Audit<D> {
         edges(x) * crate::tensor::inverse_transpose(&edges(&self.reference)).transpose()
     }
 
-    /// The worst overlap at positions `x` of all nodes (UL), or `None` where nothing overlaps.
-    pub fn overlap(&self, x: &[Vector<D>]) -> Option<Overlap<D>> {
-        let worse = |a: Overlap<D>, b: Overlap<D>| if b.relative > a.relative { b } else { a };
-        self.overlaps(x).into_iter().reduce(worse)
+    /// The overlap at positions `x` of all nodes (UL) that exceeds [`Overlap::LIMIT`] most, with what is `granted` to the two
+    /// bodies in addition; `None` if there is none.
+    pub fn deep_overlap(
+        &self,
+        x: &[Vector<D>],
+        granted: impl Fn([usize; 2]) -> f64,
+    ) -> Option<Overlap<D>> {
+        let beyond = |overlap: &Overlap<D>| overlap.relative - granted(overlap.bodies);
+        let deep = self.overlaps(x).into_iter();
+        let deep = deep.filter(|overlap| beyond(overlap) > Overlap::<D>::LIMIT);
+        deep.max_by(|a, b| beyond(a).total_cmp(&beyond(b)))
+    }
+
+    /// For each two bodies that overlap at positions `x` of all nodes (UL), the smaller index first, the largest depths:
+    /// relative, and as a share of the thickness.
+    pub(crate) fn depths(&self, x: &[Vector<D>]) -> BTreeMap<[usize; 2], [f64; 2]> {
+        let mut depths = BTreeMap::new();
+        for overlap in self.overlaps(x) {
+            let [a, b] = overlap.bodies;
+            let [relative, share] = depths.entry([a.min(b), a.max(b)]).or_insert([0.0_f64; 2]);
+            *relative = relative.max(overlap.relative);
+            *share = share.max(overlap.of_thickness);
+        }
+        depths
     }
 
     /// The worst overlap of each two bodies.
@@ -185,7 +205,7 @@ impl<const D: usize> Audit<D> {
     }
 
     /// An overlap on the straight way of all nodes from `before` to `after` (UL) that is deeper than
-    /// [`Overlap::LIMIT`] of the thickness, and than what is `granted` to the two bodies beyond it, or `None`. Bodies that slide on each other do not move on
+    /// [`Overlap::LIMIT`] of the thickness and what is `granted` to the two bodies in addition, or `None`. Bodies that slide on each other do not move on
     /// straight lines, and overlap a little on the way; shares of the thickness leave that out. The way is
     /// examined at a fixed number of stops at most.
     pub fn passage(

@@ -199,10 +199,8 @@ fn deepest_of<const D: usize>(
     counts: &dyn Fn([usize; 2]) -> bool,
 ) -> f64 {
     let those = overlaps.iter().filter(|overlap| counts(overlap.bodies));
-    let depth = |overlap: &Overlap<D>| {
-        let granted = problem.granted(overlap.bodies, problem.load());
-        overlap.relative - granted.map_or(0.0, |(relative, _)| relative)
-    };
+    let granted = |bodies| problem.granted(bodies, problem.load())[0];
+    let depth = |overlap: &Overlap<D>| overlap.relative - granted(overlap.bodies);
     those.map(depth).fold(0.0, worse)
 }
 

@@ -23,11 +23,33 @@ pub(super) fn along_normal<const D: usize>(x: &Vector<D>, corners: &[Vector<D>; 
     })
 }
 
-/// As [`closest_on`], by Newton's method on ½|x − x̄(λ)|² over λ ≥ 0, Σλ = 1: each step minimises
-/// the quadratic model, as the closest point of a flat facet in the metric of the Hessian. The
-/// iteration starts at the closest point of the flat pieces between the nodes and halves steps that
-/// increase the distance.
+/// As [`closest_on`], by Newton's method on ½|x − x̄(λ)|² over λ ≥ 0, Σλ = 1. The iteration starts at the closest
+/// point of the flat pieces between the nodes; on a facet that is bent so much that the closest point may be elsewhere,
+/// from each piece.
 fn closest_on_curved<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<D> {
+    /// The bulge of such a facet, as a share of its first side: that of an arc of about 45°.
+    const BENT: f64 = 0.1;
+    let starts = facet.pieces().iter().map(|piece| {
+        let lambda = closest_on_piece(x, facet, piece);
+        (lambda, (x - facet.point(&lambda)).norm_squared())
+    });
+    let nearer = |a: &(Vector<D>, f64), b: &(Vector<D>, f64)| a.1.total_cmp(&b.1);
+    let corners = facet.corners();
+    let nearest = match facet.bulge() > BENT * (corners[1] - corners[0]).norm() {
+        true => starts.map(|start| descend(x, facet, start)).min_by(nearer),
+        false => starts.min_by(nearer).map(|start| descend(x, facet, start)),
+    };
+    nearest.map_or(Vector::repeat(1.0 / D as f64), |(lambda, _)| lambda)
+}
+
+/// Newton's method of [`closest_on_curved`] from λ and its squared distance, to those of a local minimum. Each step
+/// minimises the quadratic model, as the closest point of a flat facet in the metric of the Hessian, and is halved
+/// where it increases the distance.
+fn descend<const D: usize>(
+    x: &Vector<D>,
+    facet: &Facet<D>,
+    (mut lambda, mut before): (Vector<D>, f64),
+) -> (Vector<D>, f64) {
     /// The largest number of steps.
     const STEPS: usize = 50;
     /// The length of a step, in barycentric coordinates, that ends the iteration.
@@ -36,13 +58,6 @@ fn closest_on_curved<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<
     /// next step would be round-off.
     const LAST: f64 = 1e-9;
     let away = |lambda: &Vector<D>| (x - facet.point(lambda)).norm_squared();
-    let starts = facet.pieces().iter().map(|piece| {
-        let lambda = closest_on_piece(x, facet, piece);
-        (lambda, away(&lambda))
-    });
-    let nearest = starts.min_by(|a, b| a.1.total_cmp(&b.1));
-    let (mut lambda, mut before) =
-        nearest.unwrap_or_else(|| (Vector::repeat(1.0 / D as f64), f64::INFINITY));
     for _ in 0..STEPS {
         let Some((mut next, converges)) = newton(x, facet, &lambda) else {
             break;
@@ -63,7 +78,7 @@ fn closest_on_curved<const D: usize>(x: &Vector<D>, facet: &Facet<D>) -> Vector<
             break;
         }
     }
-    lambda
+    (lambda, before)
 }
 
 /// The coordinates λ on `facet` of the closest point on one of its flat pieces.
@@ -241,6 +256,24 @@ mod tests {
             .map(|i| Vector::<2>::new(1.0 - f64::from(i) / 4000.0, f64::from(i) / 4000.0))
             .collect();
         curved_against_lattice(&facet, &lattice, 1e-3);
+    }
+
+    /// Segments that are bent by up to three quarters of their length, from points around them.
+    #[test]
+    fn strongly_curved_segments() {
+        let mut missed = 0;
+        for k in 0..2000_u32 {
+            let wave = |i: u32| (f64::from(k * 7 + i) * 0.7717).sin() * (f64::from(k) + 0.3).cos();
+            let middle = Vector::<2>::new(0.5 + 0.75 * wave(1), 0.75 * wave(2));
+            let nodes = [Vector::<2>::zeros(), Vector::<2>::new(1.0, 0.0), middle];
+            let facet = Facet::gather(Order::Quadratic, &[0, 1, 2], &nodes);
+            let x = Vector::<2>::new(0.5 + 1.5 * wave(3), 1.5 * wave(4));
+            let away = |t: f64| (x - facet.point(&Vector::<2>::new(1.0 - t, t))).norm();
+            let lattice = (0..=2000).map(|i| away(f64::from(i) / 2000.0));
+            let least = lattice.fold(f64::INFINITY, f64::min);
+            missed += u32::from(away(closest_on(&x, &facet)[1]) > least + 1e-9);
+        }
+        assert!(missed <= 2, "{missed}");
     }
 
     #[test]

@@ -91,15 +91,16 @@ impl<'a, const D: usize> PassRows<'a, D> {
         }
     }
 
-    /// Adds `widths`, one for each of the slave's nodes (UL), to the gaps. The row of a point adds what its test functions
-    /// interpolate.
-    pub fn widen(&mut self, widths: impl Fn(usize) -> f64) {
+    /// Adds widths (UL) to the gaps: to the rows of nodes `of_row`, and to those of points what their test functions
+    /// interpolate of `of_node`, if that is positive. Both are by position among the slave's nodes.
+    pub fn widen(&mut self, of_row: impl Fn(usize) -> f64, of_node: impl Fn(usize) -> f64) {
         for (i, row) in self.rows.iter_mut().enumerate() {
             row.widening = match self.sampling {
-                Sampling::Nodes => widths(i),
+                Sampling::Nodes => of_row(i),
                 Sampling::Points => {
                     let shares = self.stencils[i].test_functions();
-                    shares.map(|(k, phi)| phi * widths(k)).sum()
+                    let width: f64 = shares.map(|(k, phi)| phi * of_node(k)).sum();
+                    width.max(0.0)
                 }
             };
         }

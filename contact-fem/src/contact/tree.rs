@@ -47,8 +47,8 @@ impl<const D: usize> FacetTree<D> {
         }
     }
 
-    /// The closest point to `x`, on the first of those facets that are equally close; `None` without
-    /// facets.
+    /// The closest point to `x`, on the first of those facets that are equally close up to round-off; `None` without
+    /// facets that have a closest point.
     ///
     /// The nearest box is visited first, and none that is farther away than the closest point so far.
     /// rstar's own search takes every side of a box to be touched by what is in it. That is wrong for
@@ -80,7 +80,9 @@ impl<const D: usize> FacetTree<D> {
     /// The closest points of all facets within `limit` (UL) of `x`, the closest first.
     pub fn by_distance(&self, x: &Vector<D>, limit: f64) -> impl Iterator<Item = Closest<'_, D>> {
         let facets = self.tree.nearest_neighbor_iter_with_distance_2((*x).into());
-        let near = facets.take_while(move |(_, distance_2)| *distance_2 <= limit * limit);
+        let near = facets.take_while(move |(_, distance_2)| {
+            *distance_2 <= limit * limit && distance_2.is_finite()
+        });
         let x = *x;
         near.map(move |(leaf, _)| leaf.closest(&x))
     }
@@ -148,7 +150,8 @@ impl<const D: usize> Leaf<D> {
                 return None;
             }
         }
-        Some(self.closest(x)).filter(|found| found.distance_2 <= limit)
+        let found = Some(self.closest(x)).filter(|found| found.distance_2 <= limit);
+        found.filter(|found| found.distance_2.is_finite())
     }
 }
 
@@ -163,7 +166,13 @@ impl<const D: usize> RTreeObject for Leaf<D> {
 
 impl<const D: usize> PointDistance for Leaf<D> {
     fn distance_2(&self, x: &[f64; D]) -> f64 {
-        self.closest(&(*x).into()).distance_2
+        let distance_2 = self.closest(&(*x).into()).distance_2;
+        // rstar compares numbers; a facet without extent has no closest point
+        if distance_2.is_nan() {
+            f64::INFINITY
+        } else {
+            distance_2
+        }
     }
 
     fn distance_2_if_less_or_equal(&self, x: &[f64; D], limit: f64) -> Option<f64> {

@@ -108,7 +108,6 @@ impl<const D: usize> ContactSet<D> {
                 passes.push(turned);
             }
         }
-        let rest = vec![0.0; kinematics.dofs.free()];
         let located = self.located_at(&kinematics.X);
         let inside = self.inside(&passes, &located, &kinematics.X);
         let depths = passes
@@ -117,28 +116,30 @@ impl<const D: usize> ContactSet<D> {
             .enumerate()
             .map(|(k, (pass, inside))| {
                 let slave = &self.surfaces[pass.slave];
-                let mut depths = Depths {
-                    rows: vec![0.0; slave.nodes().len()],
-                    nodes: vec![0.0; slave.nodes().len()],
-                };
-                for (node, gap) in inside {
-                    depths.nodes[node] = -gap;
-                }
-                let gaps = self.rows(
-                    std::iter::once((k, *pass)),
-                    kinematics,
-                    &rest,
-                    Sampling::Nodes,
-                );
-                let mut c = vec![0.0; gaps.len()];
-                gaps.value(&rest, &mut c);
                 let places = slave.nodes().iter().enumerate();
-                let places: HashMap<usize, usize> =
-                    places.map(|(place, &node)| (node, place)).collect();
-                for (key, c) in gaps.keys().iter().zip(c) {
-                    depths.rows[places[&(key.node as usize)]] = (-c).max(0.0);
+                let places: HashMap<usize, usize> = places.map(|(k, &node)| (node, k)).collect();
+                let none = vec![0.0; slave.nodes().len()];
+                let (mut gaps, mut deepest, mut nodes) = (none.clone(), none.clone(), none);
+                for (node, gap) in inside {
+                    nodes[node] = -gap;
                 }
-                ((pass.slave, pass.master), depths)
+                let rows = self.pass_rows(&located, k, *pass, Sampling::Nodes);
+                for (stencil, shares) in rows.stencils() {
+                    let gap = stencil.projection().gap;
+                    for (name, share) in shares {
+                        let place = places[&name];
+                        gaps[place] += share * gap;
+                        deepest[place] = deepest[place].max(-gap);
+                    }
+                }
+                // what touches up to round-off does not overlap
+                let least = InitialGaps::TOUCHES * slave.facet_size();
+                let overlap = |(gap, deepest): (f64, f64)| match -gap > least {
+                    true => (-gap).min(deepest),
+                    false => 0.0,
+                };
+                let rows = gaps.into_iter().zip(deepest).map(overlap).collect();
+                ((pass.slave, pass.master), Depths { rows, nodes })
             });
         InitialOverlaps(depths.collect())
     }
@@ -149,6 +150,15 @@ impl<const D: usize> ContactSet<D> {
             InitialGaps::Resolve => self.initial_overlaps.largest(),
             _ => 0.0,
         }
+    }
+
+    /// Whether a pass is between surfaces of these two bodies.
+    pub fn is_pair(&self, [a, b]: [usize; 2]) -> bool {
+        let mut passes = self.passes.iter();
+        passes.any(|pass| {
+            let bodies = [pass.slave, pass.master].map(|k| self.surfaces[k].body());
+            bodies == [a, b] || bodies == [b, a]
+        })
     }
 
     /// Whether the rows do not depend on the state at which they are linearised.
@@ -235,7 +245,7 @@ impl<const D: usize> ContactSet<D> {
             let mut rows = self.pass_rows(&located, k, pass, sampling);
             if let Some(depths) = self.initial_overlaps.of(pass) {
                 let left = self.initial_gaps.share_left(kinematics.factor);
-                rows.widen(|node| left * depths.rows[node]);
+                rows.widen(|k| left * depths.rows[k], |k| left * depths.nodes[k]);
             }
             rows.append(k as u32, &kinematics.X, &unknowns, &mut gaps);
         }
@@ -295,13 +305,12 @@ impl<const D: usize> ContactSet<D> {
         Some(variation.finish(&kinematics.dofs))
     }
 
-    /// The largest depth of a contact node inside another surface at `u` (UL, ≥ 0).
+    /// The largest depth of a contact node inside another surface at `u`, less what is left of its initial overlap (UL, ≥ 0).
     pub fn penetration(&self, kinematics: &Kinematics<D>, u: &[f64]) -> f64 {
         self.deepest(kinematics, u, |surface| vec![1.0; surface.nodes().len()])
     }
 
-    /// The largest depth of a contact node inside another surface at `u`, divided by the node's
-    /// length in `units`; at least 0.
+    /// As [`ContactSet::penetration`], each depth divided by the node's length in `units`.
     pub fn deepest(
         &self,
         kinematics: &Kinematics<D>,

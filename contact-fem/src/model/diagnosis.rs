@@ -1,4 +1,4 @@
-//! What the state of a load step that did not converge tells of the cause.
+//! What a state tells of motions that nothing determines, and of the cause for which a load step did not converge.
 
 use std::collections::BTreeSet;
 
@@ -10,6 +10,15 @@ use crate::assembly::Dof;
 use crate::audit::Overlap;
 use crate::tensor::Vector;
 
+/// A part of a body whose rigid motions are not all determined.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Undetermined {
+    /// The name of the body.
+    pub body: String,
+    /// The names of independent motions, such as `translation x` or `rotation`.
+    pub motions: Vec<String>,
+}
+
 /// The smallest contact force of a row that holds a body, as a share of the largest.
 const HOLDS: f64 = 1e-6;
 
@@ -20,7 +29,13 @@ pub(super) fn cause<const D: usize>(problem: &Problem<D>, solution: &Solution) -
         return None;
     }
     let mut causes = overlaps(problem, solution);
-    causes.extend(unheld(problem, solution));
+    causes.extend(undetermined(problem, solution).into_iter().map(|part| {
+        let motions = part.motions.join(", ");
+        format!(
+            "neither supports nor contact hold body `{}`: {motions}",
+            part.body
+        )
+    }));
     (!causes.is_empty()).then(|| causes.join("; "))
 }
 
@@ -37,7 +52,11 @@ fn overlaps<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<St
     .collect()
 }
 
-fn unheld<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<String> {
+/// The rigid motions of all parts of bodies that neither supports nor rows with a force oppose.
+pub(super) fn undetermined<const D: usize>(
+    problem: &Problem<D>,
+    solution: &Solution,
+) -> Vec<Undetermined> {
     let x = match problem.geometry() {
         Geometry::Reference => problem.reference().to_vec(),
         Geometry::Current => problem.positions(&solution.state.u),
@@ -61,7 +80,7 @@ fn unheld<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<Stri
             rows[row].push((node, component, c));
         }
     }
-    let mut causes = Vec::new();
+    let mut found = Vec::new();
     for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
         let first = problem.first_node(id);
         let held = body.prescribed().iter().enumerate();
@@ -82,13 +101,10 @@ fn unheld<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<Stri
             let place = |node: usize| -> Vector<D> { x[node] };
             let motions = unheld_motions(supports.chain(contact), &place, &nodes);
             if !motions.is_empty() {
-                let name = &problem.scene().names()[id.index()];
-                causes.push(format!(
-                    "neither supports nor contact hold body `{name}`: {}",
-                    motions.join(", ")
-                ));
+                let body = problem.scene().names()[id.index()].clone();
+                found.push(Undetermined { body, motions });
             }
         }
     }
-    causes
+    found
 }

@@ -6,31 +6,38 @@ use crate::contact::Pass;
 
 /// What becomes of contact surfaces that overlap in the reference configuration.
 ///
-/// An overlap can be resolved or adjusted up to a fifth of the facet size. Beyond that, the contact search cannot tell
-/// on which side of a surface a point belongs.
+/// An overlap of declared surfaces can be resolved or adjusted up to 0.15 of the facet size. Where it is deeper, the
+/// contact search cannot tell on which side of a surface a point belongs, and the scene is refused.
+///
+/// Overlaps belong to the nodes of the meshes: a node that slides along the other surface takes its own with it. Where
+/// surfaces slide by more than a facet, move the bodies apart instead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InitialGaps {
     /// Overlaps larger than [`Scene::overlap_tolerance`](super::Scene::overlap_tolerance) are an error. Smaller ones are
     /// pushed out by the first load step.
     #[default]
     Refuse,
-    /// The load pushes overlaps out, as in a press fit: at load factor t, gaps are at least −(1 − t) times the initial
-    /// overlap, so that nothing overlaps at full load.
+    /// The load pushes overlaps out, as in a press fit: at load factor t, weak gaps are at least −(1 − t) times the initial
+    /// overlap, and at full load at least 0.
     Resolve,
-    /// Overlaps stay and cause no force: gaps are measured from the initial overlap. This is for meshes that overlap
-    /// though the bodies only touch.
+    /// Overlaps stay and cause no force: weak gaps are measured from the initial overlap. Gaps between bodies stay, too. This
+    /// is for meshes that overlap though the bodies only touch. The method (39) takes the overlap of a point from the nodes
+    /// around it.
     Adjust,
 }
 
 impl InitialGaps {
     /// The largest overlap that is resolved or adjusted, as a share of the facet size.
-    pub(super) const LARGEST: f64 = 0.2;
+    pub(super) const LARGEST: f64 = 0.15;
+
+    /// The overlap below which surfaces only touch, as a share of the facet size: above the round-off of coordinates.
+    pub(super) const TOUCHES: f64 = 1e-9;
 
     /// The share of the initial overlaps that is left at load factor `factor`.
     pub(super) fn share_left(self, factor: f64) -> f64 {
         match self {
             InitialGaps::Refuse => 0.0,
-            InitialGaps::Resolve => 1.0 - factor,
+            InitialGaps::Resolve => (1.0 - factor).clamp(0.0, 1.0),
             InitialGaps::Adjust => 1.0,
         }
     }
@@ -39,7 +46,7 @@ impl InitialGaps {
 /// The initial overlaps of one pass, one for each node of the slave, in the order of its nodes (UL, ≥ 0).
 #[derive(Clone, Debug)]
 pub(super) struct Depths {
-    /// Of the nodes' rows.
+    /// Of the nodes' rows: minus their weak gaps, at most the depth of the deepest of their points.
     pub rows: Vec<f64>,
     /// Of the nodes themselves.
     pub nodes: Vec<f64>,

@@ -15,6 +15,7 @@ mod scene;
 
 pub use crate::contact::Integration;
 pub use body::Body;
+pub use diagnosis::Undetermined;
 pub use handle::{BodyId, Side};
 pub use initial_gaps::InitialGaps;
 pub use preflight::{Finding, FindingKind, Severity};

@@ -1,5 +1,6 @@
 //! The contact problem of a checked scene.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use contact_core::equilibrium::Solution;
@@ -28,8 +29,8 @@ pub struct Problem<const D: usize> {
     pub(super) contact: ContactSet<D>,
     scale: Scale,
     pub(super) audit: Audit<D>,
-    /// What the audit finds in the reference configuration, if initial overlaps are resolved or adjusted.
-    overlaps_at_rest: Vec<Overlap<D>>,
+    /// [`Audit::depths`] in the reference configuration of bodies with a pair, if their overlaps are resolved or adjusted.
+    overlaps_at_rest: BTreeMap<[usize; 2], [f64; 2]>,
     /// `None`: prescribed displacements are eliminated, not unknowns.
     bounds: Bounds,
     pub(super) findings: Vec<Finding>,
@@ -43,10 +44,11 @@ impl<const D: usize> Problem<D> {
         let length = kinematics.diagonal();
         let lengths = (length, contact.smallest_facet(length));
         let audit = Audit::new(&scene, &kinematics.X);
-        let overlaps_at_rest = match scene.initial_gaps {
-            InitialGaps::Refuse => Vec::new(),
-            _ => audit.at(&kinematics.X).overlaps,
+        let mut overlaps_at_rest = match scene.initial_gaps {
+            InitialGaps::Refuse => BTreeMap::new(),
+            _ => audit.depths(&kinematics.X),
         };
+        overlaps_at_rest.retain(|bodies, _| contact.is_pair(*bodies));
         Problem {
             scale: scale::estimate(
                 &scene,
@@ -171,13 +173,12 @@ impl<const D: usize> Problem<D> {
         self.contact.built()
     }
 
-    /// What is left of the overlap with which two bodies started, at load factor `load`: its relative depth, and as a
-    /// share of the thickness. `None` if they did not overlap, or initial overlaps are refused.
-    pub(crate) fn granted(&self, [a, b]: [usize; 2], load: f64) -> Option<(f64, f64)> {
+    /// What is left at load factor `load` of the overlap with which two bodies of a pair started: its relative depth, and its
+    /// share of the thickness. 0 if initial overlaps are refused.
+    pub(crate) fn granted(&self, [a, b]: [usize; 2], load: f64) -> [f64; 2] {
         let left = self.scene.initial_gaps.share_left(load);
-        let mut rest = self.overlaps_at_rest.iter();
-        let initial = rest.find(|o| o.bodies == [a, b] || o.bodies == [b, a])?;
-        Some((left * initial.relative, left * initial.of_thickness))
+        let initial = self.overlaps_at_rest.get(&[a.min(b), a.max(b)]);
+        initial.map_or([0.0; 2], |depths| depths.map(|depth| left * depth))
     }
 
     /// The rows c(u) = C u + c₀ with projections and normals frozen at `u`.
@@ -249,16 +250,12 @@ impl<const D: usize> LoadStepped for Problem<D> {
     fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage> {
         let before = self.kinematics.positions_at(last, from);
         let after = self.kinematics.positions(u);
-        let deep = |overlap: &Overlap<D>| {
-            let granted = self.granted(overlap.bodies, self.load());
-            overlap.relative > Overlap::<D>::LIMIT + granted.map_or(0.0, |(relative, _)| relative)
-        };
-        let of_thickness =
-            |bodies: [usize; 2]| self.granted(bodies, from).map_or(0.0, |(_, share)| share);
+        let relative = |bodies| self.granted(bodies, self.load())[0];
+        let of_thickness = |bodies| self.granted(bodies, from)[1];
         // cutting a step does not change the solution of a linear scene; its certificate tells
         let overlap = match (self.contact.geometry, self.scene.overlaps) {
             (Geometry::Current, Overlaps::Refused) => {
-                let now = self.audit.overlap(&after).filter(deep);
+                let now = self.audit.deep_overlap(&after, relative);
                 now.or_else(|| self.audit.passage(&before, &after, of_thickness))
             }
             _ => None,

@@ -1,8 +1,9 @@
 //! Results derived from a solution: reactions, contact forces, pressures, penetrations.
 
+use contact_core::equilibrium::Solution;
 use contact_core::{Energy, LinearGaps};
 
-use super::{BodyId, Problem};
+use super::{BodyId, Problem, Undetermined};
 use crate::Error;
 use crate::audit::Findings;
 use crate::contact::{Pass, Surface, pressure};
@@ -73,7 +74,8 @@ impl<const D: usize> Problem<D> {
         self.surfaces().iter().enumerate().map(of_surface).collect()
     }
 
-    /// The largest depth of a contact node inside another surface (UL, ≥ 0), over all passes; in
+    /// The largest depth of a contact node inside another surface (UL, ≥ 0), over all passes, less what is left of an overlap
+    /// that [`InitialGaps`](super::InitialGaps) takes; in
     /// [`Geometry::Reference`](super::Geometry) along the reference normals.
     pub fn penetration(&self, u: &[f64]) -> f64 {
         self.contact.penetration(&self.kinematics, u)
@@ -89,6 +91,17 @@ impl<const D: usize> Problem<D> {
     /// What the bodies do to each other and to themselves at `u`, found without the contact search.
     pub fn audit(&self, u: &[f64]) -> Findings<D> {
         self.audit.at(&self.positions(u))
+    }
+
+    /// The rigid motions, to first order, that neither supports nor contact forces of `solution` oppose, as where a block
+    /// rests on a plane without friction. States that differ by them are solutions as well; the solvers stay close to the
+    /// state that they start from. Empty if `solution` is not of this problem.
+    pub fn undetermined(&self, solution: &Solution) -> Vec<Undetermined> {
+        let u = &solution.state.u;
+        match u.len() == self.dofs().free() && u.iter().all(|u| u.is_finite()) {
+            true => super::diagnosis::undetermined(self, solution),
+            false => Vec::new(),
+        }
     }
 
     /// The number of quadrature points of the assembled cells where J > 0 does not hold; 0 for

@@ -22,7 +22,7 @@ pub enum Passes {
 
 /// What happens to a load step in [`Geometry::Current`] at whose end bodies are deep inside each
 /// other or themselves, deeper than [`Overlap::LIMIT`](crate::audit::Overlap::LIMIT). The certificate
-/// of such a state does not hold in either case.
+/// of such a state does not hold in either case. What is left of an overlap that [`InitialGaps`] takes is not counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Overlaps {
     /// It is rejected and cut back, whether the surfaces are declared for contact or not.
@@ -106,8 +106,9 @@ pub struct Scene<const D: usize> {
     /// point without another surface in its search radius does not count; a row without a point
     /// that counts is left out.
     pub reach: Option<f64>,
-    /// The largest overlap of bodies in the reference configuration that is accepted, as a share of
-    /// the facet size: polygons of touching curves overlap slightly. 0.05 by default.
+    /// The largest overlap of bodies in the reference configuration that is accepted where
+    /// [`Scene::initial_gaps`] refuses overlaps, as a share of the facet size: polygons of touching curves
+    /// overlap slightly. 0.05 by default.
     pub overlap_tolerance: f64,
     /// What becomes of contact surfaces that overlap in the reference configuration.
     pub initial_gaps: InitialGaps,

@@ -47,9 +47,12 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
             ));
         }
     }
-    let deep = |overlap: &Overlap<D>| overlap.relative > Overlap::<D>::LIMIT;
+    let is_taken = |bodies: [usize; 2]| {
+        setup.scene.initial_gaps != InitialGaps::Refuse && setup.contact.is_pair(bodies)
+    };
+    let granted = |bodies| if is_taken(bodies) { f64::INFINITY } else { 0.0 };
     let found = match setup.scene.overlaps {
-        Overlaps::Refused => setup.audit.overlap(&setup.kinematics.X).filter(deep),
+        Overlaps::Refused => setup.audit.deep_overlap(&setup.kinematics.X, granted),
         Overlaps::Allowed => None,
     };
     if let Some(overlap) = found {

@@ -3,7 +3,7 @@
 use super::limits::{AT_LIMIT, SMALLEST_LINEAR, SMALLEST_OF_F, UNITS};
 use super::{Finding, FindingKind, Report, Severity};
 use crate::error::Error;
-use crate::model::{Body, Pair, Scene};
+use crate::model::{Body, InitialGaps, Pair, Scene};
 use crate::tensor::{Vector, facet_normal};
 
 /// Checks the loads, and compares bodies.
@@ -19,16 +19,20 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
         true => SMALLEST_LINEAR,
         false => SMALLEST_OF_F,
     };
-    if largest == 0.0 {
-        report.add(
-            Finding::new(Severity::Note, FindingKind::Unloaded, &[]).says(
-                "no body is loaded, and all prescribed displacements are zero".into(),
-                "prescribe a displacement or add a load, unless the bodies are to stay as they are",
-            ),
-        );
-    } else if largest / size < limit {
-        let share = largest / size;
-        report.take::<()>(Err(Error::Negligible { share, limit }));
+    // how far resolved overlaps push is not known before surfaces are searched
+    let is_told = scene.initial_gaps != InitialGaps::Resolve;
+    if largest / size < limit {
+        if is_told && largest > 0.0 {
+            let share = largest / size;
+            report.take::<()>(Err(Error::Negligible { share, limit }));
+        } else if is_told {
+            report.add(
+                Finding::new(Severity::Note, FindingKind::Unloaded, &[]).says(
+                    "no body is loaded, and all prescribed displacements are zero".into(),
+                    "prescribe a displacement or add a load, unless the bodies are to stay as they are",
+                ),
+            );
+        }
     } else {
         let farthest = low.amax().max(high.amax());
         if !pairs.is_empty() && largest / farthest < limit {

@@ -86,7 +86,15 @@ pub(super) fn deepest<const D: usize>(setup: &Setup<'_, D>) -> Vec<(usize, usize
             true => None,
             false => swallowed_node(setup, slave, other),
         };
-        let (node, gap) = facing.or_else(swallowed)?;
+        let found = match setup.scene.initial_gaps {
+            InitialGaps::Refuse => facing.or_else(swallowed),
+            // where the overlap is deep, nodes face nothing
+            _ => {
+                let found = facing.into_iter().chain(swallowed());
+                found.min_by(|a, b| a.1.total_cmp(&b.1))
+            }
+        };
+        let (node, gap) = found?;
         let inside = Inside {
             node,
             x: x[node],
@@ -136,6 +144,16 @@ fn crossing<const D: usize>(setup: &Setup<'_, D>, a: usize, b: usize) -> Result<
             .map(|(nodes, x)| GeomWithData::new(Rectangle::from_aabb(bounding_box(&x)), (nodes, x)))
             .collect(),
     );
+    let surfaces = || setup.contact.surfaces.iter();
+    let is_declared = |body: usize, facet: &[usize]| {
+        let first = setup.kinematics.nodes(body).start;
+        let mut own = surfaces().filter(|surface| surface.body() == body);
+        own.any(|s| {
+            facet
+                .iter()
+                .all(|a| s.nodes().binary_search(&(a + first)).is_ok())
+        })
+    };
     // facets of one body meet at shared nodes
     let neighbours = |f: &[usize], g: &[usize]| a == b && f.iter().any(|node| g.contains(node));
     for (nodes, x) in flat_facets(a_mesh) {
@@ -148,7 +166,11 @@ fn crossing<const D: usize>(setup: &Setup<'_, D>, a: usize, b: usize) -> Result<
                     continue;
                 }
                 let size = (edge[1] - edge[0]).norm().max((other[1] - other[0]).norm());
-                let tolerance = accepted(setup.scene) * size;
+                let share = match is_declared(a, nodes) && is_declared(b, other_nodes) {
+                    true => accepted(setup.scene),
+                    false => setup.scene.overlap_tolerance,
+                };
+                let tolerance = share * size;
                 let crossed = pierce(&edge, other).filter(|(_, depth)| *depth > tolerance);
                 if let Some((point, depth)) = crossed {
                     return Err(Error::Crossing {
@@ -205,7 +227,7 @@ fn coincident<const D: usize>(setup: &Setup<'_, D>, a: usize, b: usize) -> Resul
         let other_corners = corners(other, found.data);
         let edge = |corners: &[Vector<D>]| (corners[1] - corners[0]).norm();
         let size = edge(&x).max(edge(&other_corners));
-        let tolerance = accepted(setup.scene) * size;
+        let tolerance = setup.scene.overlap_tolerance * size;
         if depth > tolerance {
             return Err(Error::Crossing {
                 first: setup.scene.names()[a].clone(),

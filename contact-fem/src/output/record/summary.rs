@@ -15,7 +15,7 @@ use super::{Plan, peak_memory};
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
-use crate::model::{Finding, Problem};
+use crate::model::{Finding, Problem, Undetermined};
 use crate::simulation::{History, StepRecord};
 
 /// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL. Values that
@@ -29,6 +29,8 @@ pub(super) struct Summary {
     mesh: Value,
     /// What the checks of the scene found, the worst first.
     findings: Vec<Value>,
+    /// The rigid motions of bodies that nothing determines in the last converged state.
+    undetermined: Vec<Value>,
     load_factor: f64,
     steps: usize,
     cuts: usize,
@@ -84,6 +86,8 @@ impl Summary {
             None => records.iter().map(|record| record.attempt.cost).sum(),
         };
         let steps_by_solver = steps_by_solver(records);
+        let solution = history.and_then(|history| history.run.solution.as_ref());
+        let undetermined = solution.map_or(Vec::new(), |solution| problem.undetermined(solution));
         let left_out = history.map(|history| LeftOut::new(problem, history));
         let shares = shares(&cost, observer.seconds, wall);
         let vectors = last.map_or(&[][..], |record| &record.reactions);
@@ -98,6 +102,10 @@ impl Summary {
             ),
             format!("reaction           {:>10} UF", number(reaction)),
         ];
+        table.extend(undetermined.iter().map(|Undetermined { body, motions }| {
+            let motions = motions.join(", ");
+            format!("undetermined       body `{body}`: {motions}")
+        }));
         table.extend(cost_lines(&cost));
         table.extend(certificate.map(|found| format!("certificate of all steps {found}")));
         table.extend(left_out.map(|left| format!("left out                   {left}")));
@@ -118,6 +126,10 @@ impl Summary {
                 .findings_in(plan.increments)
                 .iter()
                 .map(finding)
+                .collect(),
+            undetermined: undetermined
+                .iter()
+                .map(|Undetermined { body, motions }| json!({"body": body, "motions": motions}))
                 .collect(),
             load_factor: last.map_or(0.0, |record| record.factor),
             steps: records.len(),
