@@ -182,7 +182,7 @@ impl<const D: usize> Audit<D> {
     }
 
     /// All overlaps at positions `x` of all nodes (UL), which are kept.
-    fn overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
+    pub(crate) fn overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         match last.take().filter(|(at, _)| at == x) {
             Some(state) => last.insert(state),

@@ -90,7 +90,7 @@ pub(super) fn deepest<const D: usize>(setup: &Setup<'_, D>) -> Vec<(usize, usize
             InitialGaps::Refuse => facing.or_else(swallowed),
             // where the overlap is deep, nodes face nothing
             _ => {
-                let found = facing.into_iter().chain(swallowed());
+                let found = facing.into_iter().chain(audited_node(setup, slave, other));
                 found.min_by(|a, b| a.1.total_cmp(&b.1))
             }
         };
@@ -104,6 +104,23 @@ pub(super) fn deepest<const D: usize>(setup: &Setup<'_, D>) -> Vec<(usize, usize
         Some((slave.body(), other, inside))
     });
     found.collect()
+}
+
+/// The deepest contact node of `slave` inside the master's body by the audit, which looks at all nodes. Returns (scene node,
+/// minus its depth).
+fn audited_node<const D: usize>(
+    setup: &Setup<'_, D>,
+    slave: &Surface<D>,
+    body: usize,
+) -> Option<(usize, f64)> {
+    let x = &setup.kinematics.X[..];
+    let overlaps = setup.audit.overlaps(x).into_iter();
+    let own = overlaps.filter(|overlap| overlap.bodies == [slave.body(), body]);
+    let at_nodes = own.filter_map(|overlap| {
+        let node = slave.nodes().iter().find(|&&a| x[a] == overlap.at)?;
+        Some((*node, -overlap.depth))
+    });
+    at_nodes.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The deepest contact node of `slave` in a cell of the master's body where no master facet faces
