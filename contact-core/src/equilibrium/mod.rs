@@ -156,7 +156,7 @@ pub struct StepContext<'a> {
     /// A start that is not extrapolated: the last state, with its free unknowns moved along with the prescribed ones.
     /// See [`LoadStepped::lift`](crate::LoadStepped::lift).
     pub lifted: &'a dyn Fn() -> State,
-    /// The request to stop.
+    /// The request to stop, with the run's budget: see [`Stop::begin_factorization`].
     pub stop: &'a Stop,
 }
 

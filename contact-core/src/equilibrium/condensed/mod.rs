@@ -85,8 +85,7 @@ impl Condensed {
             Some(kept) if kept.rows.are_of(gaps) => kept,
             Some(kept) => Kept::new(kept.stiffness, gaps),
             None => {
-                let stiffness = Stiffness::new(energy, values, stop)?;
-                cost.factorizations += stiffness.factorizations;
+                let stiffness = Stiffness::new(energy, values, stop, cost)?;
                 Kept::new(stiffness, gaps)
             }
         };
