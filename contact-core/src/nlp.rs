@@ -421,8 +421,8 @@ pub trait Nlp {
         false
     }
 
-    /// Whether a numerical factorisation may begin, asked once before each of MUMPS'. The solve stops where it may not. The
-    /// default asks [`Nlp::is_to_stop`].
+    /// Whether a numerical factorisation may begin, asked once before each of MUMPS'. The solve stops where it may not.
+    /// The default asks [`Nlp::is_to_stop`].
     fn may_factorize(&mut self) -> bool {
         !self.is_to_stop()
     }

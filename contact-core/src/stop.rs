@@ -8,14 +8,14 @@ use crate::{Error, Interruption};
 
 /// What a run may take. The default has no limit.
 ///
-/// A run that has spent its budget ends as [`Ending::Interrupted`](crate::Ending), with all converged steps kept. Its time is
-/// looked at as a [request](Stop) is, and ends the run as late.
+/// A run that has spent its budget ends as [`Ending::Interrupted`](crate::Ending), with all converged steps kept. The end of
+/// its time is seen as a [request](Stop) is, and as late.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Budget {
     /// Wall time (s) from the start of the run. 0 ends it at once.
     pub seconds: Option<f64>,
-    /// Numerical factorisations, counted as by [`Cost::factorizations`](crate::Cost). The one beyond is not begun. Ipopt's
-    /// are counted where its linear solver is MUMPS.
+    /// Numerical factorisations, counted as by [`Cost::factorizations`](crate::Cost). The one beyond is not begun.
+    /// Ipopt's are counted where its linear solver is MUMPS.
     pub factorizations: Option<usize>,
 }
 
@@ -41,9 +41,10 @@ impl Budget {
 /// A request to stop. Clones share it: keep one in a signal handler or another thread and give one to a run. A request
 /// stays: a later run with the same token ends at once.
 ///
-/// A run looks at it in every iteration, before each factorisation, between the parts of other long computations and, every 20 ms,
-/// while it waits for the solve of another thread. It does not interrupt one ordering, one numerical factorisation, one
-/// assembly, one search for contact, or one certificate of a converged step: the longest of them is the longest delay.
+/// A run looks at it in every iteration, before each ordering and each factorisation, between the parts of a compliance
+/// and, every 20 ms, while it waits for the solve of another thread. Nothing interrupts one ordering, one numerical
+/// factorisation, be it sparse or dense, one assembly, one search for contact, or one certificate of a converged step:
+/// the longest of them is the longest delay. `docs/robustness.md` has measured some.
 #[derive(Clone, Debug, Default)]
 pub struct Stop {
     requested: Arc<AtomicBool>,

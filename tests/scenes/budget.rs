@@ -224,32 +224,37 @@ fn a_deadline_is_seen_while_another_thread_solves() {
     });
 }
 
-/// The delays between a request and the end of a run, in ten tries at even intervals over a run of this length (s).
+/// Prints the delays between a request and the end of a run, in ten tries at even intervals over the run, or over its
+/// first ten seconds. A star marks those that waited for the record of a converged step.
 fn delays<const D: usize>(name: &str, solver: Choice, increments: usize, problem: &mut Problem<D>) {
     let clock = Instant::now();
-    let whole = simulation(solver, increments, Budget::default()).run(problem);
-    assert!(whole.expect("no misuse").is_complete());
-    let length = clock.elapsed();
-    let mut delays: Vec<f64> = (0..10)
-        .filter_map(|k| {
-            let mut simulation = simulation(solver, increments, Budget::default());
-            let stop = simulation.load_steps.stop.clone();
-            let requests = thread::spawn(move || {
-                thread::sleep(length.mul_f64((f64::from(k) + 0.5) / 10.0));
-                stop.request();
-                Instant::now()
-            });
-            let history = simulation.run(problem).expect("no misuse");
-            let ended = Instant::now();
-            let delay = ended.saturating_duration_since(requests.join().expect("no panic"));
-            (!history.is_complete()).then_some(delay.as_secs_f64())
-        })
-        .collect();
-    delays.sort_by(f64::total_cmp);
-    let in_ms: Vec<String> = delays.iter().map(|d| format!("{:.0}", 1e3 * d)).collect();
+    let first = simulation(solver, increments, seconds(10.0)).run(problem);
+    let (length, first) = (clock.elapsed(), first.expect("no misuse"));
+    let tries = (0..10).map(|k| {
+        let mut simulation = simulation(solver, increments, Budget::default());
+        let stop = simulation.load_steps.stop.clone();
+        let requests = thread::spawn(move || {
+            thread::sleep(length.mul_f64((f64::from(k) + 0.5) / 10.5));
+            stop.request();
+            Instant::now()
+        });
+        let history = simulation.run(problem).expect("no misuse");
+        let ended = Instant::now();
+        let delay = ended.saturating_duration_since(requests.join().expect("no panic"));
+        let last = history.run.attempts.last();
+        let is_recorded = last.is_none_or(|last| last.outcome == Outcome::Converged);
+        let mark = if is_recorded { "*" } else { "" };
+        match history.is_complete() {
+            true => "none".into(),
+            false => format!("{:.0}{mark}", 1e3 * delay.as_secs_f64()),
+        }
+    });
+    let tries: Vec<String> = tries.collect();
     println!(
-        "{name}, {solver}: {length:.1?}, delays {} ms",
-        in_ms.join(" ")
+        "{name}, {solver}, {} unknowns, {length:.1?}, {}: {} ms",
+        problem.dofs().free(),
+        first.run.ending,
+        tries.join(" ")
     );
 }
 

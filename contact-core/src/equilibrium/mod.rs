@@ -39,6 +39,8 @@ pub use retry::Retry;
 use std::fmt;
 
 #[cfg(feature = "linear")]
+use self::condensed::halt::Halt;
+#[cfg(feature = "linear")]
 use crate::{Bounds, gaps::Sampling, method::check_bounds};
 use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, State, Stop};
 
@@ -268,8 +270,14 @@ fn check_settings(
 
 /// The rows of both roles at u (steps 1 to 4 of Algorithm 2), one for each contact node.
 #[cfg(feature = "linear")]
-fn rows_of_both_roles(problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
+fn rows_of_both_roles(
+    problem: &dyn ContactProblem,
+    u: &[f64],
+    stop: &Stop,
+) -> Result<LinearGaps, Halt> {
+    Halt::if_requested(stop)?;
     let forward = problem.linearize_gaps(u, Sampling::Nodes)?;
+    Halt::if_requested(stop)?;
     Ok(forward.and(problem.linearize_reversed(u, Sampling::Nodes)?))
 }
 

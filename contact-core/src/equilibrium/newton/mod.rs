@@ -320,7 +320,7 @@ impl Iterate<'_> {
     /// The end of Newton's step from here, shortened as far as it must be.
     fn trial(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Trial, Halt> {
         let (state, size) = (&self.at.state, self.at.size(self.least));
-        let here = Linearization::new(self.problem, state, &self.at.gaps, cost)?;
+        let here = Linearization::new(self.problem, state, &self.at.gaps, self.stop, cost)?;
         let accuracy = Accuracy {
             before: self.length.take(),
             negligible: NEGLIGIBLE.min(0.1 * self.tolerance) * size,
@@ -349,8 +349,7 @@ impl Point {
 
     /// Takes the rows at u, each with its multiplier.
     fn project(&mut self, problem: &dyn ContactProblem, stop: &Stop) -> Result<(), Halt> {
-        Halt::if_requested(stop)?;
-        self.gaps = rows_of_both_roles(problem, &self.state.u)?;
+        self.gaps = rows_of_both_roles(problem, &self.state.u, stop)?;
         let keys = self.gaps.keys().iter();
         let known = keys.map(|&key| self.state.multipliers.of(key));
         self.lambda = known
