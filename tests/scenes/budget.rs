@@ -258,7 +258,7 @@ fn delays<const D: usize>(name: &str, solver: Choice, increments: usize, problem
     );
 }
 
-/// `cargo test --release --test scenes -- --ignored how_soon --nocapture` makes the table of `docs/robustness.md`.
+/// `cargo test --test scenes -- --ignored how_soon --nocapture` makes the table of `docs/robustness.md`.
 #[test]
 #[ignore = "measures for minutes"]
 fn how_soon_a_request_ends_a_run() {
