@@ -5,7 +5,7 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint bench bench-growth bench-overhead report report-quick extremes extremes-quick package msrv bindings fuzz-readers fuzz-binding
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint deny bench bench-growth bench-overhead report report-quick extremes extremes-quick package msrv bindings fuzz-readers fuzz-binding
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -14,6 +14,7 @@ help:
 	@echo "make test-blas         all tests with each BLAS, as on an old processor, and compiled for this one"
 	@echo "make valgrind          the tests of the Ipopt binding under memcheck"
 	@echo "make lint              formatting, clippy and documentation, warnings as errors"
+	@echo "make deny              licences, versions and sources of the crates below, by cargo-deny"
 	@echo "make bench             times the disc-in-disc, the three beams and small strains, by each solver"
 	@echo "make bench-growth      time and memory against the number of unknowns, within a quarter of an hour"
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
@@ -61,6 +62,11 @@ lint: install
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets --all-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --all-features
+
+# Not a part of `make lint`: cargo-deny is a program of its own.
+deny:
+	@$(CARGO) deny --version >/dev/null 2>&1 || { echo "cargo-deny is missing: cargo install --locked cargo-deny"; exit 1; }
+	$(CARGO) deny check licenses bans sources
 
 bench: install
 	$(CARGO) bench --bench disc_in_disc

@@ -119,9 +119,9 @@ pub mod prelude {
     pub use std::ops::ControlFlow;
 
     pub use contact_core::{
-        Acceleration, Automatic, Condensed, CondensedNewton, Continuation, Ending, Equilibrium,
-        FixedPoint, InteriorPoint, LoadSteps, Method, Outcome, PenalizedSlack, Penalty, Retry,
-        Stop,
+        Acceleration, Automatic, Budget, Condensed, CondensedNewton, Continuation, Ending,
+        Equilibrium, FixedPoint, InteriorPoint, LoadSteps, Method, Outcome, PenalizedSlack,
+        Penalty, Retry, Stop,
     };
     pub use contact_fem::certificate::{Condition, Limits};
     pub use contact_fem::mesh::generators::{

@@ -1,4 +1,4 @@
-//! Ctrl-C in the middle of a run: the example ends cleanly, and all its files can be read.
+//! Ctrl-C in the middle of a run, or a budget that is spent there: the example ends cleanly, and all its files can be read.
 #![cfg(unix)]
 
 use std::path::{Path, PathBuf};
@@ -13,11 +13,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 #[test]
 fn an_interrupted_run_leaves_readable_files() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("interrupt");
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder).expect("old files can be removed");
-    }
-    let mut run = Run::start(&folder);
+    let folder = fresh("interrupt");
+    let mut run = Run::start(&folder, &["--increments", &INCREMENTS.to_string()]);
     let steps = folder.join("disc_in_disc.csv");
     run.wait_until(|| lines(&steps) > 4);
     run.interrupt();
@@ -27,6 +24,27 @@ fn an_interrupted_run_leaves_readable_files() {
     assert!((4..INCREMENTS).contains(&finished), "{finished} increments");
     check_series(&folder, finished);
     check_summary(&folder, finished);
+}
+
+#[test]
+fn a_run_that_has_spent_its_budget_ends_likewise() {
+    let folder = fresh("budget");
+    let options = ["--increments", "20", "--factorizations", "5"];
+    let mut run = Run::start(&folder, &options);
+    assert_eq!(run.wait().code(), Some(130), "exit code");
+    let finished = check_tables(&folder);
+    assert!((1..20).contains(&finished), "{finished} increments");
+    check_series(&folder, finished);
+    check_summary(&folder, finished);
+}
+
+/// A folder of a test, without the files of an earlier one.
+fn fresh(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).expect("old files can be removed");
+    }
+    folder
 }
 
 /// The number of converged steps in the table.
@@ -101,7 +119,7 @@ fn lines(path: &Path) -> usize {
 struct Run(Child);
 
 impl Run {
-    fn start(folder: &Path) -> Self {
+    fn start(folder: &Path, options: &[&str]) -> Self {
         let program = example();
         assert!(
             program.exists(),
@@ -110,7 +128,7 @@ impl Run {
             program.display()
         );
         let child = Command::new(program)
-            .args(["--increments", &INCREMENTS.to_string()])
+            .args(options)
             .arg("--out")
             .arg(folder)
             .stdout(Stdio::null())

@@ -65,9 +65,9 @@ pub use load_steps::{LoadStepped, LoadSteps};
 pub use method::{Continuation, InteriorPoint, PenalizedSlack, Penalty};
 pub use method::{Method, Minimum};
 pub use nlp::Bounds;
-pub use outcome::{Ending, Outcome, Solved};
+pub use outcome::{Ending, Interruption, Outcome, Solved};
 pub use problem::{ContactProblem, GapVariation, Multipliers, Scale, State};
-pub use stop::Stop;
+pub use stop::{Budget, Stop};
 
 /// The example of the README, as a test.
 #[cfg(all(doctest, feature = "ipopt"))]

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::equilibrium::{Equilibrium, Failed, Iteration, Solution, StepContext};
-use crate::{ContactProblem, Cost, Ending, Energy, Error, Outcome, State, Stop};
+use crate::{
+    Budget, ContactProblem, Cost, Ending, Energy, Error, Interruption, Outcome, State, Stop,
+};
 
 /// A contact problem whose loads and prescribed displacements scale with one factor.
 pub trait LoadStepped: ContactProblem {
@@ -52,8 +54,10 @@ pub struct LoadSteps {
     /// Whether each increment starts from the linear extrapolation of the last two converged
     /// states, where that is admissible.
     pub predictor: bool,
-    /// The request to stop, checked in every iteration.
+    /// The request to stop, which later runs share.
     pub stop: Stop,
+    /// What each run may take, counted from its start; no limit by default.
+    pub budget: Budget,
 }
 
 impl Default for LoadSteps {
@@ -63,6 +67,7 @@ impl Default for LoadSteps {
             max_halvings: 6,
             predictor: true,
             stop: Stop::default(),
+            budget: Budget::default(),
         }
     }
 }
@@ -184,7 +189,7 @@ impl LoadSteps {
                 remedy: "choose at most 16: smaller steps are lost in round-off",
             });
         }
-        Ok(())
+        self.budget.validate()
     }
 
     /// Raises the load from zero, where `start` is converged, to full load. `solver` solves each step;
@@ -206,6 +211,7 @@ impl LoadSteps {
         Error::check_vector("start.u", &start.u, problem.energy().dofs())?;
         let mut path = Path {
             settings: self,
+            stop: self.stop.with_budget(self.budget)?,
             last: Milestone {
                 factor: 0.0,
                 state: start,
@@ -238,6 +244,8 @@ impl LoadSteps {
 /// The state of a run: the last two converged states and all attempts.
 struct Path<'a> {
     settings: &'a LoadSteps,
+    /// The request to stop, with this run's budget.
+    stop: Stop,
     last: Milestone,
     before: Option<Milestone>,
     solution: Option<Solution>,
@@ -256,6 +264,9 @@ impl Path<'_> {
         for increment in 1..=self.settings.increments {
             let goal = increment as f64 * whole;
             while self.last.factor < goal - LoadSteps::CLOSE {
+                if self.stop.is_requested() {
+                    return Ok(self.interrupted());
+                }
                 let cut = self.last.factor + whole * 0.5f64.powi(halvings as i32);
                 let arrives = cut > goal - LoadSteps::CLOSE;
                 let target = if arrives { goal } else { cut };
@@ -264,11 +275,7 @@ impl Path<'_> {
                     Outcome::Converged => {
                         halvings = halvings.saturating_sub(1); // after success the step doubles
                     }
-                    Outcome::Interrupted => {
-                        return Ok(Ending::Interrupted {
-                            at: self.last.factor,
-                        });
-                    }
+                    Outcome::Interrupted => return Ok(self.interrupted()),
                     _ if halvings < self.settings.max_halvings => {
                         halvings += 1;
                         continue;
@@ -291,11 +298,22 @@ impl Path<'_> {
                 let flow = observe(&step);
                 self.advance(target, solution);
                 if flow.is_break() && self.last.factor < 1.0 - LoadSteps::CLOSE {
-                    return Ok(Ending::Interrupted { at: target });
+                    return Ok(Ending::Interrupted {
+                        at: target,
+                        why: Interruption::Observer,
+                    });
                 }
             }
         }
         Ok(Ending::Complete)
+    }
+
+    /// The ending at a request or a limit.
+    fn interrupted(&self) -> Ending {
+        Ending::Interrupted {
+            at: self.last.factor,
+            why: self.stop.reason().unwrap_or(Interruption::Solver),
+        }
     }
 
     /// Solves at load factor `target` and records the attempt.
@@ -316,7 +334,7 @@ impl Path<'_> {
             from: self.last.factor,
             to: target,
             lifted: &lifted,
-            stop: &self.settings.stop,
+            stop: &self.stop,
         };
         let mut solution = solver.solve(&*problem, start, &context)?;
         if solution.outcome == Outcome::Converged {

@@ -421,6 +421,12 @@ pub trait Nlp {
         false
     }
 
+    /// Whether a numerical factorisation may begin, asked once before each of MUMPS'. The solve stops where it may not.
+    /// The default asks [`Nlp::is_to_stop`].
+    fn may_factorize(&mut self) -> bool {
+        !self.is_to_stop()
+    }
+
     /// Called once per iteration, the starting point (iteration 0) included. [`ControlFlow::Break`] ends the solve.
     fn iterate(&mut self, iterate: &Iterate<'_>) -> ControlFlow<()> {
         let _ = iterate;

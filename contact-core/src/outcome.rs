@@ -43,7 +43,7 @@ pub enum Outcome {
     /// The energy is not finite at the start (J ≤ 0 somewhere, or a load that is no number), so that the iteration cannot
     /// start.
     InadmissibleStart,
-    /// Stopped on request, or at a limit of time.
+    /// Stopped on request, or at a limit of time or factorisations.
     Interrupted,
 }
 
@@ -70,6 +70,45 @@ impl fmt::Display for Outcome {
     }
 }
 
+/// What stopped a run before its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Interruption {
+    /// A request, see [`Stop`](crate::Stop).
+    Requested,
+    /// The time of its [`Budget`](crate::Budget).
+    Deadline {
+        /// That time (s).
+        seconds: f64,
+    },
+    /// The factorisations of its [`Budget`](crate::Budget): one more was needed.
+    Factorizations {
+        /// Their number.
+        limit: usize,
+    },
+    /// The closure that observes the run.
+    Observer,
+    /// The solver, at a limit of its own, such as Ipopt's `max_wall_time`.
+    Solver,
+}
+
+impl fmt::Display for Interruption {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Interruption::Requested => write!(f, "a stop was requested"),
+            Interruption::Deadline { seconds } => {
+                write!(f, "the time of {seconds} s that the run was given is over")
+            }
+            Interruption::Factorizations { limit } => write!(
+                f,
+                "more than the {limit} factorisations that the run was given are needed"
+            ),
+            Interruption::Observer => write!(f, "the run's observer stopped it"),
+            Interruption::Solver => write!(f, "the solver reached a limit of its own"),
+        }
+    }
+}
+
 /// The status of a run over all load steps.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -85,10 +124,12 @@ pub enum Ending {
         /// The cause, where the state of the last attempt shows one.
         cause: Option<String>,
     },
-    /// Stopped on request, or at a limit of time.
+    /// Stopped before its end. All that has converged is kept.
     Interrupted {
         /// The last converged load factor.
         at: f64,
+        /// What stopped it.
+        why: Interruption,
     },
     /// An error of the problem or the solver, after at least one converged step.
     Failed {
@@ -107,7 +148,7 @@ impl fmt::Display for Ending {
                 write!(f, "not converged beyond load factor {at}: {why}")?;
                 cause.iter().try_for_each(|cause| write!(f, "; {cause}"))
             }
-            Ending::Interrupted { at } => write!(f, "interrupted at load factor {at}"),
+            Ending::Interrupted { at, why } => write!(f, "interrupted at load factor {at}: {why}"),
             Ending::Failed { at, why } => write!(f, "failed beyond load factor {at}: {why}"),
         }
     }

@@ -109,7 +109,7 @@ pub type DefaultSolver = contact_core::Automatic;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Simulation<S = DefaultSolver> {
-    /// Increments, predictor, step reduction, and the stop request.
+    /// Increments, predictor, step reduction, the stop request and the budget.
     pub load_steps: LoadSteps,
     /// The solver of the problem at each load.
     pub solver: S,

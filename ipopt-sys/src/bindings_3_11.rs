@@ -212,7 +212,10 @@ pub struct ipopt_shim_callbacks {
         ) -> ::std::os::raw::c_int,
     >,
     pub stops: ::std::option::Option<
-        unsafe extern "C" fn(user: *mut ::std::os::raw::c_void) -> ::std::os::raw::c_int,
+        unsafe extern "C" fn(
+            user: *mut ::std::os::raw::c_void,
+            factorizes: ::std::os::raw::c_int,
+        ) -> ::std::os::raw::c_int,
     >,
     pub log: ::std::option::Option<
         unsafe extern "C" fn(

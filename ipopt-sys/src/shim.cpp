@@ -218,7 +218,7 @@ private:
             if (Job *job = job_named(text[sizeof calling - 1])) {
                 if (job == &jobs_[1] && ++since_iterate_ > MOST) {
                     end(Error_In_Step_Computation);
-                } else if (callbacks_.stops != nullptr && callbacks_.stops(callbacks_.user) != 0) {
+                } else if (callbacks_.stops != nullptr && callbacks_.stops(callbacks_.user, job == &jobs_[1]) != 0) {
                     end(User_Requested_Stop);
                 }
                 ++job->calls;

@@ -35,8 +35,8 @@ typedef struct ipopt_shim_iteration {
  *  None may unwind. Should Ipopt want a value, or log, while `intermediate` reads an iterate, that is a call inside
  *  `intermediate`; versions up to 3.14.19 have all values by then. `log` may be NULL: then no text is made at all.
  *  `derivative_check` gets what Ipopt's derivative checker says, whatever `print_level` is; it may be NULL too.
- *  `stops` is asked before each call of MUMPS: the solve ends as stopped by the user where it does not return 0. It may
- *  be NULL as well. */
+ *  `stops` is asked before each call of MUMPS, and told whether that factorises: the solve ends as stopped by the user
+ *  where it does not return 0. It may be NULL as well. */
 typedef struct ipopt_shim_callbacks {
     void *user;
     int (*objective)(void *user, const double *x, int new_x, double *value);
@@ -46,7 +46,7 @@ typedef struct ipopt_shim_callbacks {
     int (*hessian)(void *user, const double *x, int new_x, double objective_factor, const double *lambda,
                    int new_lambda, double *values);
     int (*intermediate)(void *user, const ipopt_shim_iteration *iteration);
-    int (*stops)(void *user);
+    int (*stops)(void *user, int factorizes);
     void (*log)(void *user, const char *text, size_t length);
     void (*derivative_check)(void *user, const char *text, size_t length);
 } ipopt_shim_callbacks;

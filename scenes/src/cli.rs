@@ -7,8 +7,8 @@ use clap::ValueEnum;
 use contact_core::ipopt::{self, OptionValue};
 use contact_core::nlp::{Bounds, Pattern, Structure};
 use contact_core::{
-    Acceleration, Automatic, Condensed, CondensedNewton, Equilibrium, InteriorPoint, Method,
-    PenalizedSlack, Penalty, Retry,
+    Acceleration, Automatic, Budget, Condensed, CondensedNewton, Equilibrium, InteriorPoint,
+    Method, PenalizedSlack, Penalty, Retry,
 };
 use contact_fem::Simulation;
 use contact_fem::output::record::Recording;
@@ -37,6 +37,12 @@ pub struct Options {
     /// Number of earlier differences that Anderson acceleration uses [default: the library's]
     #[arg(long, value_parser = positive)]
     pub depth: Option<usize>,
+    /// Seconds after which a run is stopped, with its converged increments kept [default: no limit]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Factorisations after which a run is stopped likewise [default: no limit]
+    #[arg(long, value_name = "N")]
+    pub factorizations: Option<usize>,
     /// Interval of .vtu files in increments, 0 for none
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub vtu_every: usize,
@@ -138,7 +144,12 @@ impl Options {
             }
             other => other.with_tolerance(self.tolerance),
         };
-        Ok(Simulation::solved_by(solver, increments))
+        let mut simulation = Simulation::solved_by(solver, increments);
+        simulation.load_steps.budget = Budget {
+            seconds: self.seconds,
+            factorizations: self.factorizations,
+        };
+        Ok(simulation)
     }
 
     /// The chosen solver: the one given, else Ipopt if an option is given that only Ipopt has.
@@ -254,6 +265,13 @@ pub fn positive(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(number) if number > 0 => Ok(number),
         _ => Err("a whole number from 1 is needed".into()),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if f64::is_finite(number) && number >= 0.0 => Ok(number),
+        _ => Err("a number of seconds from 0 is needed".into()),
     }
 }
 

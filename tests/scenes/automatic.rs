@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::common::{disc_in_disc, relative, run};
 use contact_core::equilibrium::Failed;
-use contact_core::{Automatic, Ending, Equilibrium, Outcome};
+use contact_core::{Automatic, Ending, Equilibrium, Interruption, Outcome};
 use contact_fem::Simulation;
 use contact_fem::model::{Geometry, Problem};
 use ipopt_contact_scenes::disc_in_disc::Roles;
@@ -81,7 +81,8 @@ fn a_stop_request_is_not_taken_for_a_failure() {
     let history = simulation
         .run(&mut disc_in_disc(16, Roles::default()))
         .expect("no misuse");
-    assert_eq!(history.run.ending, Ending::Interrupted { at: 0.0 });
+    let why = Interruption::Requested;
+    assert_eq!(history.run.ending, Ending::Interrupted { at: 0.0, why });
     assert!(
         history
             .run

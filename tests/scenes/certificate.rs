@@ -5,13 +5,13 @@ use ipopt_contact_scenes::hairpin;
 use std::ops::ControlFlow;
 
 use crate::common::{disc_in_disc, run, run_with};
-use contact_core::Ending;
 use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::nlp::Bounds;
 use contact_core::{
     ContactProblem, Continuation, Energy, Equilibrium, Error, FixedPoint, InteriorPoint, Method,
     PenalizedSlack, Penalty, Scale, State,
 };
+use contact_core::{Ending, Interruption};
 use contact_core::{Outcome, equilibrium::Solution};
 use contact_fem::certificate::{Condition, Limits};
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
@@ -287,7 +287,8 @@ fn an_observer_may_stop_at_a_bad_certificate() {
         }
     });
     let history = history.expect("no misuse");
-    assert!(matches!(history.run.ending, Ending::Interrupted { .. }));
+    let why = Interruption::Observer;
+    assert!(matches!(history.run.ending, Ending::Interrupted { why: w, .. } if w == why));
 }
 
 /// The lower of two square blocks, held below, and the upper one.

@@ -8,6 +8,7 @@ mod audit;
 mod automatic;
 mod bad_input;
 mod beams;
+mod budget;
 mod certificate;
 mod condensed;
 mod derivatives;

@@ -398,21 +398,24 @@ fn a_request_to_stop_ends_the_iteration() {
         ..State::default()
     };
     let (stop, problem) = (Stop::new(), Point::pulled([0.6, -1.3]));
-    stop.request();
     let (again, lifted) = (start.clone(), || start.clone());
     let context = StepContext::single(&again, &lifted, &stop);
-    let solution = FixedPoint::with(Flip(1e-3)).solve(&problem, start.clone(), &context);
-    let solution = solution.expect("no misuse");
-    assert_eq!(solution.outcome, Outcome::Interrupted);
-    assert_eq!(solution.history.len(), 1);
+    for iterations in [1, 0] {
+        let method = Flip(1e-3, stop.clone());
+        let solution = FixedPoint::with(method).solve(&problem, start.clone(), &context);
+        let solution = solution.expect("no misuse");
+        assert_eq!(solution.outcome, Outcome::Interrupted);
+        assert_eq!(solution.history.len(), iterations);
+    }
 }
 
-/// A method that jumps between two points.
-struct Flip(f64);
+/// A method that jumps between two points, and requests a stop.
+struct Flip(f64, Stop);
 
 impl Method for Flip {
     fn minimize(&mut self, subproblem: &Subproblem<'_>, _: &State) -> Result<Minimum, Error> {
         self.0 = -self.0;
+        self.1.request();
         Ok(Minimum {
             u: vec![1.0 + self.0, 0.0],
             lambda: vec![0.0; subproblem.gaps.len()],
@@ -427,7 +430,7 @@ impl Method for Flip {
 fn cycles_are_recognised() {
     let mut fixed_point = FixedPoint {
         acceleration: Acceleration::Plain,
-        ..FixedPoint::with(Flip(1e-3))
+        ..FixedPoint::with(Flip(1e-3, Stop::new()))
     };
     let start = State {
         u: vec![0.0; 2],

@@ -46,12 +46,18 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
         self.validate()?;
         let sampling = self.method.sampling();
         let mut journal = Journal::new(self, problem, start)?;
-        while journal.goes_on() {
+        while journal.goes_on(context.stop) {
             let before = journal.point.clone(); // U_{n−1}
             // 1, 2: projections and normals at U_{n−1}; with both held, every gap is linear in U
             let forward = problem.linearize_gaps(&before.u, sampling)?;
+            if !journal.goes_on(context.stop) {
+                break;
+            }
             // 3: the roles of master and slave reversed
             let reversed = problem.linearize_reversed(&before.u, sampling)?;
+            if !journal.goes_on(context.stop) {
+                break;
+            }
             // 4: the energy and the symmetric linear constraints
             let gaps = forward.and(reversed);
             let subproblem = journal.subproblem(&gaps, context.stop);

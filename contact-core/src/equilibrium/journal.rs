@@ -29,8 +29,6 @@ pub(super) struct Journal<'a> {
     clock: Instant,
     projection: f64,
     asked: f64,
-    /// Whether a stop was requested before this iteration's subproblem.
-    stop_requested: bool,
 }
 
 impl<'a> Journal<'a> {
@@ -70,12 +68,14 @@ impl<'a> Journal<'a> {
             clock: Instant::now(),
             projection: 0.0,
             asked: 0.0,
-            stop_requested: false,
         })
     }
 
-    /// Whether no stopping criterion has been met yet.
-    pub fn goes_on(&self) -> bool {
+    /// Whether no stopping criterion has been met yet, and no stop requested.
+    pub fn goes_on(&mut self, stop: &Stop) -> bool {
+        if self.ended.is_none() && stop.is_requested() {
+            self.ended = Some(Outcome::Interrupted);
+        }
         self.ended.is_none()
     }
 
@@ -85,7 +85,6 @@ impl<'a> Journal<'a> {
         'a: 'b,
     {
         self.projection = self.clock.elapsed().as_secs_f64();
-        self.stop_requested = stop.is_requested();
         let history = &self.solution.history;
         let change = history.last().map_or(Self::GUESS, |last| last.error);
         self.asked = self.accuracy.of(history.len(), change, gaps.is_exact());
@@ -134,7 +133,7 @@ impl<'a> Journal<'a> {
         self.solution.lambda = minimum.lambda;
         self.solution.energy = minimum.energy;
         self.solution.gaps = gaps;
-        if self.goes_on() {
+        if self.ended.is_none() {
             self.advance();
         }
         self.clock = Instant::now();
@@ -161,9 +160,6 @@ impl<'a> Journal<'a> {
         let is_accurate = self.asked == 0.0;
         if is_accurate && (error < self.tolerance || is_exact) {
             return Some(Outcome::Converged);
-        }
-        if self.stop_requested {
-            return Some(Outcome::Interrupted);
         }
         if let Some(period) = self.cycles.period(&minimum.u, error) {
             return Some(Outcome::Cycle {

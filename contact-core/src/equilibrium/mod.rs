@@ -39,6 +39,8 @@ pub use retry::Retry;
 use std::fmt;
 
 #[cfg(feature = "linear")]
+use self::condensed::halt::Halt;
+#[cfg(feature = "linear")]
 use crate::{Bounds, gaps::Sampling, method::check_bounds};
 use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, State, Stop};
 
@@ -156,7 +158,7 @@ pub struct StepContext<'a> {
     /// A start that is not extrapolated: the last state, with its free unknowns moved along with the prescribed ones.
     /// See [`LoadStepped::lift`](crate::LoadStepped::lift).
     pub lifted: &'a dyn Fn() -> State,
-    /// The request to stop.
+    /// The request to stop, with the run's budget: see [`Stop::begin_factorization`].
     pub stop: &'a Stop,
 }
 
@@ -268,8 +270,14 @@ fn check_settings(
 
 /// The rows of both roles at u (steps 1 to 4 of Algorithm 2), one for each contact node.
 #[cfg(feature = "linear")]
-fn rows_of_both_roles(problem: &dyn ContactProblem, u: &[f64]) -> Result<LinearGaps, Error> {
+fn rows_of_both_roles(
+    problem: &dyn ContactProblem,
+    u: &[f64],
+    stop: &Stop,
+) -> Result<LinearGaps, Halt> {
+    Halt::if_requested(stop)?;
     let forward = problem.linearize_gaps(u, Sampling::Nodes)?;
+    Halt::if_requested(stop)?;
     Ok(forward.and(problem.linearize_reversed(u, Sampling::Nodes)?))
 }
 

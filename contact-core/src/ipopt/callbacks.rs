@@ -222,9 +222,13 @@ unsafe extern "C" fn intermediate(
     unsafe { enter(user, body) }
 }
 
-unsafe extern "C" fn stops(user: *mut c_void) -> c_int {
+unsafe extern "C" fn stops(user: *mut c_void, factorizes: c_int) -> c_int {
+    let body = |this: &mut Context<'_>| match factorizes {
+        0 => this.nlp.is_to_stop(),
+        _ => !this.nlp.may_factorize(),
+    };
     // SAFETY: see `objective`.
-    unsafe { enter(user, |this| this.nlp.is_to_stop()) }
+    unsafe { enter(user, body) }
 }
 
 unsafe extern "C" fn log(user: *mut c_void, text: *const c_char, length: usize) {

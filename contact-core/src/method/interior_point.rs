@@ -209,6 +209,10 @@ impl Nlp for Scaled<'_> {
         Scaled::is_to_stop(self)
     }
 
+    fn may_factorize(&mut self) -> bool {
+        Scaled::may_factorize(self)
+    }
+
     fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {
         self.flow()
     }

@@ -372,6 +372,10 @@ impl Nlp for Lifted<'_> {
         self.scaled.is_to_stop()
     }
 
+    fn may_factorize(&mut self) -> bool {
+        self.scaled.may_factorize()
+    }
+
     fn iterate(&mut self, _iterate: &Iterate<'_>) -> ControlFlow<()> {
         self.scaled.flow()
     }

@@ -67,6 +67,11 @@ impl<'a> Scaled<'a> {
         self.stop.is_requested()
     }
 
+    /// Counts a factorisation that is about to begin; false if it must not.
+    pub fn may_factorize(&self) -> bool {
+        self.stop.begin_factorization()
+    }
+
     /// `Break` once a stop has been requested.
     pub fn flow(&self) -> ControlFlow<()> {
         match self.is_to_stop() {

@@ -86,7 +86,7 @@ impl Compliance {
             match rows.len() - known {
                 0 => {}
                 few if known > 0 && few <= FEW => share.append(known, &rows, all, block)?,
-                _ => share.compute(&rows, all, block),
+                _ => share.compute(&rows, all, block, stop)?,
             }
             Ok::<_, Halt>(())
         })?;
@@ -106,7 +106,13 @@ impl Compliance {
 
 impl Share {
     /// All of it anew, by pruned forward solves.
-    fn compute(&mut self, rows: &[usize], all: &Rows, block: &Block) {
+    fn compute(
+        &mut self,
+        rows: &[usize],
+        all: &Rows,
+        block: &Block,
+        stop: &Stop,
+    ) -> Result<(), Halt> {
         let own = |(place, &k): (usize, &usize)| {
             let entries = all
                 .row(k)
@@ -117,7 +123,8 @@ impl Share {
             entries.collect::<Vec<_>>()
         };
         let coefficients = rows.iter().enumerate().flat_map(own).collect();
-        self.W = gram(&block.factor, rows.len(), coefficients);
+        self.W = gram(&block.factor, rows.len(), coefficients, stop)?;
+        Ok(())
     }
 
     /// The columns of the rows from `known` on, by solves with the whole block.

@@ -11,7 +11,7 @@ pub(in crate::equilibrium) enum Halt {
     Error(Error),
     /// No equilibrium was found, with the reason.
     Failed(String),
-    /// A stop was requested.
+    /// A stop was requested, or the budget is spent.
     Stopped,
 }
 
@@ -26,6 +26,14 @@ impl Halt {
         match stop.is_requested() {
             true => Err(Halt::Stopped),
             false => Ok(()),
+        }
+    }
+
+    /// Counts a factorisation that is about to begin. [`Halt::Stopped`] if it must not.
+    pub fn unless_may_factorize(stop: &Stop) -> Result<(), Halt> {
+        match stop.begin_factorization() {
+            true => Ok(()),
+            false => Err(Halt::Stopped),
         }
     }
 

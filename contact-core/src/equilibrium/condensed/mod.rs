@@ -85,8 +85,7 @@ impl Condensed {
             Some(kept) if kept.rows.are_of(gaps) => kept,
             Some(kept) => Kept::new(kept.stiffness, gaps),
             None => {
-                let stiffness = Stiffness::new(energy, values, stop)?;
-                cost.factorizations += stiffness.factorizations;
+                let stiffness = Stiffness::new(energy, values, stop, cost)?;
                 Kept::new(stiffness, gaps)
             }
         };
@@ -133,17 +132,12 @@ impl Equilibrium for Condensed {
         check_start(problem, &start)?;
         let value = energy.value(&start.u);
         if !value.is_finite() {
-            return Ok(Solution {
-                outcome: Outcome::InadmissibleStart,
-                energy: value,
-                state: start,
-                gaps: LinearGaps::new(true),
-                lambda: Vec::new(),
-                history: Vec::new(),
-                failed: Vec::new(),
-            });
+            return Ok(unchanged(start, value, Outcome::InadmissibleStart));
         }
-        let gaps = rows_of_both_roles(problem, &start.u)?;
+        let gaps = match rows_of_both_roles(problem, &start.u, context.stop) {
+            Ok(gaps) => gaps,
+            Err(halt) => return Ok(unchanged(start, value, halt.outcome()?)),
+        };
         check_gaps(&gaps)?;
         let mut cost = Cost {
             outer_iterations: 1,
@@ -206,6 +200,19 @@ impl Equilibrium for Condensed {
             solver: NAME,
             why: Choice::GIVEN,
         }
+    }
+}
+
+/// The end of a solve at its start, with energy E there.
+fn unchanged(start: State, energy: f64, outcome: Outcome) -> Solution {
+    Solution {
+        outcome,
+        energy,
+        state: start,
+        gaps: LinearGaps::new(true),
+        lambda: Vec::new(),
+        history: Vec::new(),
+        failed: Vec::new(),
     }
 }
 

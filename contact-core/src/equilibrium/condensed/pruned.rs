@@ -7,6 +7,8 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
+use super::halt::Halt;
+use crate::Stop;
 use crate::linear::{Cholesky, Panel};
 
 /// A coefficient of a row: the row, the step that eliminates the unknown, and the value.
@@ -21,7 +23,8 @@ pub(in crate::equilibrium) fn gram(
     factor: &Cholesky,
     m: usize,
     mut coefficients: Vec<Coefficient>,
-) -> Mat<f64> {
+    stop: &Stop,
+) -> Result<Mat<f64>, Halt> {
     let mut W = Mat::zeros(m, m);
     let panels: Vec<Panel<'_>> = factor.panels().collect();
     let fronts = fronts(&panels);
@@ -46,6 +49,7 @@ pub(in crate::equilibrium) fn gram(
         if own.is_empty() && below.is_empty() {
             continue;
         }
+        Halt::if_requested(stop)?;
         let update = front.eliminate(own, below, &fronts, s, &mut scratch, W.as_mut());
         match front.below.first() {
             Some(&step) => waiting[front_of[step]].push(update),
@@ -53,7 +57,7 @@ pub(in crate::equilibrium) fn gram(
         }
     }
     mirror(&mut W);
-    W
+    Ok(W)
 }
 
 /// Copies the lower triangle to the upper one.

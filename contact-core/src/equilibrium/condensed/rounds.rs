@@ -66,6 +66,7 @@ impl Rounds<'_> {
     pub fn run(&mut self, at: &mut Iterate) -> Result<(), Halt> {
         let mut ratios = Vec::new();
         for _ in 0..ROUNDS {
+            Halt::if_requested(self.stop)?;
             let residual = self.residual(at);
             let gaps = self.gaps(&at.u);
             let bound = self.bound(&at.u);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::halt::Halt;
 use crate::linear::{Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern};
-use crate::{Energy, Stop, parallel};
+use crate::{Cost, Energy, Stop, parallel};
 
 /// n σ: a block of n unknowns that floats is factored as K + σ diag K, so that a motion without strain meets this many
 /// entries of the diagonal as its stiffness, whatever n.
@@ -19,8 +19,6 @@ pub(super) struct Stiffness {
     pattern: SymmetricPattern,
     values: Vec<f64>,
     blocks: Vec<Block>,
-    /// How often all blocks, or those that float, were factored.
-    pub factorizations: usize,
 }
 
 /// A body: its unknowns and the factor of its block of M.
@@ -36,17 +34,30 @@ pub(super) struct Block {
 }
 
 impl Stiffness {
-    /// Factors the Hessian `values` of `energy`.
-    pub fn new(energy: &dyn Energy, values: Vec<f64>, stop: &Stop) -> Result<Self, Halt> {
+    /// Factors the Hessian `values` of `energy`: all blocks, then those that float once more.
+    pub fn new(
+        energy: &dyn Energy,
+        values: Vec<f64>,
+        stop: &Stop,
+        cost: &mut Cost,
+    ) -> Result<Self, Halt> {
         let pattern = energy.hessian_pattern().clone();
         let mut ranges = energy.blocks();
         ranges.retain(|range| !range.is_empty());
         let analyses = analyses(&pattern, &ranges, stop)?;
-        let blocks = parallel::try_map(ranges.into_iter().zip(analyses), |(range, analysis)| {
-            Block::new(&pattern, &values, range, &analysis, stop)
-        })?;
+        Halt::unless_may_factorize(stop)?;
+        cost.factorizations += 1;
+        let mut blocks =
+            parallel::try_map(ranges.into_iter().zip(analyses), |(range, analysis)| {
+                Block::new(&pattern, &values, range, &analysis, stop)
+            })?;
+        if blocks.iter().any(|block| block.floats) {
+            Halt::unless_may_factorize(stop)?;
+            cost.factorizations += 1;
+            let floating = blocks.iter_mut().filter(|block| block.floats);
+            parallel::try_map(floating, |block| block.shift(&pattern, &values, stop))?;
+        }
         Ok(Stiffness {
-            factorizations: 1 + usize::from(blocks.iter().any(|block| block.floats)),
             pattern,
             values,
             blocks,
@@ -125,14 +136,7 @@ impl Block {
         let values = &values[slots(pattern, &range)];
         let floats = match factor.refactor(values) {
             Ok(_) => false,
-            Err(FactorError::NotPositiveDefinite { .. }) => {
-                Halt::if_requested(stop)?;
-                let shifted = shifted(analysis.pattern(), values);
-                factor
-                    .refactor(&shifted)
-                    .map_err(|why| indefinite(why, &range))?;
-                true
-            }
+            Err(FactorError::NotPositiveDefinite { .. }) => true,
             Err(why) => return Err(why.into()),
         };
         Ok(Block {
@@ -141,6 +145,22 @@ impl Block {
             steps,
             floats,
         })
+    }
+
+    /// Factors the block with its shift.
+    fn shift(
+        &mut self,
+        pattern: &SymmetricPattern,
+        values: &[f64],
+        stop: &Stop,
+    ) -> Result<(), Halt> {
+        Halt::if_requested(stop)?;
+        let own = &values[slots(pattern, &self.range)];
+        let shifted = shifted(self.factor.analysis().pattern(), own);
+        match self.factor.refactor(&shifted) {
+            Ok(_) => Ok(()),
+            Err(why) => Err(indefinite(why, &self.range)),
+        }
     }
 }
 

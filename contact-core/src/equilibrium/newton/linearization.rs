@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::super::condensed::halt::Halt;
 use crate::linear::SymmetricPattern;
-use crate::{ContactProblem, Cost, GapVariation, LinearGaps, State};
+use crate::{ContactProblem, Cost, GapVariation, LinearGaps, State, Stop};
 
 /// E and the gaps at u.
 pub(super) struct Linearization<'a> {
@@ -35,14 +35,18 @@ impl<'a> Linearization<'a> {
         problem: &'a dyn ContactProblem,
         state: &State,
         gaps: &'a LinearGaps,
+        stop: &Stop,
         cost: &mut Cost,
     ) -> Result<Self, Halt> {
+        Halt::if_requested(stop)?;
         let (energy, u, m) = (problem.energy(), &state.u, gaps.len());
         let pattern = energy.hessian_pattern();
         let (mut load, mut hessian) = (vec![0.0; energy.dofs()], vec![0.0; pattern.len()]);
         let clock = Instant::now();
         energy.gradient(u, &mut load);
+        Halt::if_requested(stop)?;
         energy.hessian(u, &mut hessian);
+        Halt::if_requested(stop)?;
         cost.callbacks += clock.elapsed().as_secs_f64();
         cost.gradients += 1;
         cost.hessians += 1;

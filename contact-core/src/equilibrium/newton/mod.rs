@@ -193,7 +193,7 @@ impl CondensedNewton {
         if context.from == 0.0 {
             tangent.begin();
         }
-        at.project(problem)?;
+        at.project(problem, context.stop)?;
         let mut iterate = Iterate {
             watchdog: Watchdog::new(at, start),
             problem,
@@ -282,7 +282,7 @@ impl Iterate<'_> {
             u: trial.u,
         };
         let clock = Instant::now();
-        self.at.project(self.problem)?;
+        self.at.project(self.problem, self.stop)?;
         cost.projection += clock.elapsed().as_secs_f64();
         // a shortened step and a shifted diagonal make small changes far from a solution
         let is_whole = trial.share == 1.0 && tangent.shift() <= SHIFT;
@@ -320,7 +320,7 @@ impl Iterate<'_> {
     /// The end of Newton's step from here, shortened as far as it must be.
     fn trial(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Trial, Halt> {
         let (state, size) = (&self.at.state, self.at.size(self.least));
-        let here = Linearization::new(self.problem, state, &self.at.gaps, cost)?;
+        let here = Linearization::new(self.problem, state, &self.at.gaps, self.stop, cost)?;
         let accuracy = Accuracy {
             before: self.length.take(),
             negligible: NEGLIGIBLE.min(0.1 * self.tolerance) * size,
@@ -348,8 +348,8 @@ impl Point {
     }
 
     /// Takes the rows at u, each with its multiplier.
-    fn project(&mut self, problem: &dyn ContactProblem) -> Result<(), Error> {
-        self.gaps = rows_of_both_roles(problem, &self.state.u)?;
+    fn project(&mut self, problem: &dyn ContactProblem, stop: &Stop) -> Result<(), Halt> {
+        self.gaps = rows_of_both_roles(problem, &self.state.u, stop)?;
         let keys = self.gaps.keys().iter();
         let known = keys.map(|&key| self.state.multipliers.of(key));
         self.lambda = known

@@ -77,7 +77,7 @@ impl Step {
         let m = here.gaps.len();
         let close =
             (0..m).filter(|&i| here.acts[i] || here.overlaps(i, here.c[i], OVERLAP * least));
-        let mut condensed = Condensed::new(close.collect(), here, tangent)?;
+        let mut condensed = Condensed::new(close.collect(), here, tangent, stop)?;
         let mut step = Step {
             x: vec![0.0; here.load.len()],
             lambda: here.lambda.clone(),
@@ -100,7 +100,7 @@ impl Step {
             if !missing.is_empty() && !is_last {
                 condensed.rows.extend(missing);
                 condensed.rows.sort_unstable();
-                condensed = Condensed::new(condensed.rows, here, tangent)?;
+                condensed = Condensed::new(condensed.rows, here, tangent, stop)?;
                 step.x = image;
                 anderson.restart();
                 continue;
@@ -117,9 +117,14 @@ impl Step {
 }
 
 impl Condensed {
-    fn new(rows: Vec<usize>, here: &Linearization<'_>, tangent: &Tangent) -> Result<Self, Halt> {
+    fn new(
+        rows: Vec<usize>,
+        here: &Linearization<'_>,
+        tangent: &Tangent,
+        stop: &Stop,
+    ) -> Result<Self, Halt> {
         Halt::if_too_many(rows.len())?;
-        let (W, response) = tangent.condense(here.gaps.matrix(), &rows)?;
+        let (W, response) = tangent.condense(here.gaps.matrix(), &rows, stop)?;
         Ok(Condensed { rows, W, response })
     }
 

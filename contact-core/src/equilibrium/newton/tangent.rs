@@ -152,17 +152,14 @@ impl Tangent {
         self.ratio = self.ratio.min(FIRST);
         self.shift = 0.0;
         loop {
-            Halt::if_requested(stop)?;
             self.added = acting
                 .iter()
                 .zip(&here.stiffness)
                 .map(|(acts, s)| if *acts { self.ratio * s } else { 0.0 })
                 .collect();
-            cost.factorizations += 1;
-            match self.factorize(here) {
-                Ok(()) => return Ok(()),
-                Err(Error::Factor(FactorError::NotPositiveDefinite { .. })) => {}
-                Err(error) => return Err(error.into()),
+            match self.factorize(here, stop, cost) {
+                Err(Halt::Error(Error::Factor(FactorError::NotPositiveDefinite { .. }))) => {}
+                factorized => return factorized,
             }
             if may_add && self.ratio < LAST {
                 self.ratio = (GROWTH * self.ratio).max(FIRST);
@@ -185,7 +182,13 @@ impl Tangent {
     }
 
     /// Factors K + shift diag K and, where stiffness is added to rows, that stiffness − sym D.
-    fn factorize(&mut self, here: &Linearization<'_>) -> Result<(), Error> {
+    fn factorize(
+        &mut self,
+        here: &Linearization<'_>,
+        stop: &Stop,
+        cost: &mut Cost,
+    ) -> Result<(), Halt> {
+        Halt::if_requested(stop)?;
         self.values.clear();
         self.values.resize(self.pattern.len(), 0.0);
         for (&slot, a) in self.slots.iter().zip(&here.hessian) {
@@ -220,7 +223,10 @@ impl Tangent {
             Some(factor) => factor,
             None => self.analysed()?,
         };
-        self.factor.insert(factor).refactor(&self.values)?;
+        let factor = self.factor.insert(factor);
+        Halt::unless_may_factorize(stop)?;
+        cost.factorizations += 1;
+        factor.refactor(&self.values)?;
         let rows = here.gaps.keys().iter().zip(&self.added);
         let stiffened = rows.filter(|(_, s)| **s > 0.0);
         self.stiffened = stiffened.map(|(&key, &s)| (key, s)).collect();
@@ -288,7 +294,8 @@ impl Tangent {
         &self,
         matrix: &SparseRows,
         rows: &[usize],
-    ) -> Result<(Mat<f64>, Response), Error> {
+        stop: &Stop,
+    ) -> Result<(Mat<f64>, Response), Halt> {
         let factor = self.factor()?;
         let steps = factor.analysis().steps();
         let entries = rows.iter().enumerate().flat_map(|(place, &row)| {
@@ -303,7 +310,7 @@ impl Tangent {
             whole: Reach::whole(factor),
             steps,
         };
-        Ok((gram(factor, rows.len(), entries), response))
+        Ok((gram(factor, rows.len(), entries, stop)?, response))
     }
 }
 

@@ -59,7 +59,7 @@ type Message<'a, const D: usize> = Box<dyn Fn(&StepView<'_, D>) -> String + 'a>;
 /// |---|---|
 /// | `running` | goes on; or the process was killed, if the lock is free: `flock --nonblock FOLDER/run.lock true` succeeds then |
 /// | `complete` | reached full load; `reason` is null unless the certificate does not hold |
-/// | `stopped` | was stopped by Ctrl-C, a termination request or a limit of time |
+/// | `stopped` | was stopped by Ctrl-C, a termination request, its observer, or its budget of time or factorisations; `reason` says which |
 /// | `failed` | has a load step that did not converge, met an error, could not write a file, or panicked |
 ///
 /// While it is `running`, and where it failed before the first load step or by a panic, the summary has its first keys
@@ -278,7 +278,7 @@ impl<const D: usize> Plan<'_, D> {
 }
 
 /// 0 at full load, 1 if an increment did not converge, [`NOT_CERTIFIED`] if a certificate does not
-/// hold, [`INTERRUPTED`] on Ctrl-C.
+/// hold, [`INTERRUPTED`] where it was stopped.
 impl<const D: usize> Termination for Recorded<D> {
     fn report(self) -> ExitCode {
         let certificate = self.history.certificate();
