@@ -1,9 +1,10 @@
 //! A program that returns an error of this library from `main` prints its message, and not how it is stored.
 
-use std::{env, error::Error, process::Command};
+use std::{env, error::Error, path::Path, process::Command};
 
 use ipopt_contact::contact_core::{self, ipopt, nlp};
 use ipopt_contact::contact_fem;
+use ipopt_contact::contact_fem::output::compare::compare;
 use ipopt_contact::prelude::*;
 
 /// What stands for the number of an error in the process that returns it.
@@ -37,6 +38,7 @@ fn errors() -> Vec<Box<dyn Error>> {
         Box::new(NeoHookean::new(1.0, 0.5).expect_err("incompressible")),
         Box::new(foreign()),
         Box::new(problem),
+        Box::new(compare(Path::new("a"), Path::new("b")).expect_err("nothing there")),
     ]
 }
 

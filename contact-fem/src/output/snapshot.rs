@@ -50,6 +50,8 @@ pub struct Snapshot<const D: usize> {
     /// compression positive): 0 outside the contact surfaces, the sum over the surfaces where
     /// several meet.
     pub pressures: Vec<f64>,
+    /// The contact force Cᵀλ on every node (UF).
+    pub contact_forces: Vec<Vector<D>>,
     /// Stress and volume ratio of every cell.
     pub cells: Vec<CellState<D>>,
     /// The certificate, if the state is a converged step.
@@ -108,6 +110,7 @@ impl<const D: usize> Snapshot<D> {
         Ok(Snapshot {
             displacements,
             pressures,
+            contact_forces: problem.contact_forces(gaps, lambda),
             cells,
             certificate: None,
         })

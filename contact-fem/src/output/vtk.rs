@@ -26,6 +26,7 @@ use crate::tensor::Vector;
 /// |---|---|---|---|
 /// | `displacement` | points | 3 | UL |
 /// | `contact_pressure` | points | 1 | UF/UL (plane), UF/UL² (space) |
+/// | `contact_force` | points | 3 | UF |
 /// | `body` | points, cells | 1 | number of the body |
 /// | `von_mises` | cells | 1 | UF/UL² |
 /// | `J` | cells | 1 | volume ratio |
@@ -254,6 +255,7 @@ fn point_fields<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) ->
     vec![
         field("displacement", 3, in_space(&snapshot.displacements)),
         field("contact_pressure", 1, snapshot.pressures.clone()),
+        field("contact_force", 3, in_space(&snapshot.contact_forces)),
         field("body", 1, body_of_node.collect::<Vec<i32>>()),
     ]
 }
@@ -348,7 +350,8 @@ mod tests {
             fields.iter().map(|f| f.name().to_string()).collect()
         };
         let points = names(&grid.data.point);
-        assert_eq!(points, ["displacement", "contact_pressure", "body"]);
+        let known = ["displacement", "contact_pressure", "contact_force", "body"];
+        assert_eq!(points, known);
         let cells = names(&grid.data.cell);
         assert_eq!(cells, ["von_mises", "J", "cauchy_stress", "body"]);
         let stress = symmetric_components(&snapshot.cells[1]);

@@ -1,0 +1,209 @@
+//! The files that a recorded run leaves: its summary and the last state of its series.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use vtkio::model::{
+    Attribute, CellType, DataSet, Piece, UnstructuredGridPiece, VertexNumbers, Vtk,
+};
+
+use super::outcome::{AXES, Fields, Outcome, Point, finite, malformed, text};
+use super::{Error, Program};
+
+pub(super) const SUMMARY: &str = "summary.json";
+
+/// What of the summary is compared. Before a run has ended, the summary does not have it all.
+#[derive(Deserialize)]
+struct Summary {
+    scene: String,
+    solver: String,
+    increments: f64,
+    status: String,
+    reason: Option<String>,
+    converged: bool,
+    #[serde(default)]
+    bodies: Vec<String>,
+    #[serde(default)]
+    load_factor: f64,
+    energy: Option<f64>,
+    #[serde(default)]
+    reactions: Vec<Vec<f64>>,
+    #[serde(default)]
+    iterations: f64,
+    #[serde(default)]
+    inner_iterations: f64,
+    cpu_seconds: Option<f64>,
+}
+
+pub(super) fn read(folder: &Path) -> Result<Outcome, Error> {
+    let path = folder.join(SUMMARY);
+    let summary: Summary = serde_json::from_str(&text(&path)?)
+        .map_err(|why| malformed(&path, format!("not a summary of a run: {why}")))?;
+    let (Some(_), Some(first)) = (summary.energy, summary.reactions.first()) else {
+        let why = format!(
+            "the run has no converged step, its status is `{}`",
+            summary.status
+        );
+        return Err(malformed(&path, why));
+    };
+    let dimension = first.len();
+    let grid = last_state(folder, &summary)?;
+    Ok(Outcome {
+        folder: folder.into(),
+        program: Program::Recorded {
+            solver: summary.solver.clone(),
+        },
+        dimension,
+        bodies: bodies(&grid.0, grid.1, &summary.bodies)?,
+        values: values(&summary),
+        status: match summary.status == "complete" {
+            true => summary.reason,
+            false => Some(summary.reason.unwrap_or(summary.status)),
+        },
+    })
+}
+
+/// The summary under the keys of a script.
+fn values(summary: &Summary) -> BTreeMap<String, f64> {
+    let mut values = BTreeMap::from([
+        ("increments".into(), summary.increments),
+        ("fixed_point_iterations".into(), summary.iterations),
+        ("ipopt_iterations".into(), summary.inner_iterations),
+        ("converged".into(), f64::from(u8::from(summary.converged))),
+    ]);
+    values.extend(summary.energy.map(|energy| ("energy".into(), energy)));
+    let seconds = summary.cpu_seconds;
+    values.extend(seconds.map(|seconds| ("seconds_total".into(), seconds)));
+    for (body, reaction) in summary.bodies.iter().zip(&summary.reactions) {
+        let components = AXES.iter().zip(reaction);
+        values.extend(components.map(|(axis, r)| (format!("reaction_{body}_{axis}"), *r)));
+    }
+    values
+}
+
+/// The last file of the series, which must be the state that the summary tells of.
+fn last_state(folder: &Path, summary: &Summary) -> Result<(PathBuf, UnstructuredGridPiece), Error> {
+    let listing = folder.join(format!("{}.pvd", summary.scene));
+    let all = text(&listing)?;
+    let last = all.lines().rfind(|line| line.contains("<DataSet"));
+    let attribute = |name: &str| {
+        let (_, rest) = last?.split_once(&format!("{name}=\""))?;
+        rest.split('"').next()
+    };
+    let time = attribute("timestep").and_then(|time| time.parse::<f64>().ok());
+    let (Some(file), Some(time)) = (attribute("file"), time) else {
+        return Err(malformed(&listing, "it lists no state"));
+    };
+    // the two are the same number, written by two programs
+    if (time - summary.load_factor).abs() > 1e-12 {
+        let why = format!(
+            "the last state is at the load factor {time}, the result at {}: record with `vtu_every = 1`",
+            summary.load_factor
+        );
+        return Err(malformed(&listing, why));
+    }
+    let path = folder.join(file);
+    let grid = Vtk::import(&path).map_err(|why| malformed(&path, why))?;
+    let DataSet::UnstructuredGrid { pieces, .. } = grid.data else {
+        return Err(malformed(&path, "not a grid of this library"));
+    };
+    match pieces.into_iter().next() {
+        Some(Piece::Inline(piece)) => Ok((path, *piece)),
+        _ => Err(malformed(&path, "it has no data")),
+    }
+}
+
+/// The fields of the bodies, whose nodes follow each other.
+fn bodies(
+    path: &Path,
+    grid: UnstructuredGridPiece,
+    names: &[String],
+) -> Result<Vec<Fields>, Error> {
+    let missing = |what: &str| malformed(path, format!("it has no {what}"));
+    let places = grid.points.cast_into::<f64>();
+    let places = checked(path, "points", places)?.ok_or_else(|| missing("points"))?;
+    let nodes = places.len() / 3;
+    let field = |name: &str, components: usize| {
+        let mut fields = grid.data.point.iter();
+        let found = checked(path, name, fields.find_map(|field| values_of(field, name)))?;
+        match found {
+            Some(values) if values.len() != components * nodes => {
+                let why = format!("`{name}` has {} values at {nodes} nodes", values.len());
+                Err(malformed(path, why))
+            }
+            found => Ok(found),
+        }
+    };
+    let required = |name, components| {
+        let found: Option<Vec<f64>> = field(name, components)?;
+        found.ok_or_else(|| missing(name))
+    };
+    let (places, displacements) = (in_space(&places), in_space(&required("displacement", 3)?));
+    let (pressures, of_nodes) = (required("contact_pressure", 1)?, required("body", 1)?);
+    let forces = field("contact_force", 3)?.map(|forces| in_space(&forces));
+    let cells = cells(grid.cells.cell_verts, &grid.cells.types, nodes);
+    let cells = cells.ok_or_else(|| missing("cells of this library"))?;
+    let body = |(k, name): (usize, &String)| {
+        let is_own = |&body: &f64| body == k as f64;
+        let first = of_nodes.iter().position(is_own);
+        let first = first.ok_or_else(|| missing(&format!("nodes of body {name}")))?;
+        let count = of_nodes[first..].iter().take_while(|body| is_own(body));
+        let own = first..first + count.count();
+        let inside = |cell: &&Vec<usize>| cell.iter().all(|node| own.contains(node));
+        let moved = |cell: &Vec<usize>| cell.iter().map(|node| node - first).collect();
+        let pressures = pressures[own.clone()].iter().copied();
+        Ok(Fields {
+            name: name.clone(),
+            places: Some(places[own.clone()].to_vec()),
+            cells: cells.iter().filter(inside).map(moved).collect(),
+            displacements: displacements[own.clone()].to_vec(),
+            forces: forces.as_ref().map(|all| all[own.clone()].to_vec()),
+            pressures: Some(pressures.enumerate().collect()),
+        })
+    };
+    names.iter().enumerate().map(body).collect()
+}
+
+fn values_of(field: &Attribute, name: &str) -> Option<Vec<f64>> {
+    match field {
+        Attribute::DataArray(array) if array.name == name => array.data.cast_into(),
+        _ => None,
+    }
+}
+
+/// The values, if all are finite.
+fn checked(path: &Path, name: &str, values: Option<Vec<f64>>) -> Result<Option<Vec<f64>>, Error> {
+    for (k, &value) in values.iter().flatten().enumerate() {
+        finite(path, || format!("value {k} of `{name}`"), value)?;
+    }
+    Ok(values)
+}
+
+fn in_space(components: &[f64]) -> Vec<Point> {
+    let chunks = components.chunks_exact(3);
+    chunks.map(|c| [c[0], c[1], c[2]]).collect()
+}
+
+/// The nodes of each cell, if all are simplices of nodes that there are.
+fn cells(numbers: VertexNumbers, types: &[CellType], nodes: usize) -> Option<Vec<Vec<usize>>> {
+    let (connectivity, offsets) = numbers.into_xml();
+    let mut cells = Vec::with_capacity(types.len());
+    let mut begin = 0;
+    for (&end, kind) in offsets.iter().zip(types) {
+        let cell = connectivity.get(begin..usize::try_from(end).ok()?)?;
+        let count = match kind {
+            CellType::Triangle => 3,
+            CellType::QuadraticTriangle => 6,
+            CellType::Tetra => 4,
+            CellType::QuadraticTetra => 10,
+            _ => return None,
+        };
+        if cell.len() != count || cell.iter().any(|&node| node >= nodes as u64) {
+            return None;
+        }
+        cells.push(cell.iter().map(|&node| node as usize).collect());
+        begin += count;
+    }
+    Some(cells)
+}

@@ -1,0 +1,160 @@
+//! `ipopt-contact compare A B`: the differences between two results.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use ipopt_contact::contact_fem::output::compare::{Comparison, Row, Tolerances, compare};
+use ipopt_contact::contact_fem::output::record::{exit, print};
+
+const USAGE: &str = "\
+Compares two results: folders of recorded runs, or of scripts of FreeFEM (docs/freefem.md)
+
+usage: ipopt-contact compare A B [--tolerance [QUANTITY=]VALUE]...
+
+A tolerance is the largest relative difference, 1e-6 by default, of all quantities or of one: energy, reaction,
+displacement, force or pressure. Iterations and seconds are shown only.
+
+exit code: 0 all within the tolerances, 1 some beyond, 2 error";
+
+/// What the command line asks for.
+#[derive(Debug, PartialEq)]
+struct Request {
+    folders: [String; 2],
+    tolerances: Tolerances,
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments
+        .iter()
+        .any(|word| word == "--help" || word == "-h")
+    {
+        print(USAGE);
+        return ExitCode::SUCCESS;
+    }
+    exit(request(&arguments).and_then(run))
+}
+
+fn request(arguments: &[String]) -> Result<Request, String> {
+    let (mut folders, mut tolerances) = (Vec::new(), Tolerances::default());
+    let Some(("compare", rest)) = arguments.split_first().map(|(c, rest)| (c.as_str(), rest))
+    else {
+        return Err(format!("the command is `compare`\n\n{USAGE}"));
+    };
+    let mut words = rest.iter();
+    while let Some(word) = words.next() {
+        let (name, given) = match word.split_once('=') {
+            Some(("--tolerance", value)) => ("--tolerance", Some(value.to_string())),
+            _ => (word.as_str(), None),
+        };
+        match name {
+            "--tolerance" => {
+                let value = given.or_else(|| words.next().cloned());
+                tolerate(&mut tolerances, &value.unwrap_or_default())?;
+            }
+            _ if name.starts_with('-') => {
+                return Err(format!("there is no option {name}\n\n{USAGE}"));
+            }
+            _ => folders.push(word.clone()),
+        }
+    }
+    let folders = folders.try_into();
+    let folders = folders.map_err(|_| format!("give two folders\n\n{USAGE}"))?;
+    Ok(Request {
+        folders,
+        tolerances,
+    })
+}
+
+/// Takes `1e-8`, of all quantities, or `force=1e-6`, of one.
+fn tolerate(tolerances: &mut Tolerances, text: &str) -> Result<(), String> {
+    let (name, number) = match text.split_once('=') {
+        Some((name, number)) => (Some(name), number),
+        None => (None, text),
+    };
+    let value = number.parse().ok().filter(|value: &f64| *value >= 0.0);
+    let value =
+        value.ok_or_else(|| format!("--tolerance needs a number from 0, not `{number}`"))?;
+    match name {
+        None => *tolerances = Tolerances::all(value),
+        Some("energy") => tolerances.energy = value,
+        Some("reaction") => tolerances.reaction = value,
+        Some("displacement") => tolerances.displacement = value,
+        Some("force") => tolerances.force = value,
+        Some("pressure") => tolerances.pressure = value,
+        Some(name) => return Err(format!("there is no quantity {name}\n\n{USAGE}")),
+    }
+    Ok(())
+}
+
+fn run(request: Request) -> Result<ExitCode, String> {
+    let [a, b] = request.folders.each_ref().map(Path::new);
+    let comparison = compare(a, b).map_err(|why| why.to_string())?;
+    let beyond = comparison.beyond(&request.tolerances);
+    let verdict = verdict(&comparison, &beyond, &request.tolerances);
+    print(format!("{comparison}\n\n{verdict}"));
+    Ok(ExitCode::from(u8::from(!beyond.is_empty())))
+}
+
+/// What is beyond its tolerance, and what only one result has.
+fn verdict(comparison: &Comparison, beyond: &[&Row], tolerances: &Tolerances) -> String {
+    let name = |row: &&Row| match &row.body {
+        Some(body) => format!("{} {body}", row.quantity),
+        None => row.quantity.to_string(),
+    };
+    let rows = comparison.rows.iter();
+    let alone = rows.filter(|row| row.relative.is_none() && tolerances.of(row.quantity).is_some());
+    let alone: Vec<String> = alone.map(|row| name(&row)).collect();
+    let verdict = match beyond {
+        [] => "all compared are within their tolerances".to_string(),
+        _ => {
+            let names: Vec<String> = beyond.iter().map(name).collect();
+            format!("beyond the tolerance: {}", names.join("; "))
+        }
+    };
+    match alone[..] {
+        [] => verdict,
+        _ => format!("{verdict}\nin one result only: {}", alone.join("; ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(line: &str) -> Result<Request, String> {
+        let words: Vec<String> = line.split(' ').map(String::from).collect();
+        request(&words)
+    }
+
+    #[test]
+    fn tolerances_are_of_all_or_of_one() {
+        let all = parsed("compare a b --tolerance 1e-8").expect("a request");
+        assert_eq!(all.tolerances, Tolerances::all(1e-8));
+        assert_eq!(all.folders, ["a", "b"]);
+        let one = parsed("compare --tolerance=1e-8 a --tolerance force=1e-3 b").expect("a request");
+        let force = Tolerances {
+            force: 1e-3,
+            ..Tolerances::all(1e-8)
+        };
+        assert_eq!(one.tolerances, force);
+    }
+
+    #[test]
+    fn odd_command_lines_are_refused() {
+        for line in [
+            "",
+            "contrast a b",
+            "compare a",
+            "compare a b c",
+            "compare a b --tolerance",
+            "compare a b --tolerance x",
+            "compare a b --tolerance -1",
+            "compare a b --tolerance NaN",
+            "compare a b --tolerance mass=1",
+            "compare a b --colour",
+        ] {
+            assert!(parsed(line).is_err(), "{line}");
+        }
+    }
+}

@@ -1,0 +1,383 @@
+//! Results compared: stored ones of `freefem/two_bodies.edp`, and runs of its twin `examples/two_bodies.rs`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use ipopt_contact::contact_fem::output::compare::{
+    Comparison, Error, Matching, Note, Quantity, Row, Side, Tolerances, compare,
+};
+use ipopt_contact::prelude::*;
+
+#[allow(dead_code)]
+#[path = "../examples/two_bodies.rs"]
+mod two_bodies;
+
+/// What FreeFEM 4.9 wrote.
+fn stored(elements: &str) -> PathBuf {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/script_results");
+    tests.join(elements)
+}
+
+/// An empty folder of a test.
+fn fresh(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("compare")
+        .join(name);
+    if folder.exists() {
+        fs::remove_dir_all(&folder).expect("removed");
+    }
+    fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// A copy of a stored result, one of whose files is changed.
+fn changed(name: &str, file: &str, change: impl Fn(&str) -> String) -> PathBuf {
+    let folder = fresh(name);
+    for entry in fs::read_dir(stored("quadratic")).expect("a folder") {
+        let path = entry.expect("a file").path();
+        let copy = folder.join(path.file_name().expect("a name"));
+        fs::copy(path, copy).expect("copied");
+    }
+    let path = folder.join(file);
+    let text = fs::read_to_string(&path).expect("a text");
+    fs::write(path, change(&text)).expect("written");
+    folder
+}
+
+fn record<const D: usize>(folder: &Path, scene: Scene<D>, increments: usize) {
+    let mut simulation = Simulation::with_increments(increments);
+    let mut recording = simulation.record(folder);
+    recording.plan.quiet = true;
+    recording.plan.picture = String::new();
+    let mut problem = scene.problem().expect("a problem");
+    let recorded = recording.run(&mut problem).expect("a run");
+    assert!(recorded.history.is_complete());
+}
+
+fn row(comparison: &Comparison, quantity: Quantity) -> &Row {
+    let mut rows = comparison.rows.iter();
+    rows.find(|row| row.quantity == quantity).expect("a row")
+}
+
+/// The exit code and the output of the program.
+fn program(arguments: &[&Path]) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ipopt-contact"));
+    let output = command.arg("compare").args(arguments).output();
+    let output = output.expect("the program");
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8_lossy(&text).into())
+}
+
+/// Both codes solve the same quadratic problem; both are accurate to what their solvers leave.
+#[test]
+fn a_script_and_the_library_agree() {
+    for (elements, matching) in [
+        ("linear", Matching::ByNumber),
+        ("quadratic", Matching::ByPlace),
+    ] {
+        let folder = fresh(&format!("agree_{elements}"));
+        let scene = two_bodies::scene(elements == "quadratic").expect("a scene");
+        record(&folder, scene, 1);
+        let comparison = compare(&folder, &stored(elements)).expect("a comparison");
+        println!("{comparison}");
+        assert_eq!(comparison.matching, matching, "{elements}");
+        assert_eq!(comparison.notes, []);
+        let tolerances = Tolerances {
+            displacement: 1e-8,
+            force: 1e-6,
+            ..Tolerances::all(1e-9)
+        };
+        assert_eq!(comparison.beyond(&tolerances), Vec::<&Row>::new());
+        for quantity in [
+            Quantity::Energy,
+            Quantity::Reaction,
+            Quantity::Displacement,
+            Quantity::DisplacementL2,
+            Quantity::ContactForce,
+        ] {
+            let row = row(&comparison, quantity);
+            assert!(row.a > Some(0.0) && row.relative.is_some(), "{row}");
+        }
+        // the script gives no pressures
+        let pressure = row(&comparison, Quantity::Pressure);
+        assert_eq!((pressure.relative, pressure.b), (None, None));
+    }
+}
+
+/// A mesh of FreeFEM's `cube(2, 1, 1)`, P2, the top moved; without contact.
+#[test]
+fn a_script_in_space_and_the_library_agree() {
+    let file = MeshFile::read(stored("space").join("cube.mesh")).expect("a mesh");
+    let mesh = file.body::<3>("0").expect("a body").quadratic();
+    let mut cube = Body::new(mesh, LinearElastic::new(100.0, 0.3).expect("a law"));
+    cube.prescribe("5", [Some(0.0); 3]).expect("held");
+    let moved = [Some(0.1), Some(0.0), Some(-0.1)];
+    cube.prescribe("6", moved).expect("moved");
+    let mut scene = Scene::new();
+    scene.add("cube", cube);
+    let folder = fresh("space");
+    record(&folder, scene, 1);
+    let comparison = compare(&folder, &stored("space")).expect("a comparison");
+    assert_eq!(comparison.matching, Matching::ByPlace);
+    let beyond = comparison.beyond(&Tolerances::all(1e-12));
+    assert!(beyond.is_empty(), "{comparison}");
+    assert!(
+        row(&comparison, Quantity::DisplacementL2)
+            .relative
+            .is_some()
+    );
+}
+
+/// The L² norm is taken over the cells of either; a uniform displacement has a known one.
+#[test]
+fn the_norm_of_a_translation_is_known() {
+    for quadratic in [false, true] {
+        let sides = linspace(0.0, 3.0, 2);
+        let mesh = rectangle(&sides, &sides, Diagonals::Rising).expect("a mesh");
+        let mesh = if quadratic { mesh.quadratic() } else { mesh };
+        let folders = [0.5, 0.25].map(|shift| {
+            let law = LinearElastic::new(1.0, 0.3).expect("a law");
+            let mut body = Body::new(mesh.clone(), law);
+            body.prescribe("bottom", [Some(shift), Some(0.0)])
+                .expect("held");
+            let mut scene = Scene::new();
+            scene.add("square", body);
+            let folder = fresh(&format!("norm_{quadratic}_{shift}"));
+            record(&folder, scene, 1);
+            folder
+        });
+        let comparison = compare(&folders[0], &folders[1]).expect("a comparison");
+        let norm = row(&comparison, Quantity::DisplacementL2);
+        let near =
+            |value: Option<f64>, exact: f64| value.is_some_and(|v| (v - exact).abs() < 1e-12);
+        assert!(near(norm.a, 1.5) && near(norm.b, 0.75), "{norm}");
+        assert!(
+            near(norm.absolute, 0.75) && near(norm.relative, 0.5),
+            "{norm}"
+        );
+    }
+}
+
+#[test]
+fn recorded_runs_compare_with_each_other() {
+    let folders = [1, 2].map(|increments| {
+        let folder = fresh(&format!("recorded_{increments}"));
+        record(
+            &folder,
+            two_bodies::scene(false).expect("a scene"),
+            increments,
+        );
+        folder
+    });
+    let comparison = compare(&folders[0], &folders[1]).expect("a comparison");
+    assert_eq!(comparison.matching, Matching::ByNumber);
+    assert_eq!(comparison.notes, [Note::Increments { a: 1.0, b: 2.0 }]);
+    assert!(
+        comparison.beyond(&Tolerances::all(1e-9)).is_empty(),
+        "{comparison}"
+    );
+    assert_eq!(row(&comparison, Quantity::Pressure).body, None);
+    assert!(row(&comparison, Quantity::Pressure).relative.is_some());
+
+    // the series lacks the last state
+    let listing = folders[1].join("recorded_2.pvd");
+    let text = fs::read_to_string(&listing).expect("a listing");
+    let last = text
+        .lines()
+        .rfind(|line| line.contains("<DataSet"))
+        .expect("a state");
+    fs::write(&listing, text.replace(last, "")).expect("written");
+    let why = compare(&folders[0], &folders[1])
+        .expect_err("a state is missing")
+        .to_string();
+    assert!(why.contains("record with `vtu_every = 1`"), "{why}");
+}
+
+/// What differs by more than the tolerance is named, and the exit code is 1.
+#[test]
+fn the_program_tells_what_is_beyond() {
+    let stored = stored("quadratic");
+    let (code, text) = program(&[&stored, &stored]);
+    assert_eq!(code, Some(0), "{text}");
+    let other = changed("beyond", "result.txt", |text| {
+        text.replace("energy 0.0188", "energy 0.0189")
+    });
+    let (code, text) = program(&[&stored, &other]);
+    assert_eq!(code, Some(1), "{text}");
+    assert!(text.contains("beyond the tolerance: energy\n"), "{text}");
+    let loose = Path::new("--tolerance=energy=0.01");
+    assert_eq!(program(&[&stored, &other, loose]).0, Some(0));
+    let (code, text) = program(&[&stored, Path::new("nowhere")]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("nowhere has no result"), "{text}");
+}
+
+#[test]
+fn another_mesh_is_refused() {
+    // of the same places, half of the nodes have no counterpart
+    let refused = compare(&stored("linear"), &stored("quadratic"));
+    let Err(Error::Unmatched {
+        body,
+        side,
+        only_middles,
+        ..
+    }) = refused
+    else {
+        panic!("{refused:?}");
+    };
+    assert_eq!(
+        (body.as_str(), side, only_middles),
+        ("lower", Side::B, false)
+    );
+}
+
+#[test]
+fn a_moved_node_is_named() {
+    let moved = changed("moved", "nodes_lower.txt", |text| {
+        text.replacen("2 1 \n", "2.001 1 \n", 1)
+    });
+    let refused = compare(&moved, &stored("quadratic"));
+    let Err(Error::Unmatched {
+        unmatched,
+        place,
+        distance,
+        ..
+    }) = refused
+    else {
+        panic!("{refused:?}");
+    };
+    assert_eq!((unmatched, place), (1, vec![2.001, 1.0]));
+    assert!((distance - 1e-3).abs() < 1e-12);
+}
+
+/// A side that one result has curved and the other straight.
+#[test]
+fn sides_that_are_curved_in_one_result_are_told() {
+    let folder = fresh("curved");
+    let mut scene = two_bodies::scene(true).expect("a scene");
+    record(&folder, scene, 1);
+    // the middle of the lower block's side at the right, which is between (2, 0.5) and (2, 1)
+    let bent = changed("bent", "nodes_lower.txt", |text| {
+        text.replacen("2 0.75 \n", "2.01 0.75 \n", 1)
+    });
+    let refused = compare(&folder, &bent);
+    assert!(
+        matches!(
+            refused,
+            Err(Error::Unmatched {
+                only_middles: true,
+                unmatched: 1,
+                ..
+            })
+        ),
+        "{refused:?}"
+    );
+    let corner = changed("corner", "nodes_lower.txt", |text| {
+        text.replacen("2 1 \n", "2.01 1 \n", 1)
+    });
+    let refused = compare(&folder, &corner);
+    assert!(
+        matches!(
+            refused,
+            Err(Error::Unmatched {
+                only_middles: false,
+                ..
+            })
+        ),
+        "{refused:?}"
+    );
+    // a recorded run is not one of a scene with other bodies
+    scene = Scene::new();
+    let law = LinearElastic::new(1.0, 0.3).expect("a law");
+    let mesh = rectangle(&[0.0, 1.0], &[0.0, 1.0], Diagonals::Rising).expect("a mesh");
+    let mut body = Body::new(mesh, law);
+    body.prescribe("bottom", [Some(0.0); 2]).expect("held");
+    scene.add("alone", body);
+    let alone = fresh("alone");
+    record(&alone, scene, 1);
+    assert!(matches!(compare(&alone, &bent), Err(Error::Bodies { .. })));
+}
+
+#[test]
+fn damaged_files_are_named() {
+    type Change = fn(&str) -> String;
+    let cases: [(&str, &str, Change, &str); 6] = [
+        (
+            "energy",
+            "result.txt",
+            |text| text.replace("energy ", "energy nan\nold "),
+            "energy is NaN",
+        ),
+        (
+            "word",
+            "result.txt",
+            |text| text.replace("energy ", "energy x\nold "),
+            "is no number",
+        ),
+        (
+            "nan",
+            "displacement_lower.txt",
+            |text| text.replacen("0 0", "-nan 0", 1),
+            "a number in line",
+        ),
+        (
+            "short",
+            "force_lower.txt",
+            |text| text[..text.len() / 2].into(),
+            "the displacements have",
+        ),
+        (
+            "fewer",
+            "nodes_upper.txt",
+            |text| text.lines().skip(1).map(|l| format!("{l}\n")).collect(),
+            "the displacements have",
+        ),
+        (
+            "column",
+            "displacement_upper.txt",
+            |text| text.replacen(" \n", " 0 0\n", 1),
+            "give each node 2 in the plane",
+        ),
+    ];
+    for (name, file, change, told) in cases {
+        let folder = changed(name, file, change);
+        let why = compare(&stored("quadratic"), &folder)
+            .expect_err(name)
+            .to_string();
+        assert!(
+            why.contains(file.split('.').next().unwrap_or(file)) && why.contains(told),
+            "{name}: {why}"
+        );
+    }
+    let missing = changed("missing", "result.txt", str::to_string);
+    fs::remove_file(missing.join("displacement_lower.txt")).expect("removed");
+    let refused = compare(&stored("quadratic"), &missing);
+    assert!(matches!(refused, Err(Error::Bodies { .. })), "{refused:?}");
+    fs::remove_file(missing.join("result.txt")).expect("removed");
+    let refused = compare(&stored("quadratic"), &missing);
+    assert!(
+        matches!(refused, Err(Error::NoResult { .. })),
+        "{refused:?}"
+    );
+}
+
+/// Without places nodes are taken by their numbers, if there are as many.
+#[test]
+fn results_without_places_are_compared_by_number() {
+    let numbered = changed("numbered", "result.txt", str::to_string);
+    for body in ["lower", "upper"] {
+        fs::remove_file(numbered.join(format!("nodes_{body}.txt"))).expect("removed");
+    }
+    let comparison = compare(&stored("quadratic"), &numbered).expect("a comparison");
+    assert_eq!(comparison.matching, Matching::ByNumberUnchecked);
+    assert!(
+        comparison.beyond(&Tolerances::all(0.0)).is_empty(),
+        "{comparison}"
+    );
+    let refused = compare(&stored("linear"), &numbered);
+    assert!(
+        matches!(refused, Err(Error::NodeCounts { .. })),
+        "{refused:?}"
+    );
+}
