@@ -97,12 +97,11 @@ impl fmt::Display for Interruption {
         match self {
             Interruption::Requested => write!(f, "a stop was requested"),
             Interruption::Deadline { seconds } => {
-                write!(f, "the time of {seconds} s that the run was given is over")
+                write!(f, "its budget of time ({seconds} s) is spent")
             }
-            Interruption::Factorizations { limit } => write!(
-                f,
-                "more than the {limit} factorisations that the run was given are needed"
-            ),
+            Interruption::Factorizations { limit } => {
+                write!(f, "its budget of factorisations ({limit}) is spent")
+            }
             Interruption::Observer => write!(f, "the run's observer stopped it"),
             Interruption::Solver => write!(f, "the solver reached a limit of its own"),
         }
