@@ -63,6 +63,7 @@ impl<'a> Journal<'a> {
                 lambda: Vec::new(),
                 history: Vec::new(),
                 failed: Vec::new(),
+                curvature: None,
             },
             point: start,
             clock: Instant::now(),

@@ -205,6 +205,9 @@ pub struct Solution {
     pub history: Vec<Iteration>,
     /// The attempts at this load that failed before, in order.
     pub failed: Vec<Failed>,
+    /// The smallest curvature found along motions that the closed rows permit, relative to the solver's matrix: at most 1,
+    /// and negative at an equilibrium that is unstable. `None` where it was not looked for.
+    pub curvature: Option<f64>,
 }
 
 /// An attempt at a load step after which another solver, or another setting, was tried.

@@ -509,6 +509,7 @@ mod tests {
             u[0] += 1e-3;
             let solution = Solution {
                 failed: Vec::new(),
+                curvature: None,
                 lambda: vec![1.0; gaps.len()],
                 state: State {
                     u,

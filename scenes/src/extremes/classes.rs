@@ -2,6 +2,7 @@
 
 mod bodies;
 mod rings;
+mod slender;
 mod unsolvable;
 
 use contact_fem::model::InitialGaps;
@@ -25,6 +26,7 @@ pub(super) fn all() -> Vec<Case> {
         many(),
         bodies::all(),
         rings::all(),
+        slender::all(),
         unsolvable::all(),
     ] {
         all.extend(part);

@@ -77,6 +77,11 @@ pub(in crate::equilibrium) fn solve(
         steps: 0,
     };
     let left = proximal.solve(stop)?;
+    if !left.is_finite() {
+        return Err(Halt::Failed(
+            "the multipliers of the condensed problem are not finite".into(),
+        ));
+    }
     let Proximal {
         center, lengths, ..
     } = &proximal;

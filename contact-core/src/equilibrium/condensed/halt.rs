@@ -69,6 +69,10 @@ impl Halt {
     /// The outcome, where it is none of the errors.
     pub fn outcome(self) -> Result<Outcome, Error> {
         match self {
+            // as too many rows are: another solver may do without the factor
+            Halt::Error(Error::Factor(why @ FactorError::TooLarge { .. })) => {
+                Ok(Outcome::SubproblemFailed(why.to_string()))
+            }
             Halt::Error(error) => Err(error),
             Halt::Failed(why) => Ok(Outcome::SubproblemFailed(why)),
             Halt::Stopped => Ok(Outcome::Interrupted),

@@ -184,6 +184,7 @@ impl Equilibrium for Condensed {
                 u: at.u,
             },
             failed: Vec::new(),
+            curvature: None,
             history: vec![Iteration {
                 solver: NAME,
                 error,
@@ -213,6 +214,7 @@ fn unchanged(start: State, energy: f64, outcome: Outcome) -> Solution {
         lambda: Vec::new(),
         history: Vec::new(),
         failed: Vec::new(),
+        curvature: None,
     }
 }
 

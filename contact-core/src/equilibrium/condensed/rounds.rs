@@ -14,8 +14,11 @@ const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 /// Bound on overlaps, and on gaps where forces act, relative to the largest Σ_j |C_ij u_j| of a row.
 const GAP: f64 = 1e-10;
 /// The same, relative to the smallest displacement that matters at contact; the smaller of the two counts.
-const RESOLUTION: f64 = 1e-5;
-/// The share of that bound left to the condensed problem.
+const RESOLUTION: f64 = 1e-10;
+/// Where rounds no longer reach that bound, this many times it suffices: the compliance of a body that floats has the
+/// round-off of its small shift.
+const SUFFICES: f64 = 1e5;
+/// The share of the bound left to the condensed problem.
 const SHARE: f64 = 0.1;
 /// While the working set grows, the condensed problem is solved this much less accurately.
 const ROUGH: f64 = 1e4;
@@ -65,14 +68,18 @@ impl Rounds<'_> {
     /// floats, the first round is the solution, and the next ones remove round-off.
     pub fn run(&mut self, at: &mut Iterate) -> Result<(), Halt> {
         let mut ratios = Vec::new();
+        let mut before = f64::INFINITY;
         for _ in 0..ROUNDS {
             Halt::if_requested(self.stop)?;
             let residual = self.residual(at);
             let gaps = self.gaps(&at.u);
             let bound = self.bound(&at.u);
-            if residual.ratio <= 1.0 && self.are_closed(&gaps, &at.lambda, bound) {
+            let open = self.openness(&gaps, &at.lambda, bound);
+            let is_stuck = open <= SUFFICES && open > 0.5 * before;
+            if residual.ratio <= 1.0 && (open <= 1.0 || is_stuck) {
                 return Ok(());
             }
+            before = open;
             if !(residual.ratio.is_finite() && bound.is_finite()) {
                 return Err(Halt::Failed("the iterates are not finite".into()));
             }
@@ -150,7 +157,7 @@ impl Rounds<'_> {
         let (gaps, start) = (of(gaps), of(lambda));
         let W = self.compliance.matrix();
         let solved = complementarity::solve(W, &gaps, &start, bound, self.stop)?;
-        if solved.left > 1.0 {
+        if solved.left > SUFFICES / SHARE {
             return Err(Halt::Failed(format!(
                 "gaps and forces of the condensed problem are not complementary: {:.1e} times the bound is left",
                 solved.left
@@ -184,11 +191,23 @@ impl Rounds<'_> {
             .max(ROUNDOFF * size)
     }
 
-    /// Whether no gap is negative and forces act at closed gaps only.
-    fn are_closed(&self, gaps: &[f64], lambda: &[f64], bound: f64) -> bool {
+    /// The largest overlap, and the largest gap times the share that its row has of the largest force, over the bound; zero
+    /// where rows are exactly closed or without a force.
+    fn openness(&self, gaps: &[f64], lambda: &[f64], bound: f64) -> f64 {
         let largest = lambda.iter().fold(0.0, |m: f64, l| m.max(*l));
-        let mut pairs = gaps.iter().zip(lambda);
-        pairs.all(|(&c, &l)| c >= -bound && c.max(0.0) * l <= bound * largest)
+        let mut worst = 0.0;
+        for (&c, &l) in gaps.iter().zip(lambda) {
+            let share = if l > 0.0 { l / largest } else { 0.0 };
+            let open = (-c).max(c.max(0.0) * share);
+            // NaN counts
+            if !(open <= worst) {
+                worst = open;
+            }
+        }
+        match worst > 0.0 {
+            true => worst / bound,
+            false => worst,
+        }
     }
 
     fn residual(&self, at: &Iterate) -> Residual {

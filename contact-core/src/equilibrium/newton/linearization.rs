@@ -30,11 +30,12 @@ pub(super) struct Linearization<'a> {
 }
 
 impl<'a> Linearization<'a> {
-    /// At `state`, with the rows `gaps` there.
+    /// At `state`, with the rows `gaps` there, which are taken as frozen unless the linearisation `varies` them.
     pub fn new(
         problem: &'a dyn ContactProblem,
         state: &State,
         gaps: &'a LinearGaps,
+        varies: bool,
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<Self, Halt> {
@@ -63,7 +64,7 @@ impl<'a> Linearization<'a> {
         let moves: Vec<bool> = (0..m).map(|i| entries(i).next().is_some()).collect();
         let compliance = |i: usize| {
             entries(i)
-                .map(|(j, a)| a * a / diagonal(pattern, &hessian, j))
+                .map(|(j, a)| a * a / diagonal(pattern, &hessian, j).abs())
                 .sum::<f64>()
         };
         let stiffness = |i: usize| if moves[i] { 1.0 / compliance(i) } else { 0.0 };
@@ -80,7 +81,10 @@ impl<'a> Linearization<'a> {
         let matters: Vec<bool> = (0..m).map(|i| acts[i] || c[i] < 0.0).collect();
         let clock = Instant::now();
         let asked: Vec<Option<f64>> = (0..m).map(|i| matters[i].then_some(lambda[i])).collect();
-        let variation = problem.vary_gaps(u, gaps, &asked)?;
+        let variation = match varies {
+            true => problem.vary_gaps(u, gaps, &asked)?,
+            false => None,
+        };
         if let Some(variation) = &variation {
             variation.check(m, u.len())?;
         }
@@ -110,6 +114,17 @@ impl<'a> Linearization<'a> {
         self.variation.iter().flat_map(GapVariation::stiffness)
     }
 
+    /// (K − sym D) v (n, UF).
+    pub fn curvature(&self, v: &[f64]) -> Vec<f64> {
+        let mut forces = vec![0.0; v.len()];
+        self.pattern.product(&self.hessian, v, &mut forces);
+        for (i, j, d) in self.contact_stiffness() {
+            forces[i] -= 0.5 * d * v[j];
+            forces[j] -= 0.5 * d * v[i];
+        }
+        forces
+    }
+
     /// Whether G = C and D = 0.
     pub fn is_frozen(&self) -> bool {
         self.variation.is_none()
@@ -117,6 +132,11 @@ impl<'a> Linearization<'a> {
 
     /// |K_jj| (UF/UL).
     pub fn diagonal(&self, j: usize) -> f64 {
+        diagonal(self.pattern, &self.hessian, j).abs()
+    }
+
+    /// K_jj (UF/UL).
+    pub fn signed_diagonal(&self, j: usize) -> f64 {
         diagonal(self.pattern, &self.hessian, j)
     }
 
@@ -153,7 +173,7 @@ impl<'a> Linearization<'a> {
 }
 
 fn diagonal(pattern: &SymmetricPattern, hessian: &[f64], j: usize) -> f64 {
-    pattern.slot(j, j).map_or(0.0, |slot| hessian[slot].abs())
+    pattern.slot(j, j).map_or(0.0, |slot| hessian[slot])
 }
 
 /// A multiplier that is no number is none.

@@ -6,6 +6,7 @@
 //! | `step` | Newton's step, the solution of the linearised contact problem |
 //! | `tangent` | the matrix that is factored |
 //! | `watchdog` | progress, and the way back where there is none |
+//! | `stability` | the curvature along the softest motion |
 //!
 //! An equilibrium of Algorithm 2 satisfies ∇E(u) = C(u)ᵀλ and 0 ≤ λ ⟂ c(u) ≥ 0, with projections and normals taken at u
 //! itself. With K = ∇²E, G = ∂c/∂u and D = ∂(C(u)ᵀλ)/∂u at u, Newton's step x and the new multipliers μ solve
@@ -24,6 +25,7 @@
 //! same. S and its factor are kept for further steps as long as these are short and easily corrected.
 
 mod linearization;
+mod stability;
 mod step;
 mod tangent;
 #[cfg(test)]
@@ -34,6 +36,7 @@ use std::fmt;
 use std::time::Instant;
 
 use self::linearization::Linearization;
+use self::stability::Softest;
 use self::step::{Accuracy, Step};
 use self::tangent::Tangent;
 use self::watchdog::Watchdog;
@@ -56,6 +59,10 @@ use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcom
 /// energy and overlap nor the change of u fall for a few iterations, the method returns to the best state and takes a shorter
 /// step. A converged state is checked at u itself: rows, forces and what they would still move.
 ///
+/// An equilibrium at the first load, at full load, and where contact forces have doubled is examined for motions that the
+/// closed rows permit and that release energy. Where there is one, the method moves along it and goes on; if it does not
+/// come to another equilibrium, the unstable one is the solution, and [`Solution::curvature`] tells.
+///
 /// The factor is kept for the next iteration and the next load step while steps are short and easily corrected. Clones
 /// start without it.
 ///
@@ -68,6 +75,8 @@ pub struct CondensedNewton {
     /// The iteration limit.
     pub max_iterations: usize,
     kept: Option<Tangent>,
+    /// The sum of the multipliers of the last equilibrium that was examined (UF).
+    examined: f64,
 }
 
 impl Default for CondensedNewton {
@@ -76,6 +85,7 @@ impl Default for CondensedNewton {
             tolerance: 1e-8,
             max_iterations: 30,
             kept: None,
+            examined: 0.0,
         }
     }
 }
@@ -108,6 +118,12 @@ const SHIFT: f64 = 1e-5;
 const CLOSED: f64 = 1e-10;
 /// Corrections of a step below this share of the displacements are not needed, nor those below a tenth of the tolerance.
 const NEGLIGIBLE: f64 = 1e-11;
+/// Equilibria are examined where the sum of the multipliers has grown by this factor.
+const GROWN: f64 = 2.0;
+/// An unstable equilibrium is left by this share of the displacements, and then by so many steps with frozen rows: they
+/// lead away from it, where Newton's lead back.
+const PUSH: f64 = 0.05;
+const FROZEN: usize = 8;
 /// A step is halved at most so often.
 const HALVINGS: usize = 20;
 
@@ -126,15 +142,20 @@ impl Equilibrium for CondensedNewton {
             state: start,
         };
         let mut history = Vec::new();
+        let mut curvature = None;
         let energy = problem.energy().value(&at.state.u);
         let outcome = match energy.is_finite() {
-            true => self
-                .iterate(problem, &mut at, energy, &mut history, context)
-                .or_else(Halt::outcome)?,
+            true => {
+                let ended = self.iterate(problem, &mut at, energy, &mut history, context);
+                let ended = ended.or_else(|halt| Ok::<_, Error>((halt.outcome()?, None)))?;
+                curvature = ended.1;
+                ended.0
+            }
             false => Outcome::InadmissibleStart,
         };
         Ok(Solution {
             outcome,
+            curvature,
             energy: problem.energy().value(&at.state.u),
             state: at.state,
             gaps: at.gaps,
@@ -181,7 +202,7 @@ impl CondensedNewton {
         start: f64,
         history: &mut Vec<Iteration>,
         context: &StepContext<'_>,
-    ) -> Result<Outcome, Halt> {
+    ) -> Result<(Outcome, Option<f64>), Halt> {
         let energy = problem.energy();
         let kept = self
             .kept
@@ -194,7 +215,12 @@ impl CondensedNewton {
             tangent.begin();
         }
         at.project(problem, context.stop)?;
+        let is_end = context.from == 0.0 || context.to >= 1.0;
         let mut iterate = Iterate {
+            examined: if is_end { 0.0 } else { self.examined },
+            curvature: None,
+            unstable: None,
+            frozen: 0,
             watchdog: Watchdog::new(at, start),
             problem,
             at,
@@ -203,10 +229,15 @@ impl CondensedNewton {
             length: None,
             stop: context.stop,
         };
-        for _ in 0..self.max_iterations {
+        let mut left = self.max_iterations;
+        let outcome = loop {
             if context.stop.is_requested() {
-                return Ok(Outcome::Interrupted);
+                break Ok(Outcome::Interrupted);
             }
+            if left == 0 {
+                break Ok(Outcome::IterationLimit);
+            }
+            left -= 1;
             let clock = Instant::now();
             let mut cost = Cost {
                 outer_iterations: 1,
@@ -214,6 +245,7 @@ impl CondensedNewton {
                 values: usize::from(history.is_empty()),
                 ..Cost::default()
             };
+            let was_stable = iterate.unstable.is_none();
             let moved = iterate.moved(tangent, &mut cost);
             cost.wall = clock.elapsed().as_secs_f64();
             cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
@@ -224,11 +256,22 @@ impl CondensedNewton {
                 rows: iterate.at.gaps.len(),
                 cost,
             });
-            if moved?.is_over {
-                return Ok(Outcome::Converged);
+            match moved {
+                Ok(moved) if moved.is_over => break Ok(Outcome::Converged),
+                Ok(_) if was_stable && iterate.unstable.is_some() => left = self.max_iterations,
+                Ok(_) => {}
+                Err(halt) => break Err(halt),
             }
+        };
+        self.examined = iterate.examined;
+        match (outcome, iterate.unstable) {
+            (Ok(Outcome::IterationLimit) | Err(Halt::Failed(_)), Some((point, curvature))) => {
+                *iterate.at = point;
+                tangent.forget();
+                Ok((Outcome::Converged, Some(curvature)))
+            }
+            (outcome, _) => Ok((outcome?, iterate.curvature)),
         }
-        Ok(Outcome::IterationLimit)
     }
 }
 
@@ -242,6 +285,13 @@ struct Iterate<'a> {
     tolerance: f64,
     /// The length of the last step, unshortened (UL).
     length: Option<f64>,
+    /// The sum of the multipliers of the last equilibrium that was examined (UF), and its curvature in this load step.
+    examined: f64,
+    curvature: Option<f64>,
+    /// An unstable equilibrium that was left, with its curvature.
+    unstable: Option<(Point, f64)>,
+    /// The number of steps with frozen rows to come.
+    frozen: usize,
     stop: &'a Stop,
 }
 
@@ -287,11 +337,16 @@ impl Iterate<'_> {
         // a shortened step and a shifted diagonal make small changes far from a solution
         let is_whole = trial.share == 1.0 && tangent.shift() <= SHIFT;
         let bound = self.tolerance.max(CLOSED) * self.at.size(self.least);
-        if error < self.tolerance && is_whole {
+        if error < self.tolerance && is_whole && self.frozen == 0 {
             // too stiff an S underestimates how far the forces that are left would move the row
             if tangent.holds_an_open_row(&self.at.state.multipliers) {
                 tangent.forget();
             } else if self.at.is_equilibrium(self.problem, tangent, bound, cost)? {
+                let softest = trial.softest.filter(Softest::is_unstable);
+                if let Some(softest) = softest.filter(|_| self.unstable.is_none()) {
+                    self.leave(&softest, tangent)?;
+                    return Ok(Moved::on(error));
+                }
                 return Ok(Moved {
                     error,
                     is_over: true,
@@ -311,6 +366,30 @@ impl Iterate<'_> {
         Ok(Moved::on(error))
     }
 
+    /// Leaves an unstable equilibrium along its softest motion.
+    fn leave(&mut self, softest: &Softest, tangent: &mut Tangent) -> Result<(), Halt> {
+        self.unstable = Some((self.at.clone(), softest.curvature));
+        let energy = self.problem.energy();
+        let from = self.at.state.u.clone();
+        let mut length = PUSH * self.at.size(self.least);
+        let mut value = f64::INFINITY;
+        for _ in 0..HALVINGS {
+            let moved = from.iter().zip(&softest.motion);
+            self.at.state.u = moved.map(|(u, v)| u + length * v).collect();
+            value = energy.value(&self.at.state.u);
+            if value.is_finite() {
+                break;
+            }
+            length *= 0.5;
+        }
+        self.at.project(self.problem, self.stop)?;
+        self.watchdog = Watchdog::new(self.at, value);
+        self.length = None;
+        self.frozen = FROZEN;
+        tangent.stiffen();
+        Ok(())
+    }
+
     fn go_back_to(&mut self, best: Point, tangent: &mut Tangent) {
         *self.at = best;
         self.length = None;
@@ -320,7 +399,9 @@ impl Iterate<'_> {
     /// The end of Newton's step from here, shortened as far as it must be.
     fn trial(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Trial, Halt> {
         let (state, size) = (&self.at.state, self.at.size(self.least));
-        let here = Linearization::new(self.problem, state, &self.at.gaps, self.stop, cost)?;
+        let varies = self.frozen == 0;
+        let here = Linearization::new(self.problem, state, &self.at.gaps, varies, self.stop, cost)?;
+        self.frozen = self.frozen.saturating_sub(1);
         let accuracy = Accuracy {
             before: self.length.take(),
             negligible: NEGLIGIBLE.min(0.1 * self.tolerance) * size,
@@ -334,9 +415,17 @@ impl Iterate<'_> {
         };
         self.length = Some(step.length);
         let limit = self.watchdog.limit();
-        let trial = Trial::new(self.problem.energy(), &here, state, &step, limit, cost)?;
+        let mut trial = Trial::new(self.problem.energy(), &here, state, &step, limit, cost)?;
         let error = relative_change(&trial.u, &state.u, self.least);
         tangent.moved(error, step.corrections);
+        let pushed: f64 = step.lambda.iter().sum();
+        let is_due = self.unstable.is_some() || !(pushed <= GROWN * self.examined);
+        let is_last = error < self.tolerance && trial.share == 1.0 && tangent.shift() <= SHIFT;
+        if is_last && is_due && varies {
+            trial.softest = Softest::new(&here, tangent, &step.condensed, &step.lambda, self.stop)?;
+            self.curvature = trial.softest.as_ref().map(|softest| softest.curvature);
+            self.examined = pushed;
+        }
         Ok(trial)
     }
 }
@@ -372,8 +461,12 @@ impl Point {
         let matrix = self.gaps.matrix();
         let immovable = (0..c.len()).filter(|&i| matrix.row(i).all(|(_, a)| a == 0.0));
         Halt::if_immovable(problem, &self.gaps, immovable, &c)?;
-        let mut rows = c.iter().zip(&self.lambda);
-        if rows.any(|(c, lambda)| *c < -bound || (*lambda > 0.0 && *c > bound)) {
+        let is_wrong = |i: usize| {
+            let (c, lambda) = (c[i], self.lambda[i]);
+            let is_movable = matrix.row(i).any(|(_, a)| a != 0.0);
+            is_movable && (c < -bound || (lambda > 0.0 && c > bound))
+        };
+        if (0..c.len()).any(is_wrong) {
             return Ok(false);
         }
         let mut left = vec![0.0; self.state.u.len()];
@@ -398,6 +491,8 @@ struct Trial {
     share: f64,
     /// E(u + t x) (UF·UL).
     energy: f64,
+    /// The softest motion, where it was looked for.
+    softest: Option<Softest>,
 }
 
 impl Trial {
@@ -436,6 +531,7 @@ impl Trial {
                     lambda: along(share, &here.lambda, &mut change),
                     share,
                     energy: value,
+                    softest: None,
                 });
             }
             share *= 0.5;

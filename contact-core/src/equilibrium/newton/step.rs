@@ -36,13 +36,15 @@ pub(super) struct Step {
     pub length: f64,
     /// The number of corrections.
     pub corrections: usize,
+    /// What the last of them was made with.
+    pub condensed: Condensed,
 }
 
 /// The rows that are condensed, and their compliance W.
-struct Condensed {
-    rows: Vec<usize>,
-    W: Mat<f64>,
-    response: Response,
+pub(super) struct Condensed {
+    pub rows: Vec<usize>,
+    pub W: Mat<f64>,
+    pub response: Response,
 }
 
 /// The accuracy of a step: the largest correction that may be its last.
@@ -77,16 +79,17 @@ impl Step {
         let m = here.gaps.len();
         let close =
             (0..m).filter(|&i| here.acts[i] || here.overlaps(i, here.c[i], OVERLAP * least));
-        let mut condensed = Condensed::new(close.collect(), here, tangent, stop)?;
         let mut step = Step {
             x: vec![0.0; here.load.len()],
             lambda: here.lambda.clone(),
             length: 0.0,
             corrections: 0,
+            condensed: Condensed::new(close.collect(), here, tangent, stop)?,
         };
         let mut anderson = Anderson::of(Acceleration::Anderson(DEPTH));
         loop {
             Halt::if_requested(stop)?;
+            let condensed = &step.condensed;
             let (image, lambda) = condensed.corrected(here, &step, tangent, least, stop, cost)?;
             step.corrections += 1;
             let change = largest(image.iter().zip(&step.x).map(|(a, b)| a - b));
@@ -96,11 +99,12 @@ impl Step {
             }
             step.lambda = lambda;
             let is_last = step.corrections >= CORRECTIONS;
-            let missing = condensed.missing(here, &image, OVERLAP * least);
+            let missing = step.condensed.missing(here, &image, OVERLAP * least);
             if !missing.is_empty() && !is_last {
-                condensed.rows.extend(missing);
-                condensed.rows.sort_unstable();
-                condensed = Condensed::new(condensed.rows, here, tangent, stop)?;
+                let mut rows = step.condensed.rows;
+                rows.extend(missing);
+                rows.sort_unstable();
+                step.condensed = Condensed::new(rows, here, tangent, stop)?;
                 step.x = image;
                 anderson.restart();
                 continue;

@@ -116,6 +116,13 @@ impl Tangent {
         self.last = None;
     }
 
+    /// From now on S has the contact stiffness D, and stiffness of the rows that act: it is positive definite where the
+    /// equilibrium is stable, and needs a shift where it is not, so that steps lead down.
+    pub fn stiffen(&mut self) {
+        self.ratio = FIRST;
+        self.forget();
+    }
+
     /// Tells how the last step went.
     pub fn moved(&mut self, change: f64, corrections: usize) {
         self.last = Some((change, corrections));
@@ -175,10 +182,10 @@ impl Tangent {
         }
     }
 
-    /// Whether no K_jj has doubled or halved since K was factored.
+    /// Whether no K_jj has doubled, halved or changed its sign since K was factored.
     fn is_like(&self, here: &Linearization<'_>) -> bool {
         let mut diagonals = self.diagonal.iter().enumerate();
-        diagonals.all(|(j, &then)| (0.5 * then..=2.0 * then).contains(&here.diagonal(j)))
+        diagonals.all(|(j, &then)| (0.5 * then..=2.0 * then).contains(&here.signed_diagonal(j)))
     }
 
     /// Factors K + shift diag K and, where stiffness is added to rows, that stiffness − sym D.
@@ -232,7 +239,7 @@ impl Tangent {
         self.stiffened = stiffened.map(|(&key, &s)| (key, s)).collect();
         self.diagonal.clear();
         self.diagonal
-            .extend((0..self.pattern.dim()).map(|j| here.diagonal(j)));
+            .extend((0..self.pattern.dim()).map(|j| here.signed_diagonal(j)));
         Ok(())
     }
 

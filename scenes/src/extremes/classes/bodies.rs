@@ -8,6 +8,7 @@ use crate::extremes::{Case, Check, Truth};
 
 pub(super) fn all() -> Vec<Case> {
     let mut cases = resting();
+    cases.extend(resting_in_space());
     cases.extend(crossing());
     cases.extend(tips());
     cases.extend(ironing());
@@ -64,6 +65,62 @@ fn resting() -> Vec<Case> {
             }));
             let case = Case::plane(name(law, high, weight), "at rest", scene, truth);
             cases.push(case.twin(name(law, 1, 1.0)));
+        }
+    }
+    cases
+}
+
+/// The same in space. Nothing but the shape of the blocks tells where they stay along the foundation: no motion along it costs
+/// energy, and no force acts along it.
+fn resting_in_space() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let name = |law: &str, high: usize, held: &str| {
+        format!("{high} {law} blocks at rest in space, {held} along the foundation")
+    };
+    for (is_linear, is_held) in [(true, true), (true, false), (false, true), (false, false)] {
+        let law = if is_linear { "linear" } else { "neo-hookean" };
+        let held = if is_held { "held" } else { "free" };
+        for high in [1, 3, 10] {
+            let scene = move || -> Result<Scene<3>, Failure> {
+                let body = |low: [f64; 3], size: [f64; 3], cells: [usize; 3]| {
+                    let mut mesh = cuboid(low, size, cells)?;
+                    mesh.name_boundary("lower", |x| x[2] == low[2]);
+                    mesh.name_boundary("upper", |x| x[2] == low[2] + size[2]);
+                    Ok::<_, Failure>(match is_linear {
+                        true => Body::new(mesh, LinearElastic::new(1e3, 0.3)?),
+                        false => Body::new(mesh, NeoHookean::new(1e3, 0.3)?),
+                    })
+                };
+                let mut scene = Scene::new();
+                let mut foundation = body([-1.0, -1.0, -1.0], [3.0, 3.0, 1.0], [5, 5, 2])?;
+                foundation.prescribe("lower", [Some(0.0); 3])?;
+                let mut below = scene.add("foundation", foundation);
+                for k in 0..high {
+                    let across = 2 + k % 2;
+                    let mut upper = body([0.0, 0.0, k as f64], [1.0; 3], [across, across, 2])?;
+                    upper.body_force([0.0, 0.0, -1.0])?;
+                    if is_held {
+                        // the first node, and against rotation the next corner along x
+                        upper.prescribe_nodes(&[0], [Some(0.0), Some(0.0), None])?;
+                        upper.prescribe_nodes(&[across], [None, Some(0.0), None])?;
+                    }
+                    let upper = scene.add(format!("block {k}"), upper);
+                    scene.contact(below.on("upper"), upper.on("lower"))?;
+                    below = upper;
+                }
+                Ok(scene)
+            };
+            let truth = Truth::Values(Box::new(move |_, history| {
+                let carried = history.last().map_or(f64::NAN, |step| step.reactions[0][2]);
+                let weight = Check::relative("weight carried", carried, high as f64, 1e-5);
+                let most = Check::that(
+                    "at most 30 factorisations",
+                    history.run.cost().factorizations <= 30,
+                );
+                vec![weight, most]
+            }));
+            let case = Case::space(name(law, high, held), "at rest", scene, truth);
+            cases.push(case.twin(name(law, 1, "held")));
         }
     }
     cases

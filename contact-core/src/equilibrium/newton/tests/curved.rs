@@ -215,3 +215,94 @@ fn an_indefinite_spring_at_an_obstacle() {
         spring.assert_found(&solution, spring.angle(1.3, 1.6));
     }
 }
+
+/// Two equilibria on the disc: the nearest point to the spring's end, a minimum, and the farthest, a maximum along the disc.
+#[test]
+fn an_unstable_equilibrium_is_left() {
+    let spring = Spring {
+        stiffness: [1.0, 1.0],
+        pulled_to: [0.3, 0.0],
+        ..PRESSED
+    };
+    for start in [[-1.2, 0.01], [-1.2, 0.2], [-1.2, 0.5], [-0.5, 1.2]] {
+        let solution = spring.toy(true).solve_from(&start);
+        assert_eq!(solution.outcome, Outcome::Converged, "from {start:?}");
+        assert_near(&solution.state.u, &[1.0, 0.0], 1e-8);
+        // along the disc: 1 + λ / r of the spring's stiffness at most
+        let curvature = solution.curvature.expect("examined");
+        assert!(curvature > 0.0, "{curvature}");
+    }
+}
+
+/// The curvature along the disc is known: k − λ over k, since the disc's radius is 1.
+#[test]
+fn curvature_along_a_disc() {
+    for pull in [0.9, 0.5, 0.2] {
+        let spring = Spring {
+            stiffness: [2.0, 2.0],
+            pulled_to: [pull, 0.0],
+            ..PRESSED
+        };
+        let solution = spring.toy(true).solve_from(&[1.1, 0.02]);
+        assert_near(&solution.lambda, &[2.0 * (1.0 - pull)], 1e-8);
+        let curvature = solution.curvature.expect("examined");
+        assert!((curvature - pull).abs() < 1e-6, "{curvature} for {pull}");
+    }
+}
+
+/// The spring pulls through the disc: the start is next to an equilibrium whose curvature is −2.
+#[test]
+fn a_very_unstable_equilibrium_is_left() {
+    let spring = Spring {
+        stiffness: [2.0, 2.0],
+        pulled_to: [-2.0, 0.0],
+        ..PRESSED
+    };
+    let solution = spring.toy(true).solve_from(&[1.1, 0.02]);
+    assert_eq!(solution.outcome, Outcome::Converged);
+    // around the disc and away from it
+    assert_near(&solution.state.u, &[-2.0, 0.0], 1e-8);
+    assert_eq!(solution.lambda, [0.0]);
+}
+
+/// A load that turns the sign of K's diagonal, where nothing holds the unknown: the factor of the load before is no longer
+/// one, and the straight equilibrium no minimum. E = ½ u₁² − p u₁ + 5 (0.4 − p) u₂² + ¼ u₂⁴.
+#[test]
+fn a_factor_is_not_kept_across_a_change_of_sign() {
+    let toy = |p: f64| {
+        let mut toy = Toy::quadratic(&DMatrix::identity(2, 2), &[0.0; 2], &[]);
+        let a = 10.0 * (0.4 - p);
+        toy.value = Box::new(move |u| {
+            0.5 * u[0] * u[0] - p * u[0] + 0.5 * a * u[1] * u[1] + 0.25 * u[1].powi(4)
+        });
+        toy.gradient = Box::new(move |u| vec![u[0] - p, a * u[1] + u[1].powi(3)]);
+        toy.hessian = Box::new(move |u| {
+            DMatrix::from_diagonal(&DVector::from_column_slice(&[1.0, a + 3.0 * u[1] * u[1]]))
+        });
+        toy
+    };
+    let mut solver = CondensedNewton::default();
+    let mut u = vec![0.0, 0.0];
+    for p in [0.3996, 0.3998, 0.3999] {
+        let solution = toy(p).solve_with(&mut solver, &u);
+        assert_eq!(solution.outcome, Outcome::Converged, "{p}");
+        u = solution.state.u;
+    }
+    let solution = toy(0.4001).solve_with(&mut solver, &u);
+    let is_straight = solution.state.u[1].abs() < 1e-6;
+    assert!(
+        solution.outcome != Outcome::Converged || !is_straight,
+        "{:?}",
+        solution.state.u
+    );
+}
+
+/// A row without free unknowns that overlaps by less than what counts stands in nobody's way.
+#[test]
+fn a_row_that_nothing_moves_may_overlap_by_round_off() {
+    let rows = [(vec![0.0], -5e-10), (vec![-1.0], 1.0)];
+    let toy = Toy::quadratic(&DMatrix::identity(1, 1), &[1e-3], &rows);
+    let solution = toy.solve_from(&[0.0]);
+    assert_eq!(solution.outcome, Outcome::Converged);
+    assert_near(&solution.state.u, &[1e-3], 1e-12);
+}
