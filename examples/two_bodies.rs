@@ -14,6 +14,7 @@ use clap::Parser;
 use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::output::record::exit;
 use ipopt_contact::prelude::*;
+use ipopt_contact_scenes::cli::Solver;
 
 /// Two blocks, one on the other, as `freefem/two_bodies.edp` solves them
 #[derive(Parser, Debug)]
@@ -21,16 +22,24 @@ struct Arguments {
     /// Quadratic elements instead of linear ones
     #[arg(long)]
     quadratic: bool,
+    /// How the load is solved
+    #[arg(long, value_enum, default_value_t = Solver::Automatic)]
+    solver: Solver,
     /// The folder of all files
     #[arg(long, default_value = "out/two_bodies")]
     out: std::path::PathBuf,
 }
 
 fn main() -> ExitCode {
-    let Arguments { quadratic, out } = Arguments::parse();
+    let Arguments {
+        quadratic,
+        solver,
+        out,
+    } = Arguments::parse();
     let run = || {
         let mut problem = scene(quadratic)?.problem()?;
-        Simulation::with_increments(1).record(out).run(&mut problem)
+        let mut simulation = Simulation::solved_by(solver.with_tolerance(None), 1);
+        simulation.record(out).run(&mut problem)
     };
     exit(run())
 }

@@ -81,6 +81,10 @@ fn resting_in_space() -> Vec<Case> {
         let law = if is_linear { "linear" } else { "neo-hookean" };
         let held = if is_held { "held" } else { "free" };
         for high in [1, 3, 10] {
+            if !is_linear && !is_held && high > 3 {
+                // one and three tell already that they do not solve
+                continue;
+            }
             let scene = move || -> Result<Scene<3>, Failure> {
                 let body = |low: [f64; 3], size: [f64; 3], cells: [usize; 3]| {
                     let mut mesh = cuboid(low, size, cells)?;
@@ -120,6 +124,8 @@ fn resting_in_space() -> Vec<Case> {
                 vec![weight, most]
             }));
             let case = Case::space(name(law, high, held), "at rest", scene, truth);
+            let is_quick = high == 3 && (is_linear || is_held);
+            let case = if is_quick { case.quick() } else { case };
             cases.push(case.twin(name(law, 1, "held")));
         }
     }
