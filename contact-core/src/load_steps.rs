@@ -161,6 +161,9 @@ impl LoadSteps {
     const GUARD: f64 = 0.1;
     /// Load factors (dimensionless, 1 at full load) that differ by less are equal.
     const CLOSE: f64 = 1e-12;
+    /// Cutting goes on only while it reduces what a failed attempt leaves to this share in so many cuts.
+    const SHRINKS: f64 = 0.9;
+    const USELESS_CUTS: usize = 3;
     /// The largest number of increments accepted.
     const MOST_INCREMENTS: usize = 1_000_000;
     /// The largest number of halvings accepted: smaller steps are lost in round-off.
@@ -276,14 +279,22 @@ impl Path<'_> {
                         halvings = halvings.saturating_sub(1); // after success the step doubles
                     }
                     Outcome::Interrupted => return Ok(self.interrupted()),
-                    _ if halvings < self.settings.max_halvings => {
+                    _ if halvings < self.settings.max_halvings && !self.is_stuck() => {
                         halvings += 1;
                         continue;
                     }
                     _ => {
+                        let mut cause = problem.diagnose(&solution);
+                        if self.is_stuck() {
+                            let stuck = "smaller steps do not reduce it";
+                            cause = Some(match cause {
+                                Some(cause) => format!("{stuck}; {cause}"),
+                                None => stuck.to_string(),
+                            });
+                        }
                         return Ok(Ending::NotConverged {
                             at: self.last.factor,
-                            cause: problem.diagnose(&solution),
+                            cause,
                             why: solution.outcome,
                         });
                     }
@@ -306,6 +317,29 @@ impl Path<'_> {
             }
         }
         Ok(Ending::Complete)
+    }
+
+    /// Whether the last attempts, all from the last converged state, cycle or tunnel by as much as the one before them,
+    /// although their steps were smaller.
+    fn is_stuck(&self) -> bool {
+        let of_failure = |attempt: &Attempt| match attempt.outcome {
+            Outcome::Cycle { amplitude, .. } => Some(amplitude),
+            Outcome::Tunnelled { depth, .. } => Some(depth),
+            _ => None,
+        };
+        let from = self.last.factor;
+        let attempts = self.attempts.iter().rev();
+        let failed = attempts.take_while(|attempt| attempt.from == from);
+        let left: Vec<Option<f64>> = failed
+            .take(1 + LoadSteps::USELESS_CUTS)
+            .map(of_failure)
+            .collect();
+        match left[..] {
+            [Some(last), .., Some(first)] if left.len() > LoadSteps::USELESS_CUTS => {
+                left.iter().all(Option::is_some) && last > LoadSteps::SHRINKS * first
+            }
+            _ => false,
+        }
     }
 
     /// The ending at a request or a limit.

@@ -57,6 +57,18 @@ impl Multipliers {
         self.0.is_empty()
     }
 
+    /// The rows with a force here or in `before`, but not in both.
+    pub fn switched(&self, before: &Multipliers) -> Vec<RowKey> {
+        let acting = |all: &Multipliers, other: &Multipliers| -> Vec<RowKey> {
+            let acting = all.0.iter().filter(|(_, l)| *l > 0.0);
+            let alone = acting.filter(|(key, _)| !(other.of(*key) > 0.0));
+            alone.map(|(key, _)| *key).collect()
+        };
+        let mut rows = acting(self, before);
+        rows.extend(acting(before, self));
+        rows
+    }
+
     /// The extrapolation max(λ + s (λ − λ_before), 0).
     pub fn extrapolated(&self, before: &Multipliers, s: f64) -> Multipliers {
         let line = |&(key, l): &(RowKey, f64)| (key, (l + s * (l - before.of(key))).max(0.0));

@@ -64,6 +64,7 @@ impl<'a> Journal<'a> {
                 history: Vec::new(),
                 failed: Vec::new(),
                 curvature: None,
+                flickering: Vec::new(),
             },
             point: start,
             clock: Instant::now(),
@@ -127,8 +128,13 @@ impl<'a> Journal<'a> {
             },
         });
         self.ended = self.verdict(&minimum, error, gaps.is_exact());
+        let multipliers = Multipliers::new(&gaps, &minimum.lambda);
+        self.solution.flickering = match self.ended {
+            None | Some(Outcome::Converged) => Vec::new(),
+            Some(_) => multipliers.switched(&self.solution.state.multipliers),
+        };
         self.solution.state = State {
-            multipliers: Multipliers::new(&gaps, &minimum.lambda),
+            multipliers,
             u: minimum.u,
         };
         self.solution.lambda = minimum.lambda;

@@ -42,7 +42,7 @@ use std::fmt;
 use self::condensed::halt::Halt;
 #[cfg(feature = "linear")]
 use crate::{Bounds, gaps::Sampling, method::check_bounds};
-use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, State, Stop};
+use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, RowKey, State, Stop};
 
 /// A solver for equilibrium at one load.
 pub trait Equilibrium {
@@ -208,6 +208,8 @@ pub struct Solution {
     /// The smallest curvature found along motions that the closed rows permit, relative to the solver's matrix: at most 1,
     /// and negative at an equilibrium that is unstable. `None` where it was not looked for.
     pub curvature: Option<f64>,
+    /// Rows that opened or closed in the last iteration of a solve that did not converge.
+    pub flickering: Vec<RowKey>,
 }
 
 /// An attempt at a load step after which another solver, or another setting, was tried.

@@ -510,6 +510,7 @@ mod tests {
             let solution = Solution {
                 failed: Vec::new(),
                 curvature: None,
+                flickering: Vec::new(),
                 lambda: vec![1.0; gaps.len()],
                 state: State {
                     u,

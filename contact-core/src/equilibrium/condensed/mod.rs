@@ -185,6 +185,7 @@ impl Equilibrium for Condensed {
             },
             failed: Vec::new(),
             curvature: None,
+            flickering: Vec::new(),
             history: vec![Iteration {
                 solver: NAME,
                 error,
@@ -215,6 +216,7 @@ fn unchanged(start: State, energy: f64, outcome: Outcome) -> Solution {
         history: Vec::new(),
         failed: Vec::new(),
         curvature: None,
+        flickering: Vec::new(),
     }
 }
 

@@ -46,7 +46,9 @@ use super::{
     least_displacement, relative_change, rows_of_both_roles,
 };
 use crate::cost::FactorSize;
-use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, State, Stop};
+use crate::{
+    ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, RowKey, State, Stop,
+};
 
 /// Equilibrium by Newton's method on the energy, with contact condensed onto its rows and re-projected in every
 /// iteration: the equilibria of Algorithm 2, without an inner optimiser.
@@ -142,20 +144,15 @@ impl Equilibrium for CondensedNewton {
             state: start,
         };
         let mut history = Vec::new();
-        let mut curvature = None;
         let energy = problem.energy().value(&at.state.u);
-        let outcome = match energy.is_finite() {
-            true => {
-                let ended = self.iterate(problem, &mut at, energy, &mut history, context);
-                let ended = ended.or_else(|halt| Ok::<_, Error>((halt.outcome()?, None)))?;
-                curvature = ended.1;
-                ended.0
-            }
-            false => Outcome::InadmissibleStart,
+        let ended = match energy.is_finite() {
+            true => self.iterate(problem, &mut at, energy, &mut history, context)?,
+            false => Ended::with(Outcome::InadmissibleStart),
         };
         Ok(Solution {
-            outcome,
-            curvature,
+            outcome: ended.outcome,
+            curvature: ended.curvature,
+            flickering: ended.flickering,
             energy: problem.energy().value(&at.state.u),
             state: at.state,
             gaps: at.gaps,
@@ -175,6 +172,23 @@ impl Equilibrium for CondensedNewton {
     fn validate(&self) -> Result<(), Error> {
         let remedy = "choose a value between 0 and 1; the default is 1e-8";
         check_settings(self.tolerance, self.max_iterations, remedy)
+    }
+}
+
+/// How the iteration at one load ended, see [`Solution`].
+struct Ended {
+    outcome: Outcome,
+    curvature: Option<f64>,
+    flickering: Vec<RowKey>,
+}
+
+impl Ended {
+    fn with(outcome: Outcome) -> Self {
+        Ended {
+            outcome,
+            curvature: None,
+            flickering: Vec::new(),
+        }
     }
 }
 
@@ -202,7 +216,7 @@ impl CondensedNewton {
         start: f64,
         history: &mut Vec<Iteration>,
         context: &StepContext<'_>,
-    ) -> Result<(Outcome, Option<f64>), Halt> {
+    ) -> Result<Ended, Error> {
         let energy = problem.energy();
         let kept = self
             .kept
@@ -214,9 +228,12 @@ impl CondensedNewton {
         if context.from == 0.0 {
             tangent.begin();
         }
-        at.project(problem, context.stop)?;
+        if let Err(halt) = at.project(problem, context.stop) {
+            return Ok(Ended::with(halt.outcome()?));
+        }
         let is_end = context.from == 0.0 || context.to >= 1.0;
         let mut iterate = Iterate {
+            before: at.state.multipliers.clone(),
             examined: if is_end { 0.0 } else { self.examined },
             curvature: None,
             unstable: None,
@@ -264,14 +281,23 @@ impl CondensedNewton {
             }
         };
         self.examined = iterate.examined;
-        match (outcome, iterate.unstable) {
+        let (outcome, curvature) = match (outcome, iterate.unstable) {
             (Ok(Outcome::IterationLimit) | Err(Halt::Failed(_)), Some((point, curvature))) => {
                 *iterate.at = point;
                 tangent.forget();
-                Ok((Outcome::Converged, Some(curvature)))
+                (Outcome::Converged, Some(curvature))
             }
-            (outcome, _) => Ok((outcome?, iterate.curvature)),
-        }
+            (outcome, _) => (outcome.or_else(Halt::outcome)?, iterate.curvature),
+        };
+        let flickering = match outcome {
+            Outcome::Converged => Vec::new(),
+            _ => iterate.at.state.multipliers.switched(&iterate.before),
+        };
+        Ok(Ended {
+            outcome,
+            curvature,
+            flickering,
+        })
     }
 }
 
@@ -285,6 +311,8 @@ struct Iterate<'a> {
     tolerance: f64,
     /// The length of the last step, unshortened (UL).
     length: Option<f64>,
+    /// The multipliers of the iterate before.
+    before: Multipliers,
     /// The sum of the multipliers of the last equilibrium that was examined (UF), and its curvature in this load step.
     examined: f64,
     curvature: Option<f64>,
@@ -327,10 +355,11 @@ impl Iterate<'_> {
             trial => trial?,
         };
         let error = relative_change(&trial.u, &self.at.state.u, self.least);
-        self.at.state = State {
+        let now = State {
             multipliers: Multipliers::new(&self.at.gaps, &trial.lambda),
             u: trial.u,
         };
+        self.before = std::mem::replace(&mut self.at.state, now).multipliers;
         let clock = Instant::now();
         self.at.project(self.problem, self.stop)?;
         cost.projection += clock.elapsed().as_secs_f64();
