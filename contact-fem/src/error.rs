@@ -40,7 +40,7 @@ pub enum Error {
     CurvedCell {
         /// Which cell.
         cell: usize,
-        /// The smallest tangent volume of its nodes and quadrature points (UL²/UL³).
+        /// A lower bound of the tangent volumes within it (UL²/UL³).
         volume: f64,
     },
     /// A cell that the map of its mesh's nodes has made invalid.

@@ -17,6 +17,7 @@ mod extremes;
 mod freefem;
 mod hertz;
 mod initial_gaps;
+mod inverted;
 mod left_out;
 mod many_bodies;
 mod methods;

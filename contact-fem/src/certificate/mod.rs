@@ -41,8 +41,8 @@ pub enum Condition {
     /// magnitudes.
     Balance,
     /// No element is inverted: the number of quadrature points with J ≤ 0 or, if that is larger, of
-    /// [simplices](crate::audit) whose volume is not positive, also in bodies with a law for small
-    /// strains.
+    /// [simplices](crate::audit) whose volume is not positive, or of quadratic cells in which J > 0 is not
+    /// shown everywhere; also in bodies with a law for small strains.
     Inverted,
     /// The solver had every closed row: the number of closed constraints present at the solution
     /// but missing from the solver's rows. A row is closed if its gap is below the default limit of

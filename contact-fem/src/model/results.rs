@@ -5,7 +5,7 @@ use contact_core::{Energy, LinearGaps};
 
 use super::{BodyId, Problem, Undetermined};
 use crate::Error;
-use crate::audit::Findings;
+use crate::audit::{Findings, LeastVolume};
 use crate::contact::{Pass, Surface, pressure};
 use crate::tensor::Vector;
 
@@ -91,6 +91,11 @@ impl<const D: usize> Problem<D> {
     /// What the bodies do to each other and to themselves at `u`, found without the contact search.
     pub fn audit(&self, u: &[f64]) -> Findings<D> {
         self.audit.at(&self.positions(u))
+    }
+
+    /// The smallest volume ratio J within all cells at `u`, bounded from below; `None` without cells.
+    pub fn least_volume(&self, u: &[f64]) -> Option<LeastVolume<D>> {
+        self.audit.volumes(&self.positions(u)).0
     }
 
     /// The rigid motions, to first order, that neither supports nor contact forces of `solution` oppose, as where a block
