@@ -90,6 +90,11 @@ impl<const D: usize> Problem<D> {
         preflight::at_increments(&self.findings, increments)
     }
 
+    /// The units in which the problem's numbers are O(1).
+    pub fn scale(&self) -> Scale {
+        self.scale
+    }
+
     /// The scene from which the problem was built.
     pub fn scene(&self) -> &Scene<D> {
         &self.scene
@@ -206,8 +211,8 @@ impl<const D: usize> ContactProblem for Problem<D> {
         self.is_exact()
     }
 
-    fn scale(&self) -> Scale {
-        self.scale
+    fn scale(&self) -> Option<Scale> {
+        Some(self.scale)
     }
 
     fn prescribed_magnitude(&self) -> f64 {

@@ -43,7 +43,9 @@ use super::{
     least_displacement, relative_change, rows_of_both_roles,
 };
 use crate::cost::FactorSize;
-use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, State, Stop};
+use crate::{
+    ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, Scale, State, Stop,
+};
 
 /// Equilibrium by Newton's method on the energy, with contact condensed onto its rows and re-projected in every
 /// iteration: the equilibria of Algorithm 2, without an inner optimiser.
@@ -133,7 +135,7 @@ impl Equilibrium for CondensedNewton {
                 .or_else(Halt::outcome)?,
             false => Outcome::InadmissibleStart,
         };
-        Ok(Solution {
+        let solution = Solution {
             outcome,
             energy: problem.energy().value(&at.state.u),
             state: at.state,
@@ -141,7 +143,8 @@ impl Equilibrium for CondensedNewton {
             lambda: at.lambda,
             history,
             failed: Vec::new(),
-        })
+        };
+        Ok(solution.checked())
     }
 
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
@@ -194,11 +197,13 @@ impl CondensedNewton {
             tangent.begin();
         }
         at.project(problem, context.stop)?;
+        let unit = Scale::of(problem, &at.state.u)?.length;
         let mut iterate = Iterate {
             watchdog: Watchdog::new(at, start),
             problem,
             at,
-            least: least_displacement(problem),
+            least: least_displacement(problem, unit),
+            unit,
             tolerance: self.tolerance,
             length: None,
             stop: context.stop,
@@ -240,6 +245,8 @@ struct Iterate<'a> {
     /// Lower bound on the size of the displacements (UL), and bound on their relative change.
     least: f64,
     tolerance: f64,
+    /// The unit of lengths (UL).
+    unit: f64,
     /// The length of the last step, unshortened (UL).
     length: Option<f64>,
     stop: &'a Stop,
@@ -291,7 +298,10 @@ impl Iterate<'_> {
             // too stiff an S underestimates how far the forces that are left would move the row
             if tangent.holds_an_open_row(&self.at.state.multipliers) {
                 tangent.forget();
-            } else if self.at.is_equilibrium(self.problem, tangent, bound, cost)? {
+            } else if self
+                .at
+                .is_equilibrium(self.problem, tangent, (bound, self.unit), cost)?
+            {
                 return Ok(Moved {
                     error,
                     is_over: true,
@@ -364,14 +374,14 @@ impl Point {
         &self,
         problem: &dyn ContactProblem,
         tangent: &mut Tangent,
-        bound: f64,
+        (bound, unit): (f64, f64),
         cost: &mut Cost,
     ) -> Result<bool, Halt> {
         let mut c = vec![0.0; self.gaps.len()];
         self.gaps.value(&self.state.u, &mut c);
         let matrix = self.gaps.matrix();
         let immovable = (0..c.len()).filter(|&i| matrix.row(i).all(|(_, a)| a == 0.0));
-        Halt::if_immovable(problem, &self.gaps, immovable, &c)?;
+        Halt::if_immovable(unit, &self.gaps, immovable, &c)?;
         let mut rows = c.iter().zip(&self.lambda);
         if rows.any(|(c, lambda)| *c < -bound || (*lambda > 0.0 && *c > bound)) {
             return Ok(false);
