@@ -28,3 +28,4 @@ mod rows;
 mod space;
 mod toy;
 mod units;
+mod wrong_parts;

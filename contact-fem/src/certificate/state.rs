@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use contact_core::equilibrium::Solution;
 use contact_core::gaps::Sampling;
-use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
+use contact_core::{LinearGaps, Multipliers, RowKey};
 
 use super::{Certificate, Condition, Limits, worse};
 use crate::audit::Overlap;
@@ -77,7 +77,7 @@ impl Certificate {
             }
         };
         let dropped = problem.contact_nodes().saturating_sub(present);
-        let balance = over(residual.sum, residual.magnitude.max(any_force));
+        let balance = over(residual.sum, residual.resultant.max(units.balanced));
         let audit = problem.audit(u);
         let pushed = pushed_pairs(problem, gaps, lambda, units.noticed);
         let is_unopposed =
@@ -113,6 +113,9 @@ impl Certificate {
 /// The smallest unit of forces, as a share of the scale of forces (energy over length). The conditions
 /// on forces divide by at least this unit, since there are hardly any forces when bodies begin to touch.
 const NOTICED: f64 = 1e-4;
+/// The ratio of the moduli of stretching without lateral strain and of shear at a Poisson's ratio of 0.3: the unit of resultants is smaller
+/// where it is larger.
+const ORDINARY: f64 = 3.5;
 /// The largest share of the closed area that the solver's points may miss.
 const MISSING: f64 = 1e-4;
 
@@ -124,6 +127,8 @@ struct Units {
     lengths: Vec<(HashMap<usize, f64>, f64)>,
     /// The smallest unit of forces (UF).
     noticed: f64,
+    /// The same, of resultants: stiff volumes, which make forces on nodes large, do not.
+    balanced: f64,
 }
 
 impl Units {
@@ -131,6 +136,16 @@ impl Units {
         let scale = problem.scale();
         let strain = scale.resolution / scale.area.powf(1.0 / (D as f64 - 1.0));
         let surfaces = problem.surfaces().iter();
+        let noticed = NOTICED * scale.energy / scale.length;
+        let softer = |body: &Body<D>| {
+            let (shear, longitudinal) = body.rest_moduli();
+            let share = ORDINARY * shear / longitudinal;
+            if share.is_finite() {
+                share.min(1.0)
+            } else {
+                1.0
+            }
+        };
         Units {
             bodies: {
                 let slaves = problem.passes().iter().map(|pass| pass.slave);
@@ -143,7 +158,13 @@ impl Units {
                     (by_node, strain * surface.facet_size())
                 })
                 .collect(),
-            noticed: NOTICED * scale.energy / scale.length,
+            noticed,
+            balanced: problem
+                .scene()
+                .bodies()
+                .iter()
+                .map(softer)
+                .fold(noticed, |unit, s| unit.min(noticed * s)),
         }
     }
 
@@ -268,9 +289,10 @@ struct Residual {
     free: f64,
     /// For each body the largest force on a node, but at least the smallest unit of forces (UF).
     forces: Vec<f64>,
-    /// |Σ reactions + Σ loads| and the sum of their components' magnitudes (UF).
+    /// |Σ reactions + Σ loads| (UF).
     sum: f64,
-    magnitude: f64,
+    /// The largest of all resultants of reactions, loads and contact forces on a body (UF).
+    resultant: f64,
 }
 
 impl Residual {
@@ -281,10 +303,12 @@ impl Residual {
         noticed: f64,
     ) -> Self {
         let (mut free, mut forces) = (0.0, Vec::new());
-        let (mut sum, mut magnitude) = (Vector::<D>::zeros(), 0.0);
+        let (mut sum, mut resultant) = (Vector::<D>::zeros(), 0.0_f64);
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = problem.residual(body, u);
             let (mut rest_free, mut largest) = (0.0, noticed);
+            // of reactions, loads and contact forces
+            let mut resultants = [Vector::<D>::zeros(); 3];
             for (k, node) in problem.nodes(body).enumerate() {
                 for i in 0..D {
                     let dof = D * k + i;
@@ -296,12 +320,15 @@ impl Residual {
                     };
                     rest_free = worse((rest - reaction).abs(), rest_free);
                     sum[i] += load + reaction;
-                    magnitude += (load + reaction).abs();
-                    for force in [load, reaction, contact[node][i]] {
+                    let forces = [reaction, load, contact[node][i]];
+                    for (resultant, force) in resultants.iter_mut().zip(forces) {
+                        resultant[i] += force;
                         largest = force.abs().max(largest);
                     }
                 }
             }
+            let norms = resultants.iter().map(Vector::norm);
+            resultant = norms.fold(resultant, f64::max);
             free = worse(over(rest_free, largest), free);
             forces.push(largest);
         }
@@ -309,7 +336,7 @@ impl Residual {
             free,
             forces,
             sum: sum.norm(),
-            magnitude,
+            resultant,
         }
     }
 }
