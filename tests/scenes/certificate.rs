@@ -212,7 +212,7 @@ impl ContactProblem for Faulty<'_> {
         self.problem.bounds()
     }
     fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
-        Ok((self.tamper)(self.problem.rows(u, sampling)))
+        Ok((self.tamper)(self.problem.rows(u, sampling)?))
     }
     fn scale(&self) -> Option<Scale> {
         Some(self.problem.scale())

@@ -40,6 +40,11 @@ impl<const D: usize> Audit<D> {
         for (k, cell) in self.topology.cells.iter().enumerate() {
             if self.orders[cell.body] == Order::Linear {
                 let ratio = determinant(&self.deformation(k, x));
+                let ratio = if ratio.is_nan() {
+                    f64::NEG_INFINITY
+                } else {
+                    ratio
+                };
                 let corners = &cell.nodes[..=D];
                 let centre = corners.iter().map(|&a| x[a]).sum::<Vector<D>>() / (D + 1) as f64;
                 take(ratio, cell.body, cell.of, centre);

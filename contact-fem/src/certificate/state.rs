@@ -17,15 +17,18 @@ impl Certificate {
     pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
         let u = &solution.state.u;
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
-        let is_complete = u.len() == problem.dofs().free() && lambda.len() == gaps.len();
-        if !is_complete || !u.iter().chain(lambda).all(|value| value.is_finite()) {
+        let forces = problem.contact_forces(gaps, lambda);
+        let of_passes = |key: &RowKey| (key.pass as usize) < problem.passes().len();
+        let is_complete = forces
+            .iter()
+            .all(|force| force.iter().all(|f| f.is_finite()));
+        if !(problem.is_state(u) && is_complete && gaps.keys().iter().all(of_passes)) {
             return Certificate::uniform(f64::NAN, 0.0);
         }
         let multipliers = Multipliers::new(gaps, lambda);
         let units = Units::new(problem);
         let passes = problem.passes();
-        let rows = problem.rows(u, Sampling::Nodes);
-        let forces = problem.contact_forces(gaps, lambda);
+        let rows = problem.rows_at(passes, u, Sampling::Nodes);
         let residual = Residual::new(problem, u, &forces, units.noticed);
         let force = |key: &RowKey| residual.forces[units.bodies[key.pass as usize]];
         let force_of = |body: usize| residual.forces[body];
@@ -37,7 +40,7 @@ impl Certificate {
         let (same, relative_same) = match gaps.sampling() {
             Sampling::Nodes => (&rows, relative.clone()),
             Sampling::Points => {
-                points = problem.rows(u, Sampling::Points);
+                points = problem.rows_at(passes, u, Sampling::Points);
                 (&points, units.relative(&points, u, passes))
             }
         };
@@ -78,7 +81,9 @@ impl Certificate {
         };
         let dropped = problem.contact_nodes().saturating_sub(present);
         let balance = over(residual.sum, residual.resultant.max(units.balanced));
-        let audit = problem.audit(u);
+        let Ok(audit) = problem.audit(u) else {
+            return Certificate::uniform(f64::NAN, 0.0);
+        };
         let pushed = pushed_pairs(problem, gaps, lambda, units.noticed);
         let is_unopposed =
             |[a, b]: [usize; 2]| !pushed.contains(&[a, b]) && !pushed.contains(&[b, a]);
@@ -191,7 +196,7 @@ impl Units {
         };
         let others = passes.iter().map(turned);
         let others: Vec<Pass> = others.filter(|pass| !passes.contains(pass)).collect();
-        let rows = problem.rows_of(&others, u, Sampling::Nodes);
+        let rows = problem.rows_at(&others, u, Sampling::Nodes);
         (!others.is_empty()).then(|| deepest(&self.relative(&rows, u, &others)))
     }
 }
