@@ -13,8 +13,10 @@ pub(crate) type CellNodes<const D: usize> = [Vector<D>; 10];
 
 /// A bound is close to a value if it is less than this share of it below.
 const CLOSE: f64 = 0.01;
-/// A cell is cut into at most so many parts. What is not decided then counts as not positive.
-const MOST_PARTS: usize = 500;
+/// A cell is cut at most so often, and has at most so many parts that are not close enough. What is not decided then counts
+/// as not positive.
+const MOST_CUTS: usize = 500;
+const MOST_PARTS: usize = 64;
 /// The relative round-off of a coefficient, with respect to the product of the longest tangents: a few operations for
 /// each of the D tangents and each term of the determinant.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
@@ -227,15 +229,30 @@ pub(crate) fn least_ratio<const D: usize>(
     if least.is_over(goal) {
         return least;
     }
-    let mut parts = vec![whole];
-    while !least.is_over(goal) && parts.len() < MOST_PARTS {
+    let (mut parts, mut settled) = (vec![whole], f64::INFINITY);
+    for _ in 0..MOST_CUTS {
         let lowest = (0..parts.len()).min_by(|&a, &b| parts[a].bound.total_cmp(&parts[b].bound));
-        for (half, middle) in parts.swap_remove(lowest.unwrap_or_default()).halves() {
+        let Some(lowest) = lowest.filter(|_| parts.len() < MOST_PARTS && !least.is_over(goal))
+        else {
+            break;
+        };
+        for (half, middle) in parts.swap_remove(lowest).halves() {
             find(&mut least, &half, middle);
             parts.push(half);
         }
+        // what is close enough now stays so, as less and less is found
+        parts.retain(|part| {
+            let bound = part.bound - slack(part.bound);
+            let is_settled = LeastRatio { bound, ..least }.is_over(goal);
+            settled = if is_settled {
+                settled.min(part.bound)
+            } else {
+                settled
+            };
+            !is_settled
+        });
         let bounds = parts.iter().map(|part| part.bound);
-        let bound = bounds.fold(f64::INFINITY, f64::min);
+        let bound = bounds.fold(settled, f64::min);
         least.bound = bound - slack(bound);
     }
     least
