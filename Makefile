@@ -5,7 +5,7 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint deny bench bench-growth bench-overhead report report-quick extremes extremes-quick package msrv bindings fuzz-readers fuzz-binding
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint deny bench bench-growth bench-overhead report report-quick extremes extremes-quick package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -26,6 +26,7 @@ help:
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
 	@echo "make fuzz-binding      solves random problems with random options and faults for SECONDS (60), in other processes"
+	@echo "make fuzz-scenes       solves random scenes, sound and wrong ones, for SECONDS (60)"
 	@echo "make bindings          renews the bindings to Ipopt kept in the source"
 
 install:
@@ -112,3 +113,7 @@ fuzz-readers:
 # Half of the time with default options, half with random ones. The arguments "case random 7" show case 7 of these again.
 fuzz-binding: install
 	$(CARGO) run -p contact-core --features ipopt --example fuzz_binding -- $(SECONDS) $(SEED)
+
+# A case has a number, which the program takes as its third argument to show it again.
+fuzz-scenes: install
+	$(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes -- $(SECONDS) $(SEED)

@@ -224,6 +224,11 @@ impl LinearGaps {
         &self.weights
     }
 
+    /// The numbers of free and of prescribed unknowns up to the last one that has a coefficient.
+    pub fn columns(&self) -> [usize; 2] {
+        [self.free.columns(), self.prescribed.columns()]
+    }
+
     /// C (m × n).
     pub fn matrix(&self) -> &SparseRows {
         &self.free

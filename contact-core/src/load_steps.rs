@@ -370,7 +370,9 @@ impl Path<'_> {
             lifted: &lifted,
             stop: &self.stop,
         };
-        let mut solution = solver.solve(&*problem, start, &context)?;
+        let mut solution = solver.solve(&*problem, start, &context)?.checked();
+        let dofs = problem.energy().dofs();
+        Error::check_length("the solver's u", &solution.state.u, dofs)?;
         if solution.outcome == Outcome::Converged {
             let last = &self.last;
             if let Some(Passage { depth, place }) =

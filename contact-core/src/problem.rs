@@ -33,6 +33,75 @@ impl Default for Scale {
     }
 }
 
+impl Scale {
+    /// The problem's own units or, without them, those estimated at `u`.
+    ///
+    /// # Errors
+    /// As [`Scale::estimate`].
+    pub fn of(problem: &dyn ContactProblem, u: &[f64]) -> Result<Self, Error> {
+        match problem.scale() {
+            Some(scale) => Ok(scale),
+            None => Scale::estimate(problem, u),
+        }
+    }
+
+    /// Units estimated at `u` (n, UL), where a solve starts: with the median K of the Hessian's diagonal (UF/UL), the length is the
+    /// largest of the unknowns, of the prescribed ones, of overlaps, and of |∇E|/K, the steps that forces would make; the
+    /// energy is K times its square.
+    ///
+    /// They suit problems whose unknowns are of one kind. Values that are not finite are left out.
+    ///
+    /// # Errors
+    /// A u of the wrong length or with values that are not finite, and errors of the gaps.
+    pub fn estimate(problem: &dyn ContactProblem, u: &[f64]) -> Result<Self, Error> {
+        let energy = problem.energy();
+        let n = energy.dofs();
+        Error::check_vector("u", u, n)?;
+        let pattern = energy.hessian_pattern();
+        let mut hessian = vec![0.0; pattern.len()];
+        energy.hessian(u, &mut hessian);
+        let entries = pattern.iter().zip(hessian);
+        let diagonal = entries.filter_map(|((i, j), k)| (i == j).then_some(k.abs()));
+        let mut diagonal: Vec<f64> = diagonal.filter(|k| k.is_normal()).collect();
+        diagonal.sort_unstable_by(f64::total_cmp);
+        let stiffness = diagonal.get(diagonal.len() / 2).copied().unwrap_or(1.0);
+        let mut gradient = vec![0.0; n];
+        energy.gradient(u, &mut gradient);
+        let rows = problem.linearize_gaps(u, Sampling::Nodes)?;
+        let rows = rows.and(problem.linearize_reversed(u, Sampling::Nodes)?);
+        let mut gaps = vec![0.0; rows.len()];
+        rows.value(u, &mut gaps);
+        let largest = |values: &mut dyn Iterator<Item = f64>| {
+            values
+                .map(f64::abs)
+                .filter(|v| v.is_normal())
+                .fold(0.0, f64::max)
+        };
+        let steps = &mut gradient.iter().map(|force| force / stiffness);
+        let overlaps = &mut gaps.iter().map(|gap| gap.min(0.0));
+        let moved = [
+            largest(&mut u.iter().copied()),
+            largest(&mut std::iter::once(problem.prescribed_magnitude())),
+            largest(overlaps),
+            largest(steps),
+        ];
+        let moved = moved.into_iter().fold(0.0, f64::max);
+        let apart = largest(&mut gaps.iter().copied());
+        let length = match (moved > 0.0, apart > 0.0) {
+            (true, _) => moved,
+            (false, true) => apart,
+            (false, false) => 1.0,
+        };
+        Ok(Scale {
+            length,
+            resolution: length / (n.max(1) as f64).sqrt(),
+            roundoff: f64::EPSILON,
+            area: 1.0,
+            energy: stiffness * length * length,
+        })
+    }
+}
+
 /// Multipliers by row key, so that they can be carried over to other rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Multipliers(Vec<(RowKey, f64)>);
@@ -206,9 +275,10 @@ pub trait ContactProblem {
     fn has_exact_gaps(&self) -> bool {
         false
     }
-    /// Units in which the problem's quantities are O(1).
-    fn scale(&self) -> Scale {
-        Scale::default()
+    /// Units in which the problem's quantities are O(1). By default they are estimated where a solve starts, see
+    /// [`Scale::estimate`]. A problem that wraps another one must pass this on.
+    fn scale(&self) -> Option<Scale> {
+        None
     }
     /// max |prescribed unknown| (UL). The relative change of the fixed point is taken over all
     /// unknowns, prescribed ones included.

@@ -40,7 +40,7 @@ pub enum Error {
     CurvedCell {
         /// Which cell.
         cell: usize,
-        /// The smallest tangent volume of its nodes and quadrature points (UL²/UL³).
+        /// A lower bound of the tangent volumes within it (UL²/UL³).
         volume: f64,
     },
     /// A cell that the map of its mesh's nodes has made invalid.
@@ -204,6 +204,33 @@ pub enum Error {
     PoissonsRatio {
         /// The value.
         nu: f64,
+    },
+    /// Poisson's ratio so close to −1 or 0.5 that the round-off of one modulus hides the other.
+    #[error(
+        "Poisson's ratio ν = {nu} makes bulk and shear modulus differ by {ratio:.1e}, more than {limit:.1e}: round-off of the \
+         stiffer one would hide the other; for nearly incompressible bodies use 0.499",
+        limit = crate::material::Lame::MOST_APART
+    )]
+    ModuliApart {
+        /// Poisson's ratio.
+        nu: f64,
+        /// The larger modulus divided by the smaller one.
+        ratio: f64,
+    },
+    /// A law whose stress is not the derivative of its energy, or whose tangent is not that of its stress.
+    #[error(
+        "the law of body `{body}` has a {what} that differs from the derivative of its {of} by {error:.1e} of itself, at \
+         strains of about 1 %: mend the law, `material::conformance::check` tells more"
+    )]
+    LawDiffers {
+        /// The body.
+        body: String,
+        /// `stress` or `tangent`.
+        what: &'static str,
+        /// What it is to be the derivative of: `energy` or `stress`.
+        of: &'static str,
+        /// The largest difference divided by the largest value.
+        error: f64,
     },
     /// A contact surface without facets.
     #[error(

@@ -6,6 +6,7 @@ use contact_core::equilibrium::Solution;
 use contact_core::load_steps::{Attempt, LoadSteps, Run, Step};
 use contact_core::{ContactProblem, Ending, Equilibrium, State};
 
+use crate::audit::LeastVolume;
 use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::model::{BodyId, Problem};
@@ -25,8 +26,10 @@ pub struct StepRecord<const D: usize> {
     pub reactions: Vec<Vector<D>>,
     /// The contact force on each body (UF).
     pub contact_forces: Vec<Vector<D>>,
-    /// The smallest volume ratio of all assembled cells; `+∞` for small-strain laws.
+    /// The smallest volume ratio at the quadrature points of all assembled cells; `+∞` for small-strain laws.
     pub min_j: f64,
+    /// A lower bound of the volume ratio everywhere in all cells, whatever their laws, and where it is; `None` without cells.
+    pub least_volume: Option<LeastVolume<D>>,
     /// Rows of the weak non-penetration constraints.
     pub rows: usize,
     /// The largest depth of a contact node inside another surface (UL).
@@ -177,6 +180,11 @@ impl<const D: usize> StepRecord<D> {
         self.reactions[body.into().index()]
     }
 
+    /// The bound of [`StepRecord::least_volume`]; `+∞` without cells.
+    pub fn min_j_bound(&self) -> f64 {
+        self.least_volume.map_or(f64::INFINITY, |least| least.bound)
+    }
+
     /// The contact force on a body (UF).
     pub fn contact_force(&self, body: impl Into<BodyId>) -> Vector<D> {
         self.contact_forces[body.into().index()]
@@ -198,6 +206,7 @@ impl<const D: usize> StepRecord<D> {
                 .map(|body| problem.nodes(body).map(|a| forces[a]).sum())
                 .collect(),
             min_j: step.attempt.min_domain,
+            least_volume: problem.least_volume(u),
             rows: solution.gaps.len(),
             penetration: problem.penetration(u),
             weak_penetration: c.iter().fold(0.0, |depth: f64, c| depth.max(-c)),

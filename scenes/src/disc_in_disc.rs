@@ -83,6 +83,19 @@ impl Roles {
 
 /// The scene with both discs and their supports and contact pair.
 pub fn scene(fineness: Fineness, roles: Roles) -> Result<Scene<2>, Error> {
+    let laws = [NeoHookean::new(1000.0, 0.0)?, NeoHookean::new(2000.0, 0.3)?];
+    pushed(meshes(fineness)?, laws, PUSH, roles)
+}
+
+/// As [`scene`] with default roles, but with straight quadratic cells.
+pub fn quadratic_scene(fineness: Fineness) -> Result<Scene<2>, Error> {
+    let laws = [NeoHookean::new(1000.0, 0.0)?, NeoHookean::new(2000.0, 0.3)?];
+    let meshes = meshes(fineness)?.map(Mesh::quadratic);
+    pushed(meshes, laws, PUSH, Roles::default())
+}
+
+/// The ring and the disc.
+fn meshes(fineness: Fineness) -> Result<[Mesh<2>; 2], Error> {
     // nodes are denser towards the hole, where the strains are largest
     let share = |k: usize| (k as f64 / fineness.layers as f64).powf(1.3);
     let radii: Vec<f64> = (0..=fineness.layers)
@@ -92,8 +105,7 @@ pub fn scene(fineness: Fineness, roles: Roles) -> Result<Scene<2>, Error> {
     // every node of the inner disc is prescribed, so that it needs no interior nodes but the
     // centre; it is rotated by 0.03, so that its nodes do not coincide with those of the hole
     let inner = disc(0.6, fineness.disc, 1, 0.03)?;
-    let laws = [NeoHookean::new(1000.0, 0.0)?, NeoHookean::new(2000.0, 0.3)?];
-    pushed([hollow, inner], laws, PUSH, roles)
+    Ok([hollow, inner])
 }
 
 /// A coarse mesh with lengths scaled by `length` and moduli by `modulus`, pushed half as far.

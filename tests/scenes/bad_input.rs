@@ -1,12 +1,19 @@
 //! Bad input is refused before any solve, by a typed error that names it.
 
-use contact_core::Automatic;
+use contact_core::equilibrium::Solution;
+use contact_core::gaps::Sampling;
+use contact_core::{Automatic, ContactProblem, LoadStepped, Outcome, State};
+use contact_fem::contact::Pass;
 use contact_fem::mesh::generators::{
     Diagonals, annulus, cuboid, cuboid_graded, disc, linspace, rectangle,
 };
-use contact_fem::model::{Geometry, Integration, Passes};
+use contact_fem::model::{FindingKind, Geometry, Integration, Passes, Severity};
+use contact_fem::output::Snapshot;
+use contact_fem::output::vtk::Series;
 use contact_fem::tensor::Vector;
-use contact_fem::{Body, BodyId, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
+use contact_fem::{
+    Body, BodyId, Certificate, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation,
+};
 use ipopt_contact_scenes::{alone, pair};
 
 fn law() -> NeoHookean {
@@ -608,5 +615,178 @@ fn findings_of_a_recorded_run() {
             assert_eq!(finding["kind"], "LongStep");
             assert!(finding["value"].as_f64() > finding["limit"].as_f64());
         }
+    }
+}
+
+/// Whether the checks of a scene tell of overlaps or coincident nodes.
+fn is_found(scene: &Scene<2>) -> bool {
+    let kinds = [FindingKind::Interference, FindingKind::OpenSeam];
+    let findings = scene.preflight();
+    let mut found = findings.iter();
+    found.any(|found| found.severity == Severity::Error || kinds.contains(&found.kind))
+}
+
+/// What the checks of a scene do not tell, no run certifies.
+fn is_told(scene: Scene<2>) -> bool {
+    let is_found = is_found(&scene);
+    if let Ok(mut problem) = scene.problem() {
+        let simulation = &mut Simulation::with_increments(1);
+        let history = simulation.run(&mut problem).expect("a run");
+        let certificate = history.certificate();
+        let holds = certificate.is_some_and(|found| found.holds(&Default::default()));
+        assert!(is_found || !(history.is_complete() && holds));
+    }
+    is_found
+}
+
+/// Two squares over each other in one mesh, with nodes of their own, without any contact declared.
+#[test]
+fn cells_over_each_other() {
+    let twice = |offset: f64| {
+        let square = rectangle(
+            &linspace(0.0, 1.0, 3),
+            &linspace(0.0, 1.0, 3),
+            Diagonals::Rising,
+        );
+        let square = square.expect("mesh");
+        let count = square.nodes().len();
+        let nodes = square.nodes().iter().map(|X| [X[0], X[1]]);
+        let moved = square.nodes().iter().map(|X| [X[0] + offset, X[1]]);
+        let cells = square.cells().flatten().copied();
+        let cells = cells.chain(square.cells().flatten().map(|a| a + count));
+        let mut mesh = Mesh::<2>::new(nodes.chain(moved).collect(), cells.collect()).expect("mesh");
+        mesh.name_boundary("bottom", |X| X[1] == 0.0);
+        let mut body = Body::new(mesh, law());
+        body.prescribe("bottom", [Some(0.0); 2]).expect("support");
+        body.body_force([0.0, -0.01]).expect("load");
+        alone(body)
+    };
+    assert!(!is_found(&twice(1.5)), "side by side");
+    assert!(is_told(twice(0.0)) && is_told(twice(0.5)));
+    is_told(twice(0.1));
+}
+
+/// Two squares in each other, with contact between the sides that look away.
+#[test]
+fn far_sides_of_bodies_that_overlap() {
+    for depth in [0.05, 0.1, 0.3, 0.5, 0.9] {
+        let mut upper = square(1.0 - depth);
+        upper
+            .prescribe("top", [Some(0.0), Some(-0.01)])
+            .expect("support");
+        is_told(pair((held(0.0), "bottom"), (upper, "top")).expect("surfaces"));
+    }
+}
+
+/// Unknowns that are too few, too many, or no numbers; rows and multipliers of another problem: an error or no number, and
+/// no panic.
+#[test]
+fn states_that_are_none() {
+    let problem = |n: usize| {
+        let mesh = rectangle(&linspace(0.0, 1.0, n), &[1.0, 2.0], Diagonals::Rising);
+        let mut upper = Body::new(mesh.expect("mesh"), law());
+        upper
+            .prescribe("top", [Some(0.0), Some(-0.1)])
+            .expect("support");
+        let scene = pair((held(0.0), "top"), (upper, "bottom")).expect("surfaces");
+        scene.problem().expect("sound")
+    };
+    let (mut problem, other) = (problem(1), problem(5));
+    let n = problem.dofs().free();
+    let mut no_number = vec![0.0; n];
+    no_number[n / 2] = f64::NAN;
+    let mut infinite = vec![0.0; n];
+    infinite[0] = f64::INFINITY;
+    let sound = problem
+        .rows(&vec![0.0; n], Sampling::Nodes)
+        .expect("a state");
+    for u in [
+        vec![],
+        vec![0.0; n - 1],
+        vec![0.0; n + 1],
+        no_number,
+        infinite,
+    ] {
+        assert!(!problem.is_state(&u));
+        for sampling in [Sampling::Nodes, Sampling::Points] {
+            let error = problem.rows(&u, sampling).expect_err("no state");
+            assert!(error.to_string().contains('u'), "{error}");
+            assert!(problem.linearize_gaps(&u, sampling).is_err());
+            assert!(problem.linearize_reversed(&u, sampling).is_err());
+        }
+        assert!(problem.audit(&u).is_err());
+        assert!(
+            problem
+                .vary_gaps(&u, &sound, &vec![None; sound.len()])
+                .is_err()
+        );
+        let is_number = |v: &Vector<2>| v.iter().all(|x| x.is_finite());
+        for all in [problem.positions(&u), problem.displacements(&u)] {
+            assert_eq!(all.len(), problem.reference().len());
+            assert!(!all.iter().all(is_number));
+        }
+        assert!(problem.penetration(&u).is_nan() && problem.relative_penetration(&u).is_nan());
+        assert!(problem.inverted(&u) > 0);
+        assert!(!(problem.least_volume(&u).expect("cells").bound > 0.0));
+        assert!(!problem.residual(1, &u).iter().all(|f| f.is_finite()));
+        let none = vec![Vector::<2>::zeros(); problem.reference().len()];
+        assert!(!problem.reactions(&u, &none).iter().all(is_number));
+        assert!(
+            problem
+                .pressures(&u, &sound, &vec![0.0; sound.len()])
+                .is_err()
+        );
+        let solution = Solution {
+            outcome: Outcome::Converged,
+            state: State {
+                u,
+                ..State::default()
+            },
+            energy: 0.0,
+            lambda: vec![0.0; sound.len()],
+            gaps: sound.clone(),
+            history: vec![],
+            failed: vec![],
+        };
+        let certificate = Certificate::new(&problem, &solution);
+        assert!(!certificate.holds(&Default::default()));
+        assert!(problem.undetermined(&solution).is_empty());
+        assert!(Snapshot::new(&problem, &solution).is_err());
+    }
+    let rest = vec![0.0; n];
+    let foreign = other
+        .rows(&vec![0.0; other.dofs().free()], Sampling::Nodes)
+        .expect("a state");
+    for (gaps, count) in [
+        (&sound, 0),
+        (&sound, sound.len() + 1),
+        (&foreign, foreign.len()),
+    ] {
+        let forces = problem.contact_forces(gaps, &vec![1.0; count]);
+        assert!(forces.iter().all(|f| f[0].is_nan()));
+    }
+    assert!(problem.reactions(&rest, &[]).iter().all(|f| f[0].is_nan()));
+    let beyond = Pass {
+        slave: 0,
+        master: 9,
+    };
+    assert!(problem.rows_of(&[beyond], &rest, Sampling::Nodes).is_err());
+    for factor in [f64::NAN, f64::INFINITY] {
+        let error = problem.set_load(factor).expect_err("no load");
+        assert!(error.to_string().contains("load factor"), "{error}");
+    }
+    assert_eq!(problem.load(), 0.0);
+
+    // a snapshot of another problem, and one with a field cut short
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("foreign_snapshot");
+    let mut series = Series::create(&folder, "state").expect("a folder");
+    let mut short = Snapshot::at_rest(&problem).expect("a state");
+    short.pressures.pop();
+    for snapshot in [Snapshot::at_rest(&other).expect("a state"), short] {
+        let error = series
+            .write(0.0, &problem, &snapshot)
+            .expect_err("of another problem");
+        assert_says(&error, &["Snapshot::"]);
+        assert!(series.is_empty() && !series.collection().exists());
     }
 }

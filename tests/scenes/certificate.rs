@@ -212,10 +212,10 @@ impl ContactProblem for Faulty<'_> {
         self.problem.bounds()
     }
     fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
-        Ok((self.tamper)(self.problem.rows(u, sampling)))
+        Ok((self.tamper)(self.problem.rows(u, sampling)?))
     }
-    fn scale(&self) -> Scale {
-        self.problem.scale()
+    fn scale(&self) -> Option<Scale> {
+        Some(self.problem.scale())
     }
     fn prescribed_magnitude(&self) -> f64 {
         self.problem.prescribed_magnitude()

@@ -108,7 +108,7 @@ fn gaps_against_brute_force() {
     let mut problem = disc_in_disc(16, Roles::default());
     problem.set_load(0.13).expect("load");
     let u = wiggle(problem.energy().dofs(), 0.004);
-    let gaps = problem.rows(&u, Sampling::Nodes);
+    let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
     assert!(!gaps.is_exact() && gaps.len() > 16, "{} rows", gaps.len());
     let mut c = vec![0.0; gaps.len()];
     gaps.value(&u, &mut c);
@@ -197,7 +197,7 @@ fn constraint_jacobian_against_differences() {
     problem.set_load(0.13).expect("load");
     let n = problem.energy().dofs();
     let u = wiggle(n, 0.004);
-    let gaps = problem.rows(&u, Sampling::Nodes);
+    let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
     let mut dense = vec![vec![0.0; n]; gaps.len()];
     gaps.entries().for_each(|(i, j, a)| dense[i][j] += a);
     let (mut up, mut down) = (vec![0.0; gaps.len()], vec![0.0; gaps.len()]);
@@ -219,7 +219,7 @@ fn action_equals_reaction() {
     let mut problem = disc_in_disc(16, Roles::default());
     problem.set_load(0.13).expect("load");
     let u = wiggle(problem.energy().dofs(), 0.004);
-    let gaps = problem.rows(&u, Sampling::Nodes);
+    let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
     for row in 0..gaps.len() {
         let mut lambda = vec![0.0; gaps.len()];
         lambda[row] = 1.0;

@@ -123,7 +123,7 @@ fn rows_start_at_zero() {
         for (load, expected) in [(0.0, 0.0), (0.5, -0.5 * OVERLAP)] {
             problem.set_load(load).expect("load");
             // the rows of the upper block's nodes, whose prescribed ones are on the other side
-            let rows = problem.rows(&rest, sampling);
+            let rows = problem.rows(&rest, sampling).expect("a state");
             let mut c = vec![0.0; rows.len()];
             rows.value(&rest, &mut c);
             assert!(!c.is_empty());
@@ -167,7 +167,7 @@ fn rows_of_an_overlap_that_varies() {
     let rest = vec![0.0; problem.dofs().free()];
     for load in [0.0, 0.5, 1.0] {
         problem.set_load(load).expect("load");
-        let rows = problem.rows(&rest, Sampling::Nodes);
+        let rows = problem.rows(&rest, Sampling::Nodes).expect("a state");
         let mut c = vec![0.0; rows.len()];
         rows.value(&rest, &mut c);
         assert_eq!(c.len(), 10);

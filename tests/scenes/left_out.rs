@@ -164,8 +164,8 @@ impl<const D: usize> ContactProblem for Full<'_, D> {
         &self.bounds
     }
 
-    fn scale(&self) -> Scale {
-        self.lean.scale()
+    fn scale(&self) -> Option<Scale> {
+        Some(self.lean.scale())
     }
 
     fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {

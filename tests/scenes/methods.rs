@@ -208,7 +208,7 @@ fn penalties_tend_to_their_pointwise_limit_at_order_one_half() {
 fn penalties_tend_to_their_pointwise_limit_through_large_strains() {
     let mut problem = disc_in_disc(16, Roles::default());
     let state = run(&mut problem, 5, 1e-6).run.state;
-    let gaps = problem.rows(&state.u, Sampling::Points);
+    let gaps = problem.rows(&state.u, Sampling::Points).expect("a state");
     let minimum = |method: &mut dyn Method| minimum(&problem, &gaps, method, &state.u);
     let limit = minimum(&mut InteriorPoint::default());
     let difference = |mu: f64| {

@@ -49,7 +49,7 @@ fn is_solved_by_the_exact_state<const D: usize>(scene: Scene<D>, case: &Blocks) 
             u[free] = *value;
         }
     }
-    let gaps = problem.rows(&u, Sampling::Nodes);
+    let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
     let mut c = vec![0.0; gaps.len()];
     gaps.value(&u, &mut c);
     assert_eq!(gaps.len(), problem.contact_nodes(), "{case:?}");

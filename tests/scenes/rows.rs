@@ -40,7 +40,7 @@ fn rows_are_means_of_gaps_wherever_the_other_surface_ends() {
         let end = 2.0 + 0.01 * f64::from(k);
         let problem = below_a_slope(end);
         let u = vec![0.0; problem.energy().dofs()];
-        let gaps = problem.rows(&u, Sampling::Nodes);
+        let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
         assert!(gaps.len() > 4);
         let mut c = vec![0.0; gaps.len()];
         gaps.value(&u, &mut c);

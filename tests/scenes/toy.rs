@@ -10,7 +10,7 @@ use contact_core::method::{Continuation, Method, Minimum, PenalizedSlack, Penalt
 use contact_core::nlp::Bounds;
 use contact_core::{
     Acceleration, Automatic, ContactProblem, Ending, Energy, Equilibrium, Error, FixedPoint,
-    InteriorPoint, LoadStepped, LoadSteps, Outcome, Retry, Solved, State, Stop,
+    InteriorPoint, LoadStepped, LoadSteps, Outcome, Retry, Scale, Solved, State, Stop,
 };
 
 /// E(u) = ½ k |u|² − t f·u with load factor t for one point in the plane, outside the unit disc around (0, −1).
@@ -86,6 +86,9 @@ impl ContactProblem for Point {
             },
         );
         Ok(gaps)
+    }
+    fn scale(&self) -> Option<Scale> {
+        Some(Scale::default())
     }
 }
 

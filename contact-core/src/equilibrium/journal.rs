@@ -7,7 +7,9 @@ use super::anderson::Anderson;
 use super::cycles::CycleDetector;
 use super::{FixedPoint, Iteration, Solution, least_displacement};
 use crate::method::{Method, Minimum, Subproblem, check_bounds};
-use crate::{ContactProblem, Cost, Error, LinearGaps, Multipliers, Outcome, Solved, State, Stop};
+use crate::{
+    ContactProblem, Cost, Error, LinearGaps, Multipliers, Outcome, Scale, Solved, State, Stop,
+};
 
 /// The state of a running fixed-point iteration.
 pub(super) struct Journal<'a> {
@@ -16,6 +18,8 @@ pub(super) struct Journal<'a> {
     /// Lower bound on the denominator of the relative change (UL).
     pub least: f64,
     problem: &'a dyn ContactProblem,
+    /// The units of all subproblems.
+    scale: Scale,
     /// The name of the method.
     solver: &'static str,
     tolerance: f64,
@@ -45,8 +49,10 @@ impl<'a> Journal<'a> {
         Error::check_vector("start.u", &start.u, dofs)?;
         check_bounds(problem.bounds(), dofs)?;
         let energy = problem.energy().value(&start.u);
+        let scale = Scale::of(problem, &start.u)?;
         Ok(Journal {
-            least: least_displacement(problem),
+            least: least_displacement(problem, scale.length),
+            scale,
             problem,
             solver: settings.method.name(),
             tolerance: settings.tolerance,
@@ -94,7 +100,7 @@ impl<'a> Journal<'a> {
             energy: self.problem.energy(),
             bounds: self.problem.bounds(),
             gaps,
-            scale: self.problem.scale(),
+            scale: self.scale,
             change,
             accuracy: self.asked,
             stop,
@@ -177,12 +183,14 @@ impl<'a> Journal<'a> {
         (self.solution.history.len() == self.max_iterations).then_some(Outcome::IterationLimit)
     }
 
-    /// The last iterate, its outcome and the history.
+    /// The last iterate, its outcome and the history. The energy is that of the problem, whatever the method says.
     pub fn solution(self) -> Solution {
-        Solution {
+        let solution = Solution {
             outcome: self.ended.unwrap_or(Outcome::IterationLimit),
+            energy: self.problem.energy().value(&self.solution.state.u),
             ..self.solution
-        }
+        };
+        solution.checked()
     }
 }
 

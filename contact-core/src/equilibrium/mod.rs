@@ -233,6 +233,19 @@ impl Solution {
         self.history.iter().map(|iteration| iteration.cost).sum()
     }
 
+    /// The same, but failed where it claims to have converged to an energy or to unknowns that are no numbers.
+    pub(crate) fn checked(mut self) -> Self {
+        let mut values = self.state.u.iter().chain(&self.lambda);
+        if self.outcome == Outcome::Converged && !self.energy.is_finite() {
+            let why = format!("the energy of its result is {}", self.energy);
+            self.outcome = Outcome::SubproblemFailed(why);
+        } else if self.outcome == Outcome::Converged && !values.all(|value| value.is_finite()) {
+            let why = "its result has values that are not finite".to_string();
+            self.outcome = Outcome::SubproblemFailed(why);
+        }
+        self
+    }
+
     /// This solution after `first` by `solver`, which failed.
     fn after(mut self, first: Solution, solver: &'static str) -> Self {
         self.history.splice(..0, first.history);
@@ -249,10 +262,9 @@ impl Solution {
 /// Displacements below this share of [`Scale::length`](crate::Scale) count as zero: bodies that carry no load.
 const NONE: f64 = 1e-6;
 
-/// The length (UL) that the denominator of [`relative_change`] is at least.
-fn least_displacement(problem: &dyn ContactProblem) -> f64 {
-    let none = NONE * problem.scale().length;
-    problem.prescribed_magnitude().max(none)
+/// The length (UL) that the denominator of [`relative_change`] is at least, with the unit of lengths.
+fn least_displacement(problem: &dyn ContactProblem, length: f64) -> f64 {
+    problem.prescribed_magnitude().max(NONE * length)
 }
 
 /// [`Error::Setting`] unless both are in range. `remedy` names the default of the tolerance.

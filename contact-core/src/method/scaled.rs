@@ -187,7 +187,10 @@ impl<'a> Scaled<'a> {
             _ if run.solved => Solved::Optimal,
             _ if self.stop.is_requested() => Solved::Interrupted,
             status if status.is_interrupted() => Solved::Interrupted,
-            status => Solved::Failed(status.to_string()),
+            status => Solved::Failed(format!(
+                "{status}, in units of {:.1e} for lengths and {:.1e} for energies",
+                self.length, self.unit
+            )),
         }
     }
 

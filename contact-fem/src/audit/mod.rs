@@ -5,11 +5,12 @@
 //! quadratic cell into 2ᴰ, a quadratic facet into 2ᴰ⁻¹. A node in a cell of another body, or in a
 //! cell of its own body outside its neighbourhood, is inside material; an exterior edge through an
 //! exterior facet is an intersection. Depths are shares of what the material allows there: of the
-//! facets, or of the thickness where that is smaller.
+//! facets, or of the thickness where that is smaller. Volumes of quadratic cells are bounded between their nodes, too.
 
 mod simplex;
 mod thickness;
 mod topology;
+mod volume;
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -17,10 +18,12 @@ use std::sync::{Mutex, PoisonError};
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
+use crate::element::Order;
 use crate::model::Scene;
 use crate::tensor::{Matrix, Vector};
 use simplex::{distance, pierced};
 use topology::Topology;
+pub use volume::LeastVolume;
 
 /// The audit of a scene: the topology of its bodies in simplices.
 pub struct Audit<const D: usize> {
@@ -29,6 +32,8 @@ pub struct Audit<const D: usize> {
     reference: Vec<Vector<D>>,
     /// Whether a body's law is for small strains.
     is_linear: Vec<bool>,
+    /// The order of each body's cells.
+    orders: Vec<Order>,
     /// The positions that were asked for last, with their overlaps: a state is audited when it is accepted, and again by
     /// its certificate.
     last: Mutex<Option<State<D>>>,
@@ -42,10 +47,11 @@ type State<const D: usize> = (Vec<Vector<D>>, Vec<Overlap<D>>);
 pub struct Findings<const D: usize> {
     /// The worst overlap of each two bodies, and of each body with itself, that overlap.
     pub overlaps: Vec<Overlap<D>>,
-    /// The number of simplices whose volume is not positive.
+    /// The number of simplices whose volume is not positive, or that of quadratic cells in which the volume ratio is not
+    /// positive everywhere if that is larger.
     pub inverted: usize,
-    /// The smallest ratio of a simplex' volume to its reference volume; `+∞` without cells.
-    pub least_volume_ratio: f64,
+    /// The smallest volume ratio within the cells, and where it is; `None` without cells.
+    pub least_volume: Option<LeastVolume<D>>,
     /// The largest norm of ½(∇u + ∇uᵀ) in bodies with a law for small strains; 0 without such.
     pub strain: f64,
     /// The largest rotation (radians) in bodies with a law for small strains: |½(∇u − ∇uᵀ)|/√2.
@@ -90,6 +96,7 @@ impl<const D: usize> Audit<D> {
             topology: Topology::new(scene, X),
             reference: X.to_vec(),
             is_linear: scene.bodies().iter().map(|b| b.is_small_strain()).collect(),
+            orders: scene.bodies().iter().map(|b| b.mesh().order()).collect(),
             last: Mutex::new(None),
         }
     }
@@ -112,7 +119,6 @@ impl<const D: usize> Audit<D> {
     pub fn at(&self, x: &[Vector<D>]) -> Findings<D> {
         let mut findings = Findings {
             overlaps: self.worst_overlaps(x),
-            least_volume_ratio: f64::INFINITY,
             ..Findings::default()
         };
         for (k, cell) in self.topology.cells.iter().enumerate() {
@@ -120,7 +126,6 @@ impl<const D: usize> Audit<D> {
             let ratio = crate::tensor::determinant(&F);
             // NaN is no volume either
             findings.inverted += usize::from(ratio.is_nan() || ratio <= 0.0);
-            findings.least_volume_ratio = findings.least_volume_ratio.min(ratio);
             if self.is_linear[cell.body] {
                 let H = F - Matrix::identity();
                 let strain = (H + H.transpose()).norm() / 2.0;
@@ -129,6 +134,9 @@ impl<const D: usize> Audit<D> {
                 findings.rotation = findings.rotation.max(rotation);
             }
         }
+        let (least, inverted) = self.volumes(x);
+        findings.inverted = findings.inverted.max(inverted);
+        findings.least_volume = least;
         findings
     }
 

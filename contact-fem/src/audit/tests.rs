@@ -183,6 +183,7 @@ fn strain_rotation_and_volume() {
     // H = [−1.2 .3; .1 0]
     assert!((found.strain - (1.44f64 + 2.0 * 0.04).sqrt()).abs() < 1e-14);
     assert!((found.rotation - 0.1).abs() < 1e-14);
-    assert!((found.least_volume_ratio + 0.2 + 0.03).abs() < 1e-14);
+    let least = found.least_volume.expect("cells");
+    assert!((least.bound + 0.2 + 0.03).abs() < 1e-14);
     assert_eq!(found.inverted, 8);
 }

@@ -12,6 +12,16 @@ use crate::tensor::Vector;
 pub(super) struct Cell {
     pub nodes: [usize; 4],
     pub body: usize,
+    /// The cell of the body's mesh that it is a part of, or all of.
+    pub of: usize,
+}
+
+/// A quadratic cell of a body, by nodes of the scene; in the plane the first six count.
+pub(super) struct Quadratic {
+    pub nodes: [usize; 10],
+    pub body: usize,
+    /// Its number in the body's mesh.
+    pub of: usize,
 }
 
 /// A flat piece of a body's exterior.
@@ -29,6 +39,7 @@ pub(super) struct Face<const D: usize> {
 
 pub(super) struct Topology<const D: usize> {
     pub cells: Vec<Cell>,
+    pub quadratic: Vec<Quadratic>,
     pub faces: Vec<Face<D>>,
     /// The edges of all faces, each once.
     pub edges: Vec<[usize; 2]>,
@@ -46,15 +57,22 @@ pub(super) struct Topology<const D: usize> {
 impl<const D: usize> Topology<D> {
     pub fn new(scene: &Scene<D>, X: &[Vector<D>]) -> Self {
         let (mut cells, mut faces, mut body_of) = (Vec::new(), Vec::new(), Vec::new());
+        let mut quadratic = Vec::new();
         for (body, mesh) in scene.bodies().iter().map(|body| body.mesh()).enumerate() {
             let first = body_of.len();
             body_of.resize(first + mesh.nodes().len(), body);
-            for cell in mesh.cells() {
+            for (of, cell) in mesh.cells().enumerate() {
                 let simplices = cell_pieces::<D>(mesh.order());
                 cells.extend(simplices.iter().map(|piece| Cell {
                     nodes: piece.map(|k| first + cell[k]),
                     body,
+                    of,
                 }));
+                if mesh.order() == Order::Quadratic {
+                    let node = |k: usize| first + cell.get(k).unwrap_or(&cell[0]);
+                    let nodes = std::array::from_fn(node);
+                    quadratic.push(Quadratic { nodes, body, of });
+                }
             }
             for facet in mesh.exterior() {
                 faces.extend(
@@ -93,6 +111,7 @@ impl<const D: usize> Topology<D> {
         Topology {
             thick: thickness::far(&faces),
             cells,
+            quadratic,
             faces,
             edges: edges.into_iter().collect(),
             exterior_nodes: exterior_nodes.into_iter().collect(),

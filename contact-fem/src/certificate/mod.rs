@@ -37,12 +37,12 @@ pub enum Condition {
     Drift,
     /// Contact forces are in equilibrium: |Σ Cᵀλ| over all bodies, divided by Σ |Cᵀλ|.
     ActionReaction,
-    /// All forces are in equilibrium: |Σ reactions + Σ loads| divided by the sum of their
-    /// magnitudes.
+    /// All forces are in equilibrium: |Σ reactions + Σ loads| divided by the largest resultant of reactions, loads
+    /// or contact forces on a body. Forces on nodes are no unit: in nearly incompressible bodies they are large and cancel.
     Balance,
     /// No element is inverted: the number of quadrature points with J ≤ 0 or, if that is larger, of
-    /// [simplices](crate::audit) whose volume is not positive, also in bodies with a law for small
-    /// strains.
+    /// [simplices](crate::audit) whose volume is not positive, or of quadratic cells in which J > 0 is not
+    /// shown everywhere; also in bodies with a law for small strains.
     Inverted,
     /// The solver had every closed row: the number of closed constraints present at the solution
     /// but missing from the solver's rows. A row is closed if its gap is below the default limit of

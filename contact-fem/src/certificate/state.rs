@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use contact_core::equilibrium::Solution;
 use contact_core::gaps::Sampling;
-use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
+use contact_core::{LinearGaps, Multipliers, RowKey};
 
 use super::{Certificate, Condition, Limits, worse};
 use crate::audit::Overlap;
@@ -17,15 +17,18 @@ impl Certificate {
     pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
         let u = &solution.state.u;
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
-        let is_complete = u.len() == problem.dofs().free() && lambda.len() == gaps.len();
-        if !is_complete || !u.iter().chain(lambda).all(|value| value.is_finite()) {
+        let forces = problem.contact_forces(gaps, lambda);
+        let of_passes = |key: &RowKey| (key.pass as usize) < problem.passes().len();
+        let is_complete = forces
+            .iter()
+            .all(|force| force.iter().all(|f| f.is_finite()));
+        if !(problem.is_state(u) && is_complete && gaps.keys().iter().all(of_passes)) {
             return Certificate::uniform(f64::NAN, 0.0);
         }
         let multipliers = Multipliers::new(gaps, lambda);
         let units = Units::new(problem);
         let passes = problem.passes();
-        let rows = problem.rows(u, Sampling::Nodes);
-        let forces = problem.contact_forces(gaps, lambda);
+        let rows = problem.rows_at(passes, u, Sampling::Nodes);
         let residual = Residual::new(problem, u, &forces, units.noticed);
         let force = |key: &RowKey| residual.forces[units.bodies[key.pass as usize]];
         let force_of = |body: usize| residual.forces[body];
@@ -37,7 +40,7 @@ impl Certificate {
         let (same, relative_same) = match gaps.sampling() {
             Sampling::Nodes => (&rows, relative.clone()),
             Sampling::Points => {
-                points = problem.rows(u, Sampling::Points);
+                points = problem.rows_at(passes, u, Sampling::Points);
                 (&points, units.relative(&points, u, passes))
             }
         };
@@ -77,8 +80,10 @@ impl Certificate {
             }
         };
         let dropped = problem.contact_nodes().saturating_sub(present);
-        let balance = over(residual.sum, residual.magnitude.max(any_force));
-        let audit = problem.audit(u);
+        let balance = over(residual.sum, residual.resultant.max(units.balanced));
+        let Ok(audit) = problem.audit(u) else {
+            return Certificate::uniform(f64::NAN, 0.0);
+        };
         let pushed = pushed_pairs(problem, gaps, lambda, units.noticed);
         let is_unopposed =
             |[a, b]: [usize; 2]| !pushed.contains(&[a, b]) && !pushed.contains(&[b, a]);
@@ -113,6 +118,9 @@ impl Certificate {
 /// The smallest unit of forces, as a share of the scale of forces (energy over length). The conditions
 /// on forces divide by at least this unit, since there are hardly any forces when bodies begin to touch.
 const NOTICED: f64 = 1e-4;
+/// The ratio of the moduli of stretching without lateral strain and of shear at a Poisson's ratio of 0.3: the unit of resultants is smaller
+/// where it is larger.
+const ORDINARY: f64 = 3.5;
 /// The largest share of the closed area that the solver's points may miss.
 const MISSING: f64 = 1e-4;
 
@@ -124,6 +132,8 @@ struct Units {
     lengths: Vec<(HashMap<usize, f64>, f64)>,
     /// The smallest unit of forces (UF).
     noticed: f64,
+    /// The same, of resultants: stiff volumes, which make forces on nodes large, do not.
+    balanced: f64,
 }
 
 impl Units {
@@ -131,6 +141,16 @@ impl Units {
         let scale = problem.scale();
         let strain = scale.resolution / scale.area.powf(1.0 / (D as f64 - 1.0));
         let surfaces = problem.surfaces().iter();
+        let noticed = NOTICED * scale.energy / scale.length;
+        let softer = |body: &Body<D>| {
+            let (shear, longitudinal) = body.rest_moduli();
+            let share = ORDINARY * shear / longitudinal;
+            if share.is_finite() {
+                share.min(1.0)
+            } else {
+                1.0
+            }
+        };
         Units {
             bodies: {
                 let slaves = problem.passes().iter().map(|pass| pass.slave);
@@ -143,7 +163,13 @@ impl Units {
                     (by_node, strain * surface.facet_size())
                 })
                 .collect(),
-            noticed: NOTICED * scale.energy / scale.length,
+            noticed,
+            balanced: problem
+                .scene()
+                .bodies()
+                .iter()
+                .map(softer)
+                .fold(noticed, |unit, s| unit.min(noticed * s)),
         }
     }
 
@@ -170,7 +196,7 @@ impl Units {
         };
         let others = passes.iter().map(turned);
         let others: Vec<Pass> = others.filter(|pass| !passes.contains(pass)).collect();
-        let rows = problem.rows_of(&others, u, Sampling::Nodes);
+        let rows = problem.rows_at(&others, u, Sampling::Nodes);
         (!others.is_empty()).then(|| deepest(&self.relative(&rows, u, &others)))
     }
 }
@@ -268,9 +294,10 @@ struct Residual {
     free: f64,
     /// For each body the largest force on a node, but at least the smallest unit of forces (UF).
     forces: Vec<f64>,
-    /// |Σ reactions + Σ loads| and the sum of their components' magnitudes (UF).
+    /// |Σ reactions + Σ loads| (UF).
     sum: f64,
-    magnitude: f64,
+    /// The largest of all resultants of reactions, loads and contact forces on a body (UF).
+    resultant: f64,
 }
 
 impl Residual {
@@ -281,10 +308,12 @@ impl Residual {
         noticed: f64,
     ) -> Self {
         let (mut free, mut forces) = (0.0, Vec::new());
-        let (mut sum, mut magnitude) = (Vector::<D>::zeros(), 0.0);
+        let (mut sum, mut resultant) = (Vector::<D>::zeros(), 0.0_f64);
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = problem.residual(body, u);
             let (mut rest_free, mut largest) = (0.0, noticed);
+            // of reactions, loads and contact forces
+            let mut resultants = [Vector::<D>::zeros(); 3];
             for (k, node) in problem.nodes(body).enumerate() {
                 for i in 0..D {
                     let dof = D * k + i;
@@ -296,12 +325,15 @@ impl Residual {
                     };
                     rest_free = worse((rest - reaction).abs(), rest_free);
                     sum[i] += load + reaction;
-                    magnitude += (load + reaction).abs();
-                    for force in [load, reaction, contact[node][i]] {
+                    let forces = [reaction, load, contact[node][i]];
+                    for (resultant, force) in resultants.iter_mut().zip(forces) {
+                        resultant[i] += force;
                         largest = force.abs().max(largest);
                     }
                 }
             }
+            let norms = resultants.iter().map(Vector::norm);
+            resultant = norms.fold(resultant, f64::max);
             free = worse(over(rest_free, largest), free);
             forces.push(largest);
         }
@@ -309,7 +341,7 @@ impl Residual {
             free,
             forces,
             sum: sum.norm(),
-            magnitude,
+            resultant,
         }
     }
 }

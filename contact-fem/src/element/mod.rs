@@ -7,6 +7,7 @@ mod facet;
 mod facet_rule;
 mod p1;
 pub(crate) mod p2;
+pub(crate) mod volume;
 
 pub use facet::{
     Facet, FacetShapes, MAX_FACET_NODES, Order, facet_edge, facet_shapes, facet_slopes,

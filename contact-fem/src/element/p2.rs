@@ -50,15 +50,6 @@ fn barycentric_gradient<const D: usize>(a: usize) -> Vector<D> {
     }
 }
 
-/// Quadrature points with equal weights on the lines from the centroid to the corners, exact for
-/// quadratics.
-pub(crate) fn quadrature<const D: usize>() -> impl Iterator<Item = Vector<D>> {
-    let far = if D == 2 { 4.0 * SIXTH } else { FAR };
-    let near = (1.0 - far) / D as f64;
-    let coordinate = move |k: usize, i: usize| if i + 1 == k { far } else { near };
-    (0..=D).map(move |k| Vector::from_fn(|i, _| coordinate(k, i)))
-}
-
 macro_rules! quadratic_simplex {
     ($D:literal, $nodes:literal, $quadrature:expr) => {
         impl Element<$D> for P2 {
@@ -118,22 +109,6 @@ quadratic_simplex!(
 mod tests {
     use super::super::battery::battery;
     use super::*;
-
-    fn same_points<const D: usize>()
-    where
-        P2: Element<D>,
-    {
-        for (xi, (_, other)) in quadrature::<D>().zip(P2::QUADRATURE) {
-            assert!((xi - Vector::from(*other)).norm() < 1e-15);
-        }
-        assert_eq!(quadrature::<D>().count(), P2::QUADRATURE.len());
-    }
-
-    #[test]
-    fn the_points_are_those_of_the_table() {
-        same_points::<2>();
-        same_points::<3>();
-    }
 
     #[test]
     fn triangle() {

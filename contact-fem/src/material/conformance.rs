@@ -98,12 +98,25 @@ pub fn check<const D: usize>(law: &impl Material<D>) -> Conformance<D> {
     check_at(law, &deformations())
 }
 
+/// The identity with a strain and a rotation of the size `s`.
+fn mixed<const D: usize>(s: f64) -> Matrix<D> {
+    Matrix::identity() + Matrix::from_fn(|i, j| s * ((1 + 3 * i + 7 * j) as f64).sin())
+}
+
 /// Deformation gradients near the identity, sheared, compressed and stretched.
 pub(super) fn deformations<const D: usize>() -> Vec<Matrix<D>> {
     let I = Matrix::<D>::identity();
-    let mixed = |s: f64| I + Matrix::from_fn(|i, j| s * ((1 + 3 * i + 7 * j) as f64).sin());
     let all = [mixed(0.01), mixed(0.2), mixed(-0.3), I * 0.6, I * 1.7];
     all.into_iter().filter(|F| determinant(F) > 0.05).collect()
+}
+
+/// The largest difference of P from the derivative of ψ, divided by the largest entry of P, and that of A from the derivative of P
+/// likewise, at strains of about a hundredth.
+pub(crate) fn slopes<const D: usize>(law: &impl Material<D>) -> [f64; 2] {
+    let at = Deformation::new(mixed(0.01));
+    let A = tangent(law, &at);
+    let [stress, slope] = differences(law, &at, &A);
+    [stress / law.stress(&at).amax(), slope / largest(&A)]
 }
 
 /// As [`check`], at deformation gradients chosen by the caller. The law must be smooth around them;

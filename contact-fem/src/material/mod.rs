@@ -97,16 +97,26 @@ pub struct Lame {
 }
 
 impl Lame {
+    /// The largest ratio of the bulk modulus K and the shear modulus, either to the other: the stress of the stiffer one
+    /// has a relative round-off of 2⁻⁵², which is 1e-6 of the softer one's stress at the same strain.
+    pub const MOST_APART: f64 = 1e-6 / f64::EPSILON;
+
     /// From Young's modulus `E` (UF/UL²) and Poisson's ratio `nu`.
     ///
     /// # Errors
-    /// If `E` is not positive and finite, or `nu` is not strictly between −1 and 0.5.
+    /// If `E` is not positive and finite, or `nu` is not strictly between −1 and 0.5, or so close to one of them that the moduli are
+    /// further apart than [`Lame::MOST_APART`].
     pub fn new(E: f64, nu: f64) -> Result<Self, Error> {
         if !(E > 0.0 && E.is_finite()) {
             return Err(Error::YoungsModulus { E });
         }
         if !(nu > -1.0 && nu < 0.5) {
             return Err(Error::PoissonsRatio { nu });
+        }
+        let ratio = 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu));
+        let ratio = ratio.max(ratio.recip());
+        if ratio > Self::MOST_APART {
+            return Err(Error::ModuliApart { nu, ratio });
         }
         Ok(Lame {
             lambda: E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)),

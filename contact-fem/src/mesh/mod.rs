@@ -129,8 +129,9 @@ impl<const D: usize> Mesh<D> {
             if volume < 0.0 {
                 return Err(Error::InvertedCell { cell, volume });
             }
-            let volume = self.node_volumes(cell).fold(volume, f64::min);
-            if volume <= 0.0 {
+            let share = self.least_share(cell);
+            if !(share > 0.0) {
+                let volume = share * volume;
                 return Err(Error::CurvedCell { cell, volume });
             }
         }

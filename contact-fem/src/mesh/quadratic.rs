@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::Mesh;
 use crate::element::p2::{self, CELL_EDGES};
+use crate::element::volume::{CellNodes, least_ratio};
 use crate::element::{Order, facet_edge};
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector, determinant};
@@ -114,25 +115,19 @@ impl<const D: usize> Mesh<D> {
         determinant(&dX)
     }
 
-    /// The volume of the straight simplex with the derivatives of the cell at ξ.
-    pub(super) fn tangent_volume(&self, cell: usize, xi: &Vector<D>) -> f64 {
-        self.jacobian(cell, xi) / Self::FACTORIAL
-    }
-
-    /// The tangent volumes of a curved cell at its nodes and quadrature points; empty for a linear
-    /// cell.
-    pub(super) fn node_volumes(&self, cell: usize) -> impl Iterator<Item = f64> {
-        let middles = &CELL_EDGES[..self.cell(cell).len() - D - 1];
-        let is_curved = !middles.is_empty();
-        let corner = |a: usize| Vector::<D>::from_fn(|i, _| f64::from(u8::from(i + 1 == a)));
-        let corners = (0..=D).filter(move |_| is_curved).map(corner);
-        let middles = middles.iter();
-        let middles = middles.map(move |&[a, b]| (corner(a) + corner(b)) * 0.5);
-        let points = p2::quadrature::<D>().filter(move |_| is_curved);
-        corners
-            .chain(middles)
-            .chain(points)
-            .map(move |xi| self.tangent_volume(cell, &xi))
+    /// A lower bound of det ∂X/∂ξ within a cell, divided by its value in the straight cell between the corners.
+    pub(super) fn least_share(&self, cell: usize) -> f64 {
+        if self.order == Order::Linear {
+            return 1.0;
+        }
+        let nodes = self.cell(cell);
+        let curved = std::array::from_fn(|k| self.nodes[*nodes.get(k).unwrap_or(&nodes[0])]);
+        let mut straight: CellNodes<D> = curved;
+        let middles = straight[D + 1..]
+            .iter_mut()
+            .zip(&CELL_EDGES[..D * (D + 1) / 2]);
+        middles.for_each(|(middle, [a, b])| *middle = (curved[*a] + curved[*b]) * 0.5);
+        least_ratio::<D>(&curved, &straight, f64::NEG_INFINITY).bound
     }
 }
 

@@ -5,7 +5,7 @@ use crate::assembly::{
 };
 use crate::element::{Element, Order, P1, P2};
 use crate::error::Error;
-use crate::material::{Deformation, Material};
+use crate::material::{Deformation, Material, conformance};
 use crate::mesh::Mesh;
 use crate::tensor::{Matrix, Vector, unit_vector};
 
@@ -209,9 +209,15 @@ impl<const D: usize> Body<D> {
         self.law.is_small_strain()
     }
 
+    /// How much the law's stress differs from the derivative of its energy, and its tangent from that of its stress, see
+    /// [`conformance::slopes`].
+    pub(super) fn law_slopes(&self) -> [f64; 2] {
+        self.law.slopes()
+    }
+
     /// The shear modulus and the modulus of stretching without lateral strain (UF/UL²) at rest, along the
     /// first two axes.
-    pub(super) fn rest_moduli(&self) -> (f64, f64) {
+    pub(crate) fn rest_moduli(&self) -> (f64, f64) {
         self.law.rest_moduli()
     }
 
@@ -235,6 +241,7 @@ impl<const D: usize> Body<D> {
 trait Law<const D: usize>: Send + Sync {
     fn is_small_strain(&self) -> bool;
     fn rest_moduli(&self) -> (f64, f64);
+    fn slopes(&self) -> [f64; 2];
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>>;
     fn add_body_force(
         &self,
@@ -259,6 +266,10 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> 
             contraction(&e, &e)[(0, 0)]
         };
         (along(1), along(0))
+    }
+
+    fn slopes(&self) -> [f64; 2] {
+        conformance::slopes(&self.1)
     }
 
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {

@@ -503,7 +503,7 @@ mod tests {
                 "at rest all is where it was"
             );
             problem.set_load(1.0).expect("load");
-            let gaps = problem.rows(&rest, Sampling::Nodes);
+            let gaps = problem.rows(&rest, Sampling::Nodes).expect("a state");
             assert_eq!(problem.searches_built(), sets[1]);
             let mut u = rest.clone();
             u[0] += 1e-3;
@@ -525,7 +525,9 @@ mod tests {
             problem.penetration(&solution.state.u);
             Certificate::new(&problem, &solution);
             Snapshot::new(&problem, &solution).expect("pressures");
-            problem.rows(&solution.state.u, Sampling::Nodes);
+            problem
+                .rows(&solution.state.u, Sampling::Nodes)
+                .expect("a state");
             assert_eq!(problem.searches_built(), sets[2]);
         }
     }

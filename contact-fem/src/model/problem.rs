@@ -1,5 +1,6 @@
 //! The contact problem of a checked scene.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -90,6 +91,11 @@ impl<const D: usize> Problem<D> {
         preflight::at_increments(&self.findings, increments)
     }
 
+    /// The units in which the problem's numbers are O(1).
+    pub fn scale(&self) -> Scale {
+        self.scale
+    }
+
     /// The scene from which the problem was built.
     pub fn scene(&self) -> &Scene<D> {
         &self.scene
@@ -130,14 +136,28 @@ impl<const D: usize> Problem<D> {
         &self.kinematics.dofs
     }
 
-    /// The displacements of all nodes (UL) from the free unknowns, at the present load.
-    pub fn displacements(&self, u: &[f64]) -> Vec<Vector<D>> {
-        self.kinematics.displacements(u)
+    /// Whether `u` has one finite value for each free unknown.
+    pub fn is_state(&self, u: &[f64]) -> bool {
+        u.len() == self.dofs().free() && u.iter().all(|value| value.is_finite())
     }
 
-    /// The positions x = X + u of all nodes (UL).
+    /// `u` or, where it is [none](Problem::is_state), unknowns that are no numbers.
+    pub(super) fn state<'a>(&self, u: &'a [f64]) -> Cow<'a, [f64]> {
+        match self.is_state(u) {
+            true => Cow::Borrowed(u),
+            false => Cow::Owned(vec![f64::NAN; self.dofs().free()]),
+        }
+    }
+
+    /// The displacements of all nodes (UL) from the free unknowns, at the present load; NaN at free unknowns if `u` is
+    /// [no state](Problem::is_state).
+    pub fn displacements(&self, u: &[f64]) -> Vec<Vector<D>> {
+        self.kinematics.displacements(&self.state(u))
+    }
+
+    /// The positions x = X + u of all nodes (UL), likewise.
     pub fn positions(&self, u: &[f64]) -> Vec<Vector<D>> {
-        self.kinematics.positions(u)
+        self.kinematics.positions(&self.state(u))
     }
 
     /// The contact surfaces.
@@ -182,12 +202,37 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The rows c(u) = C u + c₀ with projections and normals frozen at `u`.
-    pub fn rows(&self, u: &[f64], sampling: Sampling) -> LinearGaps {
+    ///
+    /// # Errors
+    /// A `u` of the wrong length or with values that are not finite.
+    pub fn rows(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, crate::Error> {
         self.rows_of(self.passes(), u, sampling)
     }
 
     /// As [`Problem::rows`], for any passes over the problem's surfaces.
-    pub fn rows_of(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
+    ///
+    /// # Errors
+    /// As [`Problem::rows`], and if there is no such surface.
+    pub fn rows_of(
+        &self,
+        passes: &[Pass],
+        u: &[f64],
+        sampling: Sampling,
+    ) -> Result<LinearGaps, crate::Error> {
+        Error::check_vector("u", u, self.dofs().free())?;
+        let surfaces = passes.iter().flat_map(|pass| [pass.slave, pass.master]);
+        match surfaces.max().filter(|&last| last >= self.surfaces().len()) {
+            Some(last) => Err(crate::Error::Setting {
+                name: "pass",
+                value: last as f64,
+                remedy: "name surfaces of this problem, numbered from 0 as in `Problem::surfaces`",
+            }),
+            None => Ok(self.rows_at(passes, u, sampling)),
+        }
+    }
+
+    /// As [`Problem::rows_of`], at a state.
+    pub(crate) fn rows_at(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
         let numbered = passes.iter().copied().enumerate();
         self.contact.rows(numbered, &self.kinematics, u, sampling)
     }
@@ -206,8 +251,8 @@ impl<const D: usize> ContactProblem for Problem<D> {
         self.is_exact()
     }
 
-    fn scale(&self) -> Scale {
-        self.scale
+    fn scale(&self) -> Option<Scale> {
+        Some(self.scale)
     }
 
     fn prescribed_magnitude(&self) -> f64 {
@@ -241,6 +286,13 @@ impl<const D: usize> ContactProblem for Problem<D> {
 
 impl<const D: usize> LoadStepped for Problem<D> {
     fn set_load(&mut self, factor: f64) -> Result<(), Error> {
+        if !factor.is_finite() {
+            return Err(Error::Setting {
+                name: "load factor",
+                value: factor.to_string(),
+                remedy: "choose a finite number; 1 is full load",
+            });
+        }
         self.kinematics.set_load(factor);
         let energies = self.energy.parts_mut().iter_mut();
         energies.for_each(|energy| energy.set_load(factor));

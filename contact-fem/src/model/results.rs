@@ -5,28 +5,39 @@ use contact_core::{Energy, LinearGaps};
 
 use super::{BodyId, Problem, Undetermined};
 use crate::Error;
-use crate::audit::Findings;
+use crate::audit::{Findings, LeastVolume};
 use crate::contact::{Pass, Surface, pressure};
 use crate::tensor::Vector;
 
 impl<const D: usize> Problem<D> {
-    /// The contact forces Cᵀλ on all nodes (UF).
+    /// The contact forces Cᵀλ on all nodes (UF); NaN if `lambda` has not one value a row, or the rows are of another problem.
     pub fn contact_forces(&self, gaps: &LinearGaps, lambda: &[f64]) -> Vec<Vector<D>> {
-        self.kinematics.contact_forces(gaps, lambda)
+        let [free, prescribed] = gaps.columns();
+        let dofs = self.dofs();
+        match lambda.len() == gaps.len() && free <= dofs.free() && prescribed <= dofs.prescribed() {
+            true => self.kinematics.contact_forces(gaps, lambda),
+            false => vec![Vector::repeat(f64::NAN); self.reference().len()],
+        }
     }
 
-    /// ∂E/∂U of a body (UF) for all its dofs, free and prescribed.
+    /// ∂E/∂U of a body (UF) for all its dofs, free and prescribed; NaN where it depends on a `u` that is
+    /// [no state](Problem::is_state).
     pub fn residual(&self, body: impl Into<BodyId>, u: &[f64]) -> Vec<f64> {
         let body = body.into().index();
         let mut residual = vec![0.0; D * self.kinematics.nodes(body).len()];
-        self.energy.parts()[body].add_residual(&u[self.energy.range(body)], &mut residual);
+        self.energy.parts()[body]
+            .add_residual(&self.state(u)[self.energy.range(body)], &mut residual);
         residual
     }
 
     /// The reactions (UF) of the supports on each body: ∂E/∂U − Cᵀλ summed over its prescribed
-    /// dofs.
+    /// dofs. NaN if `contact_forces` has not one force a node, and where they depend on a `u` that is
+    /// [no state](Problem::is_state).
     pub fn reactions(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<Vector<D>> {
         let bodies = self.scene.ids().zip(self.scene.bodies());
+        if contact_forces.len() != self.reference().len() {
+            return bodies.map(|_| Vector::repeat(f64::NAN)).collect();
+        }
         let reaction = |(id, body): (BodyId, &super::Body<D>)| {
             let residual = self.residual(id, u);
             let contact = contact_forces[self.nodes(id)].iter().flatten();
@@ -48,13 +59,32 @@ impl<const D: usize> Problem<D> {
     /// reference normals.
     ///
     /// # Errors
-    /// See [`pressure::tractions`].
+    /// A `u` that is no state, multipliers that are not one a row, rows of another problem; see [`pressure::tractions`].
     pub fn pressures(
         &self,
         u: &[f64],
         gaps: &LinearGaps,
         lambda: &[f64],
     ) -> Result<Vec<Vec<f64>>, Error> {
+        contact_core::Error::check_vector("u", u, self.dofs().free())?;
+        contact_core::Error::check_vector("λ", lambda, gaps.len())?;
+        let passes = gaps.keys().iter().map(|key| key.pass as usize + 1);
+        if passes
+            .max()
+            .is_some_and(|count| count > self.passes().len())
+        {
+            return Err(Error::Setting {
+                name: "pass",
+                value: gaps
+                    .keys()
+                    .iter()
+                    .map(|key| key.pass)
+                    .max()
+                    .unwrap_or_default()
+                    .into(),
+                remedy: "take rows of this problem",
+            });
+        }
         let located = self.contact.located(&self.kinematics, u);
         let of_surface = |(index, surface): (usize, &std::sync::Arc<Surface<D>>)| {
             let takes_part = |pass: &Pass| pass.slave == index || pass.master == index;
@@ -76,21 +106,39 @@ impl<const D: usize> Problem<D> {
 
     /// The largest depth of a contact node inside another surface (UL, ≥ 0), over all passes, less what is left of an overlap
     /// that [`InitialGaps`](super::InitialGaps) takes; in
-    /// [`Geometry::Reference`](super::Geometry) along the reference normals.
+    /// [`Geometry::Reference`](super::Geometry) along the reference normals. NaN if `u` is [no state](Problem::is_state).
     pub fn penetration(&self, u: &[f64]) -> f64 {
-        self.contact.penetration(&self.kinematics, u)
+        match self.is_state(u) {
+            true => self.contact.penetration(&self.kinematics, u),
+            false => f64::NAN,
+        }
     }
 
     /// As [`Problem::penetration`], each depth divided by the mean size of the facets around its
     /// node.
     pub fn relative_penetration(&self, u: &[f64]) -> f64 {
-        self.contact
-            .deepest(&self.kinematics, u, Surface::node_sizes)
+        match self.is_state(u) {
+            true => {
+                let sizes = Surface::node_sizes;
+                self.contact.deepest(&self.kinematics, u, sizes)
+            }
+            false => f64::NAN,
+        }
     }
 
     /// What the bodies do to each other and to themselves at `u`, found without the contact search.
-    pub fn audit(&self, u: &[f64]) -> Findings<D> {
-        self.audit.at(&self.positions(u))
+    ///
+    /// # Errors
+    /// A `u` of the wrong length or with values that are not finite.
+    pub fn audit(&self, u: &[f64]) -> Result<Findings<D>, Error> {
+        contact_core::Error::check_vector("u", u, self.dofs().free())?;
+        Ok(self.audit.at(&self.positions(u)))
+    }
+
+    /// The smallest volume ratio J within all cells at `u`, bounded from below; `None` without cells. The bound is −∞ in cells whose
+    /// nodes depend on a `u` that is [no state](Problem::is_state).
+    pub fn least_volume(&self, u: &[f64]) -> Option<LeastVolume<D>> {
+        self.audit.volumes(&self.positions(u)).0
     }
 
     /// The rigid motions, to first order, that neither supports nor contact forces of `solution` oppose, as where a block
@@ -98,7 +146,7 @@ impl<const D: usize> Problem<D> {
     /// state that they start from. Empty if `solution` is not of this problem.
     pub fn undetermined(&self, solution: &Solution) -> Vec<Undetermined> {
         let u = &solution.state.u;
-        match u.len() == self.dofs().free() && u.iter().all(|u| u.is_finite()) {
+        match self.is_state(u) {
             true => super::diagnosis::undetermined(self, solution),
             false => Vec::new(),
         }
@@ -108,7 +156,7 @@ impl<const D: usize> Problem<D> {
     /// small-strain laws.
     pub fn inverted(&self, u: &[f64]) -> usize {
         let mut J = vec![0.0; self.energy.domain_len()];
-        self.energy.domain(u, &mut J);
+        self.energy.domain(&self.state(u), &mut J);
         J.into_iter().filter(|J| J.is_nan() || *J <= 0.0).count()
     }
 }
@@ -141,7 +189,7 @@ mod tests {
         let mut problem = scene.problem().expect("a problem");
         problem.set_load(1.0).expect("load");
         let u = vec![0.0; problem.dofs().free()];
-        let gaps = problem.rows(&u, Sampling::Nodes);
+        let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
         assert_eq!(gaps.len(), 6);
 
         // where nothing is strained, the residual is minus the load

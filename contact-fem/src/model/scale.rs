@@ -78,8 +78,6 @@ fn expected_strain<const D: usize>(
 
 #[cfg(test)]
 mod tests {
-    use contact_core::ContactProblem;
-
     use super::*;
     use crate::mesh::generators::{Diagonals, linspace, rectangle};
     use crate::{LinearElastic, Material, NeoHookean};

@@ -152,6 +152,7 @@ fn step_columns<const D: usize>(bodies: &[String]) -> Vec<String> {
     }
     columns.extend(strings(&[
         "min_j",
+        "min_j_bound",
         "rows",
         "penetration",
         "weak_penetration",
@@ -181,13 +182,14 @@ fn step_line<const D: usize>(
         Some(record) => {
             let vectors = record.reactions.iter().chain(&record.contact_forces);
             line.extend(vectors.flat_map(|v| v.iter().copied().map(number)));
-            line.extend([number(record.min_j), record.rows.to_string()]);
+            line.extend([record.min_j, record.min_j_bound()].map(number));
+            line.push(record.rows.to_string());
             line.extend([record.penetration, record.weak_penetration].map(number));
         }
         None => {
             line.extend(vec![String::new(); 2 * bodies * D]);
             line.push(number(attempt.min_domain));
-            line.extend(vec![String::new(); 3]);
+            line.extend(vec![String::new(); 4]);
         }
     }
     line.push(attempt.iterations.len().to_string());
@@ -333,6 +335,7 @@ mod tests {
     use contact_core::{Ending, State};
 
     use super::*;
+    use crate::audit::LeastVolume;
     use crate::tensor::Vector;
 
     fn attempt(to: f64, outcome: Outcome) -> Attempt {
@@ -370,6 +373,12 @@ mod tests {
             reactions: vec![Vector::<2>::new(1e-7, -3.5)],
             contact_forces: vec![Vector::<2>::new(0.0, 4.5)],
             min_j: 0.75,
+            least_volume: Some(LeastVolume {
+                bound: 0.5,
+                body: 0,
+                cell: 3,
+                at: Vector::zeros(),
+            }),
             rows: 7,
             penetration: 0.0,
             weak_penetration: 1e-12,
@@ -402,6 +411,7 @@ mod tests {
         assert_eq!(steps[0][at("reaction_ring_x")], "1e-7");
         assert_eq!(steps[0][at("contact_force_ring_y")], "4.5");
         assert_eq!(steps[0][at("rows")], "7");
+        assert_eq!(steps[0][at("min_j_bound")], "0.5");
         assert_eq!(steps[0][at("penetration")], "0");
         assert_eq!(steps[0][at("weak_penetration")], "1e-12");
         assert_eq!(steps[0][at("inner_iterations")], "22");

@@ -62,7 +62,7 @@ impl<const D: usize> Snapshot<D> {
     /// The state `solution`; `problem` must be at the load of the solution.
     ///
     /// # Errors
-    /// As [`Problem::pressures`].
+    /// If the solution is not of this problem, or has values that are not finite; as [`Problem::pressures`].
     pub fn new(problem: &Problem<D>, solution: &Solution) -> Result<Self, Error> {
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
         Self::with_contact(problem, &solution.state.u, gaps, lambda)
@@ -88,12 +88,36 @@ impl<const D: usize> Snapshot<D> {
         Self::with_contact(problem, &u, &LinearGaps::new(true), &[])
     }
 
+    /// Checks that there is a value for each node and each cell of `problem`.
+    #[cfg(any(feature = "plot", feature = "vtk"))]
+    pub(super) fn check(&self, problem: &Problem<D>) -> Result<(), Error> {
+        let (nodes, bodies) = (problem.reference().len(), problem.scene().bodies().iter());
+        let cells = bodies.map(|body| body.mesh().len()).sum();
+        for (what, found, expected) in [
+            ("Snapshot::displacements", self.displacements.len(), nodes),
+            ("Snapshot::pressures", self.pressures.len(), nodes),
+            ("Snapshot::contact_forces", self.contact_forces.len(), nodes),
+            ("Snapshot::cells", self.cells.len(), cells),
+        ] {
+            if found != expected {
+                return Err(contact_core::Error::Length {
+                    what,
+                    found,
+                    expected,
+                }
+                .into());
+            }
+        }
+        Ok(())
+    }
+
     fn with_contact(
         problem: &Problem<D>,
         u: &[f64],
         gaps: &LinearGaps,
         lambda: &[f64],
     ) -> Result<Self, Error> {
+        contact_core::Error::check_vector("u", u, problem.dofs().free())?;
         let displacements = problem.displacements(u);
         let mut pressures = vec![0.0; displacements.len()];
         let of_surfaces = problem.pressures(u, gaps, lambda)?;
@@ -177,7 +201,7 @@ pub(super) mod tests {
     /// Every free component is displaced by 0.1, and every row has a multiplier of 3.
     pub fn displaced<const D: usize>(problem: &Problem<D>) -> Snapshot<D> {
         let u = vec![0.1; problem.dofs().free()];
-        let gaps = problem.rows(&u, Sampling::Nodes);
+        let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
         let lambda = vec![3.0; gaps.len()];
         Snapshot::with_contact(problem, &u, &gaps, &lambda).expect("a snapshot")
     }

@@ -96,6 +96,7 @@ impl Series {
         problem: &Problem<D>,
         snapshot: &Snapshot<D>,
     ) -> Result<(), Error> {
+        snapshot.check(problem)?;
         let path = self.folder.join(self.file_name(self.times.len()));
         let grid = Vtk {
             version: Version::new_xml(1, 0),

@@ -29,14 +29,15 @@ pub fn condition(
     weighting: Weighting,
 ) -> Option<f64> {
     let n = problem.energy().dofs();
-    let energy = hessian(problem, &solution.state.u);
+    let scale = Scale::of(problem, &solution.state.u).ok()?;
+    let energy = hessian(problem, &scale, &solution.state.u);
     let alone = largest(n, &energy);
     let with = |stiffness: &[f64]| {
         let mut all = energy.clone();
         add_rows(solution, stiffness, &mut all);
         all
     };
-    let stiffness = stiffnesses(&problem.scale(), solution, weighting, alone);
+    let stiffness = stiffnesses(&scale, solution, weighting, alone);
     let all = with(&stiffness);
     let most = match weighting {
         Weighting::Confined => alone,
@@ -80,13 +81,9 @@ fn stiffnesses(scale: &Scale, solution: &Solution, weighting: Weighting, alone: 
 type Entries = Vec<Triplet<usize, usize, f64>>;
 
 /// Both triangles of L²/E₀ ∇²E.
-fn hessian(problem: &dyn ContactProblem, u: &[f64]) -> Entries {
+fn hessian(problem: &dyn ContactProblem, scale: &Scale, u: &[f64]) -> Entries {
     let energy = problem.energy();
-    let Scale {
-        length,
-        energy: unit,
-        ..
-    } = problem.scale();
+    let (length, unit) = (scale.length, scale.energy);
     let mut values = vec![0.0; energy.hessian_pattern().len()];
     energy.hessian(u, &mut values);
     let mut entries = Vec::new();

@@ -2,7 +2,7 @@
 
 use crate::linear::FactorError;
 use crate::nlp::NlpError;
-use crate::{ContactProblem, Error, LinearGaps, Outcome, Stop};
+use crate::{Error, LinearGaps, Outcome, Stop};
 
 /// What ends a solve before its result.
 #[derive(Debug)]
@@ -47,15 +47,16 @@ impl Halt {
         }
     }
 
-    /// [`Halt::Failed`] if one of the `immovable` rows, which no unknown moves, overlaps: c are their gaps (UL).
+    /// [`Halt::Failed`] if one of the `immovable` rows, which no unknown moves, overlaps: c are their gaps, and `length` is the
+    /// unit of lengths (UL).
     pub fn if_immovable(
-        problem: &dyn ContactProblem,
+        length: f64,
         gaps: &LinearGaps,
         immovable: impl Iterator<Item = usize>,
         c: &[f64],
     ) -> Result<(), Halt> {
         let deepest = immovable.min_by(|&i, &j| c[i].total_cmp(&c[j]));
-        match deepest.filter(|&i| c[i] < -IMMOVABLE * problem.scale().length) {
+        match deepest.filter(|&i| c[i] < -IMMOVABLE * length) {
             Some(i) => Err(Halt::Failed(format!(
                 "node {} of pass {} overlaps by {:.2e}, and all that could open its gap is prescribed",
                 gaps.keys()[i].node,

@@ -35,7 +35,9 @@ use super::{
     relative_change, rows_of_both_roles,
 };
 use crate::cost::FactorSize;
-use crate::{ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, State, Stop};
+use crate::{
+    ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, Scale, State, Stop,
+};
 
 /// Equilibrium of bodies with quadratic energies under exact rows, by static condensation.
 ///
@@ -149,8 +151,9 @@ impl Equilibrium for Condensed {
             u: start.u.clone(),
             lambda: Vec::new(),
         };
-        let length = problem.scale().length;
-        let solved = self.equilibrium(problem, &gaps, &start, &mut at, context.stop, &mut cost);
+        let scale = Scale::of(problem, &start.u)?;
+        let parts = (problem, &gaps, &scale);
+        let solved = self.equilibrium(parts, &start, &mut at, context.stop, &mut cost);
         let is_finite = at.u.iter().chain(&at.lambda).all(|value| value.is_finite());
         if !is_finite {
             at.u.clone_from(&start.u);
@@ -158,7 +161,8 @@ impl Equilibrium for Condensed {
         }
         let lambda = match &self.kept {
             Some(kept) if !at.lambda.is_empty() => {
-                kept.rows.shared(&at.lambda, gaps.constant(), TIE * length)
+                kept.rows
+                    .shared(&at.lambda, gaps.constant(), TIE * scale.length)
             }
             _ => vec![0.0; gaps.len()],
         };
@@ -169,14 +173,14 @@ impl Equilibrium for Condensed {
                 halt.outcome()?
             }
         };
-        let least = least_displacement(problem);
+        let least = least_displacement(problem, scale.length);
         let error = match outcome {
             Outcome::Converged => relative_change(&at.u, &start.u, least),
             _ => f64::INFINITY,
         };
         cost.wall = clock.elapsed().as_secs_f64();
         cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
-        Ok(Solution {
+        let solution = Solution {
             outcome,
             energy: energy.value(&at.u),
             state: State {
@@ -194,7 +198,8 @@ impl Equilibrium for Condensed {
             }],
             gaps,
             lambda,
-        })
+        };
+        Ok(solution.checked())
     }
 
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
@@ -228,8 +233,7 @@ const TIE: f64 = 1e-12;
 impl Condensed {
     fn equilibrium(
         &mut self,
-        problem: &dyn ContactProblem,
-        gaps: &LinearGaps,
+        (problem, gaps, scale): (&dyn ContactProblem, &LinearGaps, &Scale),
         start: &State,
         at: &mut Iterate,
         stop: &Stop,
@@ -237,7 +241,7 @@ impl Condensed {
     ) -> Result<(), Halt> {
         let energy = problem.energy();
         let kept = self.prepare(energy, gaps, stop, cost)?;
-        Halt::if_immovable(problem, gaps, kept.rows.immovable(), gaps.constant())?;
+        Halt::if_immovable(scale.length, gaps, kept.rows.immovable(), gaps.constant())?;
         let clock = Instant::now();
         let mut load = vec![0.0; energy.dofs()];
         energy.gradient(&vec![0.0; energy.dofs()], &mut load);
@@ -256,7 +260,7 @@ impl Condensed {
             stiffness: &mut kept.stiffness,
             compliance: &mut kept.compliance,
             rows: &kept.rows,
-            resolution: problem.scale().resolution,
+            resolution: scale.resolution,
             load: &load,
             stop,
             cost,

@@ -106,8 +106,8 @@ impl ContactProblem for Quadratic {
     fn linearize_gaps(&self, _: &[f64], _: Sampling) -> Result<LinearGaps, Error> {
         Ok(self.gaps.clone())
     }
-    fn scale(&self) -> Scale {
-        Scale::default()
+    fn scale(&self) -> Option<Scale> {
+        Some(Scale::default())
     }
 }
 

@@ -47,7 +47,8 @@ use super::{
 };
 use crate::cost::FactorSize;
 use crate::{
-    ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, RowKey, State, Stop,
+    ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, RowKey, Scale, State,
+    Stop,
 };
 
 /// Equilibrium by Newton's method on the energy, with contact condensed onto its rows and re-projected in every
@@ -149,7 +150,7 @@ impl Equilibrium for CondensedNewton {
             true => self.iterate(problem, &mut at, energy, &mut history, context)?,
             false => Ended::with(Outcome::InadmissibleStart),
         };
-        Ok(Solution {
+        let solution = Solution {
             outcome: ended.outcome,
             curvature: ended.curvature,
             flickering: ended.flickering,
@@ -159,7 +160,8 @@ impl Equilibrium for CondensedNewton {
             lambda: at.lambda,
             history,
             failed: Vec::new(),
-        })
+        };
+        Ok(solution.checked())
     }
 
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
@@ -231,6 +233,7 @@ impl CondensedNewton {
         if let Err(halt) = at.project(problem, context.stop) {
             return Ok(Ended::with(halt.outcome()?));
         }
+        let unit = Scale::of(problem, &at.state.u)?.length;
         let is_end = context.from == 0.0 || context.to >= 1.0;
         let mut iterate = Iterate {
             before: at.state.multipliers.clone(),
@@ -241,7 +244,8 @@ impl CondensedNewton {
             watchdog: Watchdog::new(at, start),
             problem,
             at,
-            least: least_displacement(problem),
+            least: least_displacement(problem, unit),
+            unit,
             tolerance: self.tolerance,
             length: None,
             stop: context.stop,
@@ -309,6 +313,8 @@ struct Iterate<'a> {
     /// Lower bound on the size of the displacements (UL), and bound on their relative change.
     least: f64,
     tolerance: f64,
+    /// The unit of lengths (UL).
+    unit: f64,
     /// The length of the last step, unshortened (UL).
     length: Option<f64>,
     /// The multipliers of the iterate before.
@@ -370,7 +376,10 @@ impl Iterate<'_> {
             // too stiff an S underestimates how far the forces that are left would move the row
             if tangent.holds_an_open_row(&self.at.state.multipliers) {
                 tangent.forget();
-            } else if self.at.is_equilibrium(self.problem, tangent, bound, cost)? {
+            } else if self
+                .at
+                .is_equilibrium(self.problem, tangent, (bound, self.unit), cost)?
+            {
                 let softest = trial.softest.filter(Softest::is_unstable);
                 if let Some(softest) = softest.filter(|_| self.unstable.is_none()) {
                     self.leave(&softest, tangent)?;
@@ -482,14 +491,14 @@ impl Point {
         &self,
         problem: &dyn ContactProblem,
         tangent: &mut Tangent,
-        bound: f64,
+        (bound, unit): (f64, f64),
         cost: &mut Cost,
     ) -> Result<bool, Halt> {
         let mut c = vec![0.0; self.gaps.len()];
         self.gaps.value(&self.state.u, &mut c);
         let matrix = self.gaps.matrix();
         let immovable = (0..c.len()).filter(|&i| matrix.row(i).all(|(_, a)| a == 0.0));
-        Halt::if_immovable(problem, &self.gaps, immovable, &c)?;
+        Halt::if_immovable(unit, &self.gaps, immovable, &c)?;
         let is_wrong = |i: usize| {
             let (c, lambda) = (c[i], self.lambda[i]);
             let is_movable = matrix.row(i).any(|(_, a)| a != 0.0);

@@ -135,7 +135,8 @@ fn flicker<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Option<
 }
 
 fn overlaps<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<String> {
-    let overlaps = problem.audit(&solution.state.u).overlaps.into_iter();
+    let audit = problem.audit(&solution.state.u).unwrap_or_default();
+    let overlaps = audit.overlaps.into_iter();
     let deep = overlaps.filter(|overlap| overlap.relative > Overlap::<D>::LIMIT);
     deep.map(|overlap| {
         let [first, second] = overlap.bodies.map(|body| &problem.scene().names()[body]);

@@ -1,5 +1,6 @@
 //! Names, settings, numbers and boundaries.
 
+use super::limits::SLOPE;
 use super::{Finding, FindingKind, Report, Severity};
 use crate::error::Error;
 use crate::model::{Integration, Scene};
@@ -56,6 +57,31 @@ pub(super) fn forces<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     bodies.try_for_each(|(body, name)| {
         let what = format!("the sum of the nodal forces of body `{name}`");
         Error::check_finite(&what, body.forces())
+    })
+}
+
+/// Checks that stresses and tangents of laws are derivatives: scales and certificates take a tangent's word for the stiffness.
+pub(super) fn laws<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
+    let mut bodies = scene.bodies().iter().zip(scene.names());
+    bodies.try_for_each(|(body, name)| {
+        if body.prescribed().iter().all(Option::is_some) {
+            return Ok(());
+        }
+        let [stress, tangent] = body.law_slopes();
+        let differs = |what, of, error| {
+            let body = name.clone();
+            Err(Error::LawDiffers {
+                body,
+                what,
+                of,
+                error,
+            })
+        };
+        match (stress, tangent) {
+            (error, _) if !(error <= SLOPE) => differs("stress", "energy", error),
+            (_, error) if !(error <= SLOPE) => differs("tangent", "stress", error),
+            _ => Ok(()),
+        }
     })
 }
 

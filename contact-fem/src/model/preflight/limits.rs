@@ -58,6 +58,10 @@ pub(super) const LOCKING: f64 = 0.45;
 /// length: beyond it a point is opposite another facet than the one that holds it.
 pub(super) const BEYOND_FACET: f64 = 1.0;
 
+/// The largest difference of a law's stress from the derivative of its energy, and of its tangent from that of its
+/// stress, as a share of the largest value: above what is lost by differences, and below what is no derivative at all.
+pub(super) const SLOPE: f64 = 0.1;
+
 /// The largest rotation (degrees) of a law for small strains: it stretches a body by 1 − cos 5° = 0.4 %.
 pub(super) const ROTATION: f64 = 5.0;
 

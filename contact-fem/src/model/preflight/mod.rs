@@ -93,6 +93,7 @@ pub(super) fn without_surfaces<const D: usize>(
         return;
     }
     report.take(input::forces(scene));
+    report.take(input::laws(scene));
     input::boundaries(scene, report);
     supports::check(scene, pairs, report);
     loads::check(scene, pairs, report);

@@ -57,8 +57,11 @@ impl<'a, const D: usize> MeshPicture<'a, D> {
     /// is marked with `≥`.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// A snapshot of another problem, [`Error::Write`].
     pub fn save(&self, path: impl AsRef<Path>, problem: &Problem<D>) -> Result<(), Error> {
+        for panel in &self.panels {
+            panel.snapshot.check(problem)?;
+        }
         let layout = Layout::new(problem, &self.panels);
         let colours = self.colours(problem);
         save(path.as_ref(), layout.size(), |canvas| {

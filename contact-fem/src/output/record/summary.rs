@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 use super::folder::Heading;
 use super::observer::Observer;
 use super::{Plan, peak_memory};
+use crate::audit::LeastVolume;
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
@@ -42,6 +43,9 @@ pub(super) struct Summary {
     reaction: Option<f64>,
     reactions: Vec<Vec<f64>>,
     min_j: Option<f64>,
+    min_j_bound: Option<f64>,
+    /// The cell with the smallest J of all steps, if it is not positive everywhere in it.
+    inverted: Option<Value>,
     penetration: Option<f64>,
     weak_penetration: Option<f64>,
     /// The worst values of all steps.
@@ -89,6 +93,7 @@ impl Summary {
         let solution = history.and_then(|history| history.run.solution.as_ref());
         let undetermined = solution.map_or(Vec::new(), |solution| problem.undetermined(solution));
         let left_out = history.map(|history| LeftOut::new(problem, history));
+        let inverted = inverted(records);
         let shares = shares(&cost, observer.seconds, wall);
         let vectors = last.map_or(&[][..], |record| &record.reactions);
         let reaction = last.map(|record| (plan.force)(record));
@@ -105,6 +110,16 @@ impl Summary {
         table.extend(undetermined.iter().map(|Undetermined { body, motions }| {
             let motions = motions.join(", ");
             format!("undetermined       body `{body}`: {motions}")
+        }));
+        table.extend(inverted.map(|(factor, least)| {
+            let at: Vec<String> = least.at.iter().map(|x| format!("{x:.3e}")).collect();
+            format!(
+                "inverted           cell {} of body `{}` at load {factor}: J from {:.3e} at ({})",
+                least.cell,
+                problem.scene().names()[least.body],
+                least.bound,
+                at.join(", ")
+            )
         }));
         table.extend(cost_lines(&cost));
         table.extend(certificate.map(|found| format!("certificate of all steps {found}")));
@@ -143,6 +158,13 @@ impl Summary {
                 .map(|v| v.iter().copied().collect())
                 .collect(),
             min_j: last.map(|record| record.min_j),
+            min_j_bound: last.map(|record| record.min_j_bound()),
+            inverted: inverted.map(|(factor, least)| {
+                json!({
+                    "body": problem.scene().names()[least.body], "cell": least.cell, "bound": least.bound,
+                    "place": least.at.as_slice(), "load_factor": factor,
+                })
+            }),
             penetration: last.map(|record| record.penetration),
             weak_penetration: last.map(|record| record.weak_penetration),
             certificate: certificate.map(values),
@@ -177,6 +199,15 @@ impl Summary {
     pub(super) fn table(&self) -> &str {
         &self.table
     }
+}
+
+/// The smallest volume ratio of all steps and the load factor there, if J > 0 is not shown everywhere.
+fn inverted<const D: usize>(records: &[StepRecord<D>]) -> Option<(f64, LeastVolume<D>)> {
+    let least = records
+        .iter()
+        .filter_map(|record| Some((record.factor, record.least_volume?)));
+    let inverted = least.filter(|(_, least)| !(least.bound > 0.0));
+    inverted.min_by(|a, b| a.1.bound.total_cmp(&b.1.bound))
 }
 
 /// How many converged steps each solver solved.

@@ -31,7 +31,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
     }
     let mut dimension = None;
     let mut contents = Contents::default();
-    while let Some(keyword) = file.word() {
+    loop {
+        let Some(keyword) = file.word() else {
+            return Err(file.unexpected("the keyword `End`", None));
+        };
         match keyword {
             b"End" => break,
             b"Dimension" => match file.integer("the dimension")? {

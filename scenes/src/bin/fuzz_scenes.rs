@@ -1,0 +1,397 @@
+//! Solves random small scenes, sound ones and wrong ones, for a while: nothing may panic or hang, no result that is complete
+//! may have values that are no numbers, and where the certificate holds, the forces on each body must be in balance by a
+//! sum of their own.
+//!
+//! `make fuzz-scenes SECONDS=60 SEED=1`, or with arguments: seconds, seed and, to show one case again, its number.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use contact_core::Budget;
+use contact_fem::element::{Element, P1, P2};
+use contact_fem::mesh::generators::{Diagonals, annulus, cuboid, disc, linspace, rectangle};
+use contact_fem::model::{Geometry, InitialGaps, Integration, Passes, Problem, Side};
+use contact_fem::simulation::History;
+use contact_fem::tensor::Vector;
+use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
+use ipopt_contact_scenes::Failure;
+use ipopt_contact_scenes::cli::Solver;
+
+/// What a run may take, and when it is said to hang: a budget is looked at between steps only.
+const BUDGET: Budget = Budget {
+    seconds: Some(5.0),
+    factorizations: Some(300),
+};
+const PATIENCE: Duration = Duration::from_secs(60);
+/// The largest share of the largest force on a node that may be left of a body's balance for each of its nodes: ten times what the certificate
+/// allows. Forces below a share of the stiffness are round-off.
+const BALANCE: f64 = 1e-5;
+const ROUNDOFF: f64 = 1e-9;
+
+/// SplitMix64 (G. Steele, D. Lea, C. Flood, 2014).
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.bits() % end as u64) as usize
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn one_in(&mut self, count: usize) -> bool {
+        self.below(count) == 0
+    }
+
+    fn of<T: Copy>(&mut self, values: &[T]) -> T {
+        values[self.below(values.len())]
+    }
+
+    /// A number that is usually between these.
+    fn odd(&mut self, low: f64, high: f64) -> f64 {
+        const ODD: [f64; 7] = [f64::NAN, f64::INFINITY, -1e300, 1e300, 1e-300, -0.0, 1e12];
+        match self.one_in(60) {
+            true => self.of(&ODD),
+            false => self.between(low, high),
+        }
+    }
+}
+
+/// A mesh of a block, a disc or a ring around the origin, about 1 wide.
+fn plane(random: &mut Random) -> Result<Mesh<2>, Error> {
+    let count = |random: &mut Random| 1 + random.below(5);
+    let mesh = match random.below(4) {
+        0 => disc(
+            0.5,
+            3 + random.below(20),
+            count(random),
+            random.between(0.0, 1.0),
+        ),
+        1 => {
+            let inner = random.between(0.2, 0.45);
+            annulus(&[inner, 0.5], 3 + random.below(20), Diagonals::Alternating)
+        }
+        _ => {
+            let (nx, ny) = (count(random), count(random));
+            let side = |n| linspace(-0.5, 0.5, n);
+            rectangle(
+                &side(nx),
+                &side(ny),
+                random.of(&[Diagonals::Rising, Diagonals::Alternating]),
+            )
+        }
+    }?;
+    finished(random, mesh)
+}
+
+fn space(random: &mut Random) -> Result<Mesh<3>, Error> {
+    let cells = [0; 3].map(|_| 1 + random.below(2));
+    let mesh = cuboid([-0.5; 3], [1.0; 3], cells)?;
+    finished(random, mesh)
+}
+
+/// Distorted, of either order, with a name for all of the boundary and one for none of it.
+fn finished<const D: usize>(random: &mut Random, mesh: Mesh<D>) -> Result<Mesh<D>, Error> {
+    let by = random.of(&[0.0, 0.0, 0.02, 0.1]);
+    let shape: [f64; D] = std::array::from_fn(|_| random.of(&[1.0, 1.0, 0.3, 3.0, 0.01]));
+    let phase = random.between(0.0, 6.0);
+    let wave = |X: &Vector<D>, i: usize| (9.0 * X[(i + 1) % D] + phase + i as f64).sin();
+    let mut mesh = mesh.mapped(|X| Vector::from_fn(|i, _| shape[i] * (X[i] + by * wave(X, i))))?;
+    mesh.name_boundary("all", |_| true);
+    mesh.name_boundary("low", |X| X[D - 1] < 0.0);
+    mesh.name_boundary("high", |X| X[D - 1] > 0.0);
+    mesh.name_boundary("nowhere", |_| false);
+    Ok(match random.one_in(2) {
+        true => mesh.quadratic(),
+        false => mesh,
+    })
+}
+
+const SIDES: [&str; 8] = [
+    "low", "high", "low", "high", "low", "high", "all", "nowhere",
+];
+
+fn body<const D: usize>(random: &mut Random, mesh: Mesh<D>) -> Result<Body<D>, Error>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let nu = match random.below(30) {
+        0 => 0.5 - 10f64.powf(random.between(-17.0, -2.0)),
+        1 => random.odd(-1.1, 0.6),
+        _ => random.of(&[0.0, 0.3, 0.3, 0.45, -0.4]),
+    };
+    let exponent = random.of(&[0.0, 0.0, 0.0, 3.0, -3.0, 9.0]);
+    let young = random.odd(1.0, 2.0) * 10f64.powf(exponent);
+    let mut body = match random.one_in(2) {
+        true => Body::new(mesh, NeoHookean::new(young, nu)?),
+        false => Body::new(mesh, LinearElastic::new(young, nu)?),
+    };
+    for _ in 0..random.below(3) {
+        let side = random.of(&SIDES);
+        match random.below(8) {
+            0 => body.traction(side, std::array::from_fn(|_| young * random.odd(-0.1, 0.1)))?,
+            1 => body.body_force(std::array::from_fn(|_| young * random.odd(-0.1, 0.1)))?,
+            2 => body.prescribe_all([Some(random.odd(-0.3, 0.3)); D])?,
+            _ => {
+                let moved = std::array::from_fn(|_| {
+                    let value = random.of(&[0.0, 0.0, 1.0]) * random.odd(-0.2, 0.2);
+                    (!random.one_in(4)).then_some(value)
+                });
+                body.prescribe(side, moved)?
+            }
+        };
+    }
+    Ok(body)
+}
+
+/// Bodies on top of each other, more or less, with some pairs.
+fn scene<const D: usize>(
+    random: &mut Random,
+    mesh: impl Fn(&mut Random) -> Result<Mesh<D>, Error>,
+) -> Result<Scene<D>, Error>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let mut scene = Scene::new();
+    let (mut top, mut ids) = (0.0, Vec::new());
+    for k in 0..1 + random.below(3) {
+        let mesh = mesh(random)?;
+        let (low, high) = mesh.bounding_box();
+        let gap = random.of(&[0.0, 0.0, 0.01, 0.1, -0.02, -0.3]);
+        let mut offset = [0.0; D];
+        offset[0] = random.of(&[0.0, 0.0, 0.13, -0.4]);
+        offset[D - 1] = top + gap - low[D - 1];
+        top += gap + high[D - 1] - low[D - 1];
+        let mesh = mesh.translated(offset)?;
+        let mut body = body(random, mesh)?;
+        if k == 0 && !random.one_in(5) {
+            body.prescribe("low", [Some(0.0); D])?;
+        }
+        ids.push(scene.add(format!("body {k}"), body));
+    }
+    for k in 0..ids.len() {
+        let side = |random: &mut Random, k: usize, usual: &'static str| -> Side {
+            let name = if random.one_in(6) {
+                random.of(&SIDES)
+            } else {
+                usual
+            };
+            ids[k].on(name)
+        };
+        let passes = random.of(&[Passes::Both, Passes::FirstIsSlave, Passes::SecondIsSlave]);
+        if k > 0 && !random.one_in(8) {
+            let (first, second) = (side(random, k - 1, "high"), side(random, k, "low"));
+            scene.contact_in_passes(first, second, passes)?;
+        }
+        if random.one_in(12) {
+            let surface = side(random, k, "all");
+            scene.self_contact(surface)?;
+        }
+    }
+    scene.geometry = random.of(&[
+        None,
+        None,
+        Some(Geometry::Current),
+        Some(Geometry::Reference),
+    ]);
+    scene.integration = random.of(&[
+        None,
+        None,
+        Some(Integration::Exact),
+        Some(Integration::Gauss(2)),
+        Some(Integration::Gauss(0)),
+    ]);
+    scene.initial_gaps = random.of(&[
+        InitialGaps::Refuse,
+        InitialGaps::Resolve,
+        InitialGaps::Adjust,
+    ]);
+    if random.one_in(10) {
+        scene.reach = Some(random.odd(0.0, 1.0));
+        scene.overlap_tolerance = random.odd(0.0, 1.0);
+    }
+    Ok(scene)
+}
+
+/// Solves a scene, and tells how that ended or what is wrong with it.
+fn solve<const D: usize>(
+    random: &mut Random,
+    scene: Result<Scene<D>, Error>,
+) -> Result<String, String> {
+    let outline = |error: &Error| {
+        let name = format!("{error:?}");
+        let name: String = name.chars().take_while(|c| c.is_alphanumeric()).collect();
+        format!("refused: {name}")
+    };
+    let scene = match scene {
+        Ok(scene) => scene,
+        Err(error) => return Ok(outline(&error)),
+    };
+    let mut problem = match scene.problem() {
+        Ok(problem) => problem,
+        Err(error) => return Ok(outline(&error)),
+    };
+    let solvers = [
+        Solver::Automatic,
+        Solver::Automatic,
+        Solver::Newton,
+        Solver::Ipopt,
+        Solver::Condensed,
+    ];
+    let solver = random.of(&solvers).with_tolerance(None);
+    let mut simulation = Simulation::solved_by(solver, 1 + random.below(3));
+    simulation.load_steps.budget = BUDGET;
+    simulation.load_steps.max_halvings = random.below(4);
+    let history = match simulation.run(&mut problem) {
+        Ok(history) => history,
+        Err(error) => return Ok(format!("error of the run: {}", outline(&error))),
+    };
+    for step in &history.steps {
+        let mut values = step.reactions.iter().chain(&step.contact_forces).flatten();
+        if !(step.energy.is_finite() && values.all(|value| value.is_finite())) {
+            return Err(format!("no number at load {}: {step:?}", step.factor));
+        }
+    }
+    let last = history.last();
+    let holds = last.is_some_and(|last| last.certificate.holds(&Default::default()));
+    if holds {
+        balance(&problem, &history)?;
+    }
+    let kind = match history.is_complete() {
+        true => "complete".to_string(),
+        false => {
+            let ending = history.run.ending.to_string();
+            let words: Vec<&str> = ending.split(' ').take(2).collect();
+            words.join(" ")
+        }
+    };
+    let certificate = match (last, holds) {
+        (None, _) => "nothing to certify",
+        (_, true) => "certificate holds",
+        (_, false) => "certificate does not hold",
+    };
+    Ok(format!("{kind}, {certificate}"))
+}
+
+/// Whether the forces on each body add up to nothing.
+fn balance<const D: usize>(problem: &Problem<D>, history: &History<D>) -> Result<(), String> {
+    let Some(solution) = &history.run.solution else {
+        return Ok(());
+    };
+    let contact = problem.contact_forces(&solution.gaps, &solution.lambda);
+    for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
+        let residual = problem.residual(id, &solution.state.u);
+        let (mut sum, mut largest) = (Vector::<D>::zeros(), 0.0_f64);
+        let nodes = problem.nodes(id);
+        for (k, node) in nodes.clone().enumerate() {
+            for i in 0..D {
+                let dof = D * k + i;
+                let load = problem.load() * body.forces()[dof];
+                let reaction = match body.prescribed()[dof] {
+                    Some(_) => residual[dof] - contact[node][i],
+                    None => 0.0,
+                };
+                sum[i] += load + reaction + contact[node][i];
+                for force in [load, reaction, contact[node][i]] {
+                    largest = largest.max(force.abs());
+                }
+            }
+        }
+        let (low, high) = body.mesh().bounding_box();
+        let stiffness = problem.body_energies()[id.index()].typical_stiffness();
+        let size = (high - low).norm();
+        let limit = BALANCE * largest * nodes.len() as f64 + ROUNDOFF * stiffness * size;
+        if !(sum.norm() <= limit) {
+            let left = sum.norm();
+            return Err(format!(
+                "forces on {id:?} leave {left:.3e} of {largest:.3e} on a node"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// One case, whose number and seed say all of it.
+fn case(seed: u64, number: u64) -> Result<String, String> {
+    let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ number);
+    random.bits();
+    let solved = catch_unwind(AssertUnwindSafe(|| match random.one_in(6) {
+        true => {
+            let scene = scene::<3>(&mut random, space);
+            solve(&mut random, scene)
+        }
+        false => {
+            let scene = scene::<2>(&mut random, plane);
+            solve(&mut random, scene)
+        }
+    }));
+    solved.unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+        Err(format!("panic: {}", text.unwrap_or("without a text")))
+    })
+}
+
+fn main() -> Result<ExitCode, Failure> {
+    let mut arguments = std::env::args().skip(1);
+    let seconds = arguments.next().map_or(Ok(60), |s| s.parse())?;
+    let seed = arguments.next().map_or(Ok(1), |s| s.parse())?;
+    if let Some(number) = arguments.next() {
+        println!("{:?}", case(seed, number.parse()?));
+        return Ok(ExitCode::SUCCESS);
+    }
+    println!("{seconds} s, seed {seed}");
+    std::panic::set_hook(Box::new(|_| {}));
+    let number = Arc::new(AtomicU64::new(0));
+    let since = Arc::new(Mutex::new(Instant::now()));
+    let watched = (Arc::clone(&number), Arc::clone(&since));
+    std::thread::spawn(move || {
+        loop {
+            std::thread::sleep(Duration::from_secs(1));
+            let began = watched
+                .1
+                .lock()
+                .map_or_else(|e| *e.into_inner(), |began| *began);
+            if began.elapsed() > PATIENCE {
+                println!("case {} hangs", watched.0.load(Ordering::Relaxed));
+                std::process::exit(1);
+            }
+        }
+    });
+    let end = Instant::now() + Duration::from_secs(seconds);
+    let (mut outcomes, mut findings) = (BTreeMap::<String, u64>::new(), 0);
+    while Instant::now() < end && findings < 100 {
+        let now = number.fetch_add(1, Ordering::Relaxed) + 1;
+        if let Ok(mut since) = since.lock() {
+            *since = Instant::now();
+        }
+        let outcome = case(seed, now).unwrap_or_else(|what| {
+            println!("case {now}: {what}");
+            findings += 1;
+            "finding".to_string()
+        });
+        *outcomes.entry(outcome).or_default() += 1;
+    }
+    for (outcome, count) in outcomes {
+        println!("{count:8}  {outcome}");
+    }
+    println!(
+        "{} cases, {findings} findings",
+        number.load(Ordering::Relaxed)
+    );
+    Ok(ExitCode::from(u8::from(findings > 0)))
+}
