@@ -5,8 +5,10 @@
     scripts/mutants/run.py --check             only whether every fault can be planted
     scripts/mutants/run.py certificate rows    those whose area or name has one of these words
     scripts/mutants/run.py --survivors         again those that nothing noticed
+    scripts/mutants/run.py --units             without the tests that take longer to build
     scripts/mutants/run.py --keep-caught       what was caught in earlier sources counts as caught
     scripts/mutants/run.py --table             the table of what is known, without planting anything
+    scripts/mutants/run.py --beside b method   in a second copy, beside another run
 
 The copy, its build and results.jsonl are in `mutants` in the target folder. A result belongs to the fault and to the
 sources that it was planted in. Needs Python 3.9 or later, and nothing but its standard library.
@@ -29,7 +31,9 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target")
 ASIDE = (TARGET if TARGET.is_absolute() else ROOT / TARGET) / "mutants"
-COPY, BUILD, RESULTS = ASIDE / "source", ASIDE / "build", ASIDE / "results.jsonl"
+RESULTS = ASIDE / "results.jsonl"
+# Runs side by side have names, and each a copy and a build of its own.
+COPY, BUILD = ASIDE / "source", ASIDE / "build"
 
 # The share of the faults of each area that tests must notice.
 BOUND = 0.95
@@ -116,8 +120,10 @@ def plan(fault, tests):
     if crate not in tests:
         fail(f"faults.txt:{fault.line}: there are no tests of {crate}")
     steps = [("wider" if " --test " in f" {t}" else "unit", t) for t in fault.tests]
+    module = fault.file.split("/")[2].removesuffix(".rs")
     for kind in ("unit", "wider"):
-        steps += [(kind, command) for command in tests[crate][kind] if (kind, command) not in steps]
+        commands = (command.replace("{module}", module) for command in tests[crate][kind])
+        steps += [(kind, command) for command in commands if (kind, command) not in steps]
     return steps
 
 
@@ -139,6 +145,7 @@ def copy_sources():
             continue
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_bytes(data)
+    # what has gone from the checkout
     known = set(names)
     for place in COPY.rglob("*"):
         if place.is_file() and str(place.relative_to(COPY)) not in known:
@@ -193,7 +200,7 @@ def failed_tests(output):
 
 
 class Baseline:
-    """How long each command takes without a fault."""
+    """How long each command takes without a fault; None if it runs no test."""
 
     def __init__(self):
         self.seconds = {}
@@ -206,26 +213,30 @@ class Baseline:
             start = time.monotonic()
             status, output = cargo(shlex.split(command), BUILD_LIMIT, limit=True)
             self.seconds[command] = time.monotonic() - start
-            if status != 0 or tests_passed(output) == 0:
-                fail(f"without a fault, this fails or runs no test: cargo test {command}\n{output[-3000:]}")
+            if status != 0:
+                fail(f"without a fault, this fails: cargo test {command}\n{output[-3000:]}")
+            if tests_passed(output) == 0:
+                self.seconds[command] = None
+                return None
             print(f"    {self.seconds[command]:5.1f} s, {tests_passed(output)} tests: cargo test {command}", flush=True)
         return self.seconds[command]
 
 
 def attempt(fault, steps, baseline):
-    """Plants the fault and runs its tests until one notices: the outcome, by what, and which tests."""
+    """Plants the fault and runs these tests until one notices: the outcome, by what, and which tests."""
     place = COPY / fault.file
     original = place.read_text()
     planted = fault.planted(original)
-    # the tests as they are without a fault come first: they are built in any case
-    limits = {command: SLOWER * baseline.of(command) + GRACE for _, command in steps}
+    usual = {command: baseline.of(command) for _, command in steps}
     try:
         place.write_text(planted)
         for kind, command in steps:
+            if usual[command] is None:
+                continue
             status, output = build(command)
             if status != 0:
                 return "does not compile", command, re.findall(r"^error.*", output, re.M)[:3]
-            status, output = cargo(shlex.split(command), limits[command], limit=True)
+            status, output = cargo(shlex.split(command), SLOWER * usual[command] + GRACE, limit=True)
             if status is None:
                 return f"caught by {kind}", command, ["a test that hangs"]
             if status != 0:
@@ -260,8 +271,10 @@ def summary(faults, results):
                 if result and result["outcome"].startswith("caught"):
                     print(f"`{fault.name}` is said to be equivalent, but was {result['outcome']}", file=sys.stderr)
                     good = False
-            elif result is None:
+            elif result is None or result["outcome"] == "no unit test":
                 open_faults += 1
+                if result:
+                    print(f"no unit test: {fault.name}")
             elif result["outcome"] == "does not compile":
                 fail(f"faults.txt:{fault.line}: `{fault.name}` does not compile: {result['tests']}")
             else:
@@ -291,7 +304,12 @@ def main():
     parser.add_argument("--table", action="store_true", help="only the table of what is known")
     parser.add_argument("--survivors", action="store_true", help="only what nothing noticed when it was last tried")
     parser.add_argument("--keep-caught", action="store_true", help="results of earlier sources count if caught")
+    parser.add_argument("--units", action="store_true", help="unit tests alone")
+    parser.add_argument("--beside", metavar="NAME", help="in a copy of its own, for runs side by side")
     options = parser.parse_args()
+    if options.beside:
+        global COPY, BUILD
+        COPY, BUILD = ASIDE / options.beside / "source", ASIDE / options.beside / "build"
 
     faults, tests = read_faults()
     for fault in faults:
@@ -318,27 +336,38 @@ def main():
         if not options.words or any(word in fault.area or word in fault.name for word in options.words)
     ]
     if options.survivors:
-        chosen = [fault for fault in chosen if last.get(fault.name, {}).get("outcome") == "survived"]
+        chosen = [fault for fault in chosen if last.get(fault.name, {}).get("outcome") in ("survived", "no unit test")]
     if not options.table:
         baseline = Baseline()
-        open_faults = [fault for fault in chosen if fault.name not in results]
-        for count, fault in enumerate(open_faults, 1):
-            start = time.monotonic()
-            outcome, command, noticed = attempt(fault, plan(fault, tests), baseline)
-            result = {
-                "name": fault.name, "fault": keys[fault.name], "sources": sources, "outcome": outcome,
-                "command": command, "tests": noticed, "seconds": round(time.monotonic() - start, 1),
-            }
-            with RESULTS.open("a") as file:
-                file.write(json.dumps(result) + "\n")
-            results[fault.name] = result
-            by = f": {', '.join(noticed)}" if noticed else ""
-            print(f"{count}/{len(open_faults)} {outcome:16} {result['seconds']:5.0f} s  {fault.name}{by}", flush=True)
+        # all unit tests before the others, which take longer to build
+        for kind in ("unit", "wider"):
+            is_open = {"unit": (None,), "wider": ("no unit test",)}[kind]
+            outcomes = {fault.name: results.get(fault.name, {}).get("outcome") for fault in chosen}
+            open_faults = [fault for fault in chosen if outcomes[fault.name] in is_open and not fault.equivalent]
+            if kind == "wider" and options.units:
+                break
+            for count, fault in enumerate(open_faults, 1):
+                start = time.monotonic()
+                steps = [step for step in plan(fault, tests) if step[0] == kind]
+                outcome, command, noticed = attempt(fault, steps, baseline)
+                if kind == "unit" and outcome == "survived":
+                    outcome = "no unit test"
+                result = {
+                    "name": fault.name, "fault": keys[fault.name], "sources": sources, "outcome": outcome,
+                    "command": command, "tests": noticed, "seconds": round(time.monotonic() - start, 1),
+                }
+                with RESULTS.open("a") as file:
+                    file.write(json.dumps(result) + "\n")
+                results[fault.name] = result
+                by = f": {', '.join(noticed)}" if noticed else ""
+                place = f"{count}/{len(open_faults)}"
+                print(f"{place:7} {outcome:16} {result['seconds']:4.0f} s  {fault.name}{by}", flush=True)
     good = summary(chosen, results)
     return 0 if good else 1
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         sys.exit(main())
     except KeyboardInterrupt:

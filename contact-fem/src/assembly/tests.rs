@@ -66,6 +66,75 @@ fn evaluations_depend_on_nothing_before() {
     assert!(all(&energy, &u) == at_u);
 }
 
+/// On a quadratic cell under u = (a x², 0), J = 1 + 2 a x at every quadrature point.
+#[test]
+fn volume_ratios_of_all_points() {
+    let nodes = vec![
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [0.0, 1.0],
+        [0.5, 0.0],
+        [0.5, 0.5],
+        [0.0, 0.5],
+    ];
+    let mesh = Mesh::of_order(crate::element::Order::Quadratic, nodes, (0..6).collect());
+    let mesh = mesh.expect("one cell");
+    let law = NeoHookean::new(1000.0, 0.3).expect("valid");
+    let dofs = DofMap::new(&[false; 12]);
+    let energy = StrainEnergy::<2, P2, _>::new(&mesh, law, dofs, Vec::new(), vec![0.0; 12]);
+    let a = 0.2;
+    let u: Vec<f64> = mesh
+        .nodes()
+        .iter()
+        .flat_map(|X| [a * X[0] * X[0], 0.0])
+        .collect();
+    let points = <P2 as Element<2>>::QUADRATURE;
+    let mut J = vec![0.0; energy.domain_len()];
+    energy.domain(&u, &mut J);
+    assert_eq!(J.len(), points.len());
+    for (J, (_, xi)) in J.iter().zip(points) {
+        // the cell is the reference cell
+        assert!((J - (1.0 + 2.0 * a * xi[0])).abs() < 1e-14, "{J} at {xi:?}");
+    }
+}
+
+/// A square under u = ε (X, 0), half of whose load is set: its residual is that of the strain, less half
+/// of the forces.
+#[test]
+fn residuals_have_the_present_load() {
+    let mesh = square(2);
+    let law = LinearElastic::new(3.0, 0.0).expect("valid");
+    let forces: Vec<f64> = (0..2 * mesh.nodes().len()).map(|k| k as f64).collect();
+    let dofs = DofMap::new(&vec![false; forces.len()]);
+    let mut energy = StrainEnergy::<2, P1, _>::new(&mesh, law, dofs, Vec::new(), forces.clone());
+    energy.set_load(0.5);
+    let epsilon = 0.01;
+    let u: Vec<f64> = mesh
+        .nodes()
+        .iter()
+        .flat_map(|X| [epsilon * X[0], 0.0])
+        .collect();
+    let mut residual = vec![0.0; forces.len()];
+    energy.add_residual(&u, &mut residual);
+    for (a, X) in mesh.nodes().iter().enumerate() {
+        // E ε on the sides x = 0 and x = 1, half of it at their ends
+        let share = if X[1] == 0.0 || X[1] == 1.0 {
+            0.25
+        } else {
+            0.5
+        };
+        let pull = match X[0] {
+            0.0 => -3.0 * epsilon * share,
+            1.0 => 3.0 * epsilon * share,
+            _ => 0.0,
+        };
+        let expected = [pull - 0.5 * forces[2 * a], -0.5 * forces[2 * a + 1]];
+        for i in 0..2 {
+            assert!((residual[2 * a + i] - expected[i]).abs() < 1e-14, "{a} {i}");
+        }
+    }
+}
+
 /// A law that panics if the stretch of its first component is too large.
 #[derive(Clone)]
 struct Panics(NeoHookean);

@@ -255,6 +255,9 @@ mod tests {
         let way = 0.5f64.hypot(0.05);
         assert!((by_punch.expect("through") - way).abs() < 1e-9);
         assert!((by_plate.expect("through") - way).abs() < 1e-9);
+        // from just inside, where it came from on the upper side
+        let inside = pair.through([0.0, -0.1001], [0.0, -0.5]);
+        assert!(inside.iter().all(Option::is_some), "{inside:?}");
         // back up from below the plate
         assert!(
             pair.through([0.0, -0.5], [0.0; 2])

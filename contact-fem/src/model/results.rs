@@ -119,6 +119,7 @@ mod tests {
     use contact_core::gaps::Sampling;
 
     use crate::mesh::generators::{Diagonals, rectangle};
+    use crate::tensor::Vector;
     use crate::{Body, NeoHookean, Scene};
 
     /// A square of weight 5, hung up on top, on one that does not move at all.
@@ -160,5 +161,107 @@ mod tests {
         }
         assert_eq!(problem.inverted(&u), 0);
         assert_eq!(problem.penetration(&u), 0.0);
+    }
+
+    /// A square touches one above it and one beside it; its sides share a corner. Only the one beside
+    /// pushes, and the side on top does not feel it, not even in the corner.
+    #[test]
+    fn pressures_are_those_of_their_own_pairs() {
+        let square = |x: f64, y: f64| {
+            let mesh = rectangle(
+                &[x, x + 0.5, x + 1.0],
+                &[y, y + 0.5, y + 1.0],
+                Diagonals::Rising,
+            );
+            Body::new(mesh.expect("mesh"), NeoHookean::new(1.0, 0.3).expect("law"))
+        };
+        let (mut middle, mut above, mut beside) =
+            (square(0.0, 0.0), square(0.0, 1.0), square(1.0, 0.0));
+        middle.prescribe("bottom", [Some(0.0); 2]).expect("support");
+        above.prescribe("top", [Some(0.0); 2]).expect("support");
+        beside.prescribe("right", [Some(0.0); 2]).expect("support");
+        let mut scene = Scene::new();
+        let middle = scene.add("middle", middle);
+        let above = scene.add("above", above);
+        let beside = scene.add("beside", beside);
+        scene
+            .contact(middle.on("top"), above.on("bottom"))
+            .expect("a pair");
+        scene
+            .contact(middle.on("right"), beside.on("left"))
+            .expect("a pair");
+        let problem = scene.problem().expect("a problem");
+        let u = vec![0.0; problem.dofs().free()];
+        let gaps = problem.rows(&u, Sampling::Nodes);
+        let of_pass = |pass: u32| {
+            let rows = gaps.keys().iter().zip(gaps.weights());
+            rows.map(move |(key, a)| if key.pass == pass { *a } else { 0.0 })
+        };
+        let (pass, _) = problem
+            .passes()
+            .iter()
+            .enumerate()
+            .find(|(_, pass)| problem.surfaces()[pass.master].body() == 2)
+            .expect("a pass");
+        let lambda: Vec<f64> = of_pass(pass as u32).collect();
+        let pressures = problem.pressures(&u, &gaps, &lambda).expect("pressures");
+        for (surface, pressures) in problem.surfaces().iter().zip(&pressures) {
+            let x = problem.reference();
+            let is_beside = surface.nodes().iter().all(|&a| x[a][0] == 1.0);
+            for pressure in pressures {
+                let expected = if is_beside { 1.0 } else { 0.0 };
+                // the middle's row at the bottom corner is held, and beside none of it is missing
+                let is_near = (pressure - expected).abs() < 1e-12 || is_beside;
+                assert!(is_near, "{pressures:?}");
+            }
+        }
+        let touched = pressures.iter().flatten().filter(|p| **p > 0.1);
+        assert!(touched.count() >= 2);
+    }
+
+    /// Two squares turned by 0.3 on each other: forces a_i along the turned normal are a pressure of 1.
+    #[test]
+    fn pressures_are_along_the_turned_normals() {
+        let (sin, cos) = 0.3f64.sin_cos();
+        let turn = |X: &Vector<2>| {
+            [
+                cos * X[0] - sin * X[1] - X[0],
+                sin * X[0] + cos * X[1] - X[1],
+            ]
+        };
+        let square = |y: f64, side: &str| {
+            let mesh = rectangle(&[0.0, 0.5, 1.0], &[y, y + 0.5, y + 1.0], Diagonals::Rising);
+            let mut body = Body::new(mesh.expect("mesh"), NeoHookean::new(1.0, 0.3).expect("law"));
+            for node in body.mesh().boundary_nodes(side).expect("named") {
+                let value = turn(&body.mesh().nodes()[node]).map(Some);
+                body.prescribe_nodes(&[node], value).expect("support");
+            }
+            body
+        };
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", square(0.0, "bottom")).on("top");
+        let upper = scene.add("upper", square(1.0, "top")).on("bottom");
+        scene.contact(lower, upper).expect("a pair");
+        let mut problem = scene.problem().expect("a problem");
+        problem.set_load(1.0).expect("load");
+        let mut u = vec![0.0; problem.dofs().free()];
+        for (node, X) in problem.reference().iter().enumerate() {
+            for (i, value) in turn(X).into_iter().enumerate() {
+                if let crate::assembly::Dof::Free(k) = problem.dofs().get(2 * node + i) {
+                    u[k] = value;
+                }
+            }
+        }
+        let gaps = problem.rows(&u, Sampling::Nodes);
+        let lambda: Vec<f64> = gaps.weights().iter().map(|a| 0.5 * a).collect();
+        for pressure in problem
+            .pressures(&u, &gaps, &lambda)
+            .expect("pressures")
+            .iter()
+            .flatten()
+        {
+            assert!((pressure - 1.0).abs() < 1e-12, "{pressure}");
+        }
+        assert!(problem.penetration(&u) < 1e-12);
     }
 }
