@@ -120,10 +120,14 @@ def plan(fault, tests):
     if crate not in tests:
         fail(f"faults.txt:{fault.line}: there are no tests of {crate}")
     steps = [("wider" if " --test " in f" {t}" else "unit", t) for t in fault.tests]
-    module = fault.file.split("/")[2].removesuffix(".rs")
+    parts = fault.file.removesuffix(".rs").removesuffix("/mod").split("/")[2:]
+    places = {"{file}": "::".join(parts), "{module}": parts[0]}
     for kind in ("unit", "wider"):
-        commands = (command.replace("{module}", module) for command in tests[crate][kind])
-        steps += [(kind, command) for command in commands if (kind, command) not in steps]
+        for command in tests[crate][kind]:
+            for place, name in places.items():
+                command = command.replace(place, name)
+            if (kind, command) not in steps:
+                steps.append((kind, command))
     return steps
 
 

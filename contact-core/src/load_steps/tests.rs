@@ -475,3 +475,54 @@ fn requests_are_seen_between_steps() {
     assert_eq!((interrupted.attempts.len(), interrupted.cuts()), (3, 0));
     assert_eq!(problem.load, 0.5);
 }
+
+/// Refuses to go on at the load where `errs` says so, and fails before.
+struct Errs<F>(F);
+
+impl<F: FnMut(f64) -> Option<Outcome>> Equilibrium for Errs<F> {
+    fn solve(
+        &mut self,
+        _: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let outcome = (self.0)(context.to).ok_or_else(|| Error::problem(std::fmt::Error))?;
+        Ok(Solution {
+            outcome,
+            state: start,
+            energy: 0.0,
+            gaps: LinearGaps::new(true),
+            lambda: Vec::new(),
+            history: Vec::new(),
+            failed: Vec::new(),
+        })
+    }
+}
+
+/// An error is one of the run as long as nothing has converged, attempts that failed or not; after that,
+/// the run has failed, and keeps what converged.
+#[test]
+fn errors_before_and_after_the_first_state() {
+    let run = |errs: &dyn Fn(f64) -> Option<Outcome>| {
+        let mut problem = Line::default();
+        let settings = in_increments(2);
+        let observe = |_: &Step<'_, Line>| ControlFlow::Continue(());
+        let run = settings.run(&mut problem, &mut Errs(errs), start(), observe);
+        (run, problem.load)
+    };
+    let at_once = run(&|_| None);
+    assert!(at_once.0.is_err());
+    let after_a_cut = run(&|to| if to == 0.5 { Some(failed()) } else { None });
+    assert!(after_a_cut.0.is_err());
+    let after_a_step = run(&|to| {
+        if to == 0.5 {
+            Some(Outcome::Converged)
+        } else {
+            None
+        }
+    });
+    let kept = after_a_step.0.expect("a run");
+    assert!(matches!(kept.ending, Ending::Failed { at: 0.5, .. }));
+    assert_eq!((kept.factor, after_a_step.1), (0.5, 0.5));
+    assert!(kept.error.is_some() && kept.solution.is_some());
+}

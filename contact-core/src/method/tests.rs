@@ -349,3 +349,36 @@ fn settings_that_mean_nothing_are_refused() {
         assert!(!is_taken(&mut limited(limit)), "{limit}");
     }
 }
+
+/// μ goes on where the last solve ended, but not beyond a limit that has come down since, and begins
+/// again where that fails.
+#[test]
+fn continuations_go_on_and_begin_again() {
+    let posed = Posed::new(Spring::new(2.0, 5.0), wall(1.0, 1.0));
+    let warm = |lambda: f64| State {
+        multipliers: Multipliers::new(&posed.gaps, &[lambda]),
+        ..start(1.0)
+    };
+    let mut method = PenalizedSlack::with(Continuation::fixed(1e6));
+    posed.solve(&mut method, &start(0.5));
+    method.penalization.continuation = Continuation::fixed(10.0);
+    let minimum = posed.solve(&mut method, &warm(3.0));
+    assert!(
+        (minimum.u[0] - 1.0 - penalised(10.0)).abs() < 1e-7,
+        "{minimum:?}"
+    );
+
+    let mut method = PenalizedSlack::default();
+    let first = posed.solve(&mut method, &start(0.5));
+    let second = posed.solve(&mut method, &warm(3.0));
+    assert_eq!(second.solved, Solved::Optimal);
+    assert!(second.cost.solves < first.cost.solves, "it goes on");
+    // neither the warm solve nor its cold repetition meets a number
+    posed.spring.spoilt.set(2);
+    let third = posed.solve(&mut method, &warm(3.0));
+    assert_eq!(
+        (posed.spring.spoilt.get(), third.solved),
+        (0, Solved::Optimal)
+    );
+    assert!((third.u[0] - first.u[0]).abs() < 1e-6);
+}

@@ -355,6 +355,73 @@ mod tests {
         assert!(behind.is_none());
     }
 
+    /// A point that reaches farther than the surface is away finds it, however far that is.
+    #[test]
+    fn points_within_a_long_reach_are_found() {
+        let line = polyline(&[[-9.0, 0.0], [0.0, 0.0], [9.0, 0.0]]);
+        for height in [0.2, 2.0, 5.0] {
+            let found = line.find(&seeker([0.5, height], [0.0, -1.0], 1.5 * height));
+            assert_eq!(found.map(|p| p.gap), Some(height));
+        }
+    }
+
+    /// Beyond the end by a millionth is off the end; by round-off it is not.
+    #[test]
+    fn the_end_is_where_it_is() {
+        let line = polyline(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]);
+        for (x, is_off) in [
+            (2.0 + 1e-6, true),
+            (2.0 + 1e-12, false),
+            (2.0 - 1e-6, false),
+        ] {
+            let projection = line.project(&[x, 0.1].into()).expect("a facet");
+            assert_eq!(projection.off_the_end, is_off, "{x}");
+            let found = line.find(&seeker([x, 0.1], [0.0, -1.0], 1.0));
+            assert_eq!(found.is_none(), is_off, "{x}");
+        }
+    }
+
+    /// Deeper in a plate than half-way, the nearest side is the far one: the side that was entered is
+    /// found nevertheless, if it is within reach.
+    #[test]
+    fn the_side_that_was_entered_is_found_beyond_the_middle() {
+        let around = [[3.0, 1.0], [3.0, 0.0], [-3.0, 0.0], [-3.0, 1.0], [3.0, 1.0]];
+        let plate = polyline(&around);
+        let gap = |reach: f64| {
+            let found = plate.find(&seeker([0.0, 0.375], [0.0, -1.0], reach));
+            found.map(|p| p.gap)
+        };
+        assert!(gap(1.0).is_some_and(|gap| (gap + 0.625).abs() < 1e-12));
+        assert_eq!(gap(0.5), None);
+    }
+
+    /// From the upper side of a block, at its corner, to the side beside it, below: the way starts inside
+    /// the block, though it ends along that side.
+    #[test]
+    fn ways_that_start_inside_a_body_are_through_it() {
+        let around = [[1.0, 1.0], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0]];
+        let x: Vec<Vector<2>> = around.into_iter().map(Vector::from).collect();
+        // right side, bottom, left side, and the top
+        let facets = [[1, 0], [2, 1], [3, 2], [0, 3]];
+        let facets = facets.iter().map(|f| &f[..]);
+        let surface = Arc::new(Surface::new(0, Order::Linear, facets, &x));
+        let master = Master::new(&surface, &x);
+        let own = Own {
+            surface: &surface,
+            nodes: &[3],
+        };
+        let found = master.find(&Seeker {
+            x: Vector::<2>::new(0.7, 0.5),
+            facing: Vector::<2>::new(-1.0, 0.0),
+            reach: 0.4,
+            X: x[0],
+            N: Vector::<2>::new(0.0, 1.0),
+            facet_size: 1.0,
+            own: Some(own),
+        });
+        assert!(found.is_none(), "{found:?}");
+    }
+
     /// The two sides of a wall of a tenth of a facet on one body: material lies between them, and
     /// neither may not penetrate the other. The sides of a closed slit have none between them.
     #[test]

@@ -405,4 +405,6 @@ fn the_plain_iteration_may_settle_what_wanders() {
         (Outcome::Converged, 3.0)
     );
     assert_eq!((solution.history.len(), solution.failed.len()), (5, 1));
+    // the next load step is accelerated again
+    assert_eq!(retry.fixed_point.acceleration, Acceleration::default());
 }

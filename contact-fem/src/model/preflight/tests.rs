@@ -644,10 +644,10 @@ fn a_frame_in_a_square() {
         [9.0, 0.0],
         [9.0, 9.0],
         [0.0, 9.0],
-        [1.0, 1.0],
-        [8.0, 1.0],
-        [8.0, 8.0],
-        [1.0, 8.0],
+        [2.5, 2.5],
+        [6.5, 2.5],
+        [6.5, 6.5],
+        [2.5, 6.5],
     ];
     let sides = (0..4usize).flat_map(|k| {
         let next = (k + 1) % 4;
@@ -670,9 +670,8 @@ fn a_frame_in_a_square() {
         let first = scene.add("first", first).on("top");
         let second = scene.add("second", second).on("top");
         scene.contact(first, second).expect("a pair");
-        assert!(matches!(
-            scene.problem().err(),
-            Some(crate::Error::Crossing { .. } | crate::Error::Overlap { .. })
-        ));
+        let refused = scene.problem().err();
+        let crossing = matches!(refused, Some(crate::Error::Crossing { .. }));
+        assert!(crossing, "{frame_first}: {refused:?}");
     }
 }
