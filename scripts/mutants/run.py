@@ -157,11 +157,91 @@ def copy_sources():
     return digest.hexdigest()[:16]
 
 
+SWITCH = """
+/// The number of the fault that is to act; 0 for none.
+pub(crate) fn planted() -> usize {
+    static PLANTED: std::sync::OnceLock<usize> = std::sync::OnceLock::new();
+    *PLANTED.get_or_init(|| std::env::var("PLANTED").map_or(0, |n| n.parse().unwrap_or(0)))
+}
+"""
+
+
+def body_around(text, at):
+    """The body of the outermost function around a place, as (first, last) of its braces; None if it cannot be doubled."""
+    for head in re.finditer(r"^[ \t]*((?:pub(?:\([^)]*\))? )?(?:const )?(?:unsafe )?(?:extern \"C\" )?fn \w+)", text, re.M):
+        first = text.find("{", head.end())
+        if first < 0 or first > at:
+            continue
+        depth = 0
+        for last in range(first, len(text)):
+            depth += {"{": 1, "}": -1}.get(text[last], 0)
+            if depth == 0:
+                break
+        if at < last:
+            signature = text[head.start() : first]
+            is_fixed = "const " in head.group(1) or "-> impl" in signature or ";" in re.sub(r"\[[^\]]*\]", "", signature)
+            return None if is_fixed else (first, last)
+    return None
+
+
+def plant_together(numbered, command):
+    """Plants all faults that can be switched on and off at run time, and builds; returns those that are planted.
+
+    The body of a function becomes `match planted()` with one arm for each fault and one for none.
+    """
+    numbered = dict(numbered)
+    originals = {}
+    for fault in numbered.values():
+        originals.setdefault(fault.file, (COPY / fault.file).read_text())
+    root = {file.split("/src/")[0] + "/src/lib.rs" for file in originals}
+    for file in root:
+        originals.setdefault(file, (COPY / file).read_text())
+    while numbered:
+        active, arms = {}, {}
+        for file, text in originals.items():
+            bodies = {}
+            for number, fault in numbered.items():
+                if fault.file != file:
+                    continue
+                start = fault.pattern().search(text).start()
+                if body := body_around(text, start):
+                    bodies.setdefault(body, []).append((number, fault))
+                    active[number] = fault
+            planted = text
+            for (first, last), own in sorted(bodies.items(), reverse=True):
+                before, after = text[:first], text[last + 1 :]
+                arms_of = []
+                for number, fault in own:
+                    whole = fault.planted(text)
+                    arms_of.append(f"{number} => /* fault {number} */ {whole[first : len(whole) - len(after)]}")
+                arms_of.append(f"_ => {text[first : last + 1]}")
+                planted = planted[:first] + "{ match crate::planted() {\n" + ",\n".join(arms_of) + "\n} }" + planted[last + 1 :]
+            arms[file] = planted + (SWITCH if file in root else "")
+        for file, planted in arms.items():
+            (COPY / file).write_text(planted)
+        status, output = build(command)
+        if status == 0:
+            break
+        wrong = set()
+        for file, line in re.findall(r"^error.*\n\s*--> (\S+?):(\d+):", output, re.M):
+            lines = (COPY / file).read_text().splitlines()[: int(line)]
+            marks = re.findall(r"/\* fault (\d+) \*/", "\n".join(lines))
+            wrong.update(int(number) for number in marks[-1:])
+        if not wrong & set(active):
+            print(f"faults cannot be planted together:\n{output[-3000:]}", flush=True)
+            active = {}
+            break
+        numbered = {number: fault for number, fault in active.items() if number not in wrong}
+    else:
+        active = {}
+    return active, originals
+
+
 def limit_memory():
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
-def cargo(arguments, seconds, limit=False):
+def cargo(arguments, seconds, limit=False, number=0):
     """(exit status or None after a timeout, output) of `cargo test`; ends all of its processes."""
     environment = {
         **os.environ,
@@ -169,6 +249,7 @@ def cargo(arguments, seconds, limit=False):
         "CARGO_INCREMENTAL": "1",
         "CARGO_PROFILE_DEV_DEBUG": "0",
         "CARGO_TERM_COLOR": "never",
+        "PLANTED": str(number),
     }
     environment.setdefault("OPENBLAS_NUM_THREADS", "1")
     process = subprocess.Popen(
@@ -250,6 +331,20 @@ def attempt(fault, steps, baseline):
         place.write_text(original)
 
 
+def attempt_together(number, steps, baseline):
+    """As `attempt`, of a fault that is built in already."""
+    usual = {command: baseline.of(command) for _, command in steps}
+    for kind, command in steps:
+        if usual[command] is None:
+            continue
+        status, output = cargo(shlex.split(command), SLOWER * usual[command] + GRACE, limit=True, number=number)
+        if status is None:
+            return f"caught by {kind}", command, ["a test that hangs"]
+        if status != 0:
+            return f"caught by {kind}", command, failed_tests(output)[:5] or ["a test program that ends"]
+    return "survived", "", []
+
+
 def known_results():
     if not RESULTS.exists():
         return []
@@ -309,6 +404,7 @@ def main():
     parser.add_argument("--survivors", action="store_true", help="only what nothing noticed when it was last tried")
     parser.add_argument("--keep-caught", action="store_true", help="results of earlier sources count if caught")
     parser.add_argument("--units", action="store_true", help="unit tests alone")
+    parser.add_argument("--one-by-one", action="store_true", help="one build a fault")
     parser.add_argument("--beside", metavar="NAME", help="in a copy of its own, for runs side by side")
     options = parser.parse_args()
     if options.beside:
@@ -341,31 +437,49 @@ def main():
     ]
     if options.survivors:
         chosen = [fault for fault in chosen if last.get(fault.name, {}).get("outcome") in ("survived", "no unit test")]
-    if not options.table:
+    def record(fault, kind, start, outcome, command, noticed):
+        if kind == "unit" and outcome == "survived":
+            outcome = "no unit test"
+        result = {
+            "name": fault.name, "fault": keys[fault.name], "sources": sources, "outcome": outcome,
+            "command": command, "tests": noticed, "seconds": round(time.monotonic() - start, 1),
+        }
+        with RESULTS.open("a") as file:
+            file.write(json.dumps(result) + "\n")
+        results[fault.name] = result
+        by = f": {', '.join(noticed)}" if noticed else ""
+        print(f"{outcome:16} {result['seconds']:4.0f} s  {fault.name}{by}", flush=True)
+
+    # all unit tests before the others, which take longer to build
+    kinds = [] if options.table else ["unit"] if options.units else ["unit", "wider"]
+    for kind in kinds:
+        def open_faults():
+            wanted = {"unit": None, "wider": "no unit test"}[kind]
+            is_open = lambda fault: results.get(fault.name, {}).get("outcome") == wanted
+            return [fault for fault in chosen if is_open(fault) and not fault.equivalent]
+
+        def steps(fault):
+            return [step for step in plan(fault, tests) if step[0] == kind]
+
+        for crate in tests:
+            own = [(1 + faults.index(fault), fault) for fault in open_faults() if fault.file.startswith(f"{crate}/")]
+            if len(own) < 2 or options.one_by_one:
+                continue
+            commands = list(dict.fromkeys(command for _, fault in own for _, command in steps(fault)))
+            print(f"{crate}: {len(own)} faults together", flush=True)
+            active, originals = plant_together(own, commands[-1])
+            try:
+                baseline = Baseline()
+                for number, fault in active.items():
+                    start = time.monotonic()
+                    record(fault, kind, start, *attempt_together(number, steps(fault), baseline))
+            finally:
+                for file, text in originals.items():
+                    (COPY / file).write_text(text)
         baseline = Baseline()
-        # all unit tests before the others, which take longer to build
-        for kind in ("unit", "wider"):
-            is_open = {"unit": (None,), "wider": ("no unit test",)}[kind]
-            outcomes = {fault.name: results.get(fault.name, {}).get("outcome") for fault in chosen}
-            open_faults = [fault for fault in chosen if outcomes[fault.name] in is_open and not fault.equivalent]
-            if kind == "wider" and options.units:
-                break
-            for count, fault in enumerate(open_faults, 1):
-                start = time.monotonic()
-                steps = [step for step in plan(fault, tests) if step[0] == kind]
-                outcome, command, noticed = attempt(fault, steps, baseline)
-                if kind == "unit" and outcome == "survived":
-                    outcome = "no unit test"
-                result = {
-                    "name": fault.name, "fault": keys[fault.name], "sources": sources, "outcome": outcome,
-                    "command": command, "tests": noticed, "seconds": round(time.monotonic() - start, 1),
-                }
-                with RESULTS.open("a") as file:
-                    file.write(json.dumps(result) + "\n")
-                results[fault.name] = result
-                by = f": {', '.join(noticed)}" if noticed else ""
-                place = f"{count}/{len(open_faults)}"
-                print(f"{place:7} {outcome:16} {result['seconds']:4.0f} s  {fault.name}{by}", flush=True)
+        for fault in open_faults():
+            start = time.monotonic()
+            record(fault, kind, start, *attempt(fault, steps(fault), baseline))
     good = summary(chosen, results)
     return 0 if good else 1
 
