@@ -225,7 +225,7 @@ mod tests {
     use crate::linear::SymmetricPattern;
     use crate::{Energy, LinearGaps, Stop};
 
-    struct Nothing(SymmetricPattern);
+    struct Nothing(SymmetricPattern, bool);
 
     impl Energy for Nothing {
         fn dofs(&self) -> usize {
@@ -239,11 +239,14 @@ mod tests {
             &self.0
         }
         fn hessian(&self, _: &[f64], _: &mut [f64]) {}
+        fn is_quadratic(&self) -> bool {
+            self.1
+        }
     }
 
     fn settings(change: f64, accuracy: f64, scale: Scale) -> SequenceSettings {
         let subproblem = Subproblem {
-            energy: &Nothing(SymmetricPattern::diagonal(1)),
+            energy: &Nothing(SymmetricPattern::diagonal(1), false),
             bounds: &Bounds::default(),
             gaps: &LinearGaps::new(true),
             scale,
@@ -305,6 +308,45 @@ mod tests {
             for (found, expected) in found {
                 assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
             }
+        }
+    }
+
+    /// The predictor–corrector is for cold starts of quadratic energies under rows that do not change, and
+    /// not for users with options of their own.
+    #[test]
+    fn quadratic_programs_are_told_from_others() {
+        let key = crate::RowKey { pass: 0, node: 0 };
+        let multipliers = || {
+            let mut gaps = LinearGaps::new(true);
+            gaps.push(key, &crate::gaps::Row::default());
+            crate::Multipliers::new(&gaps, &[1.0])
+        };
+        for (is_quadratic, is_exact, is_warm, has_options) in [
+            (true, true, false, false),
+            (false, true, false, false),
+            (true, false, false, false),
+            (true, true, true, false),
+            (true, true, false, true),
+        ] {
+            let subproblem = Subproblem {
+                energy: &Nothing(SymmetricPattern::diagonal(1), is_quadratic),
+                bounds: &Bounds::default(),
+                gaps: &LinearGaps::new(is_exact),
+                scale: Scale::default(),
+                change: 1.0,
+                accuracy: 0.0,
+                stop: &Stop::new(),
+            };
+            let mut start = State::default();
+            if is_warm {
+                start.multipliers = multipliers();
+            }
+            let mut method = InteriorPoint::default();
+            if has_options {
+                method.options.set("max_iter", 7);
+            }
+            let expected = is_quadratic && is_exact && !is_warm && !has_options;
+            assert_eq!(method.is_quadratic_program(&subproblem, &start), expected);
         }
     }
 }

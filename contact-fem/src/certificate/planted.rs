@@ -294,16 +294,27 @@ fn a_couple() {
     }
 }
 
-/// A couple whose corners are not in line with the centre: forces of 1 along y at the lower block's
-/// top corners, 1 apart and ½ off the centre at half the height.
+/// A couple whose ends are not in line with the centre: forces of 1 along y at the sides of the lower
+/// block, ⅔ below the centre. In the current geometry one of them is moved aside by 0.2, and the centre
+/// of all 32 nodes with it.
 #[test]
 fn a_couple_beside_the_centre() {
-    let problem = Blocks::default().held(0.1);
-    let [a, b] = [7.0, 8.0].map(|x| unknown(&problem, 0, [x, 1.0 / 3.0], 1));
-    let (gaps, lambda) = single_rows(&[(&[(a, 1.0), (b, -1.0)], 1.0)]);
-    let couple = state(rest(&problem), gaps, lambda);
-    let arm = 0.5f64.hypot(1.0 - 1.0 / 3.0);
-    assert_left(&problem, &couple, Condition::Moment, 1.0 / (2.0 * arm));
+    for (is_linear, moved) in [(true, 0.0), (true, 0.2), (false, 0.2)] {
+        let blocks = Blocks {
+            is_linear,
+            ..Blocks::default()
+        };
+        let problem = blocks.held(0.1);
+        let [a, b] = [7.0, 8.0].map(|x| unknown(&problem, 0, [x, 1.0 / 3.0], 1));
+        let mut u = rest(&problem);
+        u[unknown(&problem, 0, [8.0, 1.0 / 3.0], 0)] = moved;
+        let (gaps, lambda) = single_rows(&[(&[(a, 1.0), (b, -1.0)], 1.0)]);
+        let moved = if is_linear { 0.0 } else { moved };
+        let (centre, below) = (0.5 + moved / 32.0, 2.0 / 3.0f64);
+        let arms = below.hypot(centre) + below.hypot(1.0 + moved - centre);
+        let couple = state(u, gaps, lambda);
+        assert_left(&problem, &couple, Condition::Moment, (1.0 + moved) / arms);
+    }
 }
 
 /// A traction of (4, −3) on top, which nothing holds yet: at any load, the resultant is 5 of 7.

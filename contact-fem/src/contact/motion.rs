@@ -255,9 +255,6 @@ mod tests {
         let way = 0.5f64.hypot(0.05);
         assert!((by_punch.expect("through") - way).abs() < 1e-9);
         assert!((by_plate.expect("through") - way).abs() < 1e-9);
-        // from just inside, where it came from on the upper side
-        let inside = pair.through([0.0, -0.1001], [0.0, -0.5]);
-        assert!(inside.iter().all(Option::is_some), "{inside:?}");
         // back up from below the plate
         assert!(
             pair.through([0.0, -0.5], [0.0; 2])
@@ -324,5 +321,46 @@ mod tests {
         };
         let crossings = [[0, 1], [1, 2]].map(|ends| motion.crossing(3, &ends).is_some());
         assert!(crossings.contains(&true));
+    }
+
+    /// The lower side of a punch goes through a plate of height 0.1. It starts above it, or just inside, as
+    /// bodies in contact do: only where it faces tells that it came from above.
+    #[test]
+    fn sides_that_start_in_contact_pass_through() {
+        let x = [
+            [-1.0, 0.1],
+            [1.0, 0.1],
+            [1.0, 0.0],
+            [-1.0, 0.0],
+            [-0.2, 0.0],
+            [0.3, 0.0],
+        ];
+        let at = |height: f64| {
+            let mut x = x.map(Vector::<2>::from).to_vec();
+            x[4..].iter_mut().for_each(|x| x[1] += height);
+            x
+        };
+        let surface = |body: usize, facets: &[[usize; 2]]| {
+            let facets = facets.iter().map(|f| &f[..]);
+            Arc::new(Surface::new(body, Order::Linear, facets, &at(0.2)))
+        };
+        // outward normals are to the right of the way from the first to the second node
+        let plate = surface(0, &[[1, 0], [2, 1], [3, 2], [0, 3]]);
+        let punch = surface(1, &[[4, 5]]);
+        for (from, to, passes) in [
+            (0.2, -0.4, true),
+            (0.0999, -0.4, true),
+            (0.0999, 0.2, false),
+            (0.2, 0.0999, false),
+        ] {
+            let motion = Motion {
+                before: &at(from),
+                after: &at(to),
+            };
+            let way = motion.through(&punch, &plate);
+            assert_eq!(way.is_some(), passes, "{from} {to}: {way:?}");
+            let right = way.is_none_or(|way| (way - (from - to)).abs() < 1e-9);
+            assert!(right, "{from} {to}: {way:?}");
+        }
     }
 }

@@ -385,8 +385,10 @@ mod tests {
     /// found nevertheless, if it is within reach.
     #[test]
     fn the_side_that_was_entered_is_found_beyond_the_middle() {
-        let around = [[3.0, 1.0], [3.0, 0.0], [-3.0, 0.0], [-3.0, 1.0], [3.0, 1.0]];
-        let plate = polyline(&around);
+        // the middle facets of both sides do not end at a corner
+        let below = [[3.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [-3.0, 0.0]];
+        let above = [[-3.0, 1.0], [-1.0, 1.0], [1.0, 1.0], [3.0, 1.0]];
+        let plate = polyline(&[below, above].concat());
         let gap = |reach: f64| {
             let found = plate.find(&seeker([0.0, 0.375], [0.0, -1.0], reach));
             found.map(|p| p.gap)
