@@ -266,3 +266,41 @@ impl LinearGaps {
         self.prescribed.add_transpose(lambda, forces);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Forces Cᵀλ do the work that λ does on gaps: λ·(c(u) − c₀) = (Cᵀλ)·u, exactly in these numbers.
+    #[test]
+    fn forces_do_the_work_of_their_gaps() {
+        let mut gaps = LinearGaps::new(true);
+        let rows = [
+            (vec![(0, 2.0), (3, -1.0)], vec![(1, 4.0)], 0.5),
+            (vec![(1, 0.25), (0, -8.0), (1, 0.25)], vec![], -3.0),
+        ];
+        for (node, (free, prescribed, constant)) in rows.into_iter().enumerate() {
+            let key = RowKey {
+                pass: 0,
+                node: node as u32,
+            };
+            let row = Row {
+                free,
+                prescribed,
+                constant,
+                weight: 1.0,
+            };
+            gaps.push(key, &row);
+        }
+        let (u, lambda) = ([1.0, -2.0, 5.0, 0.5], [3.0, 7.0]);
+        let mut c = [0.0; 2];
+        gaps.value(&u, &mut c);
+        assert_eq!(c, [0.5 + 2.0 - 0.5, -3.0 - 1.0 - 8.0]);
+        let mut forces = [1.0; 4];
+        gaps.add_forces(&lambda, &mut forces);
+        assert_eq!(forces, [1.0 + 6.0 - 56.0, 1.0 + 3.5, 1.0, 1.0 - 3.0]);
+        let mut held = [0.0; 2];
+        gaps.add_prescribed_forces(&lambda, &mut held);
+        assert_eq!(held, [0.0, 12.0]);
+    }
+}

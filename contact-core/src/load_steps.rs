@@ -447,3 +447,6 @@ fn domain(energy: &dyn Energy, u: &[f64]) -> Vec<f64> {
     energy.domain(u, &mut d);
     d
 }
+
+#[cfg(test)]
+mod tests;

@@ -215,3 +215,84 @@ impl<const D: usize> StepRecord<D> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use contact_core::equilibrium::StepContext;
+    use contact_core::gaps::Sampling;
+    use contact_core::{Multipliers, Outcome};
+
+    use super::*;
+    use crate::mesh::generators::{Diagonals, rectangle};
+    use crate::model::Scene;
+    use crate::{Body, LinearElastic};
+
+    /// Says that a state is the solution: nothing moves, and every row carries twice its area.
+    struct Claims;
+
+    impl Equilibrium for Claims {
+        fn solve(
+            &mut self,
+            problem: &dyn ContactProblem,
+            start: State,
+            _: &StepContext<'_>,
+        ) -> Result<Solution, contact_core::Error> {
+            let u = vec![0.0; start.u.len()];
+            let gaps = problem.linearize_gaps(&u, Sampling::Nodes)?;
+            let gaps = gaps.and(problem.linearize_reversed(&u, Sampling::Nodes)?);
+            let lambda: Vec<f64> = gaps.weights().iter().map(|a| 2.0 * a).collect();
+            Ok(Solution {
+                outcome: Outcome::Converged,
+                energy: -7.0,
+                state: State {
+                    u,
+                    multipliers: Multipliers::new(&gaps, &lambda),
+                },
+                gaps,
+                lambda,
+                history: Vec::new(),
+                failed: Vec::new(),
+                curvature: None,
+                flickering: Vec::new(),
+            })
+        }
+    }
+
+    /// A square on another, which it is moved into by 0.02 as a whole. Both passes push with 2 each.
+    #[test]
+    fn records_of_a_state_that_is_claimed() {
+        let square = |y: f64| {
+            let mesh = rectangle(&[0.0, 0.5, 1.0], &[y, y + 0.5, y + 1.0], Diagonals::Rising);
+            let law = LinearElastic::new(1.0, 0.0).expect("law");
+            Body::new(mesh.expect("mesh"), law)
+        };
+        let (mut lower, mut upper) = (square(0.0), square(1.0));
+        lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
+        upper
+            .prescribe_all([Some(0.0), Some(-0.02)])
+            .expect("motion");
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", lower);
+        let upper = scene.add("upper", upper);
+        scene
+            .contact(lower.on("top"), upper.on("bottom"))
+            .expect("a pair");
+        let mut problem = scene.problem().expect("a problem");
+        let history = Simulation::solved_by(Claims, 2).run(&mut problem);
+        let history = history.expect("no misuse");
+        assert!(history.is_complete());
+        for (step, depth) in history.steps.iter().zip([0.01, 0.02]) {
+            assert!((step.penetration - depth).abs() < 1e-12);
+            assert!((step.weak_penetration - depth).abs() < 1e-12);
+            assert_eq!((step.rows, step.energy), (6, -7.0));
+            // both surfaces are 1 wide
+            for (body, force) in [(lower, -4.0), (upper, 4.0)] {
+                let contact = step.contact_force(body);
+                assert!(contact[0].abs() < 1e-12 && (contact[1] - force).abs() < 1e-12);
+            }
+            // the lower square's supports do not touch the upper one, which is held everywhere
+            assert!(step.reaction(lower).norm() < 1e-12);
+            assert!((step.reaction(upper)[1] + 4.0).abs() < 1e-12);
+        }
+    }
+}

@@ -747,6 +747,8 @@ fn states_that_are_none() {
             gaps: sound.clone(),
             history: vec![],
             failed: vec![],
+            curvature: None,
+            flickering: vec![],
         };
         let certificate = Certificate::new(&problem, &solution);
         assert!(!certificate.holds(&Default::default()));

@@ -98,3 +98,6 @@ pub fn relative_change(u: &[f64], before: &[f64], least: f64) -> f64 {
 fn max_norm(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |norm, v| norm.max(v.abs()))
 }
+
+#[cfg(test)]
+mod tests;

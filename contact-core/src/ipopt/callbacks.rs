@@ -346,4 +346,64 @@ mod tests {
         assert!(context.panic.is_none() && context.history.len() == 1);
         assert_eq!(nlp.calls, 5);
     }
+
+    /// Writes what is no number, or too large to calculate with, from one of its functions.
+    struct Spoils {
+        function: usize,
+        value: f64,
+    }
+
+    impl Spoils {
+        fn write(&self, function: usize, values: &mut [f64]) {
+            values[0] = if function == self.function {
+                self.value
+            } else {
+                1.0
+            };
+        }
+    }
+
+    impl Nlp for Spoils {
+        fn objective(&mut self, _: &[f64], _: bool) -> f64 {
+            let mut value = [0.0];
+            self.write(0, &mut value);
+            value[0]
+        }
+        fn gradient(&mut self, _: &[f64], _: bool, gradient: &mut [f64]) {
+            self.write(1, gradient);
+        }
+        fn constraints(&mut self, _: &[f64], _: bool, g: &mut [f64]) {
+            self.write(2, g);
+        }
+        fn jacobian(&mut self, _: &[f64], _: bool, values: &mut [f64]) {
+            self.write(3, values);
+        }
+        fn hessian(&mut self, _: &[f64], _: bool, _: f64, _: &[f64], values: &mut [f64]) {
+            self.write(4, values);
+        }
+    }
+
+    /// Ipopt is told of every value that it cannot calculate with, and of no other.
+    #[test]
+    fn values_that_are_no_numbers_are_refused() {
+        let (one, diagonal) = (Bounds::free(1), Pattern::diagonal(1));
+        let structure = Structure::new(one.clone(), one, diagonal.clone(), Some(diagonal)).unwrap();
+        for function in 0..5 {
+            for (value, is_usable) in [
+                (f64::NAN, 0),
+                (f64::NEG_INFINITY, 0),
+                (1e200, 0),
+                (-1e100, 1),
+            ] {
+                let (mut log, _) = Log::text();
+                let mut nlp = Spoils { function, value };
+                let sink = Sink::new(&mut log);
+                let context = Context::new(&mut nlp, &structure, ptr::null(), None, sink, None);
+                let mut gate = Gate::new(context);
+                let mut expected = [1; 5];
+                expected[function] = is_usable;
+                assert_eq!(call_all(&gate.table()), expected, "{value}");
+            }
+        }
+    }
 }

@@ -71,3 +71,48 @@ impl SequenceSettings {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ipopt::Statistics;
+    use crate::nlp::Multipliers;
+
+    /// A solve that is stuck counts as far as its error and its multipliers allow.
+    #[test]
+    fn what_is_stuck_counts_by_its_error() {
+        let settings = SequenceSettings {
+            attainable_error: 1e-8,
+            ..SequenceSettings::default()
+        };
+        let solution = |status: Status, scaled_error: f64, has_multipliers: bool| Solution {
+            status,
+            x: Vec::new(),
+            objective: 0.0,
+            g: Vec::new(),
+            multipliers: has_multipliers.then(Multipliers::default),
+            contradiction: None,
+            statistics: Statistics {
+                scaled_error,
+                ..Statistics::default()
+            },
+            history: Vec::new(),
+            derivative_check: None,
+            log_error: None,
+        };
+        for status in [
+            Status::SolvedToAcceptableLevel,
+            Status::SearchDirectionTooSmall,
+        ] {
+            for (error, is_solved) in [(0.9e-8, true), (1.1e-8, false), (f64::NAN, false)] {
+                assert_eq!(
+                    settings.is_solved(&solution(status, error, true)),
+                    is_solved
+                );
+                assert!(!settings.is_solved(&solution(status, error, false)));
+            }
+        }
+        assert!(settings.is_solved(&solution(Status::Solved, 1.0, false)));
+        assert!(!settings.is_solved(&solution(Status::IterationLimit, 0.0, true)));
+    }
+}

@@ -217,3 +217,136 @@ impl Nlp for Scaled<'_> {
         self.flow()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ipopt::OptionValue;
+    use crate::linear::SymmetricPattern;
+    use crate::{Energy, LinearGaps, Stop};
+
+    struct Nothing(SymmetricPattern, bool);
+
+    impl Energy for Nothing {
+        fn dofs(&self) -> usize {
+            1
+        }
+        fn value(&self, _: &[f64]) -> f64 {
+            0.0
+        }
+        fn gradient(&self, _: &[f64], _: &mut [f64]) {}
+        fn hessian_pattern(&self) -> &SymmetricPattern {
+            &self.0
+        }
+        fn hessian(&self, _: &[f64], _: &mut [f64]) {}
+        fn is_quadratic(&self) -> bool {
+            self.1
+        }
+    }
+
+    fn settings(change: f64, accuracy: f64, scale: Scale) -> SequenceSettings {
+        let subproblem = Subproblem {
+            energy: &Nothing(SymmetricPattern::diagonal(1), false),
+            bounds: &Bounds::default(),
+            gaps: &LinearGaps::new(true),
+            scale,
+            change,
+            accuracy,
+            stop: &Stop::new(),
+        };
+        InteriorPoint::default().settings(&subproblem)
+    }
+
+    fn number(options: &Options, name: &str) -> f64 {
+        match options.get(name) {
+            Some(OptionValue::Number(number)) => *number,
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+
+    /// Warm starts stay near their bounds: at a ten-thousandth of the expected change, which the start
+    /// need not resolve further than 1e-9.
+    #[test]
+    fn warm_starts_are_pushed_by_what_may_change() {
+        for (change, push) in [(1.0, 1e-4), (7.0, 1e-4), (1e-2, 1e-6), (0.0, 1e-9)] {
+            let warm = settings(change, 0.0, Scale::default()).warm;
+            for name in [
+                "warm_start_bound_push",
+                "warm_start_bound_frac",
+                "warm_start_slack_bound_push",
+                "warm_start_slack_bound_frac",
+                "warm_start_mult_bound_push",
+            ] {
+                assert!((number(&warm, name) / push - 1.0).abs() < 1e-12, "{name}");
+            }
+        }
+    }
+
+    /// The tolerance is 1e-12, but no less than ten times the round-off, and no less than what suffices;
+    /// a solve that is stuck may be worse by 100. Products of gaps and forces are relative to stiffness
+    /// times the resolution squared.
+    #[test]
+    fn tolerances_are_relative_to_the_scales() {
+        let scale = |roundoff: f64, resolution: f64| Scale {
+            roundoff,
+            resolution,
+            length: 2.0,
+            ..Scale::default()
+        };
+        for (roundoff, accuracy, resolution, tolerance, complementarity) in [
+            (1e-16, 0.0, 2.0, 1e-12, 1e-12),
+            (1e-16, 0.0, 2e-3, 1e-12, 1e-14),
+            (1e-11, 0.0, 2e-3, 1e-10, 1e-14),
+            (1e-16, 1e-8, 2e-3, 1e-8, 1e-8),
+        ] {
+            let settings = settings(1.0, accuracy, scale(roundoff, resolution));
+            let found = [
+                (number(&settings.options, "tol"), tolerance),
+                (number(&settings.options, "compl_inf_tol"), complementarity),
+                (settings.attainable_error, 100.0 * tolerance),
+            ];
+            for (found, expected) in found {
+                assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+            }
+        }
+    }
+
+    /// The predictor–corrector is for cold starts of quadratic energies under rows that do not change, and
+    /// not for users with options of their own.
+    #[test]
+    fn quadratic_programs_are_told_from_others() {
+        let key = crate::RowKey { pass: 0, node: 0 };
+        let multipliers = || {
+            let mut gaps = LinearGaps::new(true);
+            gaps.push(key, &crate::gaps::Row::default());
+            crate::Multipliers::new(&gaps, &[1.0])
+        };
+        for (is_quadratic, is_exact, is_warm, has_options) in [
+            (true, true, false, false),
+            (false, true, false, false),
+            (true, false, false, false),
+            (true, true, true, false),
+            (true, true, false, true),
+        ] {
+            let subproblem = Subproblem {
+                energy: &Nothing(SymmetricPattern::diagonal(1), is_quadratic),
+                bounds: &Bounds::default(),
+                gaps: &LinearGaps::new(is_exact),
+                scale: Scale::default(),
+                change: 1.0,
+                accuracy: 0.0,
+                stop: &Stop::new(),
+            };
+            let mut start = State::default();
+            if is_warm {
+                start.multipliers = multipliers();
+            }
+            let mut method = InteriorPoint::default();
+            if has_options {
+                method.options.set("max_iter", 7);
+            }
+            let expected = is_quadratic && is_exact && !is_warm && !has_options;
+            assert_eq!(method.is_quadratic_program(&subproblem, &start), expected);
+        }
+    }
+}

@@ -12,6 +12,8 @@ mod penalized_slack;
 mod penalty;
 #[cfg(feature = "ipopt")]
 mod scaled;
+#[cfg(all(test, feature = "ipopt"))]
+mod tests;
 
 #[cfg(feature = "ipopt")]
 pub use {

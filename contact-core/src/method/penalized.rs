@@ -425,4 +425,40 @@ mod tests {
         }
         assert_eq!(secant(-0.5, -1.0), secant(-0.5, 0.0), "nothing pulls");
     }
+
+    /// An energy that is nothing but a pattern.
+    struct Entries(crate::linear::SymmetricPattern);
+
+    impl Energy for Entries {
+        fn dofs(&self) -> usize {
+            3
+        }
+        fn value(&self, _: &[f64]) -> f64 {
+            0.0
+        }
+        fn gradient(&self, _: &[f64], _: &mut [f64]) {}
+        fn hessian_pattern(&self) -> &crate::linear::SymmetricPattern {
+            &self.0
+        }
+        fn hessian(&self, _: &[f64], _: &mut [f64]) {}
+    }
+
+    /// The pattern is that of the energy at hand and of as many slacks as there are, also if another one
+    /// has as many entries.
+    #[test]
+    fn patterns_are_those_of_the_energy_and_its_slacks() {
+        let mut lift = Lift::default();
+        let other = [(1, 0), (2, 1), (2, 0)];
+        for (k, slacks) in [(0, 2), (0, 2), (1, 2), (2, 1), (2, 3)] {
+            let mut entries = vec![(0, 0), (1, 1), (2, 2), other[k]];
+            let (pattern, _) =
+                crate::linear::SymmetricPattern::from_entries(3, &entries).expect("valid");
+            let found = lift.with_slacks(&Entries(pattern), slacks);
+            let mut found: Vec<_> = found.iter().collect();
+            entries.extend((3..3 + slacks).map(|k| (k, k)));
+            entries.sort_unstable();
+            found.sort_unstable();
+            assert_eq!(found, entries);
+        }
+    }
 }

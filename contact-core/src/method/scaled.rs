@@ -255,3 +255,147 @@ pub(super) fn settings(
         ..SequenceSettings::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gaps::{Row, RowKey};
+    use crate::ipopt::{Solution, Statistics, Status};
+    use crate::linear::SymmetricPattern;
+    use crate::nlp::Bounds;
+
+    struct Nothing(SymmetricPattern);
+
+    impl Energy for Nothing {
+        fn dofs(&self) -> usize {
+            1
+        }
+        fn value(&self, _: &[f64]) -> f64 {
+            0.0
+        }
+        fn gradient(&self, _: &[f64], _: &mut [f64]) {}
+        fn hessian_pattern(&self) -> &SymmetricPattern {
+            &self.0
+        }
+        fn hessian(&self, _: &[f64], _: &mut [f64]) {}
+    }
+
+    /// Whose domain function is its unknown.
+    struct Positive(SymmetricPattern);
+
+    impl Energy for Positive {
+        fn dofs(&self) -> usize {
+            1
+        }
+        fn value(&self, u: &[f64]) -> f64 {
+            u[0]
+        }
+        fn gradient(&self, _: &[f64], g: &mut [f64]) {
+            g[0] = 1.0;
+        }
+        fn hessian_pattern(&self) -> &SymmetricPattern {
+            &self.0
+        }
+        fn hessian(&self, _: &[f64], _: &mut [f64]) {}
+        fn domain_len(&self) -> usize {
+            1
+        }
+        fn domain(&self, u: &[f64], d: &mut [f64]) {
+            d[0] = u[0];
+        }
+    }
+
+    /// A trial may not shrink the domain to less than a tenth of what it was when a gradient was last asked
+    /// for. Multipliers are −λ L/E₀, those of new rows 0.
+    #[test]
+    fn trials_and_starts() {
+        let energy = Positive(SymmetricPattern::diagonal(1));
+        let (bounds, stop) = (Bounds::default(), Stop::new());
+        let mut gaps = LinearGaps::new(true);
+        for node in 0..2 {
+            gaps.push(RowKey { pass: 0, node }, &Row::default());
+        }
+        let mut scaled = Scaled::new(&Subproblem {
+            energy: &energy,
+            bounds: &bounds,
+            gaps: &gaps,
+            scale: Scale {
+                length: 0.5,
+                energy: 8.0,
+                ..Scale::default()
+            },
+            change: 1.0,
+            accuracy: 0.0,
+            stop: &stop,
+        });
+        scaled.begin(&[2.0]);
+        assert_eq!(scaled.value(&[0.21]), 0.21 * 0.5 / 8.0);
+        assert_eq!(scaled.value(&[0.19]), f64::INFINITY);
+        let mut gradient = [0.0];
+        scaled.gradient(&[0.5], &mut gradient);
+        assert_eq!(gradient, [0.5 / 8.0]);
+        assert!(scaled.value(&[0.19]).is_finite());
+        assert_eq!(scaled.value(&[0.049]), f64::INFINITY);
+
+        let mut known = LinearGaps::new(true);
+        known.push(RowKey { pass: 0, node: 1 }, &Row::default());
+        let state = State {
+            u: vec![3.0],
+            multipliers: crate::Multipliers::new(&known, &[4.0]),
+        };
+        assert_eq!(scaled.displacements(&state), [6.0]);
+        let multipliers = scaled.multipliers(&state, 1);
+        assert_eq!(multipliers.constraints, [0.0, -4.0 * 0.5 / 8.0]);
+    }
+
+    /// Ipopt's multipliers have the other sign; a force that would pull is none.
+    #[test]
+    fn forces_push_in_the_units_of_the_user() {
+        let mut gaps = LinearGaps::new(true);
+        for node in 0..3 {
+            gaps.push(RowKey { pass: 0, node }, &Row::default());
+        }
+        let energy = Nothing(SymmetricPattern::diagonal(1));
+        let (bounds, stop) = (Bounds::default(), Stop::new());
+        let scaled = Scaled::new(&Subproblem {
+            energy: &energy,
+            bounds: &bounds,
+            gaps: &gaps,
+            scale: Scale {
+                length: 0.5,
+                energy: 8.0,
+                ..Scale::default()
+            },
+            change: 1.0,
+            accuracy: 0.0,
+            stop: &stop,
+        });
+        let solution = Solution {
+            status: Status::Solved,
+            x: vec![3.0],
+            objective: 2.0,
+            g: vec![0.0; 3],
+            multipliers: Some(Multipliers {
+                constraints: vec![-2.0, 1e-9, 0.25],
+                lower: vec![0.0],
+                upper: vec![0.0],
+            }),
+            contradiction: None,
+            statistics: Statistics::default(),
+            history: Vec::new(),
+            derivative_check: None,
+            log_error: None,
+        };
+        let run = Run {
+            solution,
+            solved: true,
+            warm: false,
+            retried: None,
+        };
+        let minimum = scaled.minimum(run, Cost::default());
+        assert_eq!(minimum.u, [1.5]);
+        assert_eq!(minimum.lambda, [32.0, 0.0, 0.0]);
+        assert_eq!(minimum.energy, 16.0);
+        assert_eq!(minimum.solved, Solved::Optimal);
+    }
+}

@@ -66,6 +66,209 @@ fn evaluations_depend_on_nothing_before() {
     assert!(all(&energy, &u) == at_u);
 }
 
+/// On a quadratic cell under u = (a x², 0), J = 1 + 2 a x at every quadrature point.
+#[test]
+fn volume_ratios_of_all_points() {
+    let nodes = vec![
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [0.0, 1.0],
+        [0.5, 0.0],
+        [0.5, 0.5],
+        [0.0, 0.5],
+    ];
+    let mesh = Mesh::of_order(crate::element::Order::Quadratic, nodes, (0..6).collect());
+    let mesh = mesh.expect("one cell");
+    let law = NeoHookean::new(1000.0, 0.3).expect("valid");
+    let dofs = DofMap::new(&[false; 12]);
+    let energy = StrainEnergy::<2, P2, _>::new(&mesh, law, dofs, Vec::new(), vec![0.0; 12]);
+    let a = 0.2;
+    let u: Vec<f64> = mesh
+        .nodes()
+        .iter()
+        .flat_map(|X| [a * X[0] * X[0], 0.0])
+        .collect();
+    let points = <P2 as Element<2>>::QUADRATURE;
+    let mut J = vec![0.0; energy.domain_len()];
+    energy.domain(&u, &mut J);
+    assert_eq!(J.len(), points.len());
+    for (J, (_, xi)) in J.iter().zip(points) {
+        // the cell is the reference cell
+        assert!((J - (1.0 + 2.0 * a * xi[0])).abs() < 1e-14, "{J} at {xi:?}");
+    }
+}
+
+/// A square under u = ε (X, 0), half of whose load is set: its residual is that of the strain, less half
+/// of the forces.
+#[test]
+fn residuals_have_the_present_load() {
+    let mesh = square(2);
+    let law = LinearElastic::new(3.0, 0.0).expect("valid");
+    let forces: Vec<f64> = (0..2 * mesh.nodes().len()).map(|k| k as f64).collect();
+    let dofs = DofMap::new(&vec![false; forces.len()]);
+    let mut energy = StrainEnergy::<2, P1, _>::new(&mesh, law, dofs, Vec::new(), forces.clone());
+    energy.set_load(0.5);
+    let epsilon = 0.01;
+    let u: Vec<f64> = mesh
+        .nodes()
+        .iter()
+        .flat_map(|X| [epsilon * X[0], 0.0])
+        .collect();
+    let mut residual = vec![0.0; forces.len()];
+    energy.add_residual(&u, &mut residual);
+    for (a, X) in mesh.nodes().iter().enumerate() {
+        // E ε on the sides x = 0 and x = 1, of three facets each, half of a facet's at their ends
+        let share = if X[1] == 0.0 || X[1] == 1.0 {
+            1.0 / 6.0
+        } else {
+            1.0 / 3.0
+        };
+        let pull = match X[0] {
+            0.0 => -3.0 * epsilon * share,
+            1.0 => 3.0 * epsilon * share,
+            _ => 0.0,
+        };
+        let expected = [pull - 0.5 * forces[2 * a], -0.5 * forces[2 * a + 1]];
+        for i in 0..2 {
+            assert!((residual[2 * a + i] - expected[i]).abs() < 1e-14, "{a} {i}");
+        }
+    }
+}
+
+/// Second derivatives of the energy are differences of its gradient, for a law whose tangent is not
+/// that at rest, on cells whose nodes are in any order.
+fn hessian_is_the_difference_of_gradients<E: Element<2>>(mesh: &Mesh<2>) {
+    let energy = cantilever::<E, _>(mesh, NeoHookean::new(1000.0, 0.3).expect("valid"));
+    let n = energy.dofs();
+    let u = waves(n, 0.01);
+    let mut values = vec![0.0; energy.hessian_pattern().len()];
+    energy.hessian(&u, &mut values);
+    let mut full = vec![0.0; n * n];
+    for ((i, j), value) in energy.hessian_pattern().iter().zip(values) {
+        (full[n * i + j], full[n * j + i]) = (value, value);
+    }
+    let gradient = |j: usize, step: f64| {
+        let (mut moved, mut g) = (u.clone(), vec![0.0; n]);
+        moved[j] += step;
+        energy.gradient(&moved, &mut g);
+        g
+    };
+    let step = 1e-6;
+    for j in 0..n {
+        for (i, (a, b)) in gradient(j, step).iter().zip(gradient(j, -step)).enumerate() {
+            let difference = (a - b) / (2.0 * step);
+            assert!((full[n * i + j] - difference).abs() < 1e-3, "{i} {j}");
+        }
+    }
+}
+
+#[test]
+fn hessians_are_differences_of_gradients() {
+    hessian_is_the_difference_of_gradients::<P1>(&square(3));
+    hessian_is_the_difference_of_gradients::<P2>(&square(2).quadratic());
+}
+
+/// A square that moves as a whole by t (2, −3), partly prescribed and partly free, under forces t f: the
+/// energy is −t² times the work of f on the way.
+#[test]
+fn the_energy_has_the_work_on_all_dofs() {
+    let mesh = square(2);
+    let n = mesh.nodes().len();
+    let held: Vec<bool> = (0..2 * n).map(|k| k % 3 == 0).collect();
+    let forces: Vec<f64> = (0..2 * n).map(|k| 1.0 + k as f64).collect();
+    let way = |dof: usize| if dof % 2 == 0 { 2.0 } else { -3.0 };
+    let of = |held_ones: bool| {
+        let dofs = (0..2 * n).filter(|k| held[*k] == held_ones);
+        dofs.map(way).collect::<Vec<f64>>()
+    };
+    let work: f64 = (0..2 * n).map(|k| forces[k] * way(k)).sum();
+    let law = NeoHookean::new(1000.0, 0.3).expect("valid");
+    let dofs = DofMap::new(&held);
+    let mut energy = StrainEnergy::<2, P1, _>::new(&mesh, law, dofs, of(true), forces);
+    for t in [0.5, 1.0] {
+        energy.set_load(t);
+        let u: Vec<f64> = of(false).iter().map(|way| t * way).collect();
+        let value = energy.value(&u);
+        assert!((value + t * t * work).abs() < 1e-9, "{t}: {value}");
+    }
+}
+
+/// With one free node in the middle, the cells around it are assembled, and no others. Its stiffness is
+/// the second difference of the energy.
+#[test]
+fn cells_around_a_single_free_node_are_assembled() {
+    let mesh = square(3);
+    let middle = mesh.nodes().iter().position(|X| X[0] > 0.2 && X[1] > 0.2);
+    let middle = middle.expect("inside");
+    let held: Vec<bool> = (0..2 * mesh.nodes().len())
+        .map(|k| k / 2 != middle)
+        .collect();
+    let dofs = DofMap::new(&held);
+    let prescribed = vec![0.0; dofs.prescribed()];
+    let law = LinearElastic::new(3.0, 0.0).expect("valid");
+    let forces = vec![0.0; held.len()];
+    let energy = StrainEnergy::<2, P1, _>::new(&mesh, law, dofs, prescribed, forces);
+    let around = mesh.cells().filter(|cell| cell.contains(&middle)).count();
+    assert_eq!(energy.assembled_cells(), around);
+    let second = |i: usize| {
+        let mut u = vec![0.0; 2];
+        u[i] = 1.0;
+        2.0 * energy.value(&u)
+    };
+    let larger = second(0).max(second(1));
+    assert!((energy.typical_stiffness() - larger).abs() < 1e-12);
+}
+
+/// The median of the diagonal of ∇²E, of a strip whose cells become stiffer along it.
+#[test]
+fn the_typical_stiffness_is_a_median() {
+    let xs = [0.0, 1.0, 1.5, 1.7, 1.75, 1.76];
+    let mesh = rectangle(&xs, &[0.0, 1.0], Diagonals::Rising).expect("valid");
+    let law = LinearElastic::new(3.0, 0.0).expect("valid");
+    let n = 2 * mesh.nodes().len();
+    let dofs = DofMap::new(&vec![false; n]);
+    let energy = StrainEnergy::<2, P1, _>::new(&mesh, law, dofs, Vec::new(), vec![0.0; n]);
+    let second = |i: usize| {
+        let mut u = vec![0.0; n];
+        u[i] = 1.0;
+        2.0 * energy.value(&u)
+    };
+    let mut all: Vec<f64> = (0..n).map(second).collect();
+    all.sort_by(f64::total_cmp);
+    let found = energy.typical_stiffness();
+    // as many are smaller as are larger
+    assert!(all[n / 2 - 1] - 1e-9 <= found && found <= all[n / 2] + 1e-9);
+    assert!(all[n - 1] > 2.0 * found);
+}
+
+/// On the quadratic cell X = ξ (1 + a ξ), Y = η, the field u = ξ² has the mean slope
+/// ∫ 2 ξ dξ dη / ∫ (1 + 2 a ξ) dξ dη = ⅓ / (½ + a/3).
+#[test]
+fn means_over_curved_cells_are_weighted_with_volume() {
+    let xi = [
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [0.0, 1.0],
+        [0.5, 0.0],
+        [0.5, 0.5],
+        [0.0, 0.5],
+    ];
+    let a = 0.4;
+    let nodes = xi.map(|[x, y]| [x * (1.0 + a * x), y]).to_vec();
+    let mesh = Mesh::of_order(crate::element::Order::Quadratic, nodes, (0..6).collect());
+    let mesh = mesh.expect("one cell");
+    let law = NeoHookean::new(1000.0, 0.3).expect("valid");
+    let dofs = DofMap::new(&[false; 12]);
+    let energy = StrainEnergy::<2, P2, _>::new(&mesh, law, dofs, Vec::new(), vec![0.0; 12]);
+    let U: Vec<Vector<2>> = xi
+        .iter()
+        .map(|[x, _]| Vector::<2>::new(x * x, 0.0))
+        .collect();
+    let states = energy.cell_states(&mesh, &U);
+    let expected = 1.0 + 1.0 / 3.0 / (0.5 + a / 3.0);
+    assert!((states[0].J - expected).abs() < 1e-13, "{}", states[0].J);
+}
+
 /// A law that panics if the stretch of its first component is too large.
 #[derive(Clone)]
 struct Panics(NeoHookean);

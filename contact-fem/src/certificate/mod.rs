@@ -1,6 +1,8 @@
 //! Certificates of convergence: how well a converged step satisfies the conditions of a solution,
 //! evaluated independently of the solver.
 
+#[cfg(test)]
+mod planted;
 mod state;
 
 use std::fmt;
@@ -299,6 +301,60 @@ mod tests {
             let wider = limits.with(condition, 2.0);
             assert!(flawless.with(condition, Some(2.0)).holds(&wider));
         }
+    }
+
+    /// Faults that anyone would call one, each alone: half a facet deep, a hundredth of what a facet
+    /// moves by, a force that pulls by a millionth of the largest. Less than penalties, tolerances and
+    /// corners leave is none.
+    #[test]
+    fn limits_tell_faults_from_what_is_left_in_sound_states() {
+        let limits = Limits::default();
+        for (condition, sound, fault) in [
+            (Condition::NodalPenetration, 0.1, 0.5),
+            (Condition::WeakPenetration, 1e-3, 1e-2),
+            (Condition::Adhesion, 0.0, 1e-6),
+            (Condition::Complementarity, 1e-3, 1e-2),
+            (Condition::Stationarity, 1e-8, 1e-4),
+            (Condition::Drift, 1e-6, 1e-2),
+            (Condition::ActionReaction, 1e-12, 1e-6),
+            (Condition::Balance, 1e-8, 1e-4),
+            (Condition::Inverted, 0.0, 1.0),
+            (Condition::Closed, 0.0, 1.0),
+            (Condition::Overlap, 0.2, 0.5),
+            (Condition::Unopposed, 0.05, 0.3),
+            (Condition::SmallStrain, 0.1, 1.0),
+        ] {
+            let with = |left| Certificate::uniform(0.0, 0.0).with(condition, Some(left));
+            assert!(with(sound).holds(&limits), "{condition:?} {sound}");
+            assert!(!with(fault).holds(&limits), "{condition:?} {fault}");
+        }
+    }
+
+    /// Round-off widens the limits of sums of forces to ten times itself, and no others.
+    #[test]
+    fn round_off_widens_the_limits_of_forces_alone() {
+        for (roundoff, widened) in [(1e-3, 1e-2), (1e-12, 0.0)] {
+            let certificate = Certificate::uniform(0.0, roundoff);
+            for entry in certificate.entries(&Limits::default()) {
+                let line = TABLE.iter().find(|line| line.name == entry.name);
+                let own = line.expect("named").limit;
+                let sees = ["stationarity", "drift", "balance"].contains(&entry.name);
+                let expected = if sees { own.max(widened) } else { own };
+                assert_eq!(entry.limit, expected, "{} {roundoff}", entry.name);
+            }
+        }
+        let [fine, coarse] = [1e-9, 1e-5].map(|roundoff| Certificate::uniform(0.0, roundoff));
+        assert_eq!(fine.or_worse(coarse).roundoff(), 1e-5);
+        assert_eq!(coarse.or_worse(fine).roundoff(), 1e-5);
+    }
+
+    /// NaN is worse than any number, on either side.
+    #[test]
+    fn nothing_is_worse_than_nan() {
+        assert!(worse(f64::NAN, 1.0).is_nan());
+        assert_eq!((worse(2.0, 1.0), worse(1.0, 2.0)), (2.0, 2.0));
+        let residuals = [0.0, f64::NAN, 3.0];
+        assert!(residuals.iter().fold(0.0, |all, r| worse(*r, all)).is_nan());
     }
 
     /// The larger residual of two certificates is kept, in either order, and so is NaN.

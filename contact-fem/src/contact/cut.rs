@@ -443,4 +443,64 @@ mod tests {
             assert_eq!(all, counted);
         }
     }
+
+    /// The ends, along x, of the pieces into which a polyline's facets cut the segment from x = −1 to 1 at
+    /// height 0, which faces it.
+    fn ends_on_a_segment(sheets: &[&[[f64; 2]]], reach: f64) -> Vec<f64> {
+        let (mut nodes, mut facets) = (Vec::<Vector<2>>::new(), Vec::new());
+        for sheet in sheets {
+            let first = nodes.len();
+            nodes.extend(sheet.iter().copied().map(Vector::from));
+            facets.extend((first + 1..nodes.len()).map(|k| [k - 1, k]));
+        }
+        let facets = facets.iter().map(|f| &f[..]);
+        let master = Surface::new(1, Order::Linear, facets, &nodes);
+        let master = Master::new(&Arc::new(master), &nodes);
+        let ends = [[1.0, 0.0], [-1.0, 0.0]].map(Vector::<2>::from);
+        let facet = Facet::gather(Order::Linear, &[0, 1], &ends);
+        let seeker = |lambda: &Vector<2>| Seeker {
+            x: facet.point(lambda),
+            facing: facet.normal(lambda),
+            reach,
+            X: facet.point(lambda),
+            N: facet.normal(lambda),
+            facet_size: 2.0,
+            own: None,
+        };
+        let mut cutter = Cutter::<2>::new(2);
+        cutter.points(&facet, &master, &seeker);
+        let pieces = cutter.pieces.iter();
+        let mut ends: Vec<f64> = pieces.map(|p| 1.0 - 2.0 * p[0][1]).collect();
+        ends.sort_by(f64::total_cmp);
+        ends
+    }
+
+    fn assert_ends(found: &[f64], expected: &[f64]) {
+        let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
+        let same = found.len() == expected.len() && found.iter().zip(expected).all(close);
+        assert!(same, "{found:?} instead of {expected:?}");
+    }
+
+    /// The side of a body, which is all but perpendicular to the segment, does not cut off a sliver; a
+    /// facet that is inclined by 45° cuts.
+    #[test]
+    fn sides_of_a_body_do_not_cut() {
+        let flat = [[-2.0, 0.1], [0.3, 0.1]];
+        let with = |end: [f64; 2]| ends_on_a_segment(&[&[flat[0], flat[1], end]], 2.0);
+        assert_ends(&with([0.301, 1.1]), &[0.3, 1.0]);
+        assert_ends(&with([0.8, 0.6]), &[0.3, 0.8, 1.0]);
+    }
+
+    /// A facet near the middle does not hide those above the ends, which are farther away from the middle
+    /// than the nearest one by more than half of the segment.
+    #[test]
+    fn facets_above_the_ends_cut() {
+        let near = [[-0.1, 0.1], [0.05, 0.1]];
+        let far = [[0.05, 0.9], [0.8, 0.9], [0.9, 0.9], [1.5, 0.9]];
+        let found = ends_on_a_segment(&[&near, &far], 2.0);
+        assert_ends(&found, &[-0.1, 0.05, 0.8, 0.9, 1.0]);
+        // the end is within reach, though the middle is not
+        let aside = [[0.8, 0.2], [0.9, 0.2], [1.5, 0.2]];
+        assert_ends(&ends_on_a_segment(&[&aside], 0.5), &[0.8, 0.9, 1.0]);
+    }
 }

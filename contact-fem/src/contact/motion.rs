@@ -289,4 +289,78 @@ mod tests {
             assert_eq!(pair.through(from, to), [None, None], "{from:?} {to:?}");
         }
     }
+
+    /// A node at rest and a segment from A to A + e with A = (−0.1, 2 t − 1) and e = (1 − 2 t, 1). The node's
+    /// height has the sign of (1 − 2 t)² − 0.1, which is positive at both ends, and the node is on the
+    /// segment where 1 − 2 t is the root of 0.1.
+    #[test]
+    fn crossings_between_equal_signs_are_found() {
+        let at = |t: f64| {
+            let a = Vector::<2>::new(-0.1, 2.0 * t - 1.0);
+            vec![Vector::zeros(), a, a + Vector::<2>::new(1.0 - 2.0 * t, 1.0)]
+        };
+        let (before, after) = (at(0.0), at(1.0));
+        let motion = Motion {
+            before: &before,
+            after: &after,
+        };
+        let time = 0.5 * (1.0 - 0.1f64.sqrt());
+        let crossing = motion.crossing(0, &[1, 2]).expect("crosses");
+        assert!((crossing.time - time).abs() < 1e-9, "{}", crossing.time);
+    }
+
+    /// A node that goes through the node between two segments crosses one of them.
+    #[test]
+    fn nothing_passes_between_neighbours() {
+        let ends = [[-1.0, 0.0], [0.0, 0.0], [1.0, 0.1]].map(Vector::<2>::from);
+        let with = |y: f64| [&ends[..], &[Vector::<2>::new(0.0, y)]].concat();
+        let (before, after) = (with(1.0), with(-1.0));
+        let motion = Motion {
+            before: &before,
+            after: &after,
+        };
+        let crossings = [[0, 1], [1, 2]].map(|ends| motion.crossing(3, &ends).is_some());
+        assert!(crossings.contains(&true));
+    }
+
+    /// The lower side of a punch goes through a plate of height 0.1. It starts above it, or just inside, as
+    /// bodies in contact do: only where it faces tells that it came from above.
+    #[test]
+    fn sides_that_start_in_contact_pass_through() {
+        let x = [
+            [-1.0, 0.1],
+            [1.0, 0.1],
+            [1.0, 0.0],
+            [-1.0, 0.0],
+            [-0.2, 0.0],
+            [0.3, 0.0],
+        ];
+        let at = |height: f64| {
+            let mut x = x.map(Vector::<2>::from).to_vec();
+            x[4..].iter_mut().for_each(|x| x[1] += height);
+            x
+        };
+        let surface = |body: usize, facets: &[[usize; 2]]| {
+            let facets = facets.iter().map(|f| &f[..]);
+            Arc::new(Surface::new(body, Order::Linear, facets, &at(0.2)))
+        };
+        // outward normals are to the right of the way from the first to the second node
+        let plate = surface(0, &[[1, 0], [2, 1], [3, 2], [0, 3]]);
+        let punch = surface(1, &[[4, 5]]);
+        for (from, to, passes) in [
+            (0.2, -0.4, true),
+            (0.0999, -0.4, true),
+            (0.0999, 0.2, false),
+            (0.2, 0.0999, false),
+        ] {
+            let motion = Motion {
+                before: &at(from),
+                after: &at(to),
+            };
+            let way = motion.through(&punch, &plate);
+            assert_eq!(way.is_some(), passes, "{from} {to}: {way:?}");
+            let right = way.is_none_or(|way| (way - (from - to)).abs() < 1e-9);
+            assert!(right, "{from} {to}: {way:?}");
+        }
+    }
 }

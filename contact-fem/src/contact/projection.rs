@@ -297,6 +297,51 @@ mod tests {
         curved_against_lattice(&facet, &lattice, 8e-3);
     }
 
+    /// The way from the closest point inside a curved segment is perpendicular to it, up to the root of the
+    /// round-off in squared distances.
+    #[test]
+    fn feet_are_perpendicular() {
+        let nodes = [[-0.4, 0.3], [1.1, 0.8], [0.3, 0.75]].map(Vector::<2>::from);
+        let facet = Facet::gather(Order::Quadratic, &[0, 1, 2], &nodes);
+        let mut inside = 0;
+        for k in 0..300 {
+            let wave = |i: i32| (f64::from(k * 3 + i) * 0.77).sin();
+            let x = nodes[2] + Vector::<2>::new(0.4 * wave(0), 0.4 * wave(1));
+            let lambda = closest_on(&x, &facet);
+            if lambda.min() == 0.0 {
+                continue;
+            }
+            inside += 1;
+            let tangent = facet.tangent(&lambda);
+            let along = (tangent[1] - tangent[0]).dot(&(x - facet.point(&lambda)));
+            assert!(along.abs() < 1e-7, "{k}: {along}");
+        }
+        assert!(inside > 100, "{inside}");
+    }
+
+    /// Along strongly bent segments as well: from points around them, the closest point is an end, or the
+    /// way to it is perpendicular.
+    #[test]
+    fn feet_on_strongly_curved_segments_are_perpendicular() {
+        let mut inside = 0;
+        for k in 0..2000_u32 {
+            let wave = |i: u32| (f64::from(k * 7 + i) * 0.7717).sin() * (f64::from(k) + 0.3).cos();
+            let middle = Vector::<2>::new(0.5 + 0.4 * wave(1), 0.75 * wave(2));
+            let nodes = [Vector::<2>::zeros(), Vector::<2>::new(1.0, 0.0), middle];
+            let facet = Facet::gather(Order::Quadratic, &[0, 1, 2], &nodes);
+            let x = Vector::<2>::new(0.5 + 1.5 * wave(3), 1.5 * wave(4));
+            let lambda = closest_on(&x, &facet);
+            if lambda.min() == 0.0 {
+                continue;
+            }
+            inside += 1;
+            let tangent = facet.tangent(&lambda);
+            let along = (tangent[1] - tangent[0]).dot(&(x - facet.point(&lambda)));
+            assert!(along.abs() < 1e-6, "{k}: {along}");
+        }
+        assert!(inside > 500, "{inside}");
+    }
+
     /// On a quadratic facet with its middle nodes half-way, both methods agree.
     fn flat_as_curved<const D: usize>(corners: [Vector<D>; D], offset: Vector<D>) {
         let mut x = corners.map(|x| x + offset).to_vec();

@@ -211,3 +211,57 @@ impl<const D: usize> NodalRow<D> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::contact::Integration;
+    use crate::contact::stencil::projected;
+    use crate::element::Order;
+
+    /// One quadratic segment from x = 0 to 1 on a longer one, with points at ξ. A width of 1 at its first
+    /// end is (1 − ξ)(1 − 2 ξ) at a point, and nothing on the far half, where that is negative.
+    #[test]
+    fn widths_of_points_are_interpolated_and_positive() {
+        let x = [
+            [1.0, 0.0],
+            [0.0, 0.0],
+            [0.5, 0.0],
+            [-1.0, 0.0],
+            [2.0, 0.0],
+            [0.5, 0.0],
+        ];
+        let x = x.map(Vector::<2>::from);
+        let surface = |body: usize, facet: [usize; 3]| {
+            let facets = [&facet[..]];
+            Surface::new(body, Order::Quadratic, facets.into_iter(), &x)
+        };
+        let (slave, master) = (surface(0, [0, 1, 2]), Arc::new(surface(1, [3, 4, 5])));
+        let master = Master::new(&master, &x);
+        let points = projected(&slave, &master, &x, Integration::Gauss(6), 1.0);
+        assert_eq!(points.len(), 6);
+        let all_free = DofMap::new(&[false; 12]);
+        let unknowns = Unknowns {
+            dofs: &all_free,
+            supports: &all_free,
+            prescribed: &[],
+        };
+        let mut rows = PassRows::new(&slave, &master, &points, Sampling::Points);
+        // the surface's nodes are in the order of the scene's: x = 1, 0, ½
+        rows.widen(|_| 99.0, |k| if k == 0 { 1.0 } else { 0.0 });
+        let mut gaps = LinearGaps::new(true);
+        rows.append(0, &x, &unknowns, &mut gaps);
+        assert_eq!(gaps.len(), 6);
+        for (stencil, constant) in rows.stencils.iter().zip(gaps.constant()) {
+            let xi = 1.0 - stencil.point()[0];
+            let width = ((1.0 - xi) * (1.0 - 2.0 * xi)).max(0.0);
+            assert!((constant - width).abs() < 1e-14, "{constant} at {xi}");
+        }
+        rows.widen(|_| 99.0, |_| 1.0);
+        let mut gaps = LinearGaps::new(true);
+        rows.append(0, &x, &unknowns, &mut gaps);
+        assert!(gaps.constant().iter().all(|c| (c - 1.0).abs() < 1e-14));
+    }
+}

@@ -318,4 +318,165 @@ mod tests {
         let above = Vector::<3>::new(0.3, -0.4, 1.01);
         assert!(!master.project(&above).expect("a facet").off_the_end);
     }
+
+    /// What a point at `x` that faces along `facing` finds, from any reach; it comes from far away.
+    fn seeker(x: [f64; 2], facing: [f64; 2], reach: f64) -> Seeker<'static, 2> {
+        Seeker {
+            x: x.into(),
+            facing: facing.into(),
+            reach,
+            X: Vector::<2>::new(x[0], 100.0),
+            N: facing.into(),
+            facet_size: 1.0,
+            own: None,
+        }
+    }
+
+    fn polyline(points: &[[f64; 2]]) -> Master<2> {
+        let x: Vec<Vector<2>> = points.iter().copied().map(Vector::from).collect();
+        let facets: Vec<[usize; 2]> = (1..x.len()).map(|k| [k, k - 1]).collect();
+        let facets = facets.iter().map(|f| &f[..]);
+        Master::new(&Arc::new(Surface::new(0, Order::Linear, facets, &x)), &x)
+    }
+
+    /// Above a valley of depth 1, whose box reaches up to its ends: the middle is farther away than the
+    /// reach, although the box is not.
+    #[test]
+    fn points_beyond_the_reach_are_not_found() {
+        let valley = polyline(&[[-2.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [2.0, 1.0]]);
+        let gap = |reach: f64| {
+            let found = valley.find(&seeker([0.0, 0.5], [0.0, -1.0], reach));
+            found.map(|p| p.gap)
+        };
+        assert_eq!(gap(0.49), None);
+        assert_eq!(gap(0.51), Some(0.5));
+        // seen from behind
+        let behind = valley.find(&seeker([0.0, 0.5], [0.0, 1.0], 1.0));
+        assert!(behind.is_none());
+    }
+
+    /// A point that reaches farther than the surface is away finds it, however far that is.
+    #[test]
+    fn points_within_a_long_reach_are_found() {
+        let line = polyline(&[[-9.0, 0.0], [0.0, 0.0], [9.0, 0.0]]);
+        for height in [0.2, 2.0, 5.0] {
+            let found = line.find(&seeker([0.5, height], [0.0, -1.0], 1.5 * height));
+            assert_eq!(found.map(|p| p.gap), Some(height));
+        }
+    }
+
+    /// Beyond the end by a millionth is off the end; by round-off it is not.
+    #[test]
+    fn the_end_is_where_it_is() {
+        let line = polyline(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]);
+        for (x, is_off) in [
+            (2.0 + 1e-6, true),
+            (2.0 + 1e-12, false),
+            (2.0 - 1e-6, false),
+        ] {
+            let projection = line.project(&[x, 0.1].into()).expect("a facet");
+            assert_eq!(projection.off_the_end, is_off, "{x}");
+            let found = line.find(&seeker([x, 0.1], [0.0, -1.0], 1.0));
+            assert_eq!(found.is_none(), is_off, "{x}");
+        }
+    }
+
+    /// Deeper in a plate than half-way, the nearest side is the far one: the side that was entered is
+    /// found nevertheless, if it is within reach.
+    #[test]
+    fn the_side_that_was_entered_is_found_beyond_the_middle() {
+        // the middle facets of both sides do not end at a corner
+        let below = [[3.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [-3.0, 0.0]];
+        let above = [[-3.0, 1.0], [-1.0, 1.0], [1.0, 1.0], [3.0, 1.0]];
+        let plate = polyline(&[below, above].concat());
+        let gap = |reach: f64| {
+            let found = plate.find(&seeker([0.0, 0.375], [0.0, -1.0], reach));
+            found.map(|p| p.gap)
+        };
+        assert!(gap(1.0).is_some_and(|gap| (gap + 0.625).abs() < 1e-12));
+        assert_eq!(gap(0.5), None);
+    }
+
+    /// From the upper side of a block, at its corner, to the side beside it, below: the way starts inside
+    /// the block, though it ends along that side.
+    #[test]
+    fn ways_that_start_inside_a_body_are_through_it() {
+        let around = [[1.0, 1.0], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0]];
+        let x: Vec<Vector<2>> = around.into_iter().map(Vector::from).collect();
+        // right side, bottom, left side, and the top
+        let facets = [[1, 0], [2, 1], [3, 2], [0, 3]];
+        let facets = facets.iter().map(|f| &f[..]);
+        let surface = Arc::new(Surface::new(0, Order::Linear, facets, &x));
+        let master = Master::new(&surface, &x);
+        let own = Own {
+            surface: &surface,
+            nodes: &[3],
+        };
+        let found = master.find(&Seeker {
+            x: Vector::<2>::new(0.7, 0.5),
+            facing: Vector::<2>::new(-1.0, 0.0),
+            reach: 0.4,
+            X: x[0],
+            N: Vector::<2>::new(0.0, 1.0),
+            facet_size: 1.0,
+            own: Some(own),
+        });
+        assert!(found.is_none(), "{found:?}");
+    }
+
+    /// The two sides of a wall of a tenth of a facet on one body: material lies between them, and
+    /// neither may not penetrate the other. The sides of a closed slit have none between them.
+    #[test]
+    fn a_thin_wall_is_no_slit() {
+        let x = [
+            [0.0, 0.1],
+            [1.0, 0.1],
+            [2.0, 0.1],
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+        ];
+        let x = x.map(Vector::<2>::from);
+        // the normals of the first two point up or down, of the others the other way
+        for is_wall in [true, false] {
+            let facets = match is_wall {
+                true => [[1, 0], [2, 1], [3, 4], [4, 5]],
+                false => [[0, 1], [1, 2], [4, 3], [5, 4]],
+            };
+            let mut X = x;
+            if !is_wall {
+                X.iter_mut().for_each(|X| X[1] = 0.0);
+            }
+            let facets = facets.iter().map(|f| &f[..]);
+            let surface = Arc::new(Surface::new(0, Order::Linear, facets, &X));
+            // the sides of the slit are in each other
+            let mut now = x;
+            if !is_wall {
+                now[..3].iter_mut().for_each(|x| x[1] = -0.01);
+                now[3..].iter_mut().for_each(|x| x[1] = 0.0);
+            }
+            let master = Master::new(&surface, &now);
+            let own = Own {
+                surface: &surface,
+                nodes: &[1],
+            };
+            let up = if is_wall { 1.0 } else { -1.0 };
+            let found = master.find(&Seeker {
+                x: now[1],
+                facing: Vector::<2>::new(0.0, up),
+                reach: 0.5,
+                X: X[1],
+                N: Vector::<2>::new(0.0, up),
+                facet_size: 1.0,
+                own: Some(own),
+            });
+            match is_wall {
+                true => assert!(found.is_none(), "{found:?}"),
+                false => {
+                    let gap = found.expect("the other side").gap;
+                    assert!((gap + 0.01).abs() < 1e-12, "{gap}");
+                }
+            }
+        }
+    }
 }

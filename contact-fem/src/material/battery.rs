@@ -87,3 +87,27 @@ fn constants_out_of_range_are_named() {
         ));
     }
 }
+
+/// Volume ratios that round-off makes negative are as inadmissible as others.
+#[test]
+fn cells_turned_over_by_next_to_nothing_have_no_energy() {
+    let law = NeoHookean::new(1.0, 0.3).expect("valid");
+    for J in [0.0, -1e-300, -1e-12, -1e-9, -1.0] {
+        let mut F = Matrix::<2>::identity();
+        F[(1, 1)] = J;
+        assert_eq!(
+            law.energy_density(&Deformation::new(F)),
+            f64::INFINITY,
+            "{J}"
+        );
+    }
+}
+
+/// F⁻ᵀ Fᵀ = I, also of a mirrored cell, whose ln J is no number.
+#[test]
+fn the_inverse_of_a_mirrored_deformation() {
+    let F = Matrix::<3>::new(0.3, 2.0, 0.1, 1.5, -0.2, 0.4, 0.7, 0.1, 1.1);
+    let at = Deformation::new(F);
+    assert!(at.J < 0.0 && at.ln_J.is_nan(), "{at:?}");
+    assert!((at.F_inv_T * F.transpose() - Matrix::identity()).norm() < 1e-14);
+}

@@ -347,3 +347,59 @@ impl<const D: usize> LoadStepped for Problem<D> {
         lifted
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::generators::{Diagonals, linspace, rectangle};
+    use crate::{Body, NeoHookean};
+
+    fn block(low: [f64; 2], size: [f64; 2], cells: [usize; 2]) -> Body<2> {
+        let [xs, ys] = [0, 1].map(|i| linspace(low[i], low[i] + size[i], cells[i]));
+        let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("mesh");
+        Body::new(mesh, NeoHookean::new(1.0, 0.3).expect("law"))
+    }
+
+    /// A block of height 4 whose top goes up by 8: from load ½ to ¾, its nodes go up by half of their
+    /// height, and nothing moves aside.
+    #[test]
+    fn starts_are_lifted_by_what_the_load_adds() {
+        let mut body = block([0.0, 0.0], [3.0, 4.0], [3, 4]);
+        body.prescribe("bottom", [Some(0.0); 2]).expect("support");
+        body.prescribe("top", [None, Some(8.0)]).expect("support");
+        let mut scene = Scene::new();
+        scene.add("block", body);
+        let mut problem = scene.problem().expect("a problem");
+        problem.set_load(0.75).expect("load");
+        let u = vec![0.1; problem.dofs().free()];
+        let lifted = problem.lift(&u, 0.5);
+        let increments = problem.displacements(&lifted);
+        for (node, X) in problem.reference().iter().enumerate() {
+            for (i, expected) in [0.1, 0.1 + 0.5 * X[1]].into_iter().enumerate() {
+                if let crate::assembly::Dof::Free(_) = problem.dofs().get(2 * node + i) {
+                    assert!((increments[node][i] - expected).abs() < 1e-12, "{node} {i}");
+                }
+            }
+        }
+    }
+
+    /// A bar whose nodes are all prescribed goes through a plate from one load to the next: the way
+    /// begins where the last load had it.
+    #[test]
+    fn ways_begin_at_the_load_of_the_last_state() {
+        let mut plate = block([0.0, 0.0], [1.0, 0.1], [9, 1]);
+        plate.prescribe("left", [Some(0.0); 2]).expect("support");
+        let mut bar = block([0.3, 0.2], [0.4, 0.05], [2, 1]);
+        bar.prescribe_all([Some(0.0), Some(-1.0)]).expect("motion");
+        let mut scene = Scene::new();
+        scene.add("plate", plate);
+        scene.add("bar", bar);
+        let mut problem = scene.problem().expect("a problem");
+        let u = vec![0.0; problem.dofs().free()];
+        for (load, from, passes) in [(0.6, 0.0, true), (0.9, 0.6, false), (0.05, 0.0, false)] {
+            problem.set_load(load).expect("load");
+            let passage = problem.tunnels(&u, &u, from);
+            assert_eq!(passage.is_some(), passes, "{load} from {from}: {passage:?}");
+        }
+    }
+}

@@ -167,6 +167,7 @@ mod tests {
     use contact_core::gaps::Sampling;
 
     use crate::mesh::generators::{Diagonals, rectangle};
+    use crate::tensor::Vector;
     use crate::{Body, NeoHookean, Scene};
 
     /// A square of weight 5, hung up on top, on one that does not move at all.
@@ -208,5 +209,97 @@ mod tests {
         }
         assert_eq!(problem.inverted(&u), 0);
         assert_eq!(problem.penetration(&u), 0.0);
+    }
+
+    /// The two halves of a square's top are surfaces of their own, which share the node between them, each
+    /// below a body of its own. Only the right one pushes, and the left half does not feel it, not even in
+    /// that node.
+    #[test]
+    fn pressures_are_those_of_their_own_pairs() {
+        let block = |xs: [f64; 3], y: f64| {
+            let mesh = rectangle(&xs, &[y, y + 1.0], Diagonals::Rising).expect("mesh");
+            Body::new(mesh, NeoHookean::new(1.0, 0.3).expect("law"))
+        };
+        let mut mesh = rectangle(&[0.0, 0.5, 1.0], &[0.0, 1.0], Diagonals::Rising).expect("mesh");
+        mesh.name_boundary("left half", |X| X[1] == 1.0 && X[0] < 0.6);
+        mesh.name_boundary("right half", |X| X[1] == 1.0 && X[0] > 0.4);
+        let mut lower = Body::new(mesh, NeoHookean::new(1.0, 0.3).expect("law"));
+        lower.prescribe("bottom", [Some(0.0); 2]).expect("support");
+        let (mut left, mut right) = (block([-0.2, 0.1, 0.45], 1.0), block([0.5, 0.75, 1.0], 1.0));
+        left.prescribe("top", [Some(0.0); 2]).expect("support");
+        right.prescribe("top", [Some(0.0); 2]).expect("support");
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", lower);
+        let left = scene.add("left", left).on("bottom");
+        let right = scene.add("right", right).on("bottom");
+        for (half, above) in [("left half", left), ("right half", right)] {
+            let passes = crate::model::Passes::FirstIsSlave;
+            scene
+                .contact_in_passes(lower.on(half), above, passes)
+                .expect("a pair");
+        }
+        let problem = scene.problem().expect("a problem");
+        let u = vec![0.0; problem.dofs().free()];
+        let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
+        let rows = gaps.keys().iter().zip(gaps.weights());
+        let lambda: Vec<f64> = rows
+            .map(|(key, a)| if key.pass == 1 { 3.0 * a } else { 0.0 })
+            .collect();
+        let pressures = problem.pressures(&u, &gaps, &lambda).expect("pressures");
+        let surfaces = problem.surfaces().iter().zip(&pressures);
+        // the mesh of the right one does not match
+        for (surface, pressures) in surfaces.filter(|(surface, _)| surface.body() < 2) {
+            let x = problem.reference();
+            let is_pushed = surface.nodes().iter().all(|&a| x[a][0] > 0.46);
+            let expected = if is_pushed { 3.0 } else { 0.0 };
+            let close = |pressure: &f64| (pressure - expected).abs() < 1e-12;
+            assert!(pressures.iter().all(close), "{expected}: {pressures:?}");
+        }
+    }
+
+    /// Two squares turned by 0.3 on each other: forces a_i along the turned normal are a pressure of 1.
+    #[test]
+    fn pressures_are_along_the_turned_normals() {
+        let (sin, cos) = 0.3f64.sin_cos();
+        let turn = |X: &Vector<2>| {
+            [
+                cos * X[0] - sin * X[1] - X[0],
+                sin * X[0] + cos * X[1] - X[1],
+            ]
+        };
+        let square = |y: f64, side: &str| {
+            let mesh = rectangle(&[0.0, 0.5, 1.0], &[y, y + 0.5, y + 1.0], Diagonals::Rising);
+            let mut body = Body::new(mesh.expect("mesh"), NeoHookean::new(1.0, 0.3).expect("law"));
+            for node in body.mesh().boundary_nodes(side).expect("named") {
+                let value = turn(&body.mesh().nodes()[node]).map(Some);
+                body.prescribe_nodes(&[node], value).expect("support");
+            }
+            body
+        };
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", square(0.0, "bottom")).on("top");
+        let upper = scene.add("upper", square(1.0, "top")).on("bottom");
+        scene.contact(lower, upper).expect("a pair");
+        let mut problem = scene.problem().expect("a problem");
+        problem.set_load(1.0).expect("load");
+        let mut u = vec![0.0; problem.dofs().free()];
+        for (node, X) in problem.reference().iter().enumerate() {
+            for (i, value) in turn(X).into_iter().enumerate() {
+                if let crate::assembly::Dof::Free(k) = problem.dofs().get(2 * node + i) {
+                    u[k] = value;
+                }
+            }
+        }
+        let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
+        let lambda: Vec<f64> = gaps.weights().iter().map(|a| 0.5 * a).collect();
+        for pressure in problem
+            .pressures(&u, &gaps, &lambda)
+            .expect("pressures")
+            .iter()
+            .flatten()
+        {
+            assert!((pressure - 1.0).abs() < 1e-12, "{pressure}");
+        }
+        assert!(problem.penetration(&u) < 1e-12);
     }
 }

@@ -79,7 +79,7 @@ fn expected_strain<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::generators::{Diagonals, linspace, rectangle};
+    use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
     use crate::{LinearElastic, Material, NeoHookean};
 
     /// A block of 3 by 4, supported at the bottom and moved down by `by` on top.
@@ -125,5 +125,52 @@ mod tests {
         assert!((length(large) / 5e-9 - 1.0).abs() < 1e-14);
         let linear = scene(LinearElastic::new(1.0, 0.3).expect("law"), 1e-12);
         assert!((length(linear) / 1e-11 - 1.0).abs() < 1e-14);
+    }
+
+    /// The energy is that of the softer block, and the round-off in strains of the size of what is
+    /// expected: the length over the diagonal.
+    #[test]
+    fn the_softest_body_and_the_round_off_of_strains() {
+        let of = |young: [f64; 2]| {
+            let mut scene = Scene::new();
+            for (k, young) in young.into_iter().enumerate() {
+                let x = 6.0 * k as f64;
+                let mesh = rectangle(
+                    &linspace(x, x + 3.0, 3),
+                    &linspace(0.0, 4.0, 4),
+                    Diagonals::Rising,
+                );
+                let law = LinearElastic::new(young, 0.3).expect("law");
+                let mut body = Body::new(mesh.expect("mesh"), law);
+                body.prescribe("bottom", [Some(0.0); 2]).expect("support");
+                body.prescribe("top", [None, Some(-1e-3)]).expect("support");
+                scene.add(format!("block {k}"), body);
+            }
+            scene.problem().expect("a problem").scale()
+        };
+        let soft = of([1.0, 1.0]);
+        assert!((soft.energy / of([1.0, 100.0]).energy - 1.0).abs() < 1e-12);
+        assert!((soft.energy / of([100.0, 1.0]).energy - 1.0).abs() < 1e-12);
+        let diagonal = 9.0f64.hypot(4.0);
+        let strain = soft.length / diagonal;
+        assert!((soft.roundoff / (f64::EPSILON / strain) - 1.0).abs() < 1e-12);
+    }
+
+    /// Cubes with faces of 2 by 2 squares, each of two triangles: a facet has an eighth of a unit's area.
+    #[test]
+    fn the_area_of_a_facet_in_space() {
+        let cube = |z: f64| {
+            let mesh = cuboid([0.0, 0.0, z], [1.0; 3], [2, 2, 2]).expect("mesh");
+            let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.3).expect("law"));
+            let side = if z == 0.0 { "bottom" } else { "top" };
+            body.prescribe(side, [Some(0.0); 3]).expect("support");
+            body
+        };
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", cube(0.0)).on("top");
+        let upper = scene.add("upper", cube(1.0)).on("bottom");
+        scene.contact(lower, upper).expect("a pair");
+        let scale = scene.problem().expect("a problem").scale();
+        assert!((scale.area / 0.125 - 1.0).abs() < 1e-12, "{}", scale.area);
     }
 }

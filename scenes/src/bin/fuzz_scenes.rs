@@ -4,6 +4,8 @@
 //!
 //! `make fuzz-scenes SECONDS=60 SEED=1`, or with arguments: seconds, seed and, to show one case again, its number.
 
+#![allow(non_snake_case)] // the symbols of the field
+
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;

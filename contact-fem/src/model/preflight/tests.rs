@@ -633,3 +633,45 @@ fn odd_scenes() {
         }
     }
 }
+
+/// A frame around a hole and a square that fills both, in the same place. No node of the square's top is
+/// inside the frame or the other way round, no edges cross, and the middles of the square's two
+/// triangles are in the hole; those of the frame's are in the square.
+#[test]
+fn a_frame_in_a_square() {
+    let nodes = vec![
+        [0.0, 0.0],
+        [9.0, 0.0],
+        [9.0, 9.0],
+        [0.0, 9.0],
+        [2.5, 2.5],
+        [6.5, 2.5],
+        [6.5, 6.5],
+        [2.5, 6.5],
+    ];
+    let sides = (0..4usize).flat_map(|k| {
+        let next = (k + 1) % 4;
+        [k, next, 4 + next, k, 4 + next, 4 + k]
+    });
+    let frame = || {
+        let mut mesh = Mesh::new(nodes.clone(), sides.clone().collect()).expect("mesh");
+        mesh.name_boundary("top", |x| x[1] > 8.5);
+        mesh.name_boundary("bottom", |x| x[1] < 0.5);
+        held(mesh, linear())
+    };
+    let square = || held(mesh([0.0; 2], [9.0; 2], [1, 1]), linear());
+    for frame_first in [true, false] {
+        let mut scene = Scene::new();
+        scene.geometry = Some(crate::model::Geometry::Current);
+        let (first, second) = match frame_first {
+            true => (frame(), square()),
+            false => (square(), frame()),
+        };
+        let first = scene.add("first", first).on("top");
+        let second = scene.add("second", second).on("top");
+        scene.contact(first, second).expect("a pair");
+        let refused = scene.problem().err();
+        let crossing = matches!(refused, Some(crate::Error::Crossing { .. }));
+        assert!(crossing, "{frame_first}: {refused:?}");
+    }
+}
