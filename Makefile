@@ -22,7 +22,7 @@ help:
 	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
 	@echo "make extremes          scenes at the limits with their truths, by each solver: tables and data in out/extremes*, within an hour"
 	@echo "make extremes-quick    two dozen of them, and all on coarse meshes by Newton's method; fails where a wrong result is claimed to be right"
-	@echo "make mutants           plants faults one at a time and runs the tests; goes on where it was; fails where 5 % of an area are not caught"
+	@echo "make mutants           plants faults one at a time and runs the tests (hours; an interrupted run goes on)"
 	@echo "make package           the crates as packages, each checked on its own, and their documentation without Ipopt"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
@@ -64,6 +64,7 @@ lint: install
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets --all-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --all-features
+	@if command -v python3 >/dev/null; then scripts/mutants/run.py --check; fi
 
 # Not a part of `make lint`: cargo-deny is a program of its own.
 deny:

@@ -373,6 +373,41 @@ fn a_run_that_gives_up_leaves_the_last_load() {
     }
 }
 
+/// A stall that is as large after three cuts ends the run and says so; one that shrinks with the step, and failures without a
+/// size, are cut to the end.
+#[test]
+fn cuts_end_where_they_do_not_help() {
+    let stall = |step: f64, power: i32| Outcome::Cycle {
+        period: 2,
+        amplitude: 0.01 * step.powi(power),
+    };
+    let cases: [(&dyn Fn(f64) -> Outcome, usize); 3] = [
+        (&|step| stall(step, 0), 4),
+        (&|step| stall(step, 1), 7),
+        (&|_| failed(), 7),
+    ];
+    for (failure, cuts) in cases {
+        let mut problem = Line::default();
+        let outcome = |from: f64, to: f64| match to > 0.5 {
+            true => failure(to - from),
+            false => Outcome::Converged,
+        };
+        let mut solver = Follows::new(|t| t, |_| [0.0; 2], outcome);
+        let settings = LoadSteps {
+            max_halvings: 6,
+            ..in_increments(2)
+        };
+        let run = run(&settings, &mut problem, &mut solver);
+        let Ending::NotConverged { at, cause, .. } = &run.ending else {
+            panic!("{:?}", run.ending)
+        };
+        assert_eq!((*at, run.cuts()), (0.5, cuts));
+        let told = cause.as_deref().unwrap_or_default();
+        let says_so = told.contains("smaller steps do not reduce it");
+        assert_eq!(says_so, cuts == 4, "{told}");
+    }
+}
+
 /// Of three steps that converge, each is twice as long as the one before, up to the end.
 #[test]
 fn steps_grow_back_by_one_halving_a_success() {

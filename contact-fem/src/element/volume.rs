@@ -301,8 +301,8 @@ mod tests {
     fn point<const D: usize>(x: &CellNodes<D>, xi: &Vector<D>) -> Vector<D> {
         let l = |a: usize| if a == 0 { 1.0 - xi.sum() } else { xi[a - 1] };
         let mut sum = Vector::zeros();
-        for a in 0..=D {
-            sum += x[a] * (l(a) * (l(a) - 0.5) / 0.5);
+        for (a, x) in x[..=D].iter().enumerate() {
+            sum += x * (l(a) * (l(a) - 0.5) / 0.5);
         }
         for (e, [a, b]) in CELL_EDGES[..D * (D + 1) / 2].iter().enumerate() {
             sum += x[D + 1 + e] * (l(*a) * l(*b) / 0.25);
