@@ -130,6 +130,9 @@ impl ContactProblem for Toy {
     ) -> Result<Option<GapVariation>, Error> {
         Ok(self.vary.as_ref().map(|vary| vary(u, gaps, lambda)))
     }
+    fn scale(&self) -> Option<Scale> {
+        Some(Scale::default())
+    }
 }
 
 fn key(k: usize) -> RowKey {
