@@ -117,11 +117,11 @@ fn resting_in_space() -> Vec<Case> {
             let truth = Truth::Values(Box::new(move |_, history| {
                 let carried = history.last().map_or(f64::NAN, |step| step.reactions[0][2]);
                 let weight = Check::relative("weight carried", carried, high as f64, 1e-5);
-                let most = Check::that(
-                    "at most 30 factorisations",
-                    history.run.cost().factorizations <= 30,
-                );
-                vec![weight, most]
+                // an aim of Newton's method and condensation; the interior point method has its own counts
+                let iterations = history.run.attempts.iter().flat_map(|a| &a.iterations);
+                let is_direct = iterations.into_iter().all(|i| i.solver != "ipopt");
+                let few = !is_direct || history.run.cost().factorizations <= 30;
+                vec![weight, Check::that("at most 30 factorisations", few)]
             }));
             let case = Case::space(name(law, high, held), "at rest", scene, truth);
             let is_quick = high == 3 && (is_linear || is_held);

@@ -191,6 +191,8 @@ fn columns() -> Vec<Case> {
     const THICKNESS: f64 = 0.5;
     const GAP: f64 = 0.5;
     const WALL: f64 = 0.5 * THICKNESS + GAP;
+    /// An interior point method leaves so much of a force where there is none, as a share of Euler's load.
+    const FREE: f64 = 1e-4;
     let mut cases = Vec::new();
     let name = |side: f64, press: f64, increments: usize| {
         let side = if side > 0.0 { "right" } else { "left" };
@@ -232,13 +234,13 @@ fn columns() -> Vec<Case> {
             let last = history.last();
             let of = |body: usize| last.map_or(f64::NAN, |step| step.contact_forces[body][0]);
             let held = last.map_or(f64::NAN, |step| step.reactions[0][0]);
-            let [before, after] = loads(history, press);
+            let [before, after] = loads(history, press, FREE * euler);
             let mut checks = vec![Check {
                 // what pushes the column off the wall pulls at its ends
                 what: "force on the ends",
                 found: held,
                 expected: of(1),
-                tolerance: 1e-6 * of(1).abs().max(1e-3 * euler),
+                tolerance: (1e-6 * of(1).abs()).max(1e-6 * euler),
             }];
             if press < 0.011 * increments as f64 {
                 checks.push(Check::relative(
@@ -255,9 +257,15 @@ fn columns() -> Vec<Case> {
                     euler,
                     0.1,
                 ));
-                checks.push(Check::that("has left the wall", of(1) == 0.0));
+                let is_free = of(1).abs() < FREE * euler;
+                checks.push(Check::that("has left the wall", is_free));
             } else if press > 0.2 {
-                checks.push(Check::that("lies on the wall", side * of(1) > 0.1 * euler));
+                // long steps may find the equilibrium on the other side, too
+                let is_eulers = of(1).abs() < FREE * euler && (after / euler - 1.0).abs() < 0.1;
+                checks.push(Check::that(
+                    "lies on the wall, or is Euler's column on the other side",
+                    side * of(1) > 0.1 * euler || is_eulers,
+                ));
             }
             checks
         }));
@@ -268,13 +276,13 @@ fn columns() -> Vec<Case> {
 }
 
 /// The largest load on a column before it touches the wall, and that at its end, from how its energy grows with its
-/// shortening.
-fn loads(history: &History<2>, press: f64) -> [f64; 2] {
+/// shortening. A contact force up to `none` (UF) is none.
+fn loads(history: &History<2>, press: f64, none: f64) -> [f64; 2] {
     let [mut free, mut last] = [0.0f64; 2];
     let (mut factor, mut energy, mut is_free) = (0.0, 0.0, true);
     for step in &history.steps {
         last = (step.energy - energy) / (press * (step.factor - factor));
-        is_free &= step.contact_forces[1][0] == 0.0;
+        is_free &= step.contact_forces[1][0].abs() < none;
         if is_free {
             free = free.max(last);
         }
