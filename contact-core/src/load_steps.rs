@@ -22,12 +22,6 @@ pub trait LoadStepped: ContactProblem {
         None
     }
 
-    /// The cause that `solution`, which did not converge at the present load, shows, in a sentence for the user; `None` if
-    /// it shows none. The default does not look.
-    fn diagnose(&self, _solution: &Solution) -> Option<String> {
-        None
-    }
-
     /// The start for the present load, from `u` converged at load factor `from`, with the free
     /// unknowns moved along with the prescribed ones. The default returns `u`.
     fn lift(&self, u: &[f64], _from: f64) -> Vec<f64> {
@@ -284,17 +278,16 @@ impl Path<'_> {
                         continue;
                     }
                     _ => {
-                        let mut cause = problem.diagnose(&solution);
-                        if self.is_stuck() {
-                            let stuck = "smaller steps do not reduce it";
-                            cause = Some(match cause {
-                                Some(cause) => format!("{stuck}; {cause}"),
-                                None => stuck.to_string(),
-                            });
-                        }
+                        let stuck = self
+                            .is_stuck()
+                            .then(|| "smaller steps do not reduce it".into());
+                        let causes = stuck.into_iter().chain(problem.diagnose(&solution));
+                        let before = solution.failed.iter().filter(|f| f.cause.is_some());
+                        let causes = causes.chain(before.map(|failed| failed.to_string()));
+                        let causes: Vec<String> = causes.collect();
                         return Ok(Ending::NotConverged {
                             at: self.last.factor,
-                            cause,
+                            cause: (!causes.is_empty()).then(|| causes.join("; ")),
                             why: solution.outcome,
                         });
                     }

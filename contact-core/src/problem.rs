@@ -280,6 +280,11 @@ pub trait ContactProblem {
     fn scale(&self) -> Option<Scale> {
         None
     }
+    /// The cause that `solution`, which did not converge at the present load, shows, in a sentence for the user; `None` if
+    /// it shows none. The default does not look.
+    fn diagnose(&self, _solution: &crate::equilibrium::Solution) -> Option<String> {
+        None
+    }
     /// max |prescribed unknown| (UL). The relative change of the fixed point is taken over all
     /// unknowns, prescribed ones included.
     fn prescribed_magnitude(&self) -> f64 {

@@ -116,7 +116,8 @@ impl Equilibrium for Automatic {
             Outcome::Converged | Outcome::Interrupted | Outcome::InadmissibleStart => Ok(first),
             _ => {
                 let second = self.fixed_point.solve(problem, start, context)?;
-                Ok(second.after(first, self.choice(problem).solver))
+                let cause = problem.diagnose(&first);
+                Ok(second.after(first, self.choice(problem).solver, cause))
             }
         }
     }

@@ -219,11 +219,17 @@ pub struct Failed {
     pub solver: &'static str,
     /// How it ended.
     pub outcome: Outcome,
+    /// The cause that its last iterate shows, see [`ContactProblem::diagnose`](crate::ContactProblem::diagnose).
+    pub cause: Option<String>,
 }
 
 impl fmt::Display for Failed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.solver, self.outcome)
+        write!(f, "{}: {}", self.solver, self.outcome)?;
+        match &self.cause {
+            Some(cause) => write!(f, ", {cause}"),
+            None => Ok(()),
+        }
     }
 }
 
@@ -246,12 +252,13 @@ impl Solution {
         self
     }
 
-    /// This solution after `first` by `solver`, which failed.
-    fn after(mut self, first: Solution, solver: &'static str) -> Self {
+    /// This solution after `first` by `solver`, which failed for this cause.
+    fn after(mut self, first: Solution, solver: &'static str, cause: Option<String>) -> Self {
         self.history.splice(..0, first.history);
         let own = Failed {
             solver,
             outcome: first.outcome,
+            cause,
         };
         self.failed
             .splice(..0, first.failed.into_iter().chain([own]));

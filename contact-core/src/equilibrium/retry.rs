@@ -45,7 +45,7 @@ impl<M: Method> Equilibrium for Retry<M> {
             self.fixed_point.acceleration = acceleration;
             let again = self.fixed_point.solve(problem, start, context);
             self.fixed_point.acceleration = accelerated;
-            solution = again?.after(solution, self.fixed_point.method.name());
+            solution = again?.after(solution, self.fixed_point.method.name(), None);
         }
         Ok(solution)
     }

@@ -72,6 +72,8 @@ pub struct Overlap<const D: usize> {
     pub relative: f64,
     /// The depth divided by the thickness, or by twice the largest face if that is smaller.
     of_thickness: f64,
+    /// The nodes of the nearest flat piece of the second's exterior, by their numbers in the scene.
+    pub(crate) face: [usize; D],
 }
 
 /// The boxes of all cells and faces at one state.
@@ -310,6 +312,7 @@ impl<const D: usize> Audit<D> {
                 depth,
                 relative: depth / unit,
                 of_thickness: depth / thickness.min(topology.thick),
+                face: face.nodes,
             };
             (overlap.relative > Self::TOUCHES).then_some(overlap)
         };

@@ -282,6 +282,10 @@ impl<const D: usize> ContactProblem for Problem<D> {
         Error::check_vector("u", u, self.dofs().free())?;
         Ok(self.contact.variation(&self.kinematics, u, gaps, lambda))
     }
+
+    fn diagnose(&self, solution: &Solution) -> Option<String> {
+        super::diagnosis::cause(self, solution)
+    }
 }
 
 impl<const D: usize> LoadStepped for Problem<D> {
@@ -329,10 +333,6 @@ impl<const D: usize> LoadStepped for Problem<D> {
             .tunnels(&self.kinematics, u, (&before, &after))?;
         let place = "bodies penetrate or have passed through each other".to_string();
         Some(Passage { depth, place })
-    }
-
-    fn diagnose(&self, solution: &Solution) -> Option<String> {
-        super::diagnosis::cause(self, solution)
     }
 
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {

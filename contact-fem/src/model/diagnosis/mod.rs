@@ -3,7 +3,7 @@
 mod contradiction;
 mod curvature;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use contact_core::equilibrium::Solution;
 use contact_core::{ContactProblem, RowKey};
@@ -29,6 +29,8 @@ pub struct Undetermined {
 /// The smallest contact force of a row that holds a body, as a share of the largest.
 const HOLDS: f64 = 1e-6;
 
+/// The relative depth of an overlap that is told where no contact surface is declared.
+const SEEN: f64 = 0.01;
 /// So many rows at most are asked whether they contradict each other, the deepest ones.
 const MOST_ROWS: usize = 200;
 /// A row that overlaps by more than this share of the scene asks for room.
@@ -134,18 +136,40 @@ fn flicker<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Option<
     })
 }
 
+/// Bodies inside each other: where no contact surface is declared, however little that is, and elsewhere beyond the limit.
 fn overlaps<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<String> {
-    let audit = problem.audit(&solution.state.u).unwrap_or_default();
-    let overlaps = audit.overlaps.into_iter();
-    let deep = overlaps.filter(|overlap| overlap.relative > Overlap::<D>::LIMIT);
-    deep.map(|overlap| {
+    let x = problem.positions(&solution.state.u);
+    let is_declared = |face: &[usize]| {
+        let mut surfaces = problem.surfaces().iter();
+        surfaces.any(|s| face.iter().all(|a| s.nodes().binary_search(a).is_ok()))
+    };
+    let mut worst: BTreeMap<([usize; 2], bool), Overlap<D>> = BTreeMap::new();
+    for overlap in problem.audit.overlaps(&x) {
+        let declared = is_declared(&overlap.face);
+        let counts = if declared { Overlap::<D>::LIMIT } else { SEEN };
+        if overlap.relative > counts {
+            let mut pair = overlap.bodies;
+            pair.sort_unstable();
+            let kept = worst.entry((pair, declared)).or_insert(overlap);
+            if overlap.depth > kept.depth {
+                *kept = overlap;
+            }
+        }
+    }
+    let told = worst.into_iter().map(|((_, declared), overlap)| {
         let [first, second] = overlap.bodies.map(|body| &problem.scene().names()[body]);
-        let depth = overlap.depth;
+        let at: Vec<String> = overlap.at.iter().map(|x| format!("{x:.3e}")).collect();
+        let remedy = match declared {
+            true => "take smaller steps, or a finer mesh there",
+            false => "declare the surface of the latter there for contact, too",
+        };
         format!(
-            "at its end body `{first}` is inside body `{second}` by {depth:.2e}: declare every surface that may touch"
+            "at its end body `{first}` is inside body `{second}` by {:.2e} at ({}): {remedy}",
+            overlap.depth,
+            at.join(", ")
         )
-    })
-    .collect()
+    });
+    told.collect()
 }
 
 /// The rigid motions of all parts of bodies that neither supports nor rows with a force oppose.
