@@ -185,7 +185,7 @@ impl Tangent {
     /// Whether no K_jj has doubled, halved or changed its sign since K was factored.
     fn is_like(&self, here: &Linearization<'_>) -> bool {
         let mut diagonals = self.diagonal.iter().enumerate();
-        diagonals.all(|(j, &then)| (0.5 * then..=2.0 * then).contains(&here.signed_diagonal(j)))
+        diagonals.all(|(j, &then)| (0.5..=2.0).contains(&(here.signed_diagonal(j) / then)))
     }
 
     /// Factors K + shift diag K and, where stiffness is added to rows, that stiffness − sym D.
