@@ -219,7 +219,7 @@ pub struct Failed {
     pub solver: &'static str,
     /// How it ended.
     pub outcome: Outcome,
-    /// The cause that its last iterate shows, see [`ContactProblem::diagnose`](crate::ContactProblem::diagnose).
+    /// The cause that its last iterate shows, see [`ContactProblem::diagnose`].
     pub cause: Option<String>,
 }
 
