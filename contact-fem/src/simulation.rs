@@ -9,6 +9,7 @@ use contact_core::{ContactProblem, Ending, Equilibrium, State};
 use crate::audit::LeastVolume;
 use crate::certificate::Certificate;
 use crate::error::Error;
+use crate::model::work::External;
 use crate::model::{BodyId, Problem};
 use crate::tensor::Vector;
 
@@ -22,6 +23,12 @@ pub struct StepRecord<const D: usize> {
     pub increment: Option<usize>,
     /// E(u) (UF·UL).
     pub energy: f64,
+    /// The energy that the bodies store: E without the potential of the loads (UF·UL).
+    pub stored_energy: f64,
+    /// The work of supports and loads since the start, by the trapezoidal rule over the load steps (UF·UL). What is not stored
+    /// was lost on the way: in a snap, to the rule, to an interference fit, or since contact forces along averaged normals are
+    /// not quite the gradient of the gaps.
+    pub work: f64,
     /// The reaction of the supports on each body (UF).
     pub reactions: Vec<Vector<D>>,
     /// The contact force on each body (UF).
@@ -158,10 +165,11 @@ impl<S: Equilibrium> Simulation<S> {
             ..State::default()
         };
         let mut steps = Vec::new();
+        let mut done = (External::default(), 0.0);
         let run = self
             .load_steps
             .run(problem, &mut self.solver, start, |step| {
-                let record = StepRecord::new(step);
+                let record = StepRecord::new(step, &mut done);
                 let flow = observe(&StepView {
                     problem: step.problem,
                     solution: step.solution,
@@ -190,17 +198,23 @@ impl<const D: usize> StepRecord<D> {
         self.contact_forces[body.into().index()]
     }
 
-    fn new(step: &Step<'_, Problem<D>>) -> Self {
+    /// `done` has supports and loads at the last step, and the work until there.
+    fn new(step: &Step<'_, Problem<D>>, done: &mut (External, f64)) -> Self {
         let (problem, solution) = (step.problem, step.solution);
         let u = &solution.state.u;
         let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
         let mut c = vec![0.0; solution.gaps.len()];
         solution.gaps.value(u, &mut c);
         let bodies = 0..problem.scene().bodies().len();
+        let external = External::new(problem, u, &forces);
+        let work = done.1 + external.work_since(&done.0);
+        *done = (external, work);
         StepRecord {
             factor: step.factor,
             increment: step.increment,
             energy: solution.energy,
+            stored_energy: external.stored(solution.energy),
+            work,
             reactions: problem.reactions(u, &forces),
             contact_forces: bodies
                 .map(|body| problem.nodes(body).map(|a| forces[a]).sum())

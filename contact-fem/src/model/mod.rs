@@ -12,6 +12,7 @@ mod problem;
 mod results;
 mod scale;
 mod scene;
+pub(crate) mod work;
 
 pub use crate::contact::Integration;
 pub use body::Body;

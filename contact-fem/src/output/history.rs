@@ -143,6 +143,8 @@ fn step_columns<const D: usize>(bodies: &[String]) -> Vec<String> {
         "solver",
         "failed",
         "energy",
+        "stored_energy",
+        "work",
     ]);
     for quantity in ["reaction", "contact_force"] {
         for body in bodies {
@@ -180,6 +182,7 @@ fn step_line<const D: usize>(
     ];
     match record {
         Some(record) => {
+            line.extend([record.stored_energy, record.work].map(number));
             let vectors = record.reactions.iter().chain(&record.contact_forces);
             line.extend(vectors.flat_map(|v| v.iter().copied().map(number)));
             line.extend([record.min_j, record.min_j_bound()].map(number));
@@ -187,7 +190,7 @@ fn step_line<const D: usize>(
             line.extend([record.penetration, record.weak_penetration].map(number));
         }
         None => {
-            line.extend(vec![String::new(); 2 * bodies * D]);
+            line.extend(vec![String::new(); 2 + 2 * bodies * D]);
             line.push(number(attempt.min_domain));
             line.extend(vec![String::new(); 4]);
         }
@@ -370,6 +373,8 @@ mod tests {
             factor: to,
             increment: Some(1),
             energy: 2.5,
+            stored_energy: 3.5,
+            work: 3.625,
             reactions: vec![Vector::<2>::new(1e-7, -3.5)],
             contact_forces: vec![Vector::<2>::new(0.0, 4.5)],
             min_j: 0.75,
@@ -410,6 +415,8 @@ mod tests {
         assert_eq!(steps.len(), 1);
         assert_eq!(steps[0][at("reaction_ring_x")], "1e-7");
         assert_eq!(steps[0][at("contact_force_ring_y")], "4.5");
+        assert_eq!(steps[0][at("stored_energy")], "3.5");
+        assert_eq!(steps[0][at("work")], "3.625");
         assert_eq!(steps[0][at("rows")], "7");
         assert_eq!(steps[0][at("min_j_bound")], "0.5");
         assert_eq!(steps[0][at("penetration")], "0");

@@ -40,6 +40,8 @@ pub(super) struct Summary {
     /// Attempts at a load step that failed and were repeated with another solver or setting.
     repeated_attempts: usize,
     energy: Option<f64>,
+    stored_energy: Option<f64>,
+    work: Option<f64>,
     reaction: Option<f64>,
     reactions: Vec<Vec<f64>>,
     min_j: Option<f64>,
@@ -152,6 +154,8 @@ impl Summary {
             steps_by_solver,
             repeated_attempts: history.map_or(0, repeated_attempts),
             energy: last.map(|record| record.energy),
+            stored_energy: last.map(|record| record.stored_energy),
+            work: last.map(|record| record.work),
             reaction,
             reactions: vectors
                 .iter()
