@@ -17,6 +17,10 @@ pub struct Budget {
     /// Numerical factorisations, counted as by [`Cost::factorizations`](crate::Cost). The one beyond is not begun.
     /// Ipopt's are counted where its linear solver is MUMPS.
     pub factorizations: Option<usize>,
+    /// Memory (bytes) beyond what the process has at the start of the run. A run that needs more, by the estimate of
+    /// [`Equilibrium::memory`](crate::Equilibrium::memory), is not begun: [`Error::Memory`]. What the system leaves is compared
+    /// with the estimate in any case.
+    pub memory: Option<u64>,
 }
 
 impl Budget {
