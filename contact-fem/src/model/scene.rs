@@ -403,6 +403,7 @@ impl<const D: usize> Scene<D> {
     }
 }
 
-/// Bytes for each entry of a cell's matrix. From so many bytes in all on, what the system has left is looked at first.
-const ENTRY: u64 = 24;
+/// Bytes for each entry of a cell's matrix, as measured on quadratic tetrahedra. From so many bytes in all on, what the
+/// system has left is looked at first.
+const ENTRY: u64 = 44;
 const LARGE: u64 = 32 << 20;
