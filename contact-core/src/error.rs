@@ -53,6 +53,12 @@ pub enum Error {
     /// A matrix was not factored, or a system not solved.
     #[error(transparent)]
     Factor(#[from] crate::linear::FactorError),
+    /// A run or a solve has too little memory.
+    #[error(transparent)]
+    Memory(#[from] crate::MemoryError),
+    /// A computation was left because a stop was requested, see [`ContactProblem::watch`](crate::ContactProblem::watch).
+    #[error("a stop was requested, or the run's budget is spent")]
+    Interrupted,
     /// The Ipopt driver refused the problem or an option.
     #[cfg(feature = "ipopt")]
     #[error(transparent)]
@@ -81,6 +87,18 @@ debug_as_display!(
 );
 
 impl Error {
+    /// Too little memory, if that is the error.
+    pub fn memory(&self) -> Option<&crate::MemoryError> {
+        match self {
+            Error::Memory(why) | Error::Factor(crate::linear::FactorError::Memory(why)) => {
+                Some(why)
+            }
+            #[cfg(feature = "ipopt")]
+            Error::Ipopt(crate::ipopt::Error::Memory(why)) => Some(why),
+            _ => None,
+        }
+    }
+
     /// Wraps an error type that a [`ContactProblem`](crate::ContactProblem) defines itself.
     pub fn problem(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Error::Problem(Box::new(error))

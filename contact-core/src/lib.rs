@@ -45,6 +45,7 @@ pub mod gaps;
 pub mod ipopt;
 pub mod linear;
 pub mod load_steps;
+pub mod memory;
 pub mod method;
 pub mod nlp;
 pub mod outcome;
@@ -61,6 +62,7 @@ pub use equilibrium::{Automatic, Condensed, CondensedNewton};
 pub use error::Error;
 pub use gaps::{LinearGaps, RowKey};
 pub use load_steps::{LoadStepped, LoadSteps};
+pub use memory::{MemoryError, MemoryNeed};
 #[cfg(feature = "ipopt")]
 pub use method::{Continuation, InteriorPoint, PenalizedSlack, Penalty};
 pub use method::{Method, Minimum};

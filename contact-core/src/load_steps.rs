@@ -193,7 +193,8 @@ impl LoadSteps {
     /// `observe` sees every converged step and may stop the run.
     ///
     /// # Errors
-    /// Settings out of range, and errors of the problem or the solver before the first step has converged. A later
+    /// Settings out of range, [`Error::Memory`] where the run needs more than the system or the budget leaves by the estimate of
+    /// [`Equilibrium::memory`], and errors of the problem or the solver before the first step has converged. A later
     /// error is [`Ending::Failed`], which keeps what has converged. Whether the run converged is told by
     /// [`Run::ending`].
     pub fn run<P: LoadStepped>(
@@ -206,6 +207,8 @@ impl LoadSteps {
         self.validate()?;
         solver.validate()?;
         Error::check_vector("start.u", &start.u, problem.energy().dofs())?;
+        #[cfg(feature = "linear")]
+        crate::memory::check_run(&*solver, &*problem, self.budget.memory)?;
         let mut path = Path {
             settings: self,
             stop: self.stop.with_budget(self.budget)?,
@@ -267,7 +270,12 @@ impl Path<'_> {
                 let cut = self.last.factor + whole * 0.5f64.powi(halvings as i32);
                 let arrives = cut > goal - LoadSteps::CLOSE;
                 let target = if arrives { goal } else { cut };
-                let solution = self.attempt(problem, solver, target)?;
+                let solution = match self.attempt(problem, solver, target) {
+                    Err(Error::Interrupted) if self.stop.is_requested() => {
+                        return Ok(self.interrupted());
+                    }
+                    solution => solution?,
+                };
                 match solution.outcome {
                     Outcome::Converged => {
                         halvings = halvings.saturating_sub(1); // after success the step doubles
@@ -354,6 +362,7 @@ impl Path<'_> {
         problem.set_load(target)?;
         let prediction = self.prediction(problem.energy(), target);
         let predicted = prediction.is_some();
+        problem.watch(Some(&self.stop));
         let lifted = || self.lifted(&*problem);
         let start = prediction.unwrap_or_else(lifted);
         let context = StepContext {
@@ -363,7 +372,9 @@ impl Path<'_> {
             lifted: &lifted,
             stop: &self.stop,
         };
-        let mut solution = solver.solve(&*problem, start, &context)?.checked();
+        let solved = solver.solve(&*problem, start, &context);
+        problem.watch(None);
+        let mut solution = solved?.checked();
         let dofs = problem.energy().dofs();
         Error::check_length("the solver's u", &solution.state.u, dofs)?;
         if solution.outcome == Outcome::Converged {

@@ -2,7 +2,7 @@
 
 use crate::gaps::{Sampling, SparseRows};
 use crate::nlp::Bounds;
-use crate::{Energy, Error, LinearGaps, RowKey};
+use crate::{Energy, Error, LinearGaps, RowKey, Stop};
 
 /// Characteristic quantities of the problem. Lengths and energies are divided by them before Ipopt sees them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -271,6 +271,10 @@ pub trait ContactProblem {
     ) -> Result<Option<GapVariation>, Error> {
         Ok(None)
     }
+    /// Gives the request to stop that the methods above may look at within long loops, or takes it away: `None` outside a
+    /// solve. They return [`Error::Interrupted`] then. By default they do not look. A problem that wraps another one may pass
+    /// this on.
+    fn watch(&mut self, _stop: Option<&Stop>) {}
     /// Whether [`LinearGaps::is_exact`] holds for the rows at any u. A problem that wraps another one must pass this on.
     fn has_exact_gaps(&self) -> bool {
         false

@@ -17,6 +17,10 @@ pub struct Budget {
     /// Numerical factorisations, counted as by [`Cost::factorizations`](crate::Cost). The one beyond is not begun.
     /// Ipopt's are counted where its linear solver is MUMPS.
     pub factorizations: Option<usize>,
+    /// Memory (bytes) beyond what the process has at the start of the run. A run that needs more, by the estimate of
+    /// [`Equilibrium::memory`](crate::Equilibrium::memory), is not begun: [`Error::Memory`]. What the system leaves is compared
+    /// with the estimate in any case.
+    pub memory: Option<u64>,
 }
 
 impl Budget {
@@ -43,8 +47,8 @@ impl Budget {
 ///
 /// A run looks at it in every iteration, before each ordering and each factorisation, between the parts of a compliance
 /// and, every 20 ms, while it waits for the solve of another thread. Nothing interrupts one ordering, one numerical
-/// factorisation, be it sparse or dense, one assembly, one search for contact, or one certificate of a converged step:
-/// the longest of them is the longest delay. `docs/robustness.md` has measured some.
+/// factorisation, be it sparse or dense, one assembly, or one certificate of a converged step: the longest of them is the
+/// longest delay. Searches for contact look where the problem does ([`ContactProblem::watch`](crate::ContactProblem::watch)). `docs/robustness.md` has measured some.
 #[derive(Clone, Debug, Default)]
 pub struct Stop {
     requested: Arc<AtomicBool>,

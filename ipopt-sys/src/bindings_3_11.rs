@@ -567,4 +567,5 @@ unsafe extern "C" {
     ) -> ::std::os::raw::c_int;
     pub fn ipopt_shim_library_version(numbers: *mut ::std::os::raw::c_int)
     -> ::std::os::raw::c_int;
+    pub fn ipopt_shim_touch_blas() -> ::std::os::raw::c_int;
 }

@@ -2,6 +2,7 @@
 
 #include "IpoptConfig.h"
 
+#include "IpBlas.hpp"
 #include "IpCompoundVector.hpp"
 #include "IpDenseVector.hpp"
 #include "IpExpansionMatrix.hpp"
@@ -188,6 +189,9 @@ protected:
             pivot_order_ = va_arg(again, int);
         } else if (starts_with(format, "MUMPS returned INFO(1) = %d and requires more memory")) {
             ++reallocations_;
+        } else if (is_failure(format) && is_of_memory(va_arg(again, int))) {
+            va_end(again);
+            end(Insufficient_Memory);
         }
         va_end(again);
         announced(format);
@@ -205,6 +209,17 @@ private:
 
     template <size_t Size> static bool starts_with(const char *text, const char (&prefix)[Size]) {
         return std::strncmp(text, prefix, Size - 1) == 0;
+    }
+
+    /** Whether a message begins with what MUMPS returned as it failed. */
+    static bool is_failure(const char *format) {
+        return starts_with(format, "MUMPS returned INFO(1) =%d") || starts_with(format, "Error=%d returned from MUMPS");
+    }
+
+    /** Whether MUMPS failed for want of memory: in its analysis, in general, or by its own limit. Ipopt would go on, to a
+     *  restoration phase that fails likewise. */
+    static bool is_of_memory(int info) {
+        return info == -5 || info == -7 || info == -13 || info == -19 || info == -20 || info == -22;
     }
 
     /** MUMPS counts what is large in millions, and says so by the sign. */
@@ -947,6 +962,22 @@ int ipopt_shim_library_version(int numbers[3]) {
     }
     return numbers[0] != 0;
 #endif
+}
+
+int ipopt_shim_touch_blas(void) {
+    return guarded(0, [] {
+        // larger than what some BLAS multiply without a buffer
+        const Index n = 128;
+        const size_t size = static_cast<size_t>(n) * n;
+        const std::vector<Number> a(size, 1.0);
+        std::vector<Number> product(size, 0.0);
+#if SHIM_IPOPT_3_14
+        IpBlasGemm(false, false, n, n, n, 1.0, a.data(), n, a.data(), n, 0.0, product.data(), n);
+#else
+        IpBlasDgemm(false, false, n, n, n, 1.0, a.data(), n, a.data(), n, 0.0, product.data(), n);
+#endif
+        return static_cast<int>(product.front() == n && product.back() == n);
+    });
 }
 
 } // extern "C"

@@ -170,6 +170,10 @@ int ipopt_shim_current_lagrangian(const ipopt_shim *shim, double *gradient, doub
  *  before it does in the course of a solve. */
 int ipopt_shim_library_version(int numbers[3]);
 
+/** Multiplies two small matrices by the BLAS that Ipopt uses, so that it takes its buffers now. OpenBLAS would ask for
+ *  them without end later, if there is no memory. Returns 0 if the product is wrong. */
+int ipopt_shim_touch_blas(void);
+
 #ifdef __cplusplus
 }
 #endif

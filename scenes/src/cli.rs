@@ -43,6 +43,9 @@ pub struct Options {
     /// Factorisations after which a run is stopped likewise [default: no limit]
     #[arg(long, value_name = "N")]
     pub factorizations: Option<usize>,
+    /// Megabytes that a run may take by its estimate; one that needs more is not begun [default: what the system leaves]
+    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub memory: Option<u64>,
     /// Interval of .vtu files in increments, 0 for none
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub vtu_every: usize,
@@ -148,6 +151,7 @@ impl Options {
         simulation.load_steps.budget = Budget {
             seconds: self.seconds,
             factorizations: self.factorizations,
+            memory: self.memory.map(|megabytes| megabytes * 1_000_000),
         };
         Ok(simulation)
     }

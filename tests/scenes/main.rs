@@ -20,6 +20,7 @@ mod initial_gaps;
 mod inverted;
 mod left_out;
 mod many_bodies;
+mod memory;
 mod methods;
 mod newton;
 mod patch;

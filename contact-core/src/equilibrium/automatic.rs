@@ -6,8 +6,10 @@ use super::{Retry, finite_bound};
 #[cfg(feature = "ipopt")]
 use crate::Outcome;
 #[cfg(feature = "ipopt")]
+use crate::memory;
+#[cfg(feature = "ipopt")]
 use crate::method::InteriorPoint;
-use crate::{ContactProblem, Error, State};
+use crate::{ContactProblem, Error, MemoryNeed, State};
 
 /// The solver that fits the problem.
 ///
@@ -115,6 +117,7 @@ impl Equilibrium for Automatic {
         match first.outcome {
             Outcome::Converged | Outcome::Interrupted | Outcome::InadmissibleStart => Ok(first),
             _ => {
+                memory::check_run(&self.fixed_point, problem, None)?;
                 let second = self.fixed_point.solve(problem, start, context)?;
                 let cause = problem.diagnose(&first);
                 Ok(second.after(first, self.choice(problem).solver, cause))
@@ -145,5 +148,10 @@ impl Equilibrium for Automatic {
         #[cfg(feature = "ipopt")]
         self.fixed_point.validate()?;
         self.newton.validate()
+    }
+
+    fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
+        let (way, _) = Self::way(problem);
+        self.solver(way).memory(problem)
     }
 }

@@ -3,7 +3,7 @@
 use super::journal::Journal;
 use super::{Acceleration, Choice, Equilibrium, Solution, StepContext, check_settings};
 use crate::method::Method;
-use crate::{ContactProblem, Error, State};
+use crate::{ContactProblem, Error, MemoryNeed, State};
 
 /// Algorithm 2 of the paper, with a [`Method`] for its step 5.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,12 +49,18 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
         while journal.goes_on(context.stop) {
             let before = journal.point.clone(); // U_{n−1}
             // 1, 2: projections and normals at U_{n−1}; with both held, every gap is linear in U
-            let forward = problem.linearize_gaps(&before.u, sampling)?;
+            let forward = match problem.linearize_gaps(&before.u, sampling) {
+                Err(Error::Interrupted) if !journal.goes_on(context.stop) => break,
+                rows => rows?,
+            };
             if !journal.goes_on(context.stop) {
                 break;
             }
             // 3: the roles of master and slave reversed
-            let reversed = problem.linearize_reversed(&before.u, sampling)?;
+            let reversed = match problem.linearize_reversed(&before.u, sampling) {
+                Err(Error::Interrupted) if !journal.goes_on(context.stop) => break,
+                rows => rows?,
+            };
             if !journal.goes_on(context.stop) {
                 break;
             }
@@ -82,6 +88,10 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
     fn validate(&self) -> Result<(), Error> {
         let remedy = "choose a value between 0 and 1; the default is 1e-6";
         check_settings(self.tolerance, self.max_iterations, remedy)
+    }
+
+    fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
+        self.method.memory(problem.energy())
     }
 }
 

@@ -42,7 +42,7 @@ use std::fmt;
 use self::condensed::halt::Halt;
 #[cfg(feature = "linear")]
 use crate::{Bounds, gaps::Sampling, method::check_bounds};
-use crate::{ContactProblem, Cost, Error, LinearGaps, Outcome, RowKey, State, Stop};
+use crate::{ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Outcome, RowKey, State, Stop};
 
 /// A solver for equilibrium at one load.
 pub trait Equilibrium {
@@ -72,6 +72,11 @@ pub trait Equilibrium {
             solver: "custom",
             why: Choice::GIVEN,
         }
+    }
+
+    /// What a run on `problem` will take, by an estimate; `None` where there is none.
+    fn memory(&self, _problem: &dyn ContactProblem) -> Option<MemoryNeed> {
+        None
     }
 
     /// Solves a single problem, without load steps.
@@ -106,6 +111,10 @@ impl<E: Equilibrium + ?Sized> Equilibrium for &mut E {
     fn validate(&self) -> Result<(), Error> {
         (**self).validate()
     }
+
+    fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
+        (**self).memory(problem)
+    }
 }
 
 impl<E: Equilibrium + ?Sized> Equilibrium for Box<E> {
@@ -124,6 +133,10 @@ impl<E: Equilibrium + ?Sized> Equilibrium for Box<E> {
 
     fn validate(&self) -> Result<(), Error> {
         (**self).validate()
+    }
+
+    fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
+        (**self).memory(problem)
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::{Acceleration, Choice, Equilibrium, FixedPoint, Solution, StepContext};
 use crate::method::Method;
-use crate::{ContactProblem, Error, Outcome, State};
+use crate::{ContactProblem, Error, MemoryNeed, Outcome, State};
 
 /// A [`FixedPoint`] that is repeated where it cycles or reaches its iteration limit: first by the plain iteration from
 /// the same start, then accelerated from a start that is not extrapolated. The history has the iterations of all
@@ -56,6 +56,10 @@ impl<M: Method> Equilibrium for Retry<M> {
 
     fn validate(&self) -> Result<(), Error> {
         self.fixed_point.validate()
+    }
+
+    fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
+        self.fixed_point.memory(problem)
     }
 }
 

@@ -155,6 +155,7 @@ mod versions;
 
 use thiserror::Error;
 
+pub(crate) use self::library::blas_bytes;
 pub use self::{
     derivatives::DerivativeCheck,
     doctor::{Diagnosis, diagnose},
@@ -211,4 +212,7 @@ pub enum Error {
     /// Ipopt could not be set up.
     #[error("Ipopt could not be set up: out of memory")]
     OutOfMemory,
+    /// The BLAS has too little memory for its buffers.
+    #[error(transparent)]
+    Memory(#[from] crate::MemoryError),
 }

@@ -122,7 +122,7 @@ impl Sequence {
         if self.multipliers.is_some() {
             let solution = self.attempt(nlp, true, &mut watch)?;
             let solved = self.settings.is_solved(&solution);
-            if solved || solution.status.is_interrupted() {
+            if solved || solution.status.is_final() {
                 return Ok(self.remember(solution, solved, true, None));
             }
             self.totals.cold_retries += 1;

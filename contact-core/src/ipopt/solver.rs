@@ -130,8 +130,8 @@ impl Solver {
     /// there is.
     ///
     /// # Errors
-    /// Misuse only: a start of the wrong size or with values that are not finite, a warm start without multipliers,
-    /// or a solve inside a callback. The ending of the solve is [`Solution::status`].
+    /// Misuse: a start of the wrong size or with values that are not finite, a warm start without multipliers, or a solve
+    /// inside a callback; and [`Error::Memory`] where the BLAS would wait for memory without end. The ending of the solve is [`Solution::status`].
     ///
     /// # Panics
     /// Resumes a panic of a callback after Ipopt has returned.
@@ -176,6 +176,7 @@ impl Solver {
             return Ok(fixed::solution(nlp, &self.structure, allowed));
         }
 
+        library::prepare_blas()?;
         let shim = self.shim.as_ptr();
         let sink = Sink::new(&mut self.log);
         let tested = self.options.get("derivative_test");

@@ -23,7 +23,7 @@ use std::fmt;
 /// | `InvalidNumber` | −13 | A derivative was not finite, or a function at the start. | Start inside the domain, keep x there by bounds; f and g may be infinite at trial points only. |
 /// | `UnrecoverableException`, `ForeignException`, `InternalError` | −100, −101, −199 | An exception, Ipopt's or another; a bug. The first too where a function fails during the derivative check. | See the log. |
 /// | `Contradicted` | −1000, this driver's | Ipopt reports a solution, but at its x the functions have other values, or violate what `constr_viol_tol` and `dual_inf_tol` allow. | See [`Solution::contradiction`](super::Solution::contradiction); make functions depend on x alone; check the derivatives; scale x to about 1. |
-/// | `InsufficientMemory` | −102 | Out of memory. | A smaller problem, a sparser ordering (`mumps_pivot_order`), a smaller `mumps_mem_percent`. |
+/// | `InsufficientMemory` | −102 | Out of memory, in MUMPS or elsewhere. | A higher limit of memory, a smaller problem, a sparser ordering (`mumps_pivot_order`), a smaller `mumps_mem_percent`. |
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Status {
@@ -151,6 +151,11 @@ impl Status {
             self,
             Self::StoppedByUser | Self::CpuTimeLimit | Self::WallTimeLimit
         )
+    }
+
+    /// Whether another start would not do better: the solve was interrupted, or out of memory.
+    pub(super) fn is_final(self) -> bool {
+        self.is_interrupted() || self == Self::InsufficientMemory
     }
 
     /// Whether Ipopt returns the multipliers of its last iterate. With any other status they are zero, belong to another

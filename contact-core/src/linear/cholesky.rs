@@ -10,11 +10,12 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
     SymmetricOrdering, factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
 use super::ordering::{inverse, nested_dissection};
 use super::{Factor, FactorError, Inertia, Ordering, SymmetricPattern};
+use crate::{MemoryError, memory};
 
 /// What the factors of all matrices of one pattern share: the order of elimination and the places of their entries. A
 /// clone shares it.
@@ -90,6 +91,13 @@ impl Analysis {
         self.symbolic.len_val()
     }
 
+    /// Bytes of a factor, and of the memory to compute it.
+    pub fn bytes(&self) -> u64 {
+        let scratch = scratch(self, Kind::Llt, 1).or(scratch(self, Kind::Ldlt, 1));
+        let of_steps = size_of::<f64>() * (self.fill() + self.pattern.dim());
+        (of_steps + scratch.unaligned_bytes_required()) as u64
+    }
+
     /// The step that eliminates each unknown (n).
     pub fn steps(&self) -> Vec<usize> {
         let mut steps = vec![0; self.pattern.dim()];
@@ -120,13 +128,28 @@ impl Analysis {
 /// | cube of 9 cells a side, P2 | 19 000 | 556 | 0.79 | 0.57 |
 const DENSE: usize = 300;
 
-fn too_large(pattern: &SymmetricPattern, reason: impl std::fmt::Debug) -> FactorError {
-    FactorError::TooLarge {
-        n: pattern.dim(),
-        entries: pattern.len(),
-        reason: format!("{reason:?}"),
+fn too_large(pattern: &SymmetricPattern, reason: FaerError) -> FactorError {
+    match reason {
+        FaerError::OutOfMemory => exhausted(pattern),
+        reason => FactorError::TooLarge {
+            n: pattern.dim(),
+            entries: pattern.len(),
+            reason: format!("{reason:?}"),
+        },
     }
 }
+
+fn exhausted(pattern: &SymmetricPattern) -> FactorError {
+    FactorError::Memory(MemoryError::Exhausted {
+        what: WHAT,
+        unknowns: pattern.dim(),
+    })
+}
+
+/// What takes the memory.
+const WHAT: &str = "the factor of a linear system";
+/// From so many bytes on, what the system has left is looked at before they are taken.
+const MANY: u64 = 32 << 20;
 
 fn symbolic(pattern: &SymmetricPattern) -> SymbolicSparseColMatRef<'_, usize> {
     let n = pattern.dim();
@@ -190,12 +213,20 @@ impl Cholesky {
     /// # Errors
     /// Too little memory.
     pub fn new(analysis: &Analysis, kind: Kind) -> Result<Self, FactorError> {
+        let bytes = analysis.bytes();
+        if bytes > MANY {
+            memory::check(WHAT, bytes)?;
+        }
+        let mut values = Vec::new();
+        let reserved = values.try_reserve_exact(analysis.fill());
+        reserved.map_err(|_| exhausted(&analysis.pattern))?;
+        values.resize(analysis.fill(), 0.0);
         Ok(Cholesky {
             kind,
-            values: vec![0.0; analysis.fill()],
+            values,
             is_factored: false,
             scales: vec![0.0; analysis.pattern.dim()],
-            memory: memory(analysis, kind, 1)?,
+            memory: buffer(analysis, kind, 1)?,
             columns: 1,
             analysis: analysis.clone(),
         })
@@ -310,14 +341,19 @@ impl Cholesky {
 }
 
 /// What factoring and solving with `columns` right-hand sides need.
-fn memory(analysis: &Analysis, kind: Kind, columns: usize) -> Result<MemBuffer, FactorError> {
+fn buffer(analysis: &Analysis, kind: Kind, columns: usize) -> Result<MemBuffer, FactorError> {
+    let buffer = MemBuffer::try_new(scratch(analysis, kind, columns));
+    buffer.map_err(|_| exhausted(&analysis.pattern))
+}
+
+fn scratch(analysis: &Analysis, kind: Kind, columns: usize) -> StackReq {
     let (symbolic, par) = (&analysis.symbolic, Par::Seq);
     let factor = match kind {
         Kind::Llt => symbolic.factorize_numeric_llt_scratch::<f64>(par, Default::default()),
         Kind::Ldlt => symbolic.factorize_numeric_ldlt_scratch::<f64>(par, Default::default()),
     };
     let solve = symbolic.solve_in_place_scratch::<f64>(columns, par);
-    MemBuffer::try_new(StackReq::or(factor, solve)).map_err(|e| too_large(&analysis.pattern, e))
+    StackReq::or(factor, solve)
 }
 
 impl Factor for Cholesky {
@@ -368,7 +404,7 @@ impl Factor for Cholesky {
         }
         let columns = (b.len() / n).min(COLUMNS);
         if columns > self.columns {
-            self.memory = memory(&self.analysis, self.kind, columns)?;
+            self.memory = buffer(&self.analysis, self.kind, columns)?;
             self.columns = columns;
         }
         let (symbolic, values) = (&*self.analysis.symbolic, &self.values[..]);

@@ -99,7 +99,7 @@ pub enum FactorError {
     /// No matrix has been factored, or the last factorisation failed.
     #[error("there is no factor to solve with: factor a matrix first")]
     NotFactored,
-    /// The analysis needs more memory or larger indices than there are.
+    /// The analysis needs larger indices than there are.
     #[error("a matrix of {n} unknowns and {entries} entries is too large to factor: {reason}")]
     TooLarge {
         /// Unknowns.
@@ -109,6 +109,9 @@ pub enum FactorError {
         /// The limit that was exceeded.
         reason: String,
     },
+    /// There is too little memory.
+    #[error(transparent)]
+    Memory(#[from] crate::MemoryError),
     /// The elimination order is not a permutation.
     #[error("the elimination order does not name each of the {n} unknowns once")]
     Order {

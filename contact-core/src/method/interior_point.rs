@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use super::scaled::{Scaled, attainable, check_tolerance, settings};
+use super::scaled::{Scaled, attainable, check_memory, check_tolerance, memory, settings};
 use super::{Method, Minimum, Subproblem, check_bounds};
 use crate::ipopt::{Options, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Structure};
-use crate::{Error, Scale, Solved, State};
+use crate::{Energy, Error, MemoryNeed, Scale, Solved, State};
 
 /// The interior point method (7), the reference method.
 ///
@@ -92,6 +92,10 @@ impl Method for InteriorPoint {
         "ipopt"
     }
 
+    fn memory(&self, energy: &dyn Energy) -> Option<MemoryNeed> {
+        memory(energy, &self.options)
+    }
+
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
         check_tolerance("tolerance", self.tolerance)?;
         check_tolerance("complementarity", self.complementarity)?;
@@ -139,6 +143,7 @@ impl InteriorPoint {
         let mut sequence = Sequence::new(structure(subproblem)?, settings, &x)?;
         sequence.restart(&x, warm.then(|| scaled.multipliers(start, x.len())))?;
         let run = sequence.solve(&mut scaled)?;
+        check_memory(&run, subproblem.energy)?;
 
         let wall = clock.elapsed().as_secs_f64();
         let cost = scaled.cost(sequence.totals(), &run, wall);
@@ -223,7 +228,7 @@ mod tests {
     use super::*;
     use crate::ipopt::OptionValue;
     use crate::linear::SymmetricPattern;
-    use crate::{Energy, LinearGaps, Stop};
+    use crate::{LinearGaps, Stop};
 
     struct Nothing(SymmetricPattern, bool);
 

@@ -26,7 +26,7 @@ pub use {
 
 use crate::gaps::Sampling;
 use crate::nlp::Bounds;
-use crate::{Cost, Energy, Error, LinearGaps, Scale, Solved, State, Stop};
+use crate::{Cost, Energy, Error, LinearGaps, MemoryNeed, Scale, Solved, State, Stop};
 
 /// The problem of a method: minimise E(u) subject to `bounds` and `gaps`, all frozen.
 #[derive(Clone, Copy)]
@@ -70,6 +70,11 @@ pub trait Method {
         Sampling::Nodes
     }
 
+    /// What it will take on an energy, by an estimate; `None` where there is none.
+    fn memory(&self, _energy: &dyn Energy) -> Option<MemoryNeed> {
+        None
+    }
+
     /// Solves from `start`. Failure to converge is reported by [`Minimum::solved`], not by `Err`.
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error>;
 }
@@ -81,6 +86,10 @@ impl<M: Method + ?Sized> Method for &mut M {
 
     fn sampling(&self) -> Sampling {
         (**self).sampling()
+    }
+
+    fn memory(&self, energy: &dyn Energy) -> Option<MemoryNeed> {
+        (**self).memory(energy)
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
@@ -95,6 +104,10 @@ impl<M: Method + ?Sized> Method for Box<M> {
 
     fn sampling(&self) -> Sampling {
         (**self).sampling()
+    }
+
+    fn memory(&self, energy: &dyn Energy) -> Option<MemoryNeed> {
+        (**self).memory(energy)
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {

@@ -6,7 +6,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use super::scaled::{Scaled, attainable, check_tolerance, settings};
+use super::scaled::{Scaled, attainable, check_memory, check_tolerance, settings};
 use super::{Continuation, Minimum, Subproblem, check_bounds};
 use crate::ipopt::{Options, Run, Sequence, SequenceSettings};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
@@ -164,6 +164,7 @@ impl Penalization {
         let mut moves = 0;
         let (run, failed) = loop {
             let run = sequence.solve(&mut lifted)?;
+            check_memory(&run, problem.subproblem.energy)?;
             if !run.solved {
                 break (run, None);
             }

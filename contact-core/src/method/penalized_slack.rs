@@ -1,8 +1,9 @@
 //! Method (37): min E(u) + μ Σ η(s_i) subject to C u + c₀ − s = 0 and s ≥ −ε.
 
 use super::penalized::{Penalization, Penalized};
+use super::scaled::memory;
 use super::{Continuation, Method, Minimum, Subproblem};
-use crate::{Error, State};
+use crate::{Energy, Error, MemoryNeed, State};
 
 /// The penalised slack (37): slacks may be negative and are penalised by μ η of (38).
 ///
@@ -38,6 +39,10 @@ impl PenalizedSlack {
 impl Method for PenalizedSlack {
     fn name(&self) -> &'static str {
         "ipopt"
+    }
+
+    fn memory(&self, energy: &dyn Energy) -> Option<MemoryNeed> {
+        memory(energy, &self.penalization.options)
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {

@@ -1,9 +1,10 @@
 //! Method (39): min E(u) + μ ∫ η(g) ds over the surfaces of all bodies, subject to bounds on u.
 
 use super::penalized::{Penalization, Penalized};
+use super::scaled::memory;
 use super::{Continuation, Method, Minimum, Subproblem};
 use crate::gaps::Sampling;
-use crate::{Error, State};
+use crate::{Energy, Error, MemoryNeed, State};
 
 /// The penalty (39) on the gaps of all integration points, with η of (38) and without constraints.
 ///
@@ -57,6 +58,10 @@ impl Method for Penalty {
 
     fn sampling(&self) -> Sampling {
         Sampling::Points
+    }
+
+    fn memory(&self, energy: &dyn Energy) -> Option<MemoryNeed> {
+        memory(energy, &self.penalization.options)
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use super::{Minimum, Subproblem};
 use crate::cost::FactorSize;
-use crate::ipopt::{Options, Run, SequenceSettings, Totals};
+use crate::ipopt::{OptionValue, Options, Run, SequenceSettings, Status, Totals, blas_bytes};
 use crate::nlp::Multipliers;
-use crate::{Cost, Energy, Error, LinearGaps, Scale, Solved, State, Stop};
+use crate::{Cost, Energy, Error, LinearGaps, MemoryError, MemoryNeed, Scale, Solved, State, Stop};
 
 /// A solve that can make no further progress counts as solved if its error is at most this multiple of the tolerance.
 const ATTAINABLE: f64 = 100.0;
@@ -216,6 +216,47 @@ impl<'a> Scaled<'a> {
             }),
             ..Cost::default()
         }
+    }
+}
+
+/// What Ipopt with these options takes on an energy; `None` without the library's linear layer, or with another linear
+/// solver than MUMPS.
+pub(super) fn memory(energy: &dyn Energy, options: &Options) -> Option<MemoryNeed> {
+    let is_mumps = match options.get("linear_solver") {
+        Some(OptionValue::Text(name)) => name == "mumps",
+        _ => true,
+    };
+    let percent = match options.get("mumps_mem_percent") {
+        Some(OptionValue::Integer(percent)) => f64::from(*percent),
+        Some(OptionValue::Number(percent)) => *percent,
+        _ => Options::MEMORY_PERCENT.into(),
+    };
+    if !is_mumps {
+        return None;
+    }
+    #[cfg(feature = "linear")]
+    {
+        let need = MemoryNeed::of_ipopt(energy.hessian_pattern(), percent).ok()?;
+        Some(MemoryNeed {
+            bytes: need.bytes + blas_bytes(),
+            ..need
+        })
+    }
+    #[cfg(not(feature = "linear"))]
+    {
+        let _ = (energy, percent, blas_bytes());
+        None
+    }
+}
+
+/// An error if the run has ended for want of memory: to solve again would end likewise.
+pub(super) fn check_memory(run: &Run, energy: &dyn Energy) -> Result<(), Error> {
+    match run.solution.status {
+        Status::InsufficientMemory => Err(Error::Memory(MemoryError::Exhausted {
+            what: "Ipopt",
+            unknowns: energy.dofs(),
+        })),
+        _ => Ok(()),
     }
 }
 

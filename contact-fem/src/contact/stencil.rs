@@ -125,12 +125,27 @@ pub fn projected<const D: usize>(
     integration: Integration,
     reach: f64,
 ) -> Vec<Projected<D>> {
+    // nothing stops it
+    projected_unless(slave, master, x, (integration, reach), || false).unwrap_or_default()
+}
+
+/// As [`projected`]; `None` as soon as `stops` says so, which is asked before each facet.
+pub(crate) fn projected_unless<const D: usize>(
+    slave: &Surface<D>,
+    master: &Master<D>,
+    x: &[Vector<D>],
+    (integration, reach): (Integration, f64),
+    stops: impl Fn() -> bool + Sync,
+) -> Option<Vec<Projected<D>>> {
     let positions = slave.gather(x);
-    let size = slave.facet_size();
-    let on = |facets| on_facets(facets, slave, master, &positions, integration, reach, size);
-    let mut parts = parallel::parts(slave.facets().len(), FACETS, on);
+    let on = |facets| {
+        let rule = (integration, reach);
+        on_facets(facets, slave, master, &positions, rule, &stops)
+    };
+    let parts = parallel::parts(slave.facets().len(), FACETS, on);
+    let mut parts: Vec<_> = parts.into_iter().collect::<Option<_>>()?;
     if parts.len() == 1 {
-        return parts.swap_remove(0).0;
+        return Some(parts.swap_remove(0).0);
     }
     let mut projected = Vec::new();
     let mut first = 0;
@@ -141,7 +156,7 @@ pub fn projected<const D: usize>(
         }));
         first += points;
     }
-    projected
+    Some(projected)
 }
 
 /// The points of [`projected`] with their surfaces.
@@ -170,15 +185,18 @@ fn on_facets<const D: usize>(
     slave: &Surface<D>,
     master: &Master<D>,
     positions: &[Vector<D>],
-    integration: Integration,
-    reach: f64,
-    facet_size: f64,
-) -> (Vec<Projected<D>>, usize) {
+    (integration, reach): (Integration, f64),
+    stops: &impl Fn() -> bool,
+) -> Option<(Vec<Projected<D>>, usize)> {
+    let facet_size = slave.facet_size();
     let mut projected = Vec::new();
     let mut number = 0;
     let same_body = slave.body() == master.surface().body();
     let mut rule = Points::new(integration, slave, master.surface());
     for index in facets {
+        if stops() {
+            return None;
+        }
         let facet = Facet::gather(slave.order(), slave.facet(index), positions);
         let reference = &slave.reference()[index];
         let seeker = |lambda: &Vector<D>| Seeker {
@@ -206,5 +224,5 @@ fn on_facets<const D: usize>(
             number += 1;
         }
     }
-    (projected, number)
+    Some((projected, number))
 }

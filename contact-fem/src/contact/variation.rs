@@ -102,21 +102,27 @@ impl<const D: usize> Variation<D> {
     }
 
     /// Adds the points of one pass whose master is the surface numbered `surface`. `multiplier` maps the
-    /// node that names a row to the row's index and λ, for the rows that matter.
+    /// node that names a row to the row's index and λ, for the rows that matter. False as soon as `stops` says so, which is
+    /// asked before each point; the variation is of no use then.
     pub fn add(
         &mut self,
         pass: &PassRows<'_, D>,
         surface: usize,
         multiplier: impl Fn(usize) -> Option<(usize, f64)>,
-    ) {
+        stops: impl Fn() -> bool,
+    ) -> bool {
         let mut rows = Vec::new();
         for (stencil, shares) in pass.stencils() {
+            if stops() {
+                return false;
+            }
             rows.clear();
             rows.extend(shares.filter_map(|(name, share)| Some((multiplier(name)?, share))));
             if !rows.is_empty() {
                 self.add_point(stencil, surface, &rows);
             }
         }
+        true
     }
 
     fn add_point(

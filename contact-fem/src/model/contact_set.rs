@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use contact_core::GapVariation;
 use contact_core::gaps::{LinearGaps, RowKey, Sampling};
+use contact_core::{Error, GapVariation, Stop};
 
 use super::initial_gaps::{Depths, InitialOverlaps};
 use super::kinematics::Kinematics;
@@ -13,7 +13,7 @@ use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
 use crate::contact::motion::Motion;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::search::nodes_inside;
-use crate::contact::stencil::{Projected, projected};
+use crate::contact::stencil::{Projected, projected_unless};
 use crate::contact::variation::Variation;
 use crate::contact::{Master, Pass, Surface};
 use crate::tensor::Vector;
@@ -37,6 +37,8 @@ pub(super) struct ContactSet<const D: usize> {
     /// The surfaces at the most recent positions, and how many sets of positions there have been.
     located: Mutex<Option<Arc<Located<D>>>>,
     built: AtomicUsize,
+    /// The request to stop of the solve under way.
+    pub stop: Option<Stop>,
 }
 
 /// All surfaces at the positions at which contact is searched, each with normals and a search tree.
@@ -89,6 +91,7 @@ impl<const D: usize> ContactSet<D> {
             initial_overlaps: InitialOverlaps::default(),
             located: Mutex::new(None),
             built: AtomicUsize::new(0),
+            stop: None,
         };
         if set.initial_gaps != InitialGaps::Refuse {
             set.initial_overlaps = set.overlaps_at_rest(kinematics);
@@ -123,8 +126,9 @@ impl<const D: usize> ContactSet<D> {
                 for (node, gap) in inside {
                     nodes[node] = -gap;
                 }
-                let rows = self.pass_rows(&located, k, *pass, Sampling::Nodes);
-                for (stencil, shares) in rows.stencils() {
+                let rows = self.pass_rows(&located, (k, *pass), Sampling::Nodes, None);
+                let rows = rows.iter().flat_map(PassRows::stencils);
+                for (stencil, shares) in rows {
                     let gap = stencil.projection().gap;
                     for (name, share) in shares {
                         let place = places[&name];
@@ -222,18 +226,20 @@ impl<const D: usize> ContactSet<D> {
         passes.filter_map(move |(pass, role)| (*role == reversed).then_some(pass))
     }
 
-    /// The rows c(u) = C u + c₀ of the numbered passes, with projections and normals frozen at `u`.
+    /// The rows c(u) = C u + c₀ of the numbered passes, with projections and normals frozen at `u`; `None` if `stop` was
+    /// requested meanwhile.
     pub fn rows(
         &self,
         passes: impl Iterator<Item = (usize, Pass)>,
         kinematics: &Kinematics<D>,
         u: &[f64],
         sampling: Sampling,
-    ) -> LinearGaps {
+        stop: Option<&Stop>,
+    ) -> Option<LinearGaps> {
         let mut gaps = LinearGaps::new(self.is_exact()).sampled_at(sampling);
         let mut passes = passes.peekable();
         if passes.peek().is_none() {
-            return gaps;
+            return Some(gaps);
         }
         let located = self.located(kinematics, u);
         let unknowns = Unknowns {
@@ -242,52 +248,60 @@ impl<const D: usize> ContactSet<D> {
             prescribed: &kinematics.prescribed,
         };
         for (k, pass) in passes {
-            let mut rows = self.pass_rows(&located, k, pass, sampling);
+            let mut rows = self.pass_rows(&located, (k, pass), sampling, stop)?;
             if let Some(depths) = self.initial_overlaps.of(pass) {
                 let left = self.initial_gaps.share_left(kinematics.factor);
                 rows.widen(|k| left * depths.rows[k], |k| left * depths.nodes[k]);
             }
             rows.append(k as u32, &kinematics.X, &unknowns, &mut gaps);
         }
-        gaps
+        Some(gaps)
     }
 
-    /// The rows of the pass numbered `k`. The points of one of [`Self::passes`] are projected once for all queries at these
-    /// positions.
+    /// The rows of the pass numbered `k`; `None` if `stop` was requested meanwhile. The points of one of [`Self::passes`]
+    /// are projected once for all queries at these positions.
     fn pass_rows<'a>(
         &'a self,
         located: &'a Located<D>,
-        k: usize,
-        pass: Pass,
+        (k, pass): (usize, Pass),
         sampling: Sampling,
-    ) -> PassRows<'a, D> {
+        stop: Option<&Stop>,
+    ) -> Option<PassRows<'a, D>> {
         let slave = &self.surfaces[pass.slave];
         let master = &located.masters[pass.master];
-        let project = || projected(slave, master, &located.x, self.integration, self.reach);
+        let rule = (self.integration, self.reach);
+        let project = || projected_unless(slave, master, &located.x, rule, || is_requested(stop));
         if self.passes.get(k) != Some(&pass) {
-            return PassRows::new(slave, master, &project(), sampling);
+            return Some(PassRows::new(slave, master, &project()?, sampling));
         }
         let known = &located.projected[k];
-        let points = known.get().unwrap_or_else(|| {
-            // not within `get_or_init`: while a thread waits for others, rayon may give it work that comes here again
-            let points = project();
-            known.get_or_init(|| points)
-        });
-        PassRows::new(slave, master, points, sampling)
+        let points = match known.get() {
+            Some(points) => points,
+            None => {
+                // not within `get_or_init`: while a thread waits for others, rayon may give it work that comes here again
+                let points = project()?;
+                known.get_or_init(|| points)
+            }
+        };
+        Some(PassRows::new(slave, master, points, sampling))
     }
 
     /// The variation of the rows `gaps` of all passes, frozen at `u`; `None` if they do not depend on
     /// the state. `lambda` has the multipliers of the rows that matter.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] if a stop was requested meanwhile.
     pub fn variation(
         &self,
         kinematics: &Kinematics<D>,
         u: &[f64],
         gaps: &LinearGaps,
         lambda: &[Option<f64>],
-    ) -> Option<GapVariation> {
+    ) -> Result<Option<GapVariation>, Error> {
         if self.is_exact() {
-            return None;
+            return Ok(None);
         }
+        let stop = self.stop.as_ref();
         let located = self.located(kinematics, u);
         let matters = gaps.keys().iter().zip(lambda).enumerate();
         let matters: HashMap<RowKey, (usize, f64)> = matters
@@ -295,14 +309,18 @@ impl<const D: usize> ContactSet<D> {
             .collect();
         let mut variation = Variation::new(gaps.len(), located.x.len());
         for (k, pass) in self.passes.iter().enumerate() {
-            let rows = self.pass_rows(&located, k, *pass, gaps.sampling());
+            let rows = self.pass_rows(&located, (k, *pass), gaps.sampling(), stop);
+            let rows = rows.ok_or(Error::Interrupted)?;
             let key = |node: usize| RowKey {
                 pass: k as u32,
                 node: node as u32,
             };
-            variation.add(&rows, pass.master, |node| matters.get(&key(node)).copied());
+            let multiplier = |node| matters.get(&key(node)).copied();
+            if !variation.add(&rows, pass.master, multiplier, || is_requested(stop)) {
+                return Err(Error::Interrupted);
+            }
         }
-        Some(variation.finish(&kinematics.dofs))
+        Ok(Some(variation.finish(&kinematics.dofs)))
     }
 
     /// The largest depth of a contact node inside another surface at `u`, less what is left of its initial overlap (UL, ≥ 0).
@@ -385,6 +403,10 @@ impl<const D: usize> ContactSet<D> {
         };
         self.passes.iter().filter_map(through).reduce(f64::max)
     }
+}
+
+fn is_requested(stop: Option<&Stop>) -> bool {
+    stop.is_some_and(Stop::is_requested)
 }
 
 /// Every side that a pair names, once; and every pass with whether it exchanges the declared roles.

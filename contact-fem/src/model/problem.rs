@@ -8,7 +8,9 @@ use contact_core::equilibrium::Solution;
 use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::load_steps::Passage;
 use contact_core::nlp::Bounds;
-use contact_core::{ContactProblem, DirectSum, Energy, Error, GapVariation, LoadStepped, Scale};
+use contact_core::{
+    ContactProblem, DirectSum, Energy, Error, GapVariation, LoadStepped, Scale, Stop,
+};
 
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
@@ -234,7 +236,11 @@ impl<const D: usize> Problem<D> {
     /// As [`Problem::rows_of`], at a state.
     pub(crate) fn rows_at(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
         let numbered = passes.iter().copied().enumerate();
-        self.contact.rows(numbered, &self.kinematics, u, sampling)
+        let rows = self
+            .contact
+            .rows(numbered, &self.kinematics, u, sampling, None);
+        // nothing stops it
+        rows.unwrap_or_else(|| LinearGaps::new(self.contact.is_exact()))
     }
 }
 
@@ -264,13 +270,17 @@ impl<const D: usize> ContactProblem for Problem<D> {
     fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
         Error::check_vector("u", u, self.dofs().free())?;
         let passes = self.contact.passes_in(false);
-        Ok(self.contact.rows(passes, &self.kinematics, u, sampling))
+        let (at, stop) = (&self.kinematics, self.contact.stop.as_ref());
+        let rows = self.contact.rows(passes, at, u, sampling, stop);
+        rows.ok_or(Error::Interrupted)
     }
 
     fn linearize_reversed(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
         Error::check_vector("u", u, self.dofs().free())?;
         let passes = self.contact.passes_in(true);
-        Ok(self.contact.rows(passes, &self.kinematics, u, sampling))
+        let (at, stop) = (&self.kinematics, self.contact.stop.as_ref());
+        let rows = self.contact.rows(passes, at, u, sampling, stop);
+        rows.ok_or(Error::Interrupted)
     }
 
     fn vary_gaps(
@@ -280,7 +290,11 @@ impl<const D: usize> ContactProblem for Problem<D> {
         lambda: &[Option<f64>],
     ) -> Result<Option<GapVariation>, Error> {
         Error::check_vector("u", u, self.dofs().free())?;
-        Ok(self.contact.variation(&self.kinematics, u, gaps, lambda))
+        self.contact.variation(&self.kinematics, u, gaps, lambda)
+    }
+
+    fn watch(&mut self, stop: Option<&Stop>) {
+        self.contact.stop = stop.cloned();
     }
 
     fn diagnose(&self, solution: &Solution) -> Option<String> {

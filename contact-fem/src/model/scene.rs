@@ -1,5 +1,7 @@
 //! Scenes: named bodies and contact pairs.
 
+use contact_core::memory;
+
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Report, Setup};
@@ -377,10 +379,31 @@ impl<const D: usize> Scene<D> {
         let mut report = Report::default();
         preflight::without_surfaces(&self, &self.pairs, &mut report);
         let mut report = report.accepted()?;
+        let needed = self.assembly_bytes();
+        if needed > LARGE {
+            memory::check("the assembly of the scene", needed)
+                .map_err(contact_core::Error::from)?;
+        }
         let geometry = self.geometry(&self.pairs)?;
         let mut problem = Problem::new(self, geometry);
         preflight::with_surfaces(&problem.setup(), &mut report);
         problem.findings = report.accepted()?.into_findings();
         Ok(problem)
     }
+
+    /// What the problem of the scene takes at least: the entries of the cells' matrices, with their places.
+    fn assembly_bytes(&self) -> u64 {
+        let of_body = |body: &Body<D>| {
+            let mesh = body.mesh();
+            let dofs = (0..mesh.len().min(1)).map(|k| D * mesh.cell(k).len());
+            let dofs: usize = dofs.sum();
+            (mesh.len() * (dofs * (dofs + 1) / 2)) as u64 * ENTRY
+        };
+        self.bodies().iter().map(of_body).sum()
+    }
 }
+
+/// Bytes for each entry of a cell's matrix, as measured on quadratic tetrahedra. From so many bytes in all on, what the
+/// system has left is looked at first.
+const ENTRY: u64 = 44;
+const LARGE: u64 = 32 << 20;

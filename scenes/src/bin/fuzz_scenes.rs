@@ -27,6 +27,7 @@ use ipopt_contact_scenes::cli::Solver;
 const BUDGET: Budget = Budget {
     seconds: Some(5.0),
     factorizations: Some(300),
+    memory: None,
 };
 const PATIENCE: Duration = Duration::from_secs(60);
 /// The largest share of the largest force on a node that may be left of a body's balance for each of its nodes: ten times what the certificate

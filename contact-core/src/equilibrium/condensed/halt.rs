@@ -2,7 +2,7 @@
 
 use crate::linear::FactorError;
 use crate::nlp::NlpError;
-use crate::{Error, LinearGaps, Outcome, Stop};
+use crate::{Error, LinearGaps, Outcome, Stop, memory};
 
 /// What ends a solve before its result.
 #[derive(Debug)]
@@ -17,6 +17,9 @@ pub(in crate::equilibrium) enum Halt {
 
 /// The most rows that are condensed: their dense compliance has 8 rows² bytes, and its solution takes twice as much again.
 const MOST_ROWS: usize = 20_000;
+/// So many bytes for each entry, then; from `MANY` bytes on, what the system has left is looked at before they are taken.
+const BYTES: usize = 24;
+const MANY: u64 = 32 << 20;
 /// Rows that no unknown moves may overlap by this share of the problem's length.
 const IMMOVABLE: f64 = 1e-9;
 
@@ -37,13 +40,22 @@ impl Halt {
         }
     }
 
-    /// [`Halt::Failed`] if the compliance of so many rows is too large.
+    /// [`Halt::Failed`] if the compliance of so many rows is too large, and an error if the memory left is.
     pub fn if_too_many(rows: usize) -> Result<(), Halt> {
         match rows > MOST_ROWS {
             true => Err(Halt::Failed(format!(
                 "{rows} rows may act, and a dense compliance is kept for {MOST_ROWS} at most: solve by `FixedPoint`, which has none"
             ))),
-            false => Ok(()),
+            false => {
+                let bytes = (BYTES * rows * rows) as u64;
+                match bytes > MANY {
+                    true => Ok(
+                        memory::check("the compliance of the rows that may act", bytes)
+                            .map_err(Error::from)?,
+                    ),
+                    false => Ok(()),
+                }
+            }
         }
     }
 
@@ -83,7 +95,10 @@ impl Halt {
 
 impl From<Error> for Halt {
     fn from(error: Error) -> Self {
-        Halt::Error(error)
+        match error {
+            Error::Interrupted => Halt::Stopped,
+            error => Halt::Error(error),
+        }
     }
 }
 

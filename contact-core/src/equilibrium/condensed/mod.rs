@@ -36,7 +36,8 @@ use super::{
 };
 use crate::cost::FactorSize;
 use crate::{
-    ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, Scale, State, Stop,
+    ContactProblem, Cost, Energy, Error, LinearGaps, MemoryNeed, Multipliers, Outcome, Scale,
+    State, Stop,
 };
 
 /// Equilibrium of bodies with quadratic energies under exact rows, by static condensation.
@@ -207,6 +208,10 @@ impl Equilibrium for Condensed {
             solver: NAME,
             why: Choice::GIVEN,
         }
+    }
+
+    fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
+        MemoryNeed::of_factor(problem.energy().hessian_pattern()).ok()
     }
 }
 

@@ -47,8 +47,8 @@ use super::{
 };
 use crate::cost::FactorSize;
 use crate::{
-    ContactProblem, Cost, Energy, Error, LinearGaps, Multipliers, Outcome, RowKey, Scale, State,
-    Stop,
+    ContactProblem, Cost, Energy, Error, LinearGaps, MemoryNeed, Multipliers, Outcome, RowKey,
+    Scale, State, Stop,
 };
 
 /// Equilibrium by Newton's method on the energy, with contact condensed onto its rows and re-projected in every
@@ -174,6 +174,10 @@ impl Equilibrium for CondensedNewton {
     fn validate(&self) -> Result<(), Error> {
         let remedy = "choose a value between 0 and 1; the default is 1e-8";
         check_settings(self.tolerance, self.max_iterations, remedy)
+    }
+
+    fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
+        MemoryNeed::of_factor(problem.energy().hessian_pattern()).ok()
     }
 }
 

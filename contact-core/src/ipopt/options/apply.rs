@@ -34,7 +34,7 @@ fn defaults(structure: &Structure) -> Options {
         .with("resto.mehrotra_algorithm", false)
         .with("bound_relax_factor", 0.0)
         .with("honor_original_bounds", false)
-        .with("mumps_mem_percent", 200)
+        .with("mumps_mem_percent", Options::MEMORY_PERCENT)
         .with("timing_statistics", true)
         .with("hessian_constant", structure.hessian_constant())
         .with("jac_c_constant", structure.jacobian_constant())

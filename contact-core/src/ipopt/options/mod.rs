@@ -69,6 +69,9 @@ pub struct Options {
 }
 
 impl Options {
+    /// The driver's default of `mumps_mem_percent`.
+    pub(crate) const MEMORY_PERCENT: i32 = 200;
+
     /// None set.
     pub fn new() -> Self {
         Self::default()

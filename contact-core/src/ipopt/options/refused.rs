@@ -13,7 +13,28 @@ struct Refusal {
     remedy: &'static str,
 }
 
-const REFUSALS: [Refusal; 11] = [
+const REFUSALS: [Refusal; 14] = [
+    Refusal {
+        name: "max_soc",
+        restoration_only: false,
+        is_refused: is_endless,
+        why: "Ipopt then corrects one step so often between two iterates, where it looks at no limit",
+        remedy: "choose at most 1000; Ipopt's own default is 4",
+    },
+    Refusal {
+        name: "min_refinement_steps",
+        restoration_only: false,
+        is_refused: is_endless,
+        why: "Ipopt then refines one solution so often between two iterates, where it looks at no limit",
+        remedy: "choose at most 1000; Ipopt's own default is 1",
+    },
+    Refusal {
+        name: "max_refinement_steps",
+        restoration_only: false,
+        is_refused: is_endless,
+        why: "Ipopt then refines one solution so often between two iterates, where it looks at no limit",
+        remedy: "choose at most 1000; Ipopt's own default is 10",
+    },
     Refusal {
         name: "option_file_name",
         restoration_only: false,
@@ -97,6 +118,11 @@ fn is_word(value: &OptionValue, word: &str) -> bool {
     matches!(value, OptionValue::Text(text) if text.eq_ignore_ascii_case(word))
 }
 
+/// More than a thousand, or no whole number.
+fn is_endless(value: &OptionValue) -> bool {
+    !matches!(value, OptionValue::Integer(..=1000))
+}
+
 fn is_zero(value: &OptionValue) -> bool {
     matches!(value, OptionValue::Number(0.0) | OptionValue::Integer(0))
 }
@@ -117,5 +143,30 @@ pub(super) fn check(name: &str, value: &OptionValue) -> Result<(), OptionError> 
             remedy,
         }),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Found by the fuzzer: `max_soc` 1038577779, and back solves without end.
+    #[test]
+    fn loops_between_iterates_are_bounded() {
+        for name in [
+            "max_soc",
+            "min_refinement_steps",
+            "resto.max_refinement_steps",
+        ] {
+            check(name, &OptionValue::Integer(1000)).expect("allowed");
+            for many in [1001, 1_038_577_779] {
+                let refused = check(name, &OptionValue::Integer(many));
+                let told = refused.expect_err("refused").to_string();
+                assert!(
+                    told.contains(name) && told.contains(&many.to_string()),
+                    "{told}"
+                );
+            }
+        }
     }
 }

@@ -13,7 +13,8 @@ use std::path::PathBuf;
 use std::process::{ExitCode, Termination};
 use std::time::Instant;
 
-use contact_core::{Ending, Equilibrium};
+use contact_core::memory::MemoryLeft;
+use contact_core::{Ending, Equilibrium, MemoryNeed};
 
 use super::file;
 use super::picture::{MeshPicture, Panel};
@@ -68,6 +69,21 @@ pub struct Recording<'a, const D: usize, S = DefaultSolver> {
     simulation: &'a mut Simulation<S>,
     /// The files and the output.
     pub plan: Plan<'a, D>,
+}
+
+/// What a run will need of memory, and what there is at its start.
+#[derive(Clone, Copy)]
+struct Memory {
+    need: Option<MemoryNeed>,
+    left: Option<MemoryLeft>,
+}
+
+impl Memory {
+    fn line(&self) -> Option<String> {
+        let need = self.need?;
+        let left = self.left.map(|left| format!("; left: {left}"));
+        Some(format!("memory: about {need}{}", left.unwrap_or_default()))
+    }
 }
 
 /// The files and the output of a [`Recording`].
@@ -198,11 +214,16 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
         refuse_rather_than_end();
         stop_on_ctrl_c(&simulation.load_steps.stop);
         let choice = simulation.solver.choice(problem);
+        let memory = Memory {
+            need: simulation.solver.memory(problem),
+            left: contact_core::memory::left(),
+        };
         let mut folder = Folder::claim(&plan.folder, Heading::new(&plan, choice))?;
         if !plan.quiet {
             let findings = problem.findings_in(plan.increments);
             findings.iter().for_each(print);
             print(format!("solver: {choice}"));
+            memory.line().iter().for_each(print);
         }
         let mut observer = match Observer::new(&plan, &mut folder, problem) {
             Ok(observer) => observer,
@@ -217,7 +238,7 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
             .map(|(now, before)| now - before);
         let seconds = (clock.elapsed().as_secs_f64(), spent);
         let ending = (&result, written.as_ref().err());
-        let summary = Summary::new(&plan, problem, &observer, ending, choice, seconds);
+        let summary = Summary::new(&plan, problem, &observer, ending, (choice, memory), seconds);
         let (table, text) = (summary.table().to_string(), summary.json());
         let stages = observer.stages;
         let text = text.map_err(|why| file::failed(&plan.folder, why));

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 
 use super::folder::Heading;
 use super::observer::Observer;
-use super::{Plan, peak_memory};
+use super::{Memory, Plan, peak_memory};
 use crate::audit::LeastVolume;
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
@@ -63,6 +63,8 @@ pub(super) struct Summary {
     /// Processor time of the run, over all its threads.
     cpu_seconds: Option<f64>,
     seconds: Value,
+    /// The estimate before the run, what there was, and by which limit.
+    memory: Value,
     peak_memory_bytes: Option<u64>,
     factor: Option<Value>,
     versions: Value,
@@ -79,7 +81,7 @@ impl Summary {
         problem: &Problem<D>,
         observer: &Observer<'_, D>,
         (result, unwritten): (&Result<History<D>, Error>, Option<&Error>),
-        choice: Choice,
+        (choice, memory): (Choice, Memory),
         (wall, cpu): (f64, Option<f64>),
     ) -> Self {
         let (records, history) = (&observer.records, result.as_ref().ok());
@@ -188,6 +190,12 @@ impl Summary {
                 .iter()
                 .map(|&(name, seconds)| (name.to_string(), json!(seconds)))
                 .collect(),
+            memory: json!({
+                "needed_bytes": memory.need.map(|need| need.bytes),
+                "factor_bytes": memory.need.map(|need| need.factor),
+                "left_bytes": memory.left.map(|left| left.bytes),
+                "limit": memory.left.map(|left| left.limit.to_string()),
+            }),
             peak_memory_bytes: peak_memory(),
             factor: cost.factor.map(factor),
             versions: program(),
