@@ -115,6 +115,10 @@ impl Equilibrium for Automatic {
         match first.outcome {
             Outcome::Converged | Outcome::Interrupted | Outcome::InadmissibleStart => Ok(first),
             _ => {
+                let start = match context.is_lifted {
+                    true => start,
+                    false => (context.lifted)(),
+                };
                 let second = self.fixed_point.solve(problem, start, context)?;
                 Ok(second.after(first, self.choice(problem).solver))
             }
@@ -138,6 +142,10 @@ impl Equilibrium for Automatic {
             why,
             ..self.solver(way).choice(problem)
         }
+    }
+
+    fn lifts_starts(&self, problem: &dyn ContactProblem) -> bool {
+        self.solver(Self::way(problem).0).lifts_starts(problem)
     }
 
     fn validate(&self) -> Result<(), Error> {
