@@ -364,12 +364,18 @@ impl Path<'_> {
         let predicted = prediction.is_some();
         problem.watch(Some(&self.stop));
         let lifted = || self.lifted(&*problem);
-        let start = prediction.unwrap_or_else(lifted);
+        let is_lifted = predicted || !solver.lifts_starts(&*problem);
+        let start = match (prediction, is_lifted) {
+            (Some(start), _) => start,
+            (None, true) => lifted(),
+            (None, false) => self.last.state.clone(),
+        };
         let context = StepContext {
             last: &self.last.state,
             from: self.last.factor,
             to: target,
             lifted: &lifted,
+            is_lifted,
             stop: &self.stop,
         };
         let solved = solver.solve(&*problem, start, &context);
@@ -416,7 +422,8 @@ impl Path<'_> {
             .iter()
             .zip(domain(energy, &last.state.u))
             .all(|(&d, now)| d > LoadSteps::GUARD * now.max(0.0));
-        (admissible && energy.value(&u).is_finite()).then(|| State {
+        let is_finite = || energy.is_quadratic() || energy.value(&u).is_finite();
+        (admissible && is_finite()).then(|| State {
             u,
             multipliers: last
                 .state

@@ -258,6 +258,15 @@ pub trait ContactProblem {
     fn linearize_reversed(&self, _u: &[f64], _sampling: Sampling) -> Result<LinearGaps, Error> {
         Ok(LinearGaps::new(true))
     }
+    /// The rows of both roles, one for each contact node, without those that are open wherever no displacement exceeds
+    /// `moved` (UL). By default all.
+    ///
+    /// [`Condensed`](crate::equilibrium::Condensed) asks again where displacements exceed `moved`. More may be left out for
+    /// a smaller `moved`, never less.
+    fn linearize_near(&self, u: &[f64], _moved: f64) -> Result<LinearGaps, Error> {
+        let forward = self.linearize_gaps(u, Sampling::Nodes)?;
+        Ok(forward.and(self.linearize_reversed(u, Sampling::Nodes)?))
+    }
     /// The variation of the rows `gaps`, both roles joined, which are frozen at `u`; `lambda` has the multiplier (UF) of
     /// each row that matters, and `None` for the others.
     ///

@@ -18,9 +18,13 @@ pub struct LeftOut {
     /// Contact nodes without a row in the last step: each of their integration points is outside
     /// the search radius, beyond the rim of the other surface, or faces away from it.
     pub rows: usize,
-    /// Solves that an iteration would have needed to find that exact rows do not change: one for each attempt at a load
+    /// Passes whose surfaces are further apart than displacements brought any points: none of their points was projected.
+    pub passes: usize,
+    /// Solves that the fixed point would have needed to find that exact rows do not change: one for each attempt at a load
     /// step that took a single one.
     pub solves: usize,
+    /// Attempts at load steps that were solved with factors of earlier ones.
+    pub factorizations: usize,
     /// Iterations of the optimiser that reused a constant Hessian.
     pub hessians: usize,
 }
@@ -38,18 +42,30 @@ impl LeftOut {
             dofs: problem.dofs().prescribed(),
             cells: cells - assembled,
             rows: last.map_or(0, dropped),
+            passes: problem.unsearched_passes(),
             solves: match problem.is_exact() {
                 true => history.run.attempts.iter().filter(is_single).count(),
                 false => 0,
             },
+            factorizations: history.run.attempts.iter().filter(has_kept).count(),
             hessians: cost.reused_hessians,
         }
     }
 }
 
-/// Whether an attempt did with one solve what an iteration would have needed two for.
+/// Whether the fixed point did with one solve what an iteration would have needed two for.
 fn is_single(attempt: &&Attempt) -> bool {
-    attempt.iterations.len() == 1
+    !is_condensed(attempt) && attempt.iterations.len() == 1
+}
+
+/// Whether an attempt took no factorisation.
+fn has_kept(attempt: &&Attempt) -> bool {
+    is_condensed(attempt) && attempt.cost.factorizations == 0
+}
+
+/// Whether it was solved with the library's own factors, which are kept.
+fn is_condensed(attempt: &Attempt) -> bool {
+    matches!(attempt.solver(), Some("condensed" | "newton"))
 }
 
 /// The contact nodes without a row, also where rows are integration points.
@@ -62,8 +78,14 @@ impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} dofs, {} cells, {} rows, {} solves, {} Hessians",
-            self.dofs, self.cells, self.rows, self.solves, self.hessians
+            "{} dofs, {} cells, {} rows, {} passes, {} solves, {} factorisations, {} Hessians",
+            self.dofs,
+            self.cells,
+            self.rows,
+            self.passes,
+            self.solves,
+            self.factorizations,
+            self.hessians
         )
     }
 }

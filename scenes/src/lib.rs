@@ -7,6 +7,7 @@
 //! | [`hertz`], [`arch`], [`blocks`], [`hairpin`] | Hertz's contact, Signorini's problem, the patch test, self-contact |
 //! | [`cantilevers`] | rows of both passes that are one |
 //! | [`extremes`] | scenes at the limits, with their truths and benign twins |
+//! | [`needs`] | scenes in which little has to be computed, with the cheapest ways to their results |
 //! | [`studies`] | methods and passes side by side |
 //! | [`freefem`] | the same scenes solved by FreeFEM's scripts |
 //! | [`cli`], [`files`], [`tables`] | options of the examples, files, tables |
@@ -23,6 +24,7 @@ pub mod files;
 pub mod freefem;
 pub mod hairpin;
 pub mod hertz;
+pub mod needs;
 pub mod studies;
 pub mod tables;
 

@@ -118,6 +118,10 @@ impl Equilibrium for Automatic {
             Outcome::Converged | Outcome::Interrupted | Outcome::InadmissibleStart => Ok(first),
             _ => {
                 memory::check_run(&self.fixed_point, problem, None)?;
+                let start = match context.is_lifted {
+                    true => start,
+                    false => (context.lifted)(),
+                };
                 let second = self.fixed_point.solve(problem, start, context)?;
                 let cause = problem.diagnose(&first);
                 Ok(second.after(first, self.choice(problem).solver, cause))
@@ -142,6 +146,10 @@ impl Equilibrium for Automatic {
             why,
             ..self.solver(way).choice(problem)
         }
+    }
+
+    fn lifts_starts(&self, problem: &dyn ContactProblem) -> bool {
+        self.solver(Self::way(problem).0).lifts_starts(problem)
     }
 
     fn validate(&self) -> Result<(), Error> {

@@ -79,6 +79,11 @@ pub trait Equilibrium {
         None
     }
 
+    /// Whether the solver lifts a start itself where its result depends on it, see [`StepContext::is_lifted`].
+    fn lifts_starts(&self, _problem: &dyn ContactProblem) -> bool {
+        false
+    }
+
     /// Solves a single problem, without load steps.
     ///
     /// # Errors
@@ -108,6 +113,10 @@ impl<E: Equilibrium + ?Sized> Equilibrium for &mut E {
         (**self).choice(problem)
     }
 
+    fn lifts_starts(&self, problem: &dyn ContactProblem) -> bool {
+        (**self).lifts_starts(problem)
+    }
+
     fn validate(&self) -> Result<(), Error> {
         (**self).validate()
     }
@@ -129,6 +138,10 @@ impl<E: Equilibrium + ?Sized> Equilibrium for Box<E> {
 
     fn choice(&self, problem: &dyn ContactProblem) -> Choice {
         (**self).choice(problem)
+    }
+
+    fn lifts_starts(&self, problem: &dyn ContactProblem) -> bool {
+        (**self).lifts_starts(problem)
     }
 
     fn validate(&self) -> Result<(), Error> {
@@ -171,6 +184,9 @@ pub struct StepContext<'a> {
     /// A start that is not extrapolated: the last state, with its free unknowns moved along with the prescribed ones.
     /// See [`LoadStepped::lift`](crate::LoadStepped::lift).
     pub lifted: &'a dyn Fn() -> State,
+    /// Whether the start is the one to take: it is extrapolated, lifted or given. It is the last state as it is where the
+    /// solver [lifts starts](Equilibrium::lifts_starts) and there is nothing to extrapolate from.
+    pub is_lifted: bool,
     /// The request to stop, with the run's budget: see [`Stop::begin_factorization`].
     pub stop: &'a Stop,
 }
@@ -183,6 +199,7 @@ impl<'a> StepContext<'a> {
             from: 0.0,
             to: 1.0,
             lifted,
+            is_lifted: true,
             stop,
         }
     }

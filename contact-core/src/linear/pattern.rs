@@ -191,6 +191,26 @@ impl SymmetricPattern {
         &self.0.entries
     }
 
+    /// The block of these unknowns, whose slots are in the same order.
+    ///
+    /// # Errors
+    /// An entry that couples them with unknowns after them.
+    pub fn block(&self, range: &Range<usize>) -> Result<Self, NlpError> {
+        if *range == (0..self.dim()) {
+            return Ok(self.clone());
+        }
+        let slots = self.starts()[range.start]..self.starts()[range.end];
+        let own = |all: &[usize]| all[slots.clone()].iter().map(|k| k - range.start).collect();
+        let (rows, cols): (Vec<usize>, Vec<usize>) = (own(self.rows()), own(self.cols()));
+        if rows.iter().any(|&row| row >= range.len()) {
+            let places: Vec<_> = rows.into_iter().zip(cols).collect();
+            return Ok(Self::from_entries(range.len(), &places)?.0);
+        }
+        let starts = self.starts()[range.start..=range.end].iter();
+        let starts = starts.map(|start| start - slots.start).collect();
+        Ok(Self::of(starts, rows, cols))
+    }
+
     /// The slot of the entry (i, j), which it shares with (j, i).
     pub fn slot(&self, i: usize, j: usize) -> Option<usize> {
         let slots = self.column(i.min(j));

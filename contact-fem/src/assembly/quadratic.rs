@@ -14,7 +14,10 @@ pub struct QuadraticEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     elastic: StrainEnergy<D, E, M>,
     /// K (UF/UL), one value for each entry of the pattern.
     K: Vec<f64>,
-    /// ∇E and E at u = 0 and the present load.
+    /// ∇E and E at u = 0 and full load. The loads are proportional: they vary with the load factor and with its square.
+    g_1: Vec<f64>,
+    E_1: f64,
+    /// The same at the present load.
     g_0: Vec<f64>,
     E_0: f64,
 }
@@ -24,19 +27,26 @@ impl<const D: usize, E: Element<D>, M: Material<D>> QuadraticEnergy<D, E, M> {
     ///
     /// # Panics
     /// If the law is not linear: see [`Material::QUADRATIC`].
-    pub fn new(elastic: StrainEnergy<D, E, M>) -> Self {
+    pub fn new(mut elastic: StrainEnergy<D, E, M>) -> Self {
         assert!(M::QUADRATIC, "a quadratic energy needs a linear law");
         let n = elastic.dofs();
+        let rest = vec![0.0; n];
         let mut K = vec![0.0; elastic.hessian_pattern().len()];
-        elastic.hessian(&vec![0.0; n], &mut K);
-        let mut energy = QuadraticEnergy {
+        elastic.hessian(&rest, &mut K);
+        elastic.set_load(1.0);
+        let E_1 = elastic.value(&rest);
+        let mut g_1 = vec![0.0; n];
+        elastic.gradient(&rest, &mut g_1);
+        elastic.set_load(0.0);
+        elastic.forget();
+        QuadraticEnergy {
             K,
-            g_0: vec![0.0; n],
+            g_1,
+            E_1,
+            g_0: rest,
             E_0: 0.0,
             elastic,
-        };
-        energy.set_load(0.0);
-        energy
+        }
     }
 }
 
@@ -74,10 +84,9 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for QuadraticEnergy<D
 impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticEnergy<D, E, M> {
     fn set_load(&mut self, factor: f64) {
         self.elastic.set_load(factor);
-        let rest = vec![0.0; self.dofs()];
-        self.E_0 = self.elastic.value(&rest);
-        self.elastic.gradient(&rest, &mut self.g_0);
-        self.elastic.forget();
+        self.E_0 = factor * factor * self.E_1;
+        let at_full_load = self.g_0.iter_mut().zip(&self.g_1);
+        at_full_load.for_each(|(g_0, g_1)| *g_0 = factor * g_1);
     }
 
     fn prescribed(&self) -> &[f64] {

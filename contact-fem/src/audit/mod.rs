@@ -7,6 +7,7 @@
 //! exterior facet is an intersection. Depths are shares of what the material allows there: of the
 //! facets, or of the thickness where that is smaller. Volumes of quadratic cells are bounded between their nodes, too.
 
+mod bins;
 mod simplex;
 mod thickness;
 mod topology;
@@ -21,6 +22,7 @@ use rstar::{AABB, RTree};
 use crate::element::Order;
 use crate::model::Scene;
 use crate::tensor::{Matrix, Vector};
+use bins::Bins;
 use simplex::{distance, pierced};
 use topology::Topology;
 pub use volume::LeastVolume;
@@ -34,13 +36,17 @@ pub struct Audit<const D: usize> {
     is_linear: Vec<bool>,
     /// The order of each body's cells.
     orders: Vec<Order>,
-    /// The positions that were asked for last, with their overlaps: a state is audited when it is accepted, and again by
-    /// its certificate.
+    /// The positions that were asked for last: a state is audited when it is accepted, and again by its certificate and its
+    /// record.
     last: Mutex<Option<State<D>>>,
 }
 
-/// The positions of all nodes (UL) and their overlaps.
-type State<const D: usize> = (Vec<Vector<D>>, Vec<Overlap<D>>);
+/// Positions of all nodes (UL), and what was found there so far.
+struct State<const D: usize> {
+    x: Vec<Vector<D>>,
+    overlaps: Option<Vec<Overlap<D>>>,
+    volumes: Option<(Option<LeastVolume<D>>, usize)>,
+}
 
 /// The findings of an audit at one state.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -194,20 +200,39 @@ impl<const D: usize> Audit<D> {
     /// All overlaps at positions `x` of all nodes (UL), which are kept.
     pub(crate) fn overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        match last.take().filter(|(at, _)| at == x) {
-            Some(state) => last.insert(state),
-            None => last.insert((x.to_vec(), self.find_overlaps(x))),
-        }
-        .1
-        .clone()
+        let state = Self::state(&mut last, x);
+        let overlaps = &mut state.overlaps;
+        overlaps
+            .get_or_insert_with(|| self.find_overlaps(x))
+            .clone()
+    }
+
+    /// What is known at positions `x` of all nodes (UL).
+    fn state<'a>(last: &'a mut Option<State<D>>, x: &[Vector<D>]) -> &'a mut State<D> {
+        let known = last.take().filter(|state| state.x == x);
+        last.insert(known.unwrap_or_else(|| State {
+            x: x.to_vec(),
+            overlaps: None,
+            volumes: None,
+        }))
     }
 
     /// All overlaps at positions `x` of all nodes (UL).
     fn find_overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
-        let Topology { cells, faces, .. } = &self.topology;
+        let Topology {
+            cells,
+            faces,
+            edges,
+            ..
+        } = &self.topology;
+        // all points that are looked for lie on exterior edges, and most cells lie away from them
+        let mut bins = Bins::new(edges.iter().map(|edge| aabb(edge, x)));
+        let cells = cells.iter().map(|cell| aabb(&cell.nodes[..=D], x));
+        let cells = cells.enumerate().filter(|(_, cell)| bins.meet(cell));
+        let faces = faces.iter().map(|face| aabb(&face.nodes, x));
         let trees = Trees {
-            cells: tree(cells.iter().map(|cell| aabb(&cell.nodes[..=D], x))),
-            faces: tree(faces.iter().map(|face| aabb(&face.nodes, x))),
+            cells: tree(cells),
+            faces: tree(faces.enumerate()),
         };
         let mut overlaps = self.nodes_inside(x, &trees);
         overlaps.extend(self.edges_inside(x, &trees));
@@ -355,9 +380,9 @@ impl<const D: usize> Audit<D> {
     }
 }
 
-fn tree<const D: usize>(boxes: impl Iterator<Item = AABB<[f64; D]>>) -> Boxes<D> {
+fn tree<const D: usize>(boxes: impl Iterator<Item = (usize, AABB<[f64; D]>)>) -> Boxes<D> {
     let leaf = |(k, envelope)| GeomWithData::new(Rectangle::from_aabb(envelope), k);
-    RTree::bulk_load(boxes.enumerate().map(leaf).collect())
+    RTree::bulk_load(boxes.map(leaf).collect())
 }
 
 fn aabb<const D: usize>(nodes: &[usize], x: &[Vector<D>]) -> AABB<[f64; D]> {

@@ -15,7 +15,7 @@ pub(super) fn far<const D: usize>(faces: &[Face<D>]) -> f64 {
 /// leaves the body, if that is at most twice the largest face.
 pub(super) fn measure<const D: usize>(faces: &mut [Face<D>], X: &[Vector<D>]) {
     let far = far(faces);
-    let boxes = tree(faces.iter().map(|face| aabb(&face.nodes, X)));
+    let boxes = tree(faces.iter().map(|face| aabb(&face.nodes, X)).enumerate());
     let thickness = |face: &Face<D>| {
         let corners = face.nodes.map(|a| X[a]);
         let inward = -facet_normal(&corners).normalize();

@@ -1,5 +1,7 @@
 //! The smallest volume ratio J of a state, between the nodes of quadratic cells, too.
 
+use std::sync::PoisonError;
+
 use super::Audit;
 use super::topology::Quadratic;
 use crate::element::Order;
@@ -22,8 +24,14 @@ pub struct LeastVolume<const D: usize> {
 
 impl<const D: usize> Audit<D> {
     /// The smallest volume ratio at positions `x` of all nodes (UL), and the number of quadratic cells in which it is not
-    /// positive everywhere.
+    /// positive everywhere. They are kept.
     pub(crate) fn volumes(&self, x: &[Vector<D>]) -> (Option<LeastVolume<D>>, usize) {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let volumes = &mut Self::state(&mut last, x).volumes;
+        *volumes.get_or_insert_with(|| self.find_volumes(x))
+    }
+
+    fn find_volumes(&self, x: &[Vector<D>]) -> (Option<LeastVolume<D>>, usize) {
         let mut least: Option<LeastVolume<D>> = None;
         let mut take = |bound: f64, body: usize, cell: usize, at: Vector<D>| {
             // NaN is less than any number

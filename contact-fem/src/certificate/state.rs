@@ -309,8 +309,9 @@ impl Residual {
     ) -> Self {
         let (mut free, mut forces) = (0.0, Vec::new());
         let (mut sum, mut resultant) = (Vector::<D>::zeros(), 0.0_f64);
+        let residuals = problem.residuals(u);
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
-            let residual = problem.residual(body, u);
+            let residual = &residuals[body];
             let (mut rest_free, mut largest) = (0.0, noticed);
             // of reactions, loads and contact forces
             let mut resultants = [Vector::<D>::zeros(); 3];

@@ -21,6 +21,9 @@ use crate::tensor::Vector;
 /// The default search radius in [`Geometry::Current`], as a share of the scene's diagonal. It decides
 /// which integration points count.
 const REACH: f64 = 0.1;
+/// How much closer two points come at most, in units of the largest displacement: components, two bodies, and shape functions
+/// that exceed 1.
+const WAY: f64 = 8.0;
 
 /// The contact surfaces and passes of a scene.
 pub(super) struct ContactSet<const D: usize> {
@@ -32,6 +35,10 @@ pub(super) struct ContactSet<const D: usize> {
     integration: Integration,
     /// The search radius of integration points (UL).
     pub reach: f64,
+    /// Whether the radius is the default.
+    is_reach_free: bool,
+    /// The box of the nodes of each surface at X (UL).
+    boxes: Vec<[Vector<D>; 2]>,
     initial_gaps: InitialGaps,
     initial_overlaps: InitialOverlaps,
     /// The surfaces at the most recent positions, and how many sets of positions there have been.
@@ -39,7 +46,13 @@ pub(super) struct ContactSet<const D: usize> {
     built: AtomicUsize,
     /// The request to stop of the solve under way.
     pub stop: Option<Stop>,
+    /// The result of [`ContactSet::inside`] at the last positions that were asked for, and how many there have been.
+    inside: Mutex<Option<Inside<D>>>,
+    inside_searched: AtomicUsize,
 }
+
+/// Positions of all nodes (UL), and the nodes inside other surfaces there, pass by pass.
+type Inside<const D: usize> = (Vec<Vector<D>>, Arc<Vec<Vec<(usize, f64)>>>);
 
 /// All surfaces at the positions at which contact is searched, each with normals and a search tree.
 pub(super) struct Located<const D: usize> {
@@ -49,8 +62,6 @@ pub(super) struct Located<const D: usize> {
     pub masters: Vec<Master<D>>,
     /// The integration points of each pass with their projections.
     projected: Vec<OnceLock<Vec<Projected<D>>>>,
-    /// The result of [`nodes_inside`] at these positions, pass by pass.
-    inside: OnceLock<Vec<Vec<(usize, f64)>>>,
 }
 
 impl<const D: usize> ContactSet<D> {
@@ -76,8 +87,16 @@ impl<const D: usize> ContactSet<D> {
             let surface = Surface::new(body, mesh.order(), facets, &kinematics.X);
             Arc::new(surface)
         };
+        let surfaces: Vec<_> = sides.iter().map(surface).collect();
+        let corners = |surface: &Arc<Surface<D>>| {
+            let mut nodes = surface.nodes().iter().map(|&a| kinematics.X[a]);
+            let first = nodes.next().unwrap_or_else(Vector::zeros);
+            nodes.fold([first; 2], |[low, high], X| [low.inf(&X), high.sup(&X)])
+        };
         let mut set = ContactSet {
-            surfaces: sides.iter().map(surface).collect(),
+            boxes: surfaces.iter().map(corners).collect(),
+            surfaces,
+            is_reach_free: scene.reach.is_none(),
             passes,
             reversed,
             geometry,
@@ -92,6 +111,8 @@ impl<const D: usize> ContactSet<D> {
             located: Mutex::new(None),
             built: AtomicUsize::new(0),
             stop: None,
+            inside: Mutex::new(None),
+            inside_searched: AtomicUsize::new(0),
         };
         if set.initial_gaps != InitialGaps::Refuse {
             set.initial_overlaps = set.overlaps_at_rest(kinematics);
@@ -156,6 +177,33 @@ impl<const D: usize> ContactSet<D> {
         }
     }
 
+    /// The passes none of whose points has been projected in the reference geometry.
+    pub fn unsearched(&self) -> usize {
+        let last = self.located.lock().unwrap_or_else(PoisonError::into_inner);
+        match (&*last, self.geometry) {
+            (Some(located), Geometry::Reference) => {
+                let searched = located.projected.iter().filter(|of| of.get().is_some());
+                self.passes.len() - searched.count()
+            }
+            _ => 0,
+        }
+    }
+
+    /// Whether displacements of at most `moved` (UL) can close a row of this pass. In the reference geometry they cannot where
+    /// the boxes of both surfaces are further apart than points move, curved facets and averages over nodes allowed for.
+    pub fn is_near(&self, pass: Pass, moved: f64) -> bool {
+        let [slave, master] = [pass.slave, pass.master].map(|k| &self.surfaces[k]);
+        let refuses = self.initial_gaps == InitialGaps::Refuse;
+        let may_be_far = self.geometry == Geometry::Reference && self.is_reach_free && refuses;
+        if !may_be_far || slave.body() == master.body() {
+            return true;
+        }
+        let [[low, high], [below, above]] = [pass.slave, pass.master].map(|k| self.boxes[k]);
+        let apart = (below - high).sup(&(low - above)).sup(&Vector::zeros());
+        let curved = slave.facet_size().max(master.facet_size());
+        !(apart.norm() - curved > WAY * moved)
+    }
+
     /// Whether a pass is between surfaces of these two bodies.
     pub fn is_pair(&self, [a, b]: [usize; 2]) -> bool {
         let mut passes = self.passes.iter();
@@ -214,7 +262,6 @@ impl<const D: usize> ContactSet<D> {
             x: x.to_vec(),
             masters: surfaces.map(|s| Master::new(s, x)).collect(),
             projected: self.passes.iter().map(|_| OnceLock::new()).collect(),
-            inside: OnceLock::new(),
         });
         *last = Some(Arc::clone(&located));
         located
@@ -335,20 +382,16 @@ impl<const D: usize> ContactSet<D> {
         u: &[f64],
         units: impl Fn(&Surface<D>) -> Vec<f64>,
     ) -> f64 {
-        let located = self.located(kinematics, u);
-        let then;
-        let inside = match self.geometry {
-            Geometry::Reference => {
-                then = self.inside(&self.passes, &located, &kinematics.positions(u));
-                &then
-            }
-            Geometry::Current => {
-                let now = || self.inside(&self.passes, &located, &located.x);
-                located.inside.get_or_init(now)
-            }
-        };
+        if self.passes.is_empty() {
+            return 0.0;
+        }
+        let moved = kinematics.largest(u);
+        let inside = self.inside_at(kinematics.positions(u), moved, kinematics);
         let left = self.initial_gaps.share_left(kinematics.factor);
         let depth = |(pass, inside): (&Pass, &Vec<(usize, f64)>)| {
+            if inside.is_empty() {
+                return 0.0;
+            }
             let units = units(&self.surfaces[pass.slave]);
             let initial = self.initial_overlaps.of(*pass);
             let granted = |k: usize| initial.map_or(0.0, |depths| left * depths.nodes[k]);
@@ -359,9 +402,39 @@ impl<const D: usize> ContactSet<D> {
         };
         self.passes
             .iter()
-            .zip(inside)
+            .zip(inside.iter())
             .map(depth)
             .fold(0.0, f64::max)
+    }
+
+    /// The result of [`nodes_inside`] at positions `x` of all nodes, pass by pass, which is kept.
+    fn inside_at(
+        &self,
+        x: Vec<Vector<D>>,
+        moved: f64,
+        kinematics: &Kinematics<D>,
+    ) -> Arc<Vec<Vec<(usize, f64)>>> {
+        let mut last = self.inside.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, inside)) = last.as_ref().filter(|(at, _)| *at == x) {
+            return Arc::clone(inside);
+        }
+        self.inside_searched.fetch_add(1, Ordering::Relaxed);
+        let located = match self.geometry {
+            Geometry::Reference => self.located_at(&kinematics.X),
+            Geometry::Current => self.located_at(&x),
+        };
+        let of_pass = |pass: &Pass| match self.is_near(*pass, moved) {
+            true => self.inside_of(*pass, &located, &x),
+            false => Vec::new(),
+        };
+        let inside = Arc::new(self.passes.iter().map(of_pass).collect::<Vec<_>>());
+        *last = Some((x, Arc::clone(&inside)));
+        inside
+    }
+
+    /// The number of states at which nodes inside other surfaces were looked for.
+    pub fn inside_searched(&self) -> usize {
+        self.inside_searched.load(Ordering::Relaxed)
     }
 
     /// The result of [`nodes_inside`] between positions `now`, pass by pass.
@@ -371,12 +444,14 @@ impl<const D: usize> ContactSet<D> {
         located: &Located<D>,
         now: &[Vector<D>],
     ) -> Vec<Vec<(usize, f64)>> {
-        let of_pass = |pass: &Pass| {
-            let [own, master] = [pass.slave, pass.master].map(|k| &located.masters[k]);
-            let slave = &self.surfaces[pass.slave];
-            nodes_inside(slave, own.normals(), master, &located.x, now, self.reach)
-        };
+        let of_pass = |pass: &Pass| self.inside_of(*pass, located, now);
         passes.iter().map(of_pass).collect()
+    }
+
+    fn inside_of(&self, pass: Pass, located: &Located<D>, now: &[Vector<D>]) -> Vec<(usize, f64)> {
+        let [own, master] = [pass.slave, pass.master].map(|k| &located.masters[k]);
+        let slave = &self.surfaces[pass.slave];
+        nodes_inside(slave, own.normals(), master, &located.x, now, self.reach)
     }
 
     /// How far bodies have passed through each other (UL), or `None` if they have not. They have if

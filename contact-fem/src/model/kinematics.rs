@@ -53,6 +53,15 @@ impl<const D: usize> Kinematics<D> {
         self.full.iter().map(|value| factor * value).collect()
     }
 
+    /// The largest displacement at `u` and the present load (UL).
+    pub fn largest(&self, u: &[f64]) -> f64 {
+        let all = u.iter().chain(&self.prescribed);
+        all.fold(0.0, |largest: f64, u| match u.is_nan() {
+            true => f64::INFINITY,
+            false => largest.max(u.abs()),
+        })
+    }
+
     /// The diagonal of the box around all bodies in the reference configuration (UL).
     pub fn diagonal(&self) -> f64 {
         let low = self.X.iter().fold(self.X[0], |m, x| m.inf(x));

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use contact_core::equilibrium::Solution;
 use contact_core::gaps::{LinearGaps, Sampling};
@@ -37,6 +37,15 @@ pub struct Problem<const D: usize> {
     /// `None`: prescribed displacements are eliminated, not unknowns.
     bounds: Bounds,
     pub(super) findings: Vec<Finding>,
+    /// What the last state is left with, see [`Problem::residual`].
+    pub(super) residuals: Mutex<Option<Residuals>>,
+}
+
+/// ∂E/∂U of all bodies at a load factor and a state.
+pub(super) struct Residuals {
+    pub load: f64,
+    pub u: Vec<f64>,
+    pub forces: Arc<Vec<Vec<f64>>>,
 }
 
 impl<const D: usize> Problem<D> {
@@ -68,6 +77,7 @@ impl<const D: usize> Problem<D> {
             contact,
             bounds: Bounds::default(),
             findings: Vec::new(),
+            residuals: Mutex::new(None),
         }
     }
 
@@ -195,6 +205,16 @@ impl<const D: usize> Problem<D> {
         self.contact.built()
     }
 
+    /// The number of states at which penetrations were looked for.
+    pub fn penetrations_searched(&self) -> usize {
+        self.contact.inside_searched()
+    }
+
+    /// The passes none of whose points has been projected, since no displacement so far could close a row of them.
+    pub fn unsearched_passes(&self) -> usize {
+        self.contact.unsearched()
+    }
+
     /// What is left at load factor `load` of the overlap with which two bodies of a pair started: its relative depth, and its
     /// share of the thickness. 0 if initial overlaps are refused.
     pub(crate) fn granted(&self, [a, b]: [usize; 2], load: f64) -> [f64; 2] {
@@ -229,18 +249,33 @@ impl<const D: usize> Problem<D> {
                 value: last as f64,
                 remedy: "name surfaces of this problem, numbered from 0 as in `Problem::surfaces`",
             }),
-            None => Ok(self.rows_at(passes, u, sampling)),
+            None => {
+                let numbered = passes.iter().copied().enumerate();
+                Ok(self.unstopped_rows(numbered, u, sampling))
+            }
         }
     }
 
-    /// As [`Problem::rows_of`], at a state.
-    pub(crate) fn rows_at(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
-        let numbered = passes.iter().copied().enumerate();
+    /// The rows of numbered passes, whatever is requested meanwhile.
+    fn unstopped_rows(
+        &self,
+        passes: impl Iterator<Item = (usize, Pass)>,
+        u: &[f64],
+        sampling: Sampling,
+    ) -> LinearGaps {
         let rows = self
             .contact
-            .rows(numbered, &self.kinematics, u, sampling, None);
+            .rows(passes, &self.kinematics, u, sampling, None);
         // nothing stops it
         rows.unwrap_or_else(|| LinearGaps::new(self.contact.is_exact()))
+    }
+
+    /// As [`Problem::rows_of`], at a state, without passes that are open at `u` for sure.
+    pub(crate) fn rows_at(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
+        let moved = self.kinematics.largest(u);
+        let numbered = passes.iter().copied().enumerate();
+        let numbered = numbered.filter(|(_, pass)| self.contact.is_near(*pass, moved));
+        self.unstopped_rows(numbered, u, sampling)
     }
 }
 
@@ -281,6 +316,20 @@ impl<const D: usize> ContactProblem for Problem<D> {
         let (at, stop) = (&self.kinematics, self.contact.stop.as_ref());
         let rows = self.contact.rows(passes, at, u, sampling, stop);
         rows.ok_or(Error::Interrupted)
+    }
+
+    fn linearize_near(&self, u: &[f64], moved: f64) -> Result<LinearGaps, Error> {
+        Error::check_vector("u", u, self.dofs().free())?;
+        let stop = self.contact.stop.as_ref();
+        let of = |reversed| {
+            let passes = self.contact.passes_in(reversed);
+            let passes = passes.filter(|(_, pass)| self.contact.is_near(*pass, moved));
+            let rows = self
+                .contact
+                .rows(passes, &self.kinematics, u, Sampling::Nodes, stop);
+            rows.ok_or(Error::Interrupted)
+        };
+        Ok(of(false)?.and(of(true)?))
     }
 
     fn vary_gaps(
@@ -355,6 +404,9 @@ impl<const D: usize> LoadStepped for Problem<D> {
         for (index, (body, energy)) in bodies.enumerate() {
             let full = body.prescribed_values().into_iter();
             let increments: Vec<f64> = full.map(|p| p * (self.load() - from)).collect();
+            if increments.iter().all(|p| *p == 0.0) {
+                continue;
+            }
             let extension = energy.extend(&DofMap::new(&body.is_prescribed()), &increments);
             self.kinematics.add_free(index, &extension, &mut lifted);
         }

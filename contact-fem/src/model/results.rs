@@ -1,8 +1,11 @@
 //! Results derived from a solution: reactions, contact forces, pressures, penetrations.
 
+use std::sync::{Arc, PoisonError};
+
 use contact_core::equilibrium::Solution;
 use contact_core::{Energy, LinearGaps};
 
+use super::problem::Residuals;
 use super::{BodyId, Problem, Undetermined};
 use crate::Error;
 use crate::audit::{Findings, LeastVolume};
@@ -23,11 +26,32 @@ impl<const D: usize> Problem<D> {
     /// ∂E/∂U of a body (UF) for all its dofs, free and prescribed; NaN where it depends on a `u` that is
     /// [no state](Problem::is_state).
     pub fn residual(&self, body: impl Into<BodyId>, u: &[f64]) -> Vec<f64> {
-        let body = body.into().index();
-        let mut residual = vec![0.0; D * self.kinematics.nodes(body).len()];
-        self.energy.parts()[body]
-            .add_residual(&self.state(u)[self.energy.range(body)], &mut residual);
-        residual
+        self.residuals(u)[body.into().index()].clone()
+    }
+
+    /// The same of all bodies, computed once for successive queries at one state.
+    pub(crate) fn residuals(&self, u: &[f64]) -> Arc<Vec<Vec<f64>>> {
+        let mut last = self
+            .residuals
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last.as_ref().filter(|l| l.load == self.load() && l.u == u) {
+            return Arc::clone(&known.forces);
+        }
+        let state = self.state(u);
+        let bodies = self.energy.parts().iter().enumerate();
+        let forces = bodies.map(|(body, energy)| {
+            let mut residual = vec![0.0; D * self.kinematics.nodes(body).len()];
+            energy.add_residual(&state[self.energy.range(body)], &mut residual);
+            residual
+        });
+        let forces = Arc::new(forces.collect::<Vec<_>>());
+        *last = Some(Residuals {
+            load: self.load(),
+            u: u.to_vec(),
+            forces: Arc::clone(&forces),
+        });
+        forces
     }
 
     /// The reactions (UF) of the supports on each body: ∂E/∂U − Cᵀλ summed over its prescribed
@@ -38,8 +62,9 @@ impl<const D: usize> Problem<D> {
         if contact_forces.len() != self.reference().len() {
             return bodies.map(|_| Vector::repeat(f64::NAN)).collect();
         }
+        let residuals = self.residuals(u);
         let reaction = |(id, body): (BodyId, &super::Body<D>)| {
-            let residual = self.residual(id, u);
+            let residual = &residuals[id.index()];
             let contact = contact_forces[self.nodes(id)].iter().flatten();
             let rest = residual.iter().zip(contact).zip(body.prescribed());
             let mut sum = Vector::zeros();

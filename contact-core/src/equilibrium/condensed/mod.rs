@@ -32,7 +32,7 @@ use self::rows::Rows;
 use self::stiffness::Stiffness;
 use super::{
     Choice, Equilibrium, Iteration, Solution, StepContext, check_unbounded, least_displacement,
-    relative_change, rows_of_both_roles,
+    relative_change,
 };
 use crate::cost::FactorSize;
 use crate::{
@@ -68,6 +68,13 @@ impl Condensed {
     /// Without factors yet.
     pub fn new() -> Self {
         Condensed::default()
+    }
+
+    /// Whether a body of the last problem floats.
+    fn floats(&self) -> bool {
+        self.kept
+            .as_ref()
+            .is_some_and(|kept| kept.stiffness.floats())
     }
 
     /// The factors and the compliance for this problem, new where they are not the last one's.
@@ -137,7 +144,8 @@ impl Equilibrium for Condensed {
         if !value.is_finite() {
             return Ok(unchanged(start, value, Outcome::InadmissibleStart));
         }
-        let gaps = match rows_of_both_roles(problem, &start.u, context.stop) {
+        let mut moved = AHEAD * largest_displacement(problem, &start.u);
+        let mut gaps = match near(problem, &start.u, moved, context.stop) {
             Ok(gaps) => gaps,
             Err(halt) => return Ok(unchanged(start, value, halt.outcome()?)),
         };
@@ -153,8 +161,31 @@ impl Equilibrium for Condensed {
             lambda: Vec::new(),
         };
         let scale = Scale::of(problem, &start.u)?;
-        let parts = (problem, &gaps, &scale);
-        let solved = self.equilibrium(parts, &start, &mut at, context.stop, &mut cost);
+        let mut solved;
+        loop {
+            let parts = (problem, &gaps, &scale);
+            solved = self.equilibrium(parts, moved, &start, &mut at, context, &mut cost);
+            let now = match self.floats() {
+                true => f64::INFINITY,
+                false => largest_displacement(problem, &at.u),
+            };
+            // rows that were out of reach may not be any more
+            if solved.is_err() || !(now > moved) {
+                break;
+            }
+            moved = AHEAD * now;
+            let projecting = Instant::now();
+            match near(problem, &start.u, moved, context.stop) {
+                Ok(more) if more.len() == gaps.len() && !self.floats() => break,
+                Ok(more) => gaps = more,
+                Err(halt) => {
+                    solved = Err(halt);
+                    break;
+                }
+            }
+            cost.projection += projecting.elapsed().as_secs_f64();
+            check_gaps(&gaps)?;
+        }
         let is_finite = at.u.iter().chain(&at.lambda).all(|value| value.is_finite());
         if !is_finite {
             at.u.clone_from(&start.u);
@@ -213,6 +244,10 @@ impl Equilibrium for Condensed {
     fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
         MemoryNeed::of_factor(problem.energy().hessian_pattern()).ok()
     }
+
+    fn lifts_starts(&self, _problem: &dyn ContactProblem) -> bool {
+        true
+    }
 }
 
 /// The end of a solve at its start, with energy E there.
@@ -230,8 +265,27 @@ fn unchanged(start: State, energy: f64, outcome: Outcome) -> Solution {
     }
 }
 
+/// The rows that displacements of at most `moved` (UL) can close.
+fn near(
+    problem: &dyn ContactProblem,
+    u: &[f64],
+    moved: f64,
+    stop: &Stop,
+) -> Result<LinearGaps, Halt> {
+    Halt::if_requested(stop)?;
+    Ok(problem.linearize_near(u, moved)?)
+}
+
+/// The largest displacement at u, prescribed ones included (UL).
+fn largest_displacement(problem: &dyn ContactProblem, u: &[f64]) -> f64 {
+    let prescribed = problem.prescribed_magnitude();
+    u.iter().fold(prescribed, |largest, u| largest.max(u.abs()))
+}
+
 /// The name in records.
 const NAME: &str = "condensed";
+/// Rows are asked for that displacements this much larger can close: the next ones may be larger by as much.
+const AHEAD: f64 = 1.1;
 /// Parallel rows share a force where their gaps differ by no more than this share of the problem's length.
 const TIE: f64 = 1e-12;
 
@@ -239,13 +293,23 @@ impl Condensed {
     fn equilibrium(
         &mut self,
         (problem, gaps, scale): (&dyn ContactProblem, &LinearGaps, &Scale),
+        moved: f64,
         start: &State,
         at: &mut Iterate,
-        stop: &Stop,
+        context: &StepContext<'_>,
         cost: &mut Cost,
     ) -> Result<(), Halt> {
-        let energy = problem.energy();
+        let (energy, stop) = (problem.energy(), context.stop);
         let kept = self.prepare(energy, gaps, stop, cost)?;
+        if kept.stiffness.floats() {
+            // nothing bounds its way to a row, and motions that nothing determines stay where the start has them
+            if moved.is_finite() {
+                return Ok(());
+            }
+            if !context.is_lifted {
+                at.u = (context.lifted)().u;
+            }
+        }
         Halt::if_immovable(scale.length, gaps, kept.rows.immovable(), gaps.constant())?;
         let clock = Instant::now();
         let mut load = vec![0.0; energy.dofs()];

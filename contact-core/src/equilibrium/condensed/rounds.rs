@@ -129,7 +129,7 @@ impl Rounds<'_> {
     fn overlapping(&self, gaps: &[f64], overlap: f64) -> Vec<usize> {
         let overlaps = |&k: &usize| !self.compliance.holds(k) && gaps[k] < -overlap;
         let mut rows: Vec<usize> = (0..self.rows.len()).filter(overlaps).collect();
-        if self.stiffness.blocks().iter().any(|block| block.floats) {
+        if self.stiffness.floats() {
             rows.sort_by(|&a, &b| gaps[a].total_cmp(&gaps[b]));
             rows.truncate(self.compliance.rows().len().max(FIRST));
         }

@@ -78,6 +78,11 @@ impl Stiffness {
         &self.blocks
     }
 
+    /// Whether any of them floats.
+    pub fn floats(&self) -> bool {
+        self.blocks.iter().any(|block| block.floats)
+    }
+
     /// As [`Self::blocks`], to solve with them.
     pub fn blocks_mut(&mut self) -> &mut [Block] {
         &mut self.blocks
@@ -178,14 +183,7 @@ fn analyses(
     let mut patterns: Vec<SymmetricPattern> = Vec::new();
     let mut numbers = Vec::new();
     for range in ranges {
-        let slots = slots(pattern, range);
-        let rows = pattern.rows()[slots.clone()].iter();
-        let places = rows.zip(&pattern.cols()[slots]);
-        let places: Vec<_> = places
-            .map(|(i, j)| (i - range.start, j - range.start))
-            .collect();
-        // sorted, none repeated: the slots keep their order
-        let (own, _) = SymmetricPattern::from_entries(range.len(), &places)?;
+        let own = pattern.block(range)?;
         let known = patterns.iter().position(|other| *other == own);
         numbers.push(known.unwrap_or(patterns.len()));
         if known.is_none() {

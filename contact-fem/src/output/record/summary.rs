@@ -181,7 +181,8 @@ impl Summary {
             left_out: left_out.map(|left| {
                 json!({
                     "dofs": left.dofs, "cells": left.cells, "rows": left.rows,
-                    "solves": left.solves, "hessians": left.hessians,
+                    "passes": left.passes, "solves": left.solves,
+                    "factorisations": left.factorizations, "hessians": left.hessians,
                 })
             }),
             wall_seconds: wall,
