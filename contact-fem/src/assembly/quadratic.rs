@@ -14,10 +14,12 @@ pub struct QuadraticEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     elastic: StrainEnergy<D, E, M>,
     /// K (UF/UL), one value for each entry of the pattern.
     K: Vec<f64>,
-    /// ∇E and E at u = 0 and full load. The loads are proportional: they vary with the load factor and with its square.
-    g_1: Vec<f64>,
-    E_1: f64,
-    /// The same at the present load.
+    /// ∇E at u = 0, without load and what it grows by to full load: loads are proportional.
+    g_still: Vec<f64>,
+    g_loads: Vec<f64>,
+    /// E at u = 0: the coefficients of 1, of the load factor and of its square.
+    E_rest: [f64; 3],
+    /// ∇E and E at u = 0 and the present load.
     g_0: Vec<f64>,
     E_0: f64,
 }
@@ -33,18 +35,25 @@ impl<const D: usize, E: Element<D>, M: Material<D>> QuadraticEnergy<D, E, M> {
         let rest = vec![0.0; n];
         let mut K = vec![0.0; elastic.hessian_pattern().len()];
         elastic.hessian(&rest, &mut K);
-        elastic.set_load(1.0);
-        let E_1 = elastic.value(&rest);
-        let mut g_1 = vec![0.0; n];
-        elastic.gradient(&rest, &mut g_1);
-        elastic.set_load(0.0);
+        let mut at = |factor: f64| {
+            elastic.set_load(factor);
+            let mut g = vec![0.0; n];
+            elastic.gradient(&rest, &mut g);
+            (elastic.value(&rest), g)
+        };
+        let [(E_down, _), (E_up, g_up), (E_0, g_0)] = [-1.0, 1.0, 0.0].map(&mut at);
         elastic.forget();
         QuadraticEnergy {
             K,
-            g_1,
-            E_1,
-            g_0: rest,
-            E_0: 0.0,
+            g_loads: g_up
+                .iter()
+                .zip(&g_0)
+                .map(|(up, still)| up - still)
+                .collect(),
+            E_rest: [E_0, 0.5 * (E_up - E_down), 0.5 * (E_up + E_down) - E_0],
+            g_still: g_0.clone(),
+            g_0,
+            E_0,
             elastic,
         }
     }
@@ -84,9 +93,12 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for QuadraticEnergy<D
 impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticEnergy<D, E, M> {
     fn set_load(&mut self, factor: f64) {
         self.elastic.set_load(factor);
-        self.E_0 = factor * factor * self.E_1;
-        let at_full_load = self.g_0.iter_mut().zip(&self.g_1);
-        at_full_load.for_each(|(g_0, g_1)| *g_0 = factor * g_1);
+        let [still, slope, curvature] = self.E_rest;
+        self.E_0 = still + factor * (slope + factor * curvature);
+        let parts = self.g_still.iter().zip(&self.g_loads);
+        for (g_0, (still, loads)) in self.g_0.iter_mut().zip(parts) {
+            *g_0 = still + factor * loads;
+        }
     }
 
     fn prescribed(&self) -> &[f64] {
