@@ -21,6 +21,7 @@ mod inverted;
 mod left_out;
 mod many_bodies;
 mod methods;
+mod needs;
 mod newton;
 mod patch;
 mod patch_exact;
