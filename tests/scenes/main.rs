@@ -22,6 +22,7 @@ mod left_out;
 mod many_bodies;
 mod memory;
 mod methods;
+mod needs;
 mod newton;
 mod patch;
 mod patch_exact;
