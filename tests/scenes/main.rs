@@ -27,6 +27,7 @@ mod newton;
 mod patch;
 mod patch_exact;
 mod rows;
+mod search_faults;
 mod space;
 mod toy;
 mod units;
