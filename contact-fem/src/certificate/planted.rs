@@ -579,13 +579,18 @@ fn solutions_of_another_kind_have_no_residuals() {
     let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
     let lambda = vec![0.0; gaps.len()];
     let sound = state(u, gaps, lambda);
-    let spoilt: [fn(&mut Solution); 6] = [
+    let spoilt: [fn(&mut Solution); 7] = [
         |s| s.state.u.push(0.0),
         |s| s.state.u.truncate(5),
         |s| s.lambda.push(0.0),
         |s| s.lambda.truncate(2),
         |s| s.state.u[3] = f64::NAN,
         |s| s.lambda[3] = f64::INFINITY,
+        |s| {
+            let of_no_pass = RowKey { pass: 9, node: 0 };
+            s.gaps.push(of_no_pass, &s.gaps.row(0));
+            s.lambda.push(0.0);
+        },
     ];
     assert!(Certificate::new(&problem, &sound).holds(&Limits::default()));
     for spoil in spoilt {
