@@ -228,6 +228,15 @@ impl GapVariation {
         }
     }
 
+    /// Adds Dᵀv to `out`.
+    pub fn add_transposed_forces(&self, v: &[f64], out: &mut [f64]) {
+        let v: Vec<f64> = self.unknowns.iter().map(|&unknown| v[unknown]).collect();
+        self.forces.add_transpose(&v, out);
+        let mut y = vec![0.0; self.internal.len()];
+        self.internal_forces.add_transpose(&v, &mut y);
+        self.internal.add_transpose(&y, out);
+    }
+
     /// The entries of D as (row, column, value); the values of one place add up.
     pub fn stiffness(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         self.unknowns.iter().enumerate().flat_map(move |(k, &i)| {

@@ -17,12 +17,15 @@ use super::ordering::{inverse, nested_dissection};
 use super::{Factor, FactorError, Inertia, Ordering, SymmetricPattern};
 use crate::{MemoryError, memory};
 
+/// The places of a factor's entries.
+pub(super) type Structure = SymbolicCholesky<usize>;
+
 /// What the factors of all matrices of one pattern share: the order of elimination and the places of their entries. A
 /// clone shares it.
 #[derive(Clone, Debug)]
 pub struct Analysis {
     pattern: SymmetricPattern,
-    symbolic: Arc<SymbolicCholesky<usize>>,
+    symbolic: Arc<Structure>,
 }
 
 impl Analysis {
@@ -59,26 +62,21 @@ impl Analysis {
         })
     }
 
-    /// In the order given, or else by minimum degree.
+    /// In the order given, or else by minimum degree, which is analysed once a pattern.
     fn in_order(pattern: &SymmetricPattern, order: Option<&[usize]>) -> Result<Self, FactorError> {
-        let n = pattern.dim();
-        let step = order.map(|order| match order.len() == n {
-            true => inverse(order),
-            false => Err(FactorError::Order { n }),
-        });
-        let step = step.transpose()?;
-        let ordering = match (order, &step) {
-            (Some(order), Some(step)) => {
-                SymmetricOrdering::Custom(PermRef::new_checked(order, step, n))
-            }
-            _ => SymmetricOrdering::Amd,
-        };
-        let (lower, params) = (symbolic(pattern), CholeskySymbolicParams::default());
-        let symbolic = factorize_symbolic_cholesky(lower, Side::Lower, ordering, params);
-        Ok(Analysis {
-            symbolic: Arc::new(symbolic.map_err(|e| too_large(pattern, e))?),
+        let of = |symbolic| Analysis {
+            symbolic,
             pattern: pattern.clone(),
-        })
+        };
+        let known = pattern.by_degree();
+        match (order, known.get()) {
+            (Some(_), _) => Ok(of(Arc::new(structure(pattern, order)?))),
+            (None, Some(symbolic)) => Ok(of(symbolic.clone())),
+            (None, None) => {
+                let symbolic = Arc::new(structure(pattern, None)?);
+                Ok(of(known.get_or_init(|| symbolic).clone()))
+            }
+        }
     }
 
     /// The pattern.
@@ -150,6 +148,27 @@ fn exhausted(pattern: &SymmetricPattern) -> FactorError {
 const WHAT: &str = "the factor of a linear system";
 /// From so many bytes on, what the system has left is looked at before they are taken.
 const MANY: u64 = 32 << 20;
+
+fn structure(
+    pattern: &SymmetricPattern,
+    order: Option<&[usize]>,
+) -> Result<Structure, FactorError> {
+    let n = pattern.dim();
+    let step = order.map(|order| match order.len() == n {
+        true => inverse(order),
+        false => Err(FactorError::Order { n }),
+    });
+    let step = step.transpose()?;
+    let ordering = match (order, &step) {
+        (Some(order), Some(step)) => {
+            SymmetricOrdering::Custom(PermRef::new_checked(order, step, n))
+        }
+        _ => SymmetricOrdering::Amd,
+    };
+    let (lower, params) = (symbolic(pattern), CholeskySymbolicParams::default());
+    let structure = factorize_symbolic_cholesky(lower, Side::Lower, ordering, params);
+    structure.map_err(|e| too_large(pattern, e))
+}
 
 fn symbolic(pattern: &SymmetricPattern) -> SymbolicSparseColMatRef<'_, usize> {
     let n = pattern.dim();

@@ -76,23 +76,28 @@ fn elimination_tree(
         return Err(FactorError::Order { n: pattern.dim() });
     }
     let step = inverse(order)?;
-    let steps = pattern.iter().map(|(i, j)| (step[i], step[j]));
-    let lower: Vec<_> = steps.filter(|(a, b)| a != b).collect();
-    // sorted by row: the slots of the upper triangle's columns
-    let permuted =
-        SymmetricPattern::from_entries(n, &lower).map_err(|_| FactorError::Order { n })?;
-    let permuted = permuted.0;
-    let mut by_row: Vec<(usize, usize)> = permuted.iter().collect();
-    by_row.sort_unstable();
+    let steps = || pattern.iter().map(|(i, j)| (step[i], step[j]));
+    let entries = || steps().map(|(a, b)| (a.max(b), a.min(b)));
+    // the columns of the entries row by row; starts[row + 1] is where the next of a row goes
+    let mut starts = vec![0; n + 2];
+    entries().for_each(|(row, _)| starts[row + 2] += 1);
+    (2..n + 2).for_each(|k| starts[k] += starts[k - 1]);
+    let mut columns = vec![0; pattern.len()];
+    for (row, col) in entries() {
+        columns[starts[row + 1]] = col;
+        starts[row + 1] += 1;
+    }
     let (mut parents, mut ancestors) = (vec![n; n], vec![n; n]);
-    for (row, col) in by_row {
-        let mut k = col;
-        while k < row {
-            let above = std::mem::replace(&mut ancestors[k], row);
-            if above == n {
-                parents[k] = row;
+    for row in 0..n {
+        for &col in &columns[starts[row]..starts[row + 1]] {
+            let mut k = col;
+            while k < row {
+                let above = std::mem::replace(&mut ancestors[k], row);
+                if above == n {
+                    parents[k] = row;
+                }
+                k = above;
             }
-            k = above;
         }
     }
     Ok(parents)

@@ -13,12 +13,23 @@ use crate::nlp::{NlpError, Pattern};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SymmetricPattern(Arc<Columns>);
 
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default)]
 struct Columns {
     /// The first slot of each column, and the number of slots.
     starts: Vec<usize>,
     entries: Pattern,
+    /// The structure of the factor in the order by minimum degree, once somebody has asked for it.
+    #[cfg(feature = "linear")]
+    by_degree: std::sync::OnceLock<Arc<super::cholesky::Structure>>,
 }
+
+impl PartialEq for Columns {
+    fn eq(&self, other: &Self) -> bool {
+        self.starts == other.starts && self.entries == other.entries
+    }
+}
+
+impl Eq for Columns {}
 
 impl SymmetricPattern {
     /// The pattern of `entries` (row, column) of a matrix of `n` unknowns, and the slot of each entry. An entry above
@@ -84,7 +95,17 @@ impl SymmetricPattern {
 
     fn of(starts: Vec<usize>, rows: Vec<usize>, cols: Vec<usize>) -> Self {
         let entries = Pattern::new(rows, cols);
-        SymmetricPattern(Arc::new(Columns { starts, entries }))
+        SymmetricPattern(Arc::new(Columns {
+            starts,
+            entries,
+            ..Columns::default()
+        }))
+    }
+
+    /// Where the structure of the factor by minimum degree is kept, for all clones.
+    #[cfg(feature = "linear")]
+    pub(super) fn by_degree(&self) -> &std::sync::OnceLock<Arc<super::cholesky::Structure>> {
+        &self.0.by_degree
     }
 
     /// The pattern of entries with values, as [`SymmetricPattern::from_entries`], and the sum of the values in each

@@ -38,7 +38,7 @@ struct Form<T> {
     normals: Sum<T>,
 }
 
-impl<T: AddAssign> Sum<T> {
+impl<T: AddAssign + Copy> Sum<T> {
     const EMPTY: Self = Sum {
         keys: Vec::new(),
         terms: Vec::new(),
@@ -55,12 +55,17 @@ impl<T: AddAssign> Sum<T> {
         }
     }
 
+    fn add_all(&mut self, keys: &[usize], terms: &[T]) {
+        let terms = keys.iter().zip(terms);
+        terms.for_each(|(&key, &term)| self.add(key, term));
+    }
+
     fn iter(&self) -> impl Iterator<Item = (usize, &T)> {
         self.keys.iter().copied().zip(&self.terms)
     }
 }
 
-impl<T: AddAssign> Form<T> {
+impl<T: AddAssign + Copy> Form<T> {
     const ZERO: Self = Form {
         nodes: Sum::EMPTY,
         normals: Sum::EMPTY,
@@ -78,13 +83,93 @@ pub struct Variation<const D: usize> {
     normals: Vec<Sum<Matrix<D>>>,
 }
 
+/// The sums over points that follow each other on the same two facets: dense, so that most points find no key.
+struct Piece<const D: usize> {
+    rows: Vec<usize>,
+    nodes: Vec<usize>,
+    normals: Vec<usize>,
+    /// δc, rows by nodes and rows by normals.
+    gaps: Vec<Vector<D>>,
+    gaps_by_normals: Vec<Vector<D>>,
+    /// δ(Cᵀλ), nodes by nodes and nodes by normals; zero unless some point pushes.
+    forces: Vec<Matrix<D>>,
+    forces_by_normals: Vec<Matrix<D>>,
+    pushes: bool,
+}
+
+impl<const D: usize> Piece<D> {
+    fn new(rows: Vec<usize>, nodes: Vec<usize>, normals: Vec<usize>) -> Self {
+        Piece {
+            gaps: vec![Vector::zeros(); rows.len() * nodes.len()],
+            gaps_by_normals: vec![Vector::zeros(); rows.len() * normals.len()],
+            forces: vec![Matrix::zeros(); nodes.len() * nodes.len()],
+            forces_by_normals: vec![Matrix::zeros(); nodes.len() * normals.len()],
+            pushes: false,
+            rows,
+            nodes,
+            normals,
+        }
+    }
+
+    fn is_of(&self, rows: &[Row], near: &[Near<D>]) -> bool {
+        let same_rows = self.rows.iter().eq(rows.iter().map(|row| &row.index));
+        same_rows && self.nodes.iter().eq(near.iter().map(|point| &point.node))
+    }
+
+    fn add(&mut self, foot: &Foot<'_, D>, rows: &[Row], near: &[Near<D>]) {
+        let count = self.normals.len();
+        let mut force = 0.0;
+        for (r, row) in rows.iter().enumerate() {
+            force += row.lambda * row.share;
+            let sums = &mut self.gaps[r * near.len()..];
+            for (sum, point) in sums.iter_mut().zip(near) {
+                let mut gradient = foot.q * point.shape;
+                if let Some(slopes) = &point.slopes {
+                    gradient += foot.p * slopes.dot(&foot.mu);
+                }
+                *sum += gradient * row.share;
+            }
+            let sums = &mut self.gaps_by_normals[r * count..];
+            for (sum, N) in sums.iter_mut().zip(&foot.N[..count]) {
+                *sum += foot.w * (N * row.share);
+            }
+        }
+        if force == 0.0 {
+            return;
+        }
+        self.pushes = true;
+        let A = foot.m.slope() * force;
+        let push = foot.m.n * force;
+        for (a, own) in near.iter().enumerate() {
+            let sums = &mut self.forces[a * near.len()..];
+            for (sum, other) in sums.iter_mut().zip(near) {
+                *sum += other.normal * (own.shape * force);
+                if let Some(slopes) = &own.slopes {
+                    *sum -= push * other.lambda.tr_mul(slopes).transpose();
+                }
+            }
+            let sums = &mut self.forces_by_normals[a * count..];
+            for (sum, N) in sums.iter_mut().zip(&foot.N[..count]) {
+                *sum += A * (N * own.shape);
+            }
+        }
+    }
+}
+
+/// A row at an integration point, with its multiplier and the point's share in it.
+struct Row {
+    index: usize,
+    lambda: f64,
+    share: f64,
+}
+
 /// A node of one of the two facets of a point.
 struct Near<const D: usize> {
     node: usize,
     /// Its shape function in x_q − x̄.
     shape: f64,
-    /// ∂(x_q − x̄)/∂λ_k of the master's node, with the opposite sign.
-    slopes: Vector<D>,
+    /// ∂(x_q − x̄)/∂λ_k of the master's node, with the opposite sign; `None` of the slave's, which is zero.
+    slopes: Option<Vector<D>>,
     /// δλ and δn.
     lambda: Matrix<D>,
     normal: Matrix<D>,
@@ -112,59 +197,64 @@ impl<const D: usize> Variation<D> {
         stops: impl Fn() -> bool,
     ) -> bool {
         let mut rows = Vec::new();
+        let mut piece: Option<Piece<D>> = None;
         for (stencil, shares) in pass.stencils() {
             if stops() {
                 return false;
             }
             rows.clear();
-            rows.extend(shares.filter_map(|(name, share)| Some((multiplier(name)?, share))));
-            if !rows.is_empty() {
-                self.add_point(stencil, surface, &rows);
+            rows.extend(shares.filter_map(|(name, share)| {
+                let (index, lambda) = multiplier(name)?;
+                Some(Row {
+                    index,
+                    lambda,
+                    share,
+                })
+            }));
+            if rows.is_empty() {
+                continue;
             }
+            let foot = Foot::new(stencil);
+            let near = near(stencil, &foot);
+            let known = piece.take().filter(|known| {
+                let is_same = known.is_of(&rows, &near);
+                if !is_same {
+                    self.add_piece(known);
+                }
+                is_same
+            });
+            let known = piece.insert(known.unwrap_or_else(|| {
+                let numbered = |&b: &usize| self.number(foot.master, surface, b);
+                Piece::new(
+                    rows.iter().map(|row| row.index).collect(),
+                    near.iter().map(|point| point.node).collect(),
+                    foot.nodes.iter().map(numbered).collect(),
+                )
+            }));
+            known.add(&foot, &rows, &near);
+        }
+        if let Some(last) = &piece {
+            self.add_piece(last);
         }
         true
     }
 
-    fn add_point(
-        &mut self,
-        stencil: &Stencil<'_, D>,
-        surface: usize,
-        rows: &[((usize, f64), f64)],
-    ) {
-        let foot = Foot::new(stencil);
-        let near = near(stencil, &foot);
-        let normals: Vec<usize> = foot
-            .nodes
-            .iter()
-            .map(|&b| self.number(foot.master, surface, b))
-            .collect();
-        let normals = || normals.iter().copied().zip(foot.N);
-        let mut force = 0.0;
-        for &((row, lambda), share) in rows {
-            force += lambda * share;
+    fn add_piece(&mut self, piece: &Piece<D>) {
+        let (nodes, normals) = (&piece.nodes, &piece.normals);
+        let terms = |all: usize, count: usize| all * count..(all + 1) * count;
+        for (r, &row) in piece.rows.iter().enumerate() {
             let form = &mut self.gaps[row];
-            for point in &near {
-                let gradient = foot.q * point.shape + foot.p * point.slopes.dot(&foot.mu);
-                form.nodes.add(point.node, gradient * share);
-            }
-            for (b, N) in normals() {
-                form.normals.add(b, foot.w * (N * share));
-            }
+            form.nodes
+                .add_all(nodes, &piece.gaps[terms(r, nodes.len())]);
+            let by_normals = &piece.gaps_by_normals[terms(r, normals.len())];
+            form.normals.add_all(normals, by_normals);
         }
-        if force == 0.0 {
-            return;
-        }
-        let A = foot.m.slope();
-        for own in &near {
-            let form = &mut self.forces[own.node];
-            for other in &near {
-                let turned = other.normal * own.shape;
-                let moved = foot.m.n * other.lambda.tr_mul(&own.slopes).transpose();
-                form.nodes.add(other.node, (turned - moved) * force);
-            }
-            for (b, N) in normals() {
-                form.normals.add(b, A * (N * own.shape * force));
-            }
+        for (a, &node) in nodes.iter().enumerate().filter(|_| piece.pushes) {
+            let form = &mut self.forces[node];
+            form.nodes
+                .add_all(nodes, &piece.forces[terms(a, nodes.len())]);
+            let by_normals = &piece.forces_by_normals[terms(a, normals.len())];
+            form.normals.add_all(normals, by_normals);
         }
     }
 
@@ -233,8 +323,9 @@ impl<const D: usize> Variation<D> {
 /// The nodes of the two facets, with what they do to the foot and the normal.
 fn near<const D: usize>(stencil: &Stencil<'_, D>, foot: &Foot<'_, D>) -> Vec<Near<D>> {
     let A = foot.m.slope();
-    let near = |node: usize, shape: f64, slopes: Vector<D>| {
-        let lambda = foot.K * (foot.t.transpose() * shape + slopes * foot.p.transpose());
+    let near = |node: usize, shape: f64, slopes: Option<Vector<D>>| {
+        let of_slopes = slopes.map_or_else(Matrix::zeros, |slopes| slopes * foot.p.transpose());
+        let lambda = foot.K * (foot.t.transpose() * shape + of_slopes);
         Near {
             node,
             shape,
@@ -244,12 +335,10 @@ fn near<const D: usize>(stencil: &Stencil<'_, D>, foot: &Foot<'_, D>) -> Vec<Nea
         }
     };
     let surface = foot.master.surface();
-    let own = stencil
-        .slave_shapes()
-        .map(|(a, N)| near(a, N, Vector::zeros()));
+    let own = stencil.slave_shapes().map(|(a, N)| near(a, N, None));
     let other = foot.nodes.iter().enumerate().map(|(b, &node)| {
         let slopes = Vector::from_fn(|k, _| foot.slopes[k][b]);
-        near(surface.nodes()[node], -foot.N[b], slopes)
+        near(surface.nodes()[node], -foot.N[b], Some(slopes))
     });
     own.chain(other).collect()
 }

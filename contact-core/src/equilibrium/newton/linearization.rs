@@ -118,9 +118,10 @@ impl<'a> Linearization<'a> {
     pub fn curvature(&self, v: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; v.len()];
         self.pattern.product(&self.hessian, v, &mut forces);
-        for (i, j, d) in self.contact_stiffness() {
-            forces[i] -= 0.5 * d * v[j];
-            forces[j] -= 0.5 * d * v[i];
+        if let Some(variation) = &self.variation {
+            let half: Vec<f64> = v.iter().map(|v| -0.5 * v).collect();
+            variation.add_forces(&half, &variation.internal(&half), &mut forces);
+            variation.add_transposed_forces(&half, &mut forces);
         }
         forces
     }

@@ -227,7 +227,7 @@ fn assert_varies_as_differences<const D: usize>(problem: &Problem<D>, within: f6
     assert!(errors.iter().all(|e| *e < within), "{what}: {errors:?}");
 }
 
-/// The entries of D summed to a matrix, against D times the unit vectors.
+/// The entries of D summed to a matrix, against D and Dᵀ times the unit vectors.
 fn assert_stiffness(variation: &GapVariation, n: usize, what: &str) {
     let mut dense = vec![0.0; n * n];
     let mut largest = 0.0f64;
@@ -243,6 +243,11 @@ fn assert_stiffness(variation: &GapVariation, n: usize, what: &str) {
         variation.add_forces(&unit, &variation.internal(&unit), &mut column);
         let error = apart(&column, &dense[n * j..n * (j + 1)]);
         assert!(error < 1e-13 * largest, "{what}: column {j}, {error:e}");
+        let mut row = vec![0.0; n];
+        variation.add_transposed_forces(&unit, &mut row);
+        let dense_row: Vec<f64> = (0..n).map(|k| dense[j + n * k]).collect();
+        let error = apart(&row, &dense_row);
+        assert!(error < 1e-13 * largest, "{what}: row {j}, {error:e}");
     }
 }
 
