@@ -281,14 +281,13 @@ impl Path<'_> {
                         halvings = halvings.saturating_sub(1); // after success the step doubles
                     }
                     Outcome::Interrupted => return Ok(self.interrupted()),
-                    _ if halvings < self.settings.max_halvings && !self.is_stuck() => {
-                        halvings += 1;
-                        continue;
-                    }
                     _ => {
-                        let stuck = self
-                            .is_stuck()
-                            .then(|| "smaller steps do not reduce it".into());
+                        let is_stuck = self.is_stuck();
+                        if halvings < self.settings.max_halvings && !is_stuck {
+                            halvings += 1;
+                            continue;
+                        }
+                        let stuck = is_stuck.then(|| "smaller steps do not reduce it".into());
                         let causes = stuck.into_iter().chain(problem.diagnose(&solution));
                         let before = solution.failed.iter().filter(|f| f.cause.is_some());
                         let causes = causes.chain(before.map(|failed| failed.to_string()));

@@ -181,7 +181,7 @@ fn limits() -> Vec<MemoryLeft> {
     let read = |path: &str| read_to_string(path).unwrap_or_default();
     let (limits, status) = (read("/proc/self/limits"), read("/proc/self/status"));
     let within = |limit, name, used| {
-        let all = hard_limit_of(&limits, name)?;
+        let all = soft_limit_of(&limits, name)?;
         let bytes = all.saturating_sub(kilobytes(&status, used)?);
         Some(MemoryLeft { bytes, limit })
     };
@@ -204,7 +204,7 @@ fn limits() -> Vec<MemoryLeft> {
 }
 
 /// The soft limit (bytes) of this name in the text of `/proc/self/limits`; `None` where it is unlimited.
-fn hard_limit_of(limits: &str, name: &str) -> Option<u64> {
+fn soft_limit_of(limits: &str, name: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix(name))?;
     line.split_whitespace().next()?.parse().ok()
 }
@@ -333,11 +333,11 @@ Max address space         307200000            unlimited            bytes
     #[test]
     fn limits_are_read_as_the_system_writes_them() {
         assert_eq!(
-            hard_limit_of(LIMITS, "Max address space"),
+            soft_limit_of(LIMITS, "Max address space"),
             Some(307_200_000)
         );
-        assert_eq!(hard_limit_of(LIMITS, "Max data size"), None);
-        assert_eq!(hard_limit_of("", "Max data size"), None);
+        assert_eq!(soft_limit_of(LIMITS, "Max data size"), None);
+        assert_eq!(soft_limit_of("", "Max data size"), None);
         let status = "Name:\tx\nVmSize:\t    1234 kB\nVmData:\t x kB\n";
         assert_eq!(kilobytes(status, "VmSize:"), Some(1234 * 1024));
         assert_eq!(kilobytes(status, "VmData:"), None);

@@ -270,8 +270,8 @@ pub trait ContactProblem {
     /// The rows of both roles, one for each contact node, without those that are open wherever no displacement exceeds
     /// `moved` (UL). By default all.
     ///
-    /// [`Condensed`](crate::equilibrium::Condensed) asks again where displacements exceed `moved`. More may be left out for
-    /// a smaller `moved`, never less.
+    /// [`Condensed`](crate::equilibrium::Condensed) asks again where displacements exceed `moved`. A row that is left out for
+    /// some `moved` is left out for any smaller one.
     fn linearize_near(&self, u: &[f64], _moved: f64) -> Result<LinearGaps, Error> {
         let forward = self.linearize_gaps(u, Sampling::Nodes)?;
         Ok(forward.and(self.linearize_reversed(u, Sampling::Nodes)?))

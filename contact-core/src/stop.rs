@@ -104,6 +104,13 @@ impl Stop {
         Ok(stop)
     }
 
+    /// The memory that the budgets allow (bytes).
+    #[cfg(feature = "linear")]
+    pub(crate) fn memory(&self) -> Option<u64> {
+        let budgets = self.accounts.iter().map(|account| &account.budget);
+        budgets.filter_map(|budget| budget.memory).min()
+    }
+
     /// Counts a numerical factorisation that is about to begin. False if it must not.
     pub fn begin_factorization(&self) -> bool {
         !self.is_requested() && self.accounts.iter().all(|account| account.begin())

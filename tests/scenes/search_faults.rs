@@ -13,11 +13,24 @@ use contact_core::{
 use contact_fem::audit::Overlap;
 use contact_fem::certificate::Certificate;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::model::{Problem, Scene};
+use contact_fem::model::Problem;
 use contact_fem::{Body, NeoHookean};
+use ipopt_contact_scenes::pair;
 
-/// What becomes of a row; `None` if it is lost. It gets its key, its number, the reference place of its node and the row.
-type Fault = fn(RowKey, usize, [f64; 2], Row) -> Option<Row>;
+/// A row as the search found it.
+struct Found {
+    key: RowKey,
+    /// Its number.
+    number: usize,
+    /// The reference position of its node.
+    X: [f64; 2],
+    /// Its gap at the state of the search.
+    gap: f64,
+    row: Row,
+}
+
+/// What becomes of a row; `None` if it is lost.
+type Fault = fn(Found) -> Option<Row>;
 
 /// A problem whose rows have a fault.
 struct Faulty {
@@ -26,11 +39,20 @@ struct Faulty {
 }
 
 impl Faulty {
-    fn spoiled(&self, gaps: &LinearGaps) -> LinearGaps {
+    fn spoiled(&self, gaps: &LinearGaps, u: &[f64]) -> LinearGaps {
         let mut spoiled = LinearGaps::new(gaps.is_exact());
-        for (i, &key) in gaps.keys().iter().enumerate() {
+        let mut at = vec![0.0; gaps.len()];
+        gaps.value(u, &mut at);
+        for (number, (&key, gap)) in gaps.keys().iter().zip(at).enumerate() {
             let X = self.problem.reference()[key.node as usize];
-            if let Some(row) = (self.fault)(key, i, [X[0], X[1]], gaps.row(i)) {
+            let found = Found {
+                key,
+                number,
+                X: [X[0], X[1]],
+                gap,
+                row: gaps.row(number),
+            };
+            if let Some(row) = (self.fault)(found) {
                 spoiled.push(key, &row);
             }
         }
@@ -46,10 +68,11 @@ impl ContactProblem for Faulty {
         self.problem.bounds()
     }
     fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
-        Ok(self.spoiled(&self.problem.linearize_gaps(u, sampling)?))
+        Ok(self.spoiled(&self.problem.linearize_gaps(u, sampling)?, u))
     }
     fn linearize_reversed(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
-        Ok(self.spoiled(&self.problem.linearize_reversed(u, sampling)?))
+        let gaps = self.problem.linearize_reversed(u, sampling)?;
+        Ok(self.spoiled(&gaps, u))
     }
     fn scale(&self) -> Option<Scale> {
         Some(self.problem.scale())
@@ -81,12 +104,7 @@ fn pressed() -> Problem<2> {
     upper
         .prescribe("top", [Some(0.0), Some(-0.3)])
         .expect("support");
-    let mut scene = Scene::new();
-    let lower = scene.add("lower", lower);
-    let upper = scene.add("upper", upper);
-    scene
-        .contact(upper.on("bottom"), lower.on("top"))
-        .expect("a pair");
+    let scene = pair((lower, "top"), (upper, "bottom")).expect("a pair");
     scene.problem().expect("a scene")
 }
 
@@ -112,95 +130,95 @@ fn shifted(row: Row, by: f64) -> Row {
 
 /// Name, fault, and whether it loses contact: bodies are then in each other.
 const FAULTS: [(&str, Fault, bool); 22] = [
-    ("no row is found", |_, _, _, _| None, true),
+    ("no row is found", |_| None, true),
     (
         "one role is lost",
-        |key, _, _, row| (key.pass == 0).then_some(row),
+        |found| (found.key.pass == 0).then_some(found.row),
         false,
     ),
     (
         "the other role is lost",
-        |key, _, _, row| (key.pass == 1).then_some(row),
+        |found| (found.key.pass == 1).then_some(found.row),
         false,
     ),
     (
         "the left half is lost",
-        |_, _, X, row| (X[0] > 0.5).then_some(row),
+        |found| (found.X[0] > 0.5).then_some(found.row),
         true,
     ),
     (
         "the right half is lost",
-        |_, _, X, row| (X[0] < 0.5).then_some(row),
+        |found| (found.X[0] < 0.5).then_some(found.row),
         true,
     ),
     (
         "the middle is lost",
-        |_, _, X, row| ((X[0] - 0.5).abs() > 0.3).then_some(row),
+        |found| ((found.X[0] - 0.5).abs() > 0.3).then_some(found.row),
         true,
     ),
     (
         "the ends are lost",
-        |_, _, X, row| ((X[0] - 0.5).abs() < 0.3).then_some(row),
+        |found| ((found.X[0] - 0.5).abs() < 0.3).then_some(found.row),
         true,
     ),
     (
         "all but one node are lost",
-        |_, _, X, row| ((X[0] - 0.4).abs() < 0.01).then_some(row),
+        |found| ((found.X[0] - 0.4).abs() < 0.01).then_some(found.row),
         true,
     ),
     (
         "every second row is lost",
-        |_, i, _, row| (i % 2 == 0).then_some(row),
+        |found| (found.number % 2 == 0).then_some(found.row),
         false,
     ),
     (
         "two of three rows are lost",
-        |_, i, _, row| (i % 3 == 0).then_some(row),
+        |found| (found.number % 3 == 0).then_some(found.row),
         false,
     ),
     (
-        "deep rows are lost",
-        |_, _, _, row| (row.constant > -0.02).then_some(row),
+        "rows that overlap by a tenth of a facet are lost",
+        |found| (found.gap > -0.02).then_some(found.row),
         false,
     ),
     (
         "gaps are larger by the facets",
-        |_, _, _, row| Some(shifted(row, 0.25)),
+        |found| Some(shifted(found.row, 0.25)),
         true,
     ),
     (
         "gaps are larger by half a facet",
-        |_, _, _, row| Some(shifted(row, 0.125)),
+        |found| Some(shifted(found.row, 0.125)),
         true,
     ),
     (
         "gaps are larger by a tenth of a facet",
-        |_, _, _, row| Some(shifted(row, 0.025)),
+        |found| Some(shifted(found.row, 0.025)),
         false,
     ),
     (
         "gaps are smaller by a tenth of a facet",
-        |_, _, _, row| Some(shifted(row, -0.025)),
+        |found| Some(shifted(found.row, -0.025)),
         false,
     ),
     (
         "gaps have the other sign",
-        |_, _, _, row| Some(scaled(row, -1.0, -1.0)),
+        |found| Some(scaled(found.row, -1.0, -1.0)),
         true,
     ),
     (
         "gaps at the start are ten times as large",
-        |_, _, _, row| Some(scaled(row, 10.0, 1.0)),
+        |found| Some(scaled(found.row, 10.0, 1.0)),
         false,
     ),
     (
         "coefficients have the other sign",
-        |_, _, _, row| Some(scaled(row, 1.0, -1.0)),
+        |found| Some(scaled(found.row, 1.0, -1.0)),
         true,
     ),
     (
         "the slave's side of coefficients is lost",
-        |_, _, _, row| {
+        |Found { row, .. }| {
             let free = row.free.iter().copied().filter(|(_, a)| *a < 0.0).collect();
             Some(Row { free, ..row })
         },
@@ -208,7 +226,7 @@ const FAULTS: [(&str, Fault, bool); 22] = [
     ),
     (
         "normals are turned by 90 degrees",
-        |_, _, _, row| {
+        |Found { row, .. }| {
             let turned =
                 |entries: &[(usize, f64)]| entries.iter().map(|&(j, a)| (j ^ 1, a)).collect();
             Some(Row {
@@ -221,7 +239,7 @@ const FAULTS: [(&str, Fault, bool); 22] = [
     ),
     (
         "rows are those of their neighbours",
-        |_, _, _, row| {
+        |Found { row, .. }| {
             let free = row
                 .free
                 .iter()
@@ -232,8 +250,8 @@ const FAULTS: [(&str, Fault, bool); 22] = [
         false,
     ),
     (
-        "rows below a distance are lost",
-        |_, _, _, row| (row.constant > 0.0).then_some(row),
+        "rows that overlap are lost",
+        |found| (found.gap > 0.0).then_some(found.row),
         false,
     ),
 ];
@@ -275,7 +293,7 @@ fn with_fault(fault: Fault) -> (bool, f64, f64, bool) {
 /// certified.
 #[test]
 fn faults_of_the_search_are_found() {
-    let (complete, expected, depth, holds) = with_fault(|_, _, _, row| Some(row));
+    let (complete, expected, depth, holds) = with_fault(|found| Some(found.row));
     assert!(complete && holds && depth < Overlap::<2>::LIMIT);
     let mut counts = [0; 4];
     for (name, fault, loses) in FAULTS {

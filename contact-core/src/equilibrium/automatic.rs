@@ -117,7 +117,7 @@ impl Equilibrium for Automatic {
         match first.outcome {
             Outcome::Converged | Outcome::Interrupted | Outcome::InadmissibleStart => Ok(first),
             _ => {
-                memory::check_run(&self.fixed_point, problem, None)?;
+                memory::check_run(&self.fixed_point, problem, context.stop.memory())?;
                 let start = match context.is_lifted {
                     true => start,
                     false => (context.lifted)(),
