@@ -121,7 +121,7 @@ pub mod prelude {
     pub use contact_core::{
         Acceleration, Automatic, Budget, Condensed, CondensedNewton, Continuation, Ending,
         Equilibrium, FixedPoint, InteriorPoint, LoadSteps, Method, Outcome, PenalizedSlack,
-        Penalty, Retry, Stop,
+        Penalty, Phase, Retry, Stop,
     };
     pub use contact_fem::certificate::{Condition, Limits};
     pub use contact_fem::mesh::generators::{
@@ -129,12 +129,13 @@ pub mod prelude {
         extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,
     };
     pub use contact_fem::model::{
-        BodyId, Geometry, InitialGaps, Integration, Passes, Problem, Side,
+        BodyId, Geometry, InitialGaps, Integration, ObstacleId, Passes, Problem, Side,
     };
     pub use contact_fem::simulation::{History, StepView};
     pub use contact_fem::{
-        Body, Certificate, LeftOut, LinearElastic, Material, Mesh, MeshFile, NeoHookean, Scene,
-        Simulation, StepRecord,
+        Amplitude, Body, Certificate, LeftOut, LinearElastic, Material, Mesh, MeshFile,
+        MooneyRivlin, Motion, NeoHookean, Obstacle, Scene, Simulation, StVenantKirchhoff,
+        StepRecord,
     };
 }
 

@@ -61,7 +61,7 @@ pub use equilibrium::{Acceleration, Equilibrium, FixedPoint, Retry};
 pub use equilibrium::{Automatic, Condensed, CondensedNewton};
 pub use error::Error;
 pub use gaps::{LinearGaps, RowKey};
-pub use load_steps::{LoadStepped, LoadSteps};
+pub use load_steps::{LoadStepped, LoadSteps, Phase};
 pub use memory::{MemoryError, MemoryNeed};
 #[cfg(feature = "ipopt")]
 pub use method::{Continuation, InteriorPoint, PenalizedSlack, Penalty};

@@ -1,4 +1,4 @@
-//! Load stepping: increments, predictor, cut-back.
+//! Load stepping: phases, increments, predictor, cut-back.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -9,9 +9,9 @@ use crate::{
     Budget, ContactProblem, Cost, Ending, Energy, Error, Interruption, Outcome, State, Stop,
 };
 
-/// A contact problem whose loads and prescribed displacements scale with one factor.
+/// A contact problem whose loads and prescribed displacements are functions of one factor, a pseudo-time.
 pub trait LoadStepped: ContactProblem {
-    /// Sets loads and prescribed displacements to `factor` times their full value.
+    /// Sets loads and prescribed displacements to those at `factor`; proportional ones to `factor` times their full value.
     fn set_load(&mut self, factor: f64) -> Result<(), Error>;
 
     /// Where bodies penetrate or have passed through each other at `u`, or on the way there from
@@ -38,11 +38,36 @@ pub struct Passage {
     pub place: String,
 }
 
+/// A part of a run, in equal increments: loads and motions may change their course where it ends, and no start is
+/// extrapolated across its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phase {
+    /// Its name, which records repeat.
+    pub name: String,
+    /// The load factor, or pseudo-time, at its end. The first phase begins at 0, each other one where the one before ends.
+    pub until: f64,
+    /// The number of equal increments.
+    pub increments: usize,
+}
+
+impl Phase {
+    /// A phase to the load factor `until` in so many increments.
+    pub fn new(name: impl Into<String>, until: f64, increments: usize) -> Self {
+        Phase {
+            name: name.into(),
+            until,
+            increments,
+        }
+    }
+}
+
 /// Settings of the load stepping.
 #[derive(Clone, Debug)]
 pub struct LoadSteps {
-    /// The number of equal increments from zero to full load.
+    /// The number of equal increments from zero to full load; of no effect where there are phases.
     pub increments: usize,
+    /// The phases of the run. If there are none, the default, the run is one phase to the load factor 1.
+    pub phases: Vec<Phase>,
     /// How often an increment may be halved before the run ends as not converged; at most 16.
     pub max_halvings: usize,
     /// Whether each increment starts from the linear extrapolation of the last two converged
@@ -58,6 +83,7 @@ impl Default for LoadSteps {
     fn default() -> Self {
         LoadSteps {
             increments: 1,
+            phases: Vec::new(),
             max_halvings: 6,
             predictor: true,
             stop: Stop::default(),
@@ -69,6 +95,8 @@ impl Default for LoadSteps {
 /// One attempt at a load step, converged or not.
 #[derive(Clone, Debug)]
 pub struct Attempt {
+    /// The name of its phase; empty in a run without phases.
+    pub phase: String,
     /// The load factor of the start.
     pub from: f64,
     /// The load factor to reach.
@@ -135,7 +163,7 @@ pub struct Step<'a, P: ?Sized> {
     pub problem: &'a P,
     /// The load factor.
     pub factor: f64,
-    /// The increment that this step completes, counted from 1; `None` within an increment that was cut.
+    /// The increment that this step completes, counted from 1 over all phases; `None` within an increment that was cut.
     pub increment: Option<usize>,
     /// The converged solution.
     pub solution: &'a Solution,
@@ -153,7 +181,7 @@ struct Milestone {
 impl LoadSteps {
     /// The predictor is rejected if it takes a domain function (J) below this share of its converged value.
     const GUARD: f64 = 0.1;
-    /// Load factors (dimensionless, 1 at full load) that differ by less are equal.
+    /// Load factors that differ by less than this share of a phase are equal.
     const CLOSE: f64 = 1e-12;
     /// Cutting goes on only while it reduces what a failed attempt leaves to this share in so many cuts.
     const SHRINKS: f64 = 0.9;
@@ -172,12 +200,34 @@ impl LoadSteps {
                 remedy: "a run needs at least one increment",
             });
         }
-        if self.increments > Self::MOST_INCREMENTS {
+        let increments = self.phases.iter().map(|phase| phase.increments);
+        let increments = increments
+            .fold(0, usize::saturating_add)
+            .max(self.increments);
+        if increments > Self::MOST_INCREMENTS {
             return Err(Error::Setting {
                 name: "increments",
-                value: self.increments.to_string(),
+                value: increments.to_string(),
                 remedy: "choose at most a million",
             });
+        }
+        let mut began = 0.0;
+        for phase in &self.phases {
+            if phase.increments == 0 {
+                return Err(Error::Setting {
+                    name: "phase increments",
+                    value: "0".into(),
+                    remedy: "a phase needs at least one increment",
+                });
+            }
+            if !(phase.until > began && phase.until.is_finite()) {
+                return Err(Error::Setting {
+                    name: "phase until",
+                    value: phase.until.to_string(),
+                    remedy: "let each phase end at a finite load factor beyond the end of the one before; the first begins at 0",
+                });
+            }
+            began = phase.until;
         }
         if self.max_halvings > Self::MOST_HALVINGS {
             return Err(Error::Setting {
@@ -189,7 +239,20 @@ impl LoadSteps {
         self.budget.validate()
     }
 
-    /// Raises the load from zero, where `start` is converged, to full load. `solver` solves each step;
+    /// The number of increments over all phases.
+    pub fn all_increments(&self) -> usize {
+        match self.phases.is_empty() {
+            true => self.increments,
+            false => self.phases.iter().map(|phase| phase.increments).sum(),
+        }
+    }
+
+    /// The load factor at the end of the run.
+    pub fn end(&self) -> f64 {
+        self.phases.last().map_or(1.0, |phase| phase.until)
+    }
+
+    /// Raises the load from zero, where `start` is converged, to full load, or to the end of the last phase. `solver` solves each step;
     /// `observe` sees every converged step and may stop the run.
     ///
     /// # Errors
@@ -252,6 +315,13 @@ struct Path<'a> {
     attempts: Vec<Attempt>,
 }
 
+/// A phase of a run, with the load factor and the number of increments before it.
+struct Stage<'a> {
+    phase: &'a Phase,
+    began: f64,
+    before: usize,
+}
+
 impl Path<'_> {
     fn walk<P: LoadStepped>(
         &mut self,
@@ -259,20 +329,60 @@ impl Path<'_> {
         solver: &mut dyn Equilibrium,
         observe: &mut impl FnMut(&Step<'_, P>) -> ControlFlow<()>,
     ) -> Result<Ending, Error> {
-        let whole = 1.0 / self.settings.increments as f64;
+        let only = [Phase::new("", 1.0, self.settings.increments)];
+        let phases = match self.settings.phases.is_empty() {
+            true => &only[..],
+            false => &self.settings.phases,
+        };
+        let (mut began, mut before) = (0.0, 0);
+        for phase in phases {
+            let stage = Stage {
+                phase,
+                began,
+                before,
+            };
+            // loads may change their course here
+            self.before = None;
+            if let Some(ending) = self.walk_phase(problem, solver, &stage, observe)? {
+                return Ok(ending);
+            }
+            began = phase.until;
+            before += phase.increments;
+        }
+        Ok(Ending::Complete)
+    }
+
+    /// Walks one phase; the ending of the run if it ends here, before the last phase does.
+    fn walk_phase<P: LoadStepped>(
+        &mut self,
+        problem: &mut P,
+        solver: &mut dyn Equilibrium,
+        stage: &Stage<'_>,
+        observe: &mut impl FnMut(&Step<'_, P>) -> ControlFlow<()>,
+    ) -> Result<Option<Ending>, Error> {
+        let Stage {
+            phase,
+            began,
+            before,
+        } = *stage;
+        let whole = (phase.until - began) / phase.increments as f64;
+        let close = LoadSteps::CLOSE * (phase.until - began);
         let mut halvings = 0_usize;
-        for increment in 1..=self.settings.increments {
-            let goal = increment as f64 * whole;
-            while self.last.factor < goal - LoadSteps::CLOSE {
+        for increment in 1..=phase.increments {
+            let goal = match increment == phase.increments {
+                true => phase.until,
+                false => began + increment as f64 * whole,
+            };
+            while self.last.factor < goal - close {
                 if self.stop.is_requested() {
-                    return Ok(self.interrupted());
+                    return Ok(Some(self.interrupted()));
                 }
                 let cut = self.last.factor + whole * 0.5f64.powi(halvings as i32);
-                let arrives = cut > goal - LoadSteps::CLOSE;
+                let arrives = cut > goal - close;
                 let target = if arrives { goal } else { cut };
-                let solution = match self.attempt(problem, solver, target) {
+                let solution = match self.attempt(problem, solver, phase, target) {
                     Err(Error::Interrupted) if self.stop.is_requested() => {
-                        return Ok(self.interrupted());
+                        return Ok(Some(self.interrupted()));
                     }
                     solution => solution?,
                 };
@@ -280,7 +390,7 @@ impl Path<'_> {
                     Outcome::Converged => {
                         halvings = halvings.saturating_sub(1); // after success the step doubles
                     }
-                    Outcome::Interrupted => return Ok(self.interrupted()),
+                    Outcome::Interrupted => return Ok(Some(self.interrupted())),
                     _ => {
                         let is_stuck = self.is_stuck();
                         if halvings < self.settings.max_halvings && !is_stuck {
@@ -292,31 +402,31 @@ impl Path<'_> {
                         let before = solution.failed.iter().filter(|f| f.cause.is_some());
                         let causes = causes.chain(before.map(|failed| failed.to_string()));
                         let causes: Vec<String> = causes.collect();
-                        return Ok(Ending::NotConverged {
+                        return Ok(Some(Ending::NotConverged {
                             at: self.last.factor,
                             cause: (!causes.is_empty()).then(|| causes.join("; ")),
                             why: solution.outcome,
-                        });
+                        }));
                     }
                 }
                 let step = Step {
                     problem: &*problem,
                     factor: target,
-                    increment: arrives.then_some(increment),
+                    increment: arrives.then_some(before + increment),
                     solution: &solution,
                     attempt: &self.attempts[self.attempts.len() - 1],
                 };
                 let flow = observe(&step);
                 self.advance(target, solution);
-                if flow.is_break() && self.last.factor < 1.0 - LoadSteps::CLOSE {
-                    return Ok(Ending::Interrupted {
+                if flow.is_break() && self.last.factor < self.settings.end() - close {
+                    return Ok(Some(Ending::Interrupted {
                         at: target,
                         why: Interruption::Observer,
-                    });
+                    }));
                 }
             }
         }
-        Ok(Ending::Complete)
+        Ok(None)
     }
 
     /// Whether the last attempts, all from the last converged state, cycle or tunnel by as much as the one before them,
@@ -355,6 +465,7 @@ impl Path<'_> {
         &mut self,
         problem: &mut P,
         solver: &mut dyn Equilibrium,
+        phase: &Phase,
         target: f64,
     ) -> Result<Solution, Error> {
         let clock = Instant::now();
@@ -373,6 +484,7 @@ impl Path<'_> {
             last: &self.last.state,
             from: self.last.factor,
             to: target,
+            is_end: target == phase.until,
             lifted: &lifted,
             is_lifted,
             stop: &self.stop,
@@ -391,6 +503,7 @@ impl Path<'_> {
             }
         }
         self.attempts.push(Attempt {
+            phase: phase.name.clone(),
             from: self.last.factor,
             to: target,
             outcome: solution.outcome.clone(),

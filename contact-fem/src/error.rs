@@ -181,6 +181,51 @@ pub enum Error {
         /// Their numbers in the order of addition.
         bodies: [usize; 2],
     },
+    /// An obstacle with an empty name.
+    #[error("obstacle number {obstacle}, counted from 0, has no name: give `Scene::obstacle` one")]
+    UnnamedObstacle {
+        /// Its number in the order of declaration.
+        obstacle: usize,
+    },
+    /// An obstacle with the name of a body or of another obstacle.
+    #[error("obstacle `{name}` has the name of a body or of another obstacle: rename one of them")]
+    ObstacleExists {
+        /// The name.
+        name: String,
+    },
+    /// A signed distance that is none.
+    #[error(
+        "the {what} of obstacle `{obstacle}` is {value} at {x:?}: give `Obstacle::signed_distance` a function that is finite \
+         and grows with the way from the obstacle, by as much as that (divide a level-set function by the length of its gradient)"
+    )]
+    ObstacleDistance {
+        /// The obstacle.
+        obstacle: String,
+        /// What is wrong: the distance or its slope.
+        what: &'static str,
+        /// Its value (UL, or no unit).
+        value: f64,
+        /// Where (UL).
+        x: Vec<f64>,
+    },
+    /// A body that starts inside an obstacle.
+    #[error(
+        "body `{body}` starts inside obstacle `{obstacle}`: {depth:.3e} deep at {x:?} against the {tolerance:.3e} that \
+         `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move one of them, or check which side of the obstacle is \
+         its outside"
+    )]
+    InsideObstacle {
+        /// The body.
+        body: String,
+        /// The obstacle.
+        obstacle: String,
+        /// The deepest point (UL).
+        x: Vec<f64>,
+        /// Its depth (UL).
+        depth: f64,
+        /// The accepted depth (UL).
+        tolerance: f64,
+    },
     /// A NaN or an infinity in the input.
     #[error("{what} [{index}] = {value} is not finite: check where it comes from")]
     NotFinite {

@@ -22,6 +22,7 @@ pub mod mesh;
 pub mod model;
 pub mod output;
 mod parallel;
+pub mod program;
 pub mod simulation;
 pub mod tensor;
 
@@ -30,10 +31,14 @@ pub mod tensor;
 pub use nalgebra;
 
 pub use certificate::Certificate;
+pub use contact_core::Phase;
 pub use error::Error;
 pub use left_out::LeftOut;
-pub use material::{Deformation, LinearElastic, Material, NeoHookean};
+pub use material::{
+    Deformation, LinearElastic, Material, MooneyRivlin, NeoHookean, StVenantKirchhoff,
+};
 pub use mesh::Mesh;
 pub use mesh::read::MeshFile;
-pub use model::{Body, BodyId, Scene};
+pub use model::{Body, BodyId, Obstacle, Scene};
+pub use program::{Amplitude, Motion};
 pub use simulation::{Simulation, StepRecord};

@@ -3,20 +3,20 @@
 use std::ops::ControlFlow;
 
 use contact_core::equilibrium::Solution;
-use contact_core::load_steps::{Attempt, LoadSteps, Run, Step};
+use contact_core::load_steps::{Attempt, LoadSteps, Phase, Run, Step};
 use contact_core::{ContactProblem, Ending, Equilibrium, State};
 
 use crate::audit::LeastVolume;
 use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::model::work::External;
-use crate::model::{BodyId, Problem};
+use crate::model::{BodyId, ObstacleId, Problem};
 use crate::tensor::Vector;
 
 /// The record of one converged load step.
 #[derive(Clone, Debug)]
 pub struct StepRecord<const D: usize> {
-    /// Load factor.
+    /// Load factor, or pseudo-time.
     pub factor: f64,
     /// The number of the increment that ends at this load, or `None` for an intermediate step of an
     /// increment that was cut.
@@ -25,7 +25,7 @@ pub struct StepRecord<const D: usize> {
     pub energy: f64,
     /// The energy that the bodies store: E without the potential of the loads (UF·UL).
     pub stored_energy: f64,
-    /// The work of supports and loads since the start, by the trapezoidal rule over the load steps (UF·UL). What is not stored
+    /// The work of supports, loads and moving obstacles since the start, by the trapezoidal rule over the load steps (UF·UL). What is not stored
     /// was lost on the way: in a snap, to the rule, to an interference fit, or since contact forces along averaged normals are
     /// not quite the gradient of the gaps.
     pub work: f64,
@@ -33,6 +33,8 @@ pub struct StepRecord<const D: usize> {
     pub reactions: Vec<Vector<D>>,
     /// The contact force on each body (UF).
     pub contact_forces: Vec<Vector<D>>,
+    /// The contact force of the bodies on each obstacle (UF).
+    pub obstacle_forces: Vec<Vector<D>>,
     /// The smallest volume ratio at the quadrature points of all assembled cells; `+∞` for small-strain laws.
     pub min_j: f64,
     /// A lower bound of the volume ratio everywhere in all cells, whatever their laws, and where it is; `None` without cells.
@@ -126,6 +128,14 @@ pub struct Simulation<S = DefaultSolver> {
 }
 
 impl Simulation {
+    /// These phases, one after the other; all other settings have their defaults. See
+    /// [`Body::prescribe_in_time`](crate::Body::prescribe_in_time).
+    pub fn in_phases(phases: impl IntoIterator<Item = Phase>) -> Self {
+        let mut simulation = Simulation::with_increments(1);
+        simulation.load_steps.phases = phases.into_iter().collect();
+        simulation
+    }
+
     /// `increments` equal increments; all other settings have their defaults.
     pub fn with_increments(increments: usize) -> Self {
         Simulation::solved_by(DefaultSolver::default(), increments)
@@ -142,7 +152,7 @@ impl<S: Equilibrium> Simulation<S> {
         Simulation { load_steps, solver }
     }
 
-    /// Loads `problem` from rest to full load.
+    /// Loads `problem` from rest to full load, or to the end of the last phase.
     ///
     /// # Errors
     /// If a setting is out of range or the solver fails with an error. A run that does not converge
@@ -165,7 +175,7 @@ impl<S: Equilibrium> Simulation<S> {
             ..State::default()
         };
         let mut steps = Vec::new();
-        let mut done = (External::default(), 0.0);
+        let mut done = (External::at_rest(problem), 0.0);
         let run = self
             .load_steps
             .run(problem, &mut self.solver, start, |step| {
@@ -198,26 +208,42 @@ impl<const D: usize> StepRecord<D> {
         self.contact_forces[body.into().index()]
     }
 
+    /// The name of the phase that the step belongs to; empty in a run without phases.
+    pub fn phase(&self) -> &str {
+        &self.attempt.phase
+    }
+
+    /// The contact force of the bodies on an obstacle (UF).
+    pub fn obstacle_force(&self, obstacle: ObstacleId) -> Vector<D> {
+        self.obstacle_forces[obstacle.index()]
+    }
+
     /// `done` has supports and loads at the last step, and the work until there.
-    fn new(step: &Step<'_, Problem<D>>, done: &mut (External, f64)) -> Self {
+    fn new(step: &Step<'_, Problem<D>>, done: &mut (External<D>, f64)) -> Self {
         let (problem, solution) = (step.problem, step.solution);
         let u = &solution.state.u;
         let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
         let mut c = vec![0.0; solution.gaps.len()];
         solution.gaps.value(u, &mut c);
         let bodies = 0..problem.scene().bodies().len();
-        let external = External::new(problem, u, &forces);
+        let of_obstacles = problem.forces_of_obstacles(&solution.gaps, &solution.lambda);
+        let external = External::new(problem, u, (&forces, &of_obstacles));
         let work = done.1 + external.work_since(&done.0);
+        let stored_energy = external.stored(solution.energy);
         *done = (external, work);
         StepRecord {
             factor: step.factor,
             increment: step.increment,
             energy: solution.energy,
-            stored_energy: external.stored(solution.energy),
+            stored_energy,
             work,
             reactions: problem.reactions(u, &forces),
             contact_forces: bodies
                 .map(|body| problem.nodes(body).map(|a| forces[a]).sum())
+                .collect(),
+            obstacle_forces: of_obstacles
+                .iter()
+                .map(|forces| -forces.iter().sum::<Vector<D>>())
                 .collect(),
             min_j: step.attempt.min_domain,
             least_volume: problem.least_volume(u),

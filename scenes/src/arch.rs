@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::model::Passes;
 use contact_fem::tensor::Vector;
-use contact_fem::{Body, Error, LinearElastic, Scene};
+use contact_fem::{Body, Error, LinearElastic, Obstacle, Scene};
 
 /// The outer radius of the arch (UL): the lower half of a ring on the line y = 0.
 pub const RADIUS: f64 = 10.0;
@@ -23,6 +23,27 @@ pub const PUSH: f64 = 2.0;
 /// Only the surface of the arch is slave: since all normals are vertical, its rows are the weighted
 /// means of y + u_y with its test functions.
 pub fn scene(across: usize) -> Result<Scene<2>, Error> {
+    let mut scene = Scene::new();
+    let arch = scene.add("arch", arch(across)?);
+    let foundation = scene.add("foundation", foundation()?);
+    scene.contact_in_passes(
+        arch.on("bottom"),
+        foundation.on("top"),
+        Passes::FirstIsSlave,
+    )?;
+    Ok(scene)
+}
+
+/// The same arch on a half-space that has no mesh.
+pub fn on_obstacle(across: usize) -> Result<Scene<2>, Error> {
+    let mut scene = Scene::new();
+    let arch = scene.add("arch", arch(across)?);
+    let foundation = Obstacle::half_space([0.0; 2], [0.0, 1.0])?;
+    scene.obstacle("foundation", arch.on("bottom"), foundation)?;
+    Ok(scene)
+}
+
+fn arch(across: usize) -> Result<Body<2>, Error> {
     let angles = linspace(PI, TAU, 32 * across);
     let depths = linspace(0.0, THICKNESS, across);
     let bend = |X: &Vector<2>| {
@@ -34,6 +55,10 @@ pub fn scene(across: usize) -> Result<Scene<2>, Error> {
     for end in ["left", "right"] {
         arch.prescribe(end, [Some(0.0), Some(-PUSH)])?;
     }
+    Ok(arch)
+}
+
+fn foundation() -> Result<Body<2>, Error> {
     let ground = rectangle(
         &[-2.0 * RADIUS, 2.0 * RADIUS],
         &[-THICKNESS, 0.0],
@@ -41,14 +66,5 @@ pub fn scene(across: usize) -> Result<Scene<2>, Error> {
     )?;
     let mut foundation = Body::new(ground, LinearElastic::new(YOUNG, NU)?);
     foundation.prescribe_all([Some(0.0); 2])?;
-
-    let mut scene = Scene::new();
-    let arch = scene.add("arch", arch);
-    let foundation = scene.add("foundation", foundation);
-    scene.contact_in_passes(
-        arch.on("bottom"),
-        foundation.on("top"),
-        Passes::FirstIsSlave,
-    )?;
-    Ok(scene)
+    Ok(foundation)
 }

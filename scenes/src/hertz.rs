@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use contact_fem::element::Order;
 use contact_fem::mesh::generators::{Diagonals, graded, onto_sphere, quarter_disc, rectangle};
 use contact_fem::model::{Integration, Passes};
-use contact_fem::{Body, Error, LinearElastic, Scene};
+use contact_fem::{Body, Error, LinearElastic, Obstacle, Scene};
 
 use crate::mirrored;
 
@@ -124,6 +124,26 @@ impl Hertz {
         let [first, second] = bodies.map(|(name, body, side)| scene.add(name, body).on(side));
         scene.contact_in_passes(first, second, passes)?;
         scene.integration = self.integration;
+        Ok(scene)
+    }
+
+    /// The cylinder on the half-plane below it, which is rigid: a mesh none of whose nodes moves, or an obstacle. The
+    /// contact modulus is that of an infinite second modulus.
+    pub fn on_rigid(&self, is_meshed: bool) -> Result<Scene<2>, Error> {
+        let mut scene = Scene::new();
+        let arc = scene.add("cylinder", self.cylinder()?).on("arc");
+        scene.integration = self.integration;
+        if !is_meshed {
+            let plane = Obstacle::half_space([0.0; 2], [0.0, 1.0])?;
+            scene.obstacle("plane", arc, plane)?;
+            return Ok(scene);
+        }
+        let corners = [-2.0 * RADIUS, 0.0];
+        let mesh = rectangle(&[corners[0], -corners[0]], &corners, Diagonals::Rising)?;
+        let mut plane = Body::new(mesh, LinearElastic::new(1.0, NU)?);
+        plane.prescribe_all([Some(0.0); 2])?;
+        let top = scene.add("plane", plane).on("top");
+        scene.contact_in_passes(arc, top, Passes::FirstIsSlave)?;
         Ok(scene)
     }
 

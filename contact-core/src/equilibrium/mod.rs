@@ -181,6 +181,8 @@ pub struct StepContext<'a> {
     pub from: f64,
     /// The load factor to reach.
     pub to: f64,
+    /// Whether a phase of the run, or the run, ends there.
+    pub is_end: bool,
     /// A start that is not extrapolated: the last state, with its free unknowns moved along with the prescribed ones.
     /// See [`LoadStepped::lift`](crate::LoadStepped::lift).
     pub lifted: &'a dyn Fn() -> State,
@@ -198,6 +200,7 @@ impl<'a> StepContext<'a> {
             last: start,
             from: 0.0,
             to: 1.0,
+            is_end: true,
             lifted,
             is_lifted: true,
             stop,

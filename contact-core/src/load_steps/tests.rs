@@ -565,3 +565,78 @@ fn errors_before_and_after_the_first_state() {
     assert_eq!((kept.factor, after_a_step.1), (0.5, 0.5));
     assert!(kept.error.is_some() && kept.solution.is_some());
 }
+
+/// Two phases: attempts and increments tell where they are, and nothing is predicted across the end of the first.
+#[test]
+fn phases_follow_each_other() {
+    let settings = LoadSteps {
+        phases: vec![Phase::new("press", 0.5, 2), Phase::new("slide", 2.5, 4)],
+        ..LoadSteps::default()
+    };
+    let (mut problem, mut seen) = (Line::default(), Vec::new());
+    let mut solver = Follows::new(|t| t, |t| [t, t], at_most(0.25));
+    let observe = |step: &Step<'_, Line>| {
+        seen.extend(step.increment.map(|k| (k, step.factor)));
+        ControlFlow::Continue(())
+    };
+    let run = settings.run(&mut problem, &mut solver, start(), observe);
+    let run = run.expect("no misuse");
+    assert_eq!((run.ending, run.factor), (Ending::Complete, 2.5));
+    let goals = [0.25, 0.5, 1.0, 1.5, 2.0, 2.5];
+    assert_eq!(seen, (1..=6).zip(goals).collect::<Vec<_>>());
+    let told: Vec<_> = run
+        .attempts
+        .iter()
+        .map(|a| (a.phase.as_str(), a.from, a.to, a.predicted))
+        .take(5)
+        .collect();
+    let expected = [
+        ("press", 0.0, 0.25, false),
+        ("press", 0.25, 0.5, true),
+        ("slide", 0.5, 1.0, false),
+        ("slide", 0.5, 0.75, false),
+        ("slide", 0.75, 1.0, true),
+    ];
+    assert_eq!(told, expected);
+}
+
+/// An observer that breaks at the end of a phase stops the run, unless it is the last one.
+#[test]
+fn observers_stop_runs_between_phases() {
+    let phases = vec![Phase::new("first", 1.0, 1), Phase::new("second", 2.0, 1)];
+    for (stop_at, complete) in [(1.0, false), (2.0, true)] {
+        let settings = LoadSteps {
+            phases: phases.clone(),
+            ..LoadSteps::default()
+        };
+        let mut solver = Follows::new(|t| t, |t| [t, t], at_most(9.0));
+        let observe = |step: &Step<'_, Line>| match step.factor == stop_at {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let run = settings.run(&mut Line::default(), &mut solver, start(), observe);
+        let run = run.expect("no misuse");
+        assert_eq!(run.ending == Ending::Complete, complete, "{}", run.ending);
+        assert_eq!(run.factor, stop_at);
+    }
+}
+
+#[test]
+fn wrong_phases_are_refused() {
+    let phase = |until: f64, increments: usize| Phase::new("phase", until, increments);
+    for (phases, says) in [
+        (vec![phase(0.0, 1)], "`phase until` = 0"),
+        (vec![phase(1.0, 1), phase(1.0, 1)], "`phase until` = 1"),
+        (vec![phase(f64::NAN, 1)], "`phase until` = NaN"),
+        (vec![phase(f64::INFINITY, 1)], "`phase until` = inf"),
+        (vec![phase(1.0, 0)], "`phase increments` = 0"),
+        (vec![phase(1.0, usize::MAX), phase(2.0, 5)], "`increments`"),
+    ] {
+        let settings = LoadSteps {
+            phases,
+            ..LoadSteps::default()
+        };
+        let error = settings.validate().expect_err("wrong").to_string();
+        assert!(error.contains(says), "{error}");
+    }
+}

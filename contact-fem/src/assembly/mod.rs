@@ -20,10 +20,12 @@ use contact_core::Energy;
 use crate::mesh::Mesh;
 use crate::tensor::{Matrix, Vector};
 
-/// The energy of one body under loads that scale with one factor.
+/// The energy of one body under loads that scale with one factor, or are given.
 pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     /// Sets dead loads and prescribed displacements to `factor` times their full value.
     fn set_load(&mut self, factor: f64);
+    /// Sets the prescribed displacements (UL, in the order of [`DofMap`]) and the dead loads (all dofs, UF) themselves.
+    fn set_external(&mut self, prescribed: Vec<f64>, forces: Vec<f64>);
     /// The prescribed unknowns at the present load (UL), in the order of [`DofMap`].
     fn prescribed(&self) -> &[f64];
     /// Adds ∂E/∂U, internal minus external forces, at all dofs, free and prescribed, to `forces`

@@ -101,6 +101,14 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticE
         }
     }
 
+    fn set_external(&mut self, prescribed: Vec<f64>, forces: Vec<f64>) {
+        self.elastic.set_external(prescribed, forces);
+        let rest = vec![0.0; self.elastic.dofs()];
+        self.elastic.gradient(&rest, &mut self.g_0);
+        self.E_0 = self.elastic.value(&rest);
+        self.elastic.forget();
+    }
+
     fn prescribed(&self) -> &[f64] {
         self.elastic.prescribed()
     }

@@ -326,6 +326,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
         lock(&self.trial).invalidate();
     }
 
+    fn set_external(&mut self, prescribed: Vec<f64>, forces: Vec<f64>) {
+        (self.full_prescribed, self.full_forces) = (prescribed, forces);
+        self.set_load(1.0);
+    }
+
     fn prescribed(&self) -> &[f64] {
         &self.prescribed
     }

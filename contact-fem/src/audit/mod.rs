@@ -6,8 +6,12 @@
 //! cell of its own body outside its neighbourhood, is inside material; an exterior edge through an
 //! exterior facet is an intersection. Depths are shares of what the material allows there: of the
 //! facets, or of the thickness where that is smaller. Volumes of quadratic cells are bounded between their nodes, too.
+//!
+//! Of an obstacle it takes the signed distance, and looks for points of the exterior where it is negative, on all sides of the
+//! bodies that have a side on it.
 
 mod bins;
+mod obstacles;
 mod simplex;
 mod thickness;
 mod topology;
@@ -23,6 +27,7 @@ use crate::element::Order;
 use crate::model::Scene;
 use crate::tensor::{Matrix, Vector};
 use bins::Bins;
+use obstacles::Blocks;
 use simplex::{distance, pierced};
 use topology::Topology;
 pub use volume::LeastVolume;
@@ -36,6 +41,7 @@ pub struct Audit<const D: usize> {
     is_linear: Vec<bool>,
     /// The order of each body's cells.
     orders: Vec<Order>,
+    obstacles: Vec<Blocks<D>>,
     /// The positions that were asked for last: a state is audited when it is accepted, and again by its certificate and its
     /// record.
     last: Mutex<Option<State<D>>>,
@@ -67,7 +73,8 @@ pub struct Findings<const D: usize> {
 /// Two exteriors that overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap<const D: usize> {
-    /// The indices of the bodies; they are equal where a body overlaps itself.
+    /// The indices of the bodies; they are equal where a body overlaps itself. Obstacles are numbered after the bodies, and
+    /// are always the second.
     pub bodies: [usize; 2],
     /// A point of the first body inside the second (UL).
     pub at: Vector<D>,
@@ -78,7 +85,8 @@ pub struct Overlap<const D: usize> {
     pub relative: f64,
     /// The depth divided by the thickness, or by twice the largest face if that is smaller.
     of_thickness: f64,
-    /// The nodes of the nearest flat piece of the second's exterior, by their numbers in the scene.
+    /// The nodes of the nearest flat piece of the second's exterior, by their numbers in the scene; in an obstacle, of the
+    /// piece of the first's that is inside.
     pub(crate) face: [usize; D],
 }
 
@@ -105,7 +113,33 @@ impl<const D: usize> Audit<D> {
             reference: X.to_vec(),
             is_linear: scene.bodies().iter().map(|b| b.is_small_strain()).collect(),
             orders: scene.bodies().iter().map(|b| b.mesh().order()).collect(),
+            obstacles: scene
+                .obstacles()
+                .iter()
+                .enumerate()
+                .map(|(index, obstacle)| {
+                    let mut bodies = vec![false; scene.bodies().len()];
+                    let own = scene.obstructed().iter().filter(|(_, of)| *of == index);
+                    own.for_each(|(side, _)| bodies[side.body.index()] = true);
+                    Blocks {
+                        obstacle: obstacle.clone(),
+                        pose: obstacle.pose(0.0),
+                        bodies,
+                    }
+                })
+                .collect(),
             last: Mutex::new(None),
+        }
+    }
+
+    /// Places obstacles where they are at pseudo-time `t`.
+    pub(crate) fn set_load(&mut self, t: f64) {
+        for blocks in &mut self.obstacles {
+            let pose = blocks.obstacle.pose(t);
+            if blocks.pose != pose {
+                blocks.pose = pose;
+                *self.last.get_mut().unwrap_or_else(PoisonError::into_inner) = None;
+            }
         }
     }
 
@@ -202,9 +236,12 @@ impl<const D: usize> Audit<D> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let state = Self::state(&mut last, x);
         let overlaps = &mut state.overlaps;
-        overlaps
-            .get_or_insert_with(|| self.find_overlaps(x))
-            .clone()
+        let find = || {
+            let mut found = self.find_overlaps(x);
+            found.extend(self.in_obstacles(x));
+            found
+        };
+        overlaps.get_or_insert_with(find).clone()
     }
 
     /// What is known at positions `x` of all nodes (UL).
@@ -217,7 +254,33 @@ impl<const D: usize> Audit<D> {
         }))
     }
 
-    /// All overlaps at positions `x` of all nodes (UL).
+    /// The overlaps with obstacles at positions `x` of all nodes (UL), one for each face.
+    fn in_obstacles(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
+        let (topology, bodies) = (&self.topology, self.orders.len());
+        let obstacles = self.obstacles.iter().enumerate();
+        let found = obstacles.flat_map(|(index, blocks)| {
+            let faces = topology
+                .faces
+                .iter()
+                .filter(|face| blocks.bodies[face.body]);
+            faces.filter_map(move |face| {
+                let corners = face.nodes.map(|a| x[a]);
+                let (depth, at) = blocks.deepest(corners)?;
+                let overlap = Overlap {
+                    bodies: [face.body, bodies + index],
+                    at,
+                    depth,
+                    relative: depth / face.size.min(face.thickness),
+                    of_thickness: depth / face.thickness.min(topology.thick),
+                    face: face.nodes,
+                };
+                (overlap.relative > Self::TOUCHES).then_some(overlap)
+            })
+        });
+        found.collect()
+    }
+
+    /// All overlaps of bodies at positions `x` of all nodes (UL).
     fn find_overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
         let Topology {
             cells,

@@ -37,9 +37,10 @@ pub enum Condition {
     /// state. `None` if rows of the two cannot be matched by their keys, as in method (39) with
     /// exact integration.
     Drift,
-    /// Contact forces are in equilibrium: |Σ Cᵀλ| over all bodies, divided by Σ |Cᵀλ|.
+    /// Contact forces are in equilibrium: |Σ Cᵀλ| over all bodies, divided by Σ |Cᵀλ|. Rows on obstacles are left out: an
+    /// obstacle takes the force that it gives.
     ActionReaction,
-    /// All forces are in equilibrium: |Σ reactions + Σ loads| divided by the largest resultant of reactions, loads
+    /// All forces are in equilibrium: |Σ reactions + Σ loads + Σ forces of obstacles| divided by the largest resultant of reactions, loads
     /// or contact forces on a body. Forces on nodes are no unit: in nearly incompressible bodies they are large and cancel.
     Balance,
     /// No element is inverted: the number of quadrature points with J ≤ 0 or, if that is larger, of
@@ -71,7 +72,7 @@ pub enum Condition {
     /// with such a law. Their error is of the order of this number; beyond the limit not even the
     /// first digit is right. `None` without such bodies.
     SmallStrain,
-    /// Contact forces have no moment, without a limit: |Σ x ∧ Cᵀλ| divided by Σ |x − c| |Cᵀλ|. Forces
+    /// Contact forces between bodies have no moment, without a limit: |Σ x ∧ Cᵀλ| divided by Σ |x − c| |Cᵀλ|. Forces
     /// along averaged normals have one on finite facets.
     Moment,
 }

@@ -29,7 +29,8 @@ impl Certificate {
         let units = Units::new(problem);
         let passes = problem.passes();
         let rows = problem.rows_at(passes, u, Sampling::Nodes);
-        let residual = Residual::new(problem, u, &forces, units.noticed);
+        let of_obstacles = problem.obstacle_forces(gaps, lambda);
+        let residual = Residual::new(problem, u, (&forces, &of_obstacles), units.noticed);
         let force = |key: &RowKey| residual.forces[units.bodies[key.pass as usize]];
         let force_of = |body: usize| residual.forces[body];
         let any_force = residual.forces.iter().copied().fold(0.0, f64::max);
@@ -67,9 +68,12 @@ impl Certificate {
             let change = nodes.map(|(a, b)| over((forces[a] - now[a]).amax(), force_of(b)));
             change.fold(0.0, worse)
         };
+        // an obstacle takes what it gives: only bodies are left to compare
+        let mutual = mutual_forces(problem, gaps, lambda);
+        let mutual = mutual.as_ref().unwrap_or(&forces);
         let action_reaction = {
-            let all: Vector<D> = forces.iter().sum();
-            let magnitude: f64 = forces.iter().map(Vector::norm).sum();
+            let all: Vector<D> = mutual.iter().sum();
+            let magnitude: f64 = mutual.iter().map(Vector::norm).sum();
             over(all.norm(), magnitude.max(any_force))
         };
         let closed = match has_names {
@@ -105,7 +109,7 @@ impl Certificate {
             Condition::Overlap => Some(deepest_of(problem, &audit.overlaps, &|_| true)),
             Condition::Unopposed => Some(deepest_of(problem, &audit.overlaps, &is_unopposed)),
             Condition::SmallStrain => has_small_strain.then(|| audit.strain.max(audit.rotation)),
-            Condition::Moment => Some(moment(&positions, &forces)),
+            Condition::Moment => Some(moment(&positions, mutual)),
             Condition::Closed => Some(closed as f64),
             Condition::OtherSide => units.other_side(problem, u),
             Condition::Dropped => Some(dropped as f64),
@@ -190,15 +194,31 @@ impl Units {
     /// The largest weak penetration of the passes with exchanged roles that the scene leaves out.
     fn other_side<const D: usize>(&self, problem: &Problem<D>, u: &[f64]) -> Option<f64> {
         let passes = problem.passes();
-        let turned = |pass: &Pass| Pass {
-            slave: pass.master,
-            master: pass.slave,
-        };
-        let others = passes.iter().map(turned);
+        let others = passes.iter().filter_map(|pass| problem.turned(*pass));
         let others: Vec<Pass> = others.filter(|pass| !passes.contains(pass)).collect();
         let rows = problem.rows_at(&others, u, Sampling::Nodes);
         (!others.is_empty()).then(|| deepest(&self.relative(&rows, u, &others)))
     }
+}
+
+/// The forces of the rows between bodies on all nodes (UF); `None` if there are no others.
+fn mutual_forces<const D: usize>(
+    problem: &Problem<D>,
+    gaps: &LinearGaps,
+    lambda: &[f64],
+) -> Option<Vec<Vector<D>>> {
+    if problem.scene().obstacles().is_empty() {
+        return None;
+    }
+    let passes = problem.passes();
+    let own = gaps.keys().iter().zip(lambda);
+    let own = own.map(
+        |(key, l)| match problem.obstacle_of(passes[key.pass as usize]) {
+            Some(_) => 0.0,
+            None => *l,
+        },
+    );
+    Some(problem.contact_forces(gaps, &own.collect::<Vec<_>>()))
 }
 
 /// The bodies, slave and master, between which the contact forces add up to more than `noticed`.
@@ -210,8 +230,7 @@ fn pushed_pairs<const D: usize>(
 ) -> HashSet<[usize; 2]> {
     let mut forces: HashMap<[usize; 2], f64> = HashMap::new();
     for (key, force) in gaps.keys().iter().zip(lambda) {
-        let pass = problem.passes()[key.pass as usize];
-        let bodies = [pass.slave, pass.master].map(|s| problem.surfaces()[s].body());
+        let bodies = problem.bodies_of(problem.passes()[key.pass as usize]);
         *forces.entry(bodies).or_default() += force;
     }
     let pushed = forces.into_iter().filter(|(_, force)| *force > noticed);
@@ -294,7 +313,7 @@ struct Residual {
     free: f64,
     /// For each body the largest force on a node, but at least the smallest unit of forces (UF).
     forces: Vec<f64>,
-    /// |Σ reactions + Σ loads| (UF).
+    /// |Σ reactions + Σ loads + Σ forces of obstacles| (UF).
     sum: f64,
     /// The largest of all resultants of reactions, loads and contact forces on a body (UF).
     resultant: f64,
@@ -304,14 +323,16 @@ impl Residual {
     fn new<const D: usize>(
         problem: &Problem<D>,
         u: &[f64],
-        contact: &[Vector<D>],
+        (contact, of_obstacles): (&[Vector<D>], &[Vector<D>]),
         noticed: f64,
     ) -> Self {
         let (mut free, mut forces) = (0.0, Vec::new());
-        let (mut sum, mut resultant) = (Vector::<D>::zeros(), 0.0_f64);
+        // what the bodies do to obstacles, these do to the bodies
+        let (mut sum, mut resultant) = (-of_obstacles.iter().sum::<Vector<D>>(), 0.0_f64);
         let residuals = problem.residuals(u);
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = &residuals[body];
+            let loads = owner.forces_at(problem.load());
             let (mut rest_free, mut largest) = (0.0, noticed);
             // of reactions, loads and contact forces
             let mut resultants = [Vector::<D>::zeros(); 3];
@@ -319,7 +340,7 @@ impl Residual {
                 for i in 0..D {
                     let dof = D * k + i;
                     let rest: f64 = residual[dof] - contact[node][i];
-                    let load = problem.load() * owner.forces()[dof];
+                    let load = loads[dof];
                     let reaction = match owner.prescribed()[dof] {
                         Some(_) => rest,
                         None => 0.0,

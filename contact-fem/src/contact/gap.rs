@@ -44,7 +44,8 @@ pub(super) mod foot;
 
 use foot::Foot;
 
-use super::stencil::Stencil;
+use super::obstacle::Placed;
+use super::stencil::{Against, Stencil};
 use crate::element::{FacetShapes, MAX_FACET_NODES, facet_slopes};
 use crate::tensor::{Matrix, Vector};
 
@@ -122,7 +123,10 @@ impl<const D: usize> MovingGap<D> {
     }
 
     fn differentiate(&mut self, stencil: &Stencil<'_, D>, second: bool) {
-        let foot = Foot::new(stencil);
+        let foot = match stencil.against() {
+            Against::Surface(master) => Foot::new(stencil, master),
+            Against::Obstacle(obstacle) => return self.on_obstacle(stencil, obstacle, second),
+        };
         self.n = foot.m.n;
         self.number(stencil, &foot);
         self.add_normals(&foot, second);
@@ -145,6 +149,33 @@ impl<const D: usize> MovingGap<D> {
         if second {
             self.follow_the_foot(&foot);
             self.multiply();
+        }
+    }
+
+    /// g = d(x_q): ∇g has N_a n, ∇²g and the frozen gradient's derivative N_a N_b ∇²d.
+    fn on_obstacle(&mut self, stencil: &Stencil<'_, D>, obstacle: &Placed<D>, second: bool) {
+        self.nodes.clear();
+        self.forms.clear();
+        self.gradient.clear();
+        self.hessian.clear();
+        self.n = stencil.projection().normal;
+        for (a, N) in stencil.slave_shapes() {
+            let l = self.place(a);
+            self.forms[l].shape += N;
+        }
+        self.near = self.nodes.len();
+        let shapes = self.forms.iter().map(|forms| self.n * forms.shape);
+        self.gradient.extend(shapes);
+        if !second {
+            return;
+        }
+        let H = obstacle.curvature(&stencil.point());
+        for forms in &mut self.forms {
+            forms.n = H * forms.shape;
+        }
+        for (l, a) in self.forms.iter().enumerate() {
+            let row = self.forms[..=l].iter().map(|b| a.n * b.shape);
+            self.hessian.extend(row);
         }
     }
 

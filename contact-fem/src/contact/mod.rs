@@ -1,6 +1,7 @@
 //! The weak non-penetration constraints, step by step:
 //! [`surface`] → [`moving`] with its [`normals`] → [`cut`] → [`search`] with its [`projection`] →
-//! [`stencil`] → [`rows`]; derivatives that follow the projection: [`gap`].
+//! [`stencil`] → [`rows`]; derivatives that follow the projection: [`gap`]. On a rigid [`obstacle`], distances take the place
+//! of the search.
 
 mod clip;
 pub mod cut;
@@ -8,6 +9,7 @@ pub mod gap;
 pub mod motion;
 pub mod moving;
 pub mod normals;
+pub mod obstacle;
 pub mod pressure;
 pub mod projection;
 pub mod rows;
@@ -20,7 +22,8 @@ pub mod variation;
 pub use cut::Integration;
 pub use gap::MovingGap;
 pub use moving::Moving;
+pub use obstacle::Obstacle;
 pub use rows::Pass;
 pub use search::Master;
-pub use stencil::Stencil;
+pub use stencil::{Against, Stencil};
 pub use surface::Surface;

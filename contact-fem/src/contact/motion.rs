@@ -12,9 +12,11 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
 use super::normals;
+use super::obstacle::Placed;
 use super::projection::{along_normal, closest, interpolate};
 use super::search::{Master, Seeker};
 use super::surface::Surface;
+use crate::program::Pose;
 use crate::tensor::{Vector, facet_normal};
 
 /// The positions of all scene nodes (UL) in two successive states.
@@ -47,6 +49,8 @@ impl<const D: usize> Motion<'_, D> {
     const INTERVALS: usize = 8;
     /// The number of bisections for the time of a crossing.
     const BISECTIONS: usize = 40;
+    /// The largest number of strides in which a node's way is walked where an obstacle is near.
+    const STRIDES: f64 = 4096.0;
     /// The extension of facets beyond their sides, in barycentric coordinates: no node passes between
     /// two neighbours.
     const SEAM: f64 = 1e-6;
@@ -93,6 +97,45 @@ impl<const D: usize> Motion<'_, D> {
             None
         });
         through.reduce(f64::max)
+    }
+
+    /// The largest way (UL) of the nodes of `slave` that pass through an obstacle: that come out of it on another side than
+    /// they went in. Distances tell how far a node can go before it meets the obstacle, so that none is missed. The ways are
+    /// those as the obstacle sees them, which has moved from `from` to where it is.
+    pub(crate) fn through_obstacle(
+        &self,
+        slave: &Surface<D>,
+        obstacle: &Placed<D>,
+        from: &Pose<D>,
+    ) -> Option<f64> {
+        let least = Self::GRAZED * slave.facet_size();
+        let way_through = |&node: &usize| {
+            // where the obstacle is now, the node came from here
+            let before = obstacle.pose().place(&from.back(&self.before[node]));
+            let way = (self.after[node] - before).norm();
+            let stride = least.max(way / Self::STRIDES);
+            let (mut time, mut came, mut deepest) = (0.0, None, 0.0_f64);
+            while way > 0.0 && way.is_finite() && time <= 1.0 {
+                let x = before * (1.0 - time) + self.after[node] * time;
+                let distance = obstacle.distance(&x);
+                if distance > 0.0 {
+                    let n = obstacle.normal(&x);
+                    let leaves = came.is_some_and(|from: Vector<D>| from.dot(&n) < 0.0);
+                    if leaves && deepest > least {
+                        return Some(way);
+                    }
+                    (came, deepest) = (Some(n), 0.0);
+                } else {
+                    // a node that starts inside came from where it is nearest
+                    came = came.or_else(|| Some(obstacle.normal(&x)));
+                    deepest = deepest.max(-distance);
+                }
+                time += distance.abs().max(stride) / way;
+            }
+            None
+        };
+        let ways = slave.nodes().iter().filter_map(way_through);
+        ways.reduce(f64::max)
     }
 
     /// The normal of `master` at the point that the slave's k-th node faces at the start.

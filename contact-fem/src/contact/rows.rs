@@ -2,18 +2,18 @@
 
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 
-use super::search::Master;
-use super::stencil::{Projected, Stencil};
+use super::stencil::{Against, Projected, Stencil};
 use super::surface::Surface;
 use crate::assembly::{Dof, DofMap};
 use crate::tensor::Vector;
 
-/// One pass of a pair: `slave` must not penetrate `master`. Both are indices of surfaces.
+/// One pass of a pair: `slave` must not penetrate `master`. Both are indices of surfaces. The obstacles of a scene are numbered
+/// after its surfaces; they are never slaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pass {
     /// The surface whose nodes carry the constraints and whose facets carry the integration points.
     pub slave: usize,
-    /// The surface on which the points are projected.
+    /// The surface, or the obstacle, on which the points are projected.
     pub master: usize,
 }
 
@@ -35,7 +35,7 @@ impl Unknowns<'_> {
     }
 }
 
-/// One constraint during summation, in terms of nodes: c = Σ_a coefficient_a · (X_a + u_a).
+/// One constraint during summation, in terms of nodes: c = Σ_a coefficient_a · (X_a + u_a) + constant.
 #[derive(Clone, Debug, Default)]
 struct NodalRow<const D: usize> {
     /// (scene node, coefficient); a node may appear more than once until they are merged.
@@ -43,6 +43,8 @@ struct NodalRow<const D: usize> {
     /// a_i = Σ_q w_q φ_i(q) and Σ_q w_q |φ_i(q)| over the points that count.
     area: f64,
     magnitude: f64,
+    /// What the terms leave out of the gap (UL).
+    constant: f64,
     /// What is added to the gap (UL).
     widening: f64,
 }
@@ -61,16 +63,16 @@ pub struct PassRows<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> PassRows<'a, D> {
-    /// Of the `points` projected from `slave` to `master`.
+    /// Of the `points` projected from `slave` to what it is `against`.
     pub fn new(
         slave: &'a Surface<D>,
-        master: &'a Master<D>,
+        against: impl Into<Against<'a, D>>,
         points: &[Projected<D>],
         sampling: Sampling,
     ) -> Self {
-        let points = points.iter();
+        let (against, points) = (against.into(), points.iter());
         let stencils: Vec<_> = points
-            .map(|point| Stencil::new(slave, master, *point))
+            .map(|point| Stencil::new(slave, against, *point))
             .collect();
         let names = match sampling {
             Sampling::Nodes => slave.nodes().to_vec(),
@@ -79,7 +81,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
         let mut rows = vec![NodalRow::default(); names.len()];
         for (q, stencil) in stencils.iter().enumerate() {
             for (i, w) in shares(sampling, q, stencil) {
-                rows[i].add(w, stencil.frozen_gradient());
+                rows[i].add(w, stencil.frozen_gradient(), stencil.frozen_constant());
             }
         }
         rows.iter_mut().for_each(NodalRow::normalize);
@@ -141,7 +143,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
             }
             row.free.clear();
             row.prescribed.clear();
-            row.constant = nodal.widening;
+            row.constant = nodal.constant + nodal.widening;
             row.weight = nodal.area;
             for (a, coefficient) in &nodal.terms {
                 row.constant += coefficient.dot(&X[*a]);
@@ -181,9 +183,10 @@ fn shares<const D: usize>(
 }
 
 impl<const D: usize> NodalRow<D> {
-    /// Adds a point with weight `w` and the gap Σ `terms`.
-    fn add(&mut self, w: f64, terms: impl Iterator<Item = (usize, Vector<D>)>) {
+    /// Adds a point with weight `w` and the gap Σ `terms` + `constant`.
+    fn add(&mut self, w: f64, terms: impl Iterator<Item = (usize, Vector<D>)>, constant: f64) {
         self.area += w;
+        self.constant += w * constant;
         self.magnitude += w.abs();
         self.terms.extend(terms.map(|(a, c)| (a, c * w)));
     }
@@ -209,6 +212,7 @@ impl<const D: usize> NodalRow<D> {
         for term in &mut self.terms {
             term.1 /= self.area;
         }
+        self.constant /= self.area;
     }
 }
 
@@ -217,8 +221,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::contact::Integration;
     use crate::contact::stencil::projected;
+    use crate::contact::{Integration, Master};
     use crate::element::Order;
 
     /// One quadratic segment from x = 0 to 1 on a longer one, with points at ξ. A width of 1 at its first

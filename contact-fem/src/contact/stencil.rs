@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use super::cut::{Integration, Points};
 use super::moving::Moving;
+use super::obstacle::Placed;
 use super::search::{Master, Own, Projection, Seeker};
 use super::surface::Surface;
-use crate::element::{Facet, facet_shapes};
+use crate::element::{Facet, FacetRule, facet_shapes};
 use crate::parallel;
 use crate::tensor::Vector;
 
@@ -23,21 +24,46 @@ pub struct Projected<const D: usize> {
     projection: Projection<D>,
 }
 
+/// What the points of a slave must not penetrate: a surface with nodes, or an obstacle without any.
+#[derive(Clone, Copy, Debug)]
+pub enum Against<'a, const D: usize> {
+    /// Another surface, or the slave itself.
+    Surface(&'a Moving<D>),
+    /// A rigid obstacle.
+    Obstacle(&'a Placed<D>),
+}
+
+impl<'a, const D: usize> From<&'a Master<D>> for Against<'a, D> {
+    fn from(master: &'a Master<D>) -> Self {
+        Against::Surface(master.moving())
+    }
+}
+
+impl<'a, const D: usize> From<&'a Placed<D>> for Against<'a, D> {
+    fn from(obstacle: &'a Placed<D>) -> Self {
+        Against::Obstacle(obstacle)
+    }
+}
+
 /// An integration point q of the slave that counts, and the point of the master that it must not
 /// penetrate.
 #[derive(Clone, Copy, Debug)]
 pub struct Stencil<'a, const D: usize> {
     slave: &'a Surface<D>,
-    master: &'a Moving<D>,
+    against: Against<'a, D>,
     point: Projected<D>,
 }
 
 impl<'a, const D: usize> Stencil<'a, D> {
-    /// A point projected from `slave` to `master`.
-    pub fn new(slave: &'a Surface<D>, master: &'a Master<D>, point: Projected<D>) -> Self {
+    /// A point projected from `slave` to what it is `against`.
+    pub fn new(
+        slave: &'a Surface<D>,
+        against: impl Into<Against<'a, D>>,
+        point: Projected<D>,
+    ) -> Self {
         Stencil {
             slave,
-            master: master.moving(),
+            against: against.into(),
             point,
         }
     }
@@ -57,12 +83,12 @@ impl<'a, const D: usize> Stencil<'a, D> {
         self.point.x
     }
 
-    /// The master's surface.
-    pub fn master(&self) -> &'a Moving<D> {
-        self.master
+    /// What the point must not penetrate.
+    pub fn against(&self) -> Against<'a, D> {
+        self.against
     }
 
-    /// The projection of x_q on the master.
+    /// The projection of x_q on the master. On an obstacle, which has no facets, facet and coordinates have no meaning.
     pub fn projection(&self) -> &Projection<D> {
         &self.point.projection
     }
@@ -88,16 +114,41 @@ impl<'a, const D: usize> Stencil<'a, D> {
     /// facet, −N_b n at those of the master's. In self-contact a node may occur as both. g = Σ
     /// coefficient · x.
     pub fn frozen_gradient(&self) -> impl Iterator<Item = (usize, Vector<D>)> + Clone + 'a {
-        let (master, p) = (self.master.surface(), self.point.projection);
+        let p = self.point.projection;
+        let other = match self.against {
+            Against::Surface(master) => Some(master.surface()),
+            Against::Obstacle(_) => None,
+        };
+        let other = other.into_iter().flat_map(move |master| {
+            let nodes = master.facet(p.facet).iter().map(|&b| master.nodes()[b]);
+            nodes.zip(facet_shapes(master.order(), &p.lambda).map(|N| -N))
+        });
         let own = self.slave_shapes();
-        let other = master.facet(p.facet).iter().map(|&b| master.nodes()[b]);
-        let other = other.zip(facet_shapes(master.order(), &p.lambda).map(|N| -N));
         own.chain(other).map(move |(a, N)| (a, p.normal * N))
+    }
+
+    /// What [`Stencil::frozen_gradient`] leaves out of the gap (UL): −x̄·n of a foot that belongs to no nodes.
+    pub fn frozen_constant(&self) -> f64 {
+        match self.against {
+            Against::Surface(_) => 0.0,
+            Against::Obstacle(_) => {
+                let p = &self.point.projection;
+                -p.foot.dot(&p.normal)
+            }
+        }
     }
 }
 
 #[cfg(test)]
 impl<'a, const D: usize> Stencil<'a, D> {
+    /// The master's surface, of a point that has one.
+    pub(super) fn master(&self) -> &'a Moving<D> {
+        match self.against {
+            Against::Surface(master) => master,
+            Against::Obstacle(_) => unreachable!("a point on an obstacle"),
+        }
+    }
+
     /// The same slave point at other positions, with its foot at `lambda` on the same facet.
     pub(super) fn moved(&self, master: &'a Moving<D>, x: Vector<D>, lambda: Vector<D>) -> Self {
         let projection = Projection {
@@ -105,7 +156,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
             ..self.point.projection
         };
         Stencil {
-            master,
+            against: Against::Surface(master),
             point: Projected {
                 x,
                 projection,
@@ -157,6 +208,58 @@ pub(crate) fn projected_unless<const D: usize>(
         first += points;
     }
     Some(projected)
+}
+
+/// The smallest −n·n̄ of a point that faces an obstacle. Surfaces in contact face each other, but points beside a sharp edge
+/// of the obstacle, or on the next side of a body, would only widen the mean gap of a node that the edge holds.
+const FACES: f64 = 0.5;
+
+/// The points of the Gauss rule on `slave`, for positions `x` of all scene nodes, that an obstacle may hold: they face it,
+/// and are at most `reach` (UL) away from it. As deep inside as they may be, they count.
+pub(crate) fn on_obstacle<const D: usize>(
+    slave: &Surface<D>,
+    obstacle: &Placed<D>,
+    x: &[Vector<D>],
+    points: usize,
+    reach: f64,
+) -> Vec<Projected<D>> {
+    let positions = slave.gather(x);
+    let rule = FacetRule::<D>::gauss(points);
+    let mut projected = Vec::new();
+    for (index, nodes) in slave.facets().enumerate() {
+        let facet = Facet::gather(slave.order(), nodes, &positions);
+        let reference = &slave.reference()[index];
+        for (k, (weight, lambda)) in rule.points().iter().enumerate() {
+            let x = facet.point(lambda);
+            let gap = obstacle.distance(&x);
+            // a gap that is no number is told, not left out
+            if gap > reach {
+                continue;
+            }
+            let (normal, facing) = (obstacle.normal(&x), facet.normal(lambda));
+            // NaN is told, too
+            if -facing.dot(&normal) < FACES * facing.norm() {
+                continue;
+            }
+            projected.push(Projected {
+                number: index * rule.points().len() + k,
+                facet: index,
+                lambda: *lambda,
+                weight: reference.normal(lambda).norm() * weight,
+                x,
+                projection: Projection {
+                    facet: 0,
+                    lambda: Vector::zeros(),
+                    foot: x - normal * gap,
+                    normal,
+                    distance: gap.abs(),
+                    gap,
+                    off_the_end: false,
+                },
+            });
+        }
+    }
+    projected
 }
 
 /// The points of [`projected`] with their surfaces.

@@ -19,8 +19,9 @@ use contact_core::gaps::SparseRows;
 
 use super::gap::foot::Foot;
 use super::moving::Moving;
+use super::obstacle::Placed;
 use super::rows::PassRows;
-use super::stencil::Stencil;
+use super::stencil::{Against, Stencil};
 use crate::assembly::{Dof, DofMap};
 use crate::tensor::{Matrix, Vector};
 
@@ -214,7 +215,13 @@ impl<const D: usize> Variation<D> {
             if rows.is_empty() {
                 continue;
             }
-            let foot = Foot::new(stencil);
+            let foot = match stencil.against() {
+                Against::Surface(master) => Foot::new(stencil, master),
+                Against::Obstacle(obstacle) => {
+                    self.add_on_obstacle(stencil, obstacle, &rows);
+                    continue;
+                }
+            };
             let near = near(stencil, &foot);
             let known = piece.take().filter(|known| {
                 let is_same = known.is_of(&rows, &near);
@@ -255,6 +262,26 @@ impl<const D: usize> Variation<D> {
                 .add_all(nodes, &piece.forces[terms(a, nodes.len())]);
             let by_normals = &piece.forces_by_normals[terms(a, normals.len())];
             form.normals.add_all(normals, by_normals);
+        }
+    }
+
+    fn add_on_obstacle(&mut self, stencil: &Stencil<'_, D>, obstacle: &Placed<D>, rows: &[Row]) {
+        let n = stencil.projection().normal;
+        let mut force = 0.0;
+        for row in rows {
+            force += row.lambda * row.share;
+            for (a, N) in stencil.slave_shapes() {
+                self.gaps[row.index].nodes.add(a, n * (N * row.share));
+            }
+        }
+        if force == 0.0 {
+            return;
+        }
+        let H = obstacle.curvature(&stencil.point()) * force;
+        for (a, N_a) in stencil.slave_shapes() {
+            for (b, N_b) in stencil.slave_shapes() {
+                self.forces[a].nodes.add(b, H * (N_a * N_b));
+            }
         }
     }
 

@@ -68,6 +68,51 @@ fn neo_hookean() {
 }
 
 #[test]
+fn st_venant_kirchhoff() {
+    passes(StVenantKirchhoff::new);
+}
+
+#[test]
+fn mooney_rivlin() {
+    for share in [0.0, 0.3, 1.0] {
+        passes(|E, nu| MooneyRivlin::new(E, nu, share));
+    }
+    // without the second invariant it is the neo-Hookean law
+    let (law, twin) = (MooneyRivlin::new(3.0, 0.2, 0.0), NeoHookean::new(3.0, 0.2));
+    let (law, twin) = (law.expect("valid"), twin.expect("valid"));
+    for F in deformations::<3>() {
+        let at = Deformation::new(F);
+        assert!((law.stress(&at) - twin.stress(&at)).norm() < 1e-12);
+    }
+    for share in [-0.1, 1.1, f64::NAN] {
+        assert!(MooneyRivlin::new(1.0, 0.3, share).is_err(), "{share}");
+    }
+}
+
+/// Simple shear by γ: the first normal stress difference is 2 c₁ γ² + 2 c₂ γ² = μ γ², of any share, and the second one
+/// −2 c₂ γ², which the neo-Hookean law lacks.
+#[test]
+fn the_second_normal_stress_difference() {
+    let (gamma, mut F) = (0.4, Matrix::<3>::identity());
+    F[(0, 1)] = gamma;
+    for share in [0.0, 0.6] {
+        let law = MooneyRivlin::new(2.0, 0.25, share).expect("valid");
+        let (sigma, _) = law.cauchy_stress(&Deformation::new(F));
+        let mu = 0.8;
+        let differences = [sigma[(0, 0)] - sigma[(1, 1)], sigma[(1, 1)] - sigma[(2, 2)]];
+        assert!((sigma[(0, 1)] - mu * gamma).abs() < 1e-14, "{sigma}");
+        assert!(
+            (differences[0] - mu * gamma * gamma).abs() < 1e-14,
+            "{sigma}"
+        );
+        assert!(
+            (differences[1] + share * mu * gamma * gamma).abs() < 1e-14,
+            "{sigma}"
+        );
+    }
+}
+
+#[test]
 fn linear_elastic() {
     passes(LinearElastic::new);
 }

@@ -6,11 +6,15 @@ mod battery;
 pub mod conformance;
 mod deformation;
 mod linear_elastic;
+mod mooney_rivlin;
 mod neo_hookean;
+mod st_venant_kirchhoff;
 
 pub use deformation::Deformation;
 pub use linear_elastic::LinearElastic;
+pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hookean::NeoHookean;
+pub use st_venant_kirchhoff::StVenantKirchhoff;
 
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector};

@@ -1,5 +1,8 @@
 //! Bodies: mesh, material law, supports and loads.
 
+use std::sync::Arc;
+
+use super::courses::{Course, Load, Supports};
 use crate::assembly::{
     BodyEnergy, DofMap, QuadraticEnergy, StrainEnergy, add_body_force, add_traction,
 };
@@ -7,6 +10,7 @@ use crate::element::{Element, Order, P1, P2};
 use crate::error::Error;
 use crate::material::{Deformation, Material, conformance};
 use crate::mesh::Mesh;
+use crate::program::{Amplitude, Motion, samples};
 use crate::tensor::{Matrix, Vector, unit_vector};
 
 /// An elastic body: a mesh, a material law, prescribed displacements and loads.
@@ -34,10 +38,14 @@ use crate::tensor::{Matrix, Vector, unit_vector};
 /// ```
 pub struct Body<const D: usize> {
     mesh: Mesh<D>,
-    law: Box<dyn Law<D>>,
-    /// The displacement prescribed for each dof at full load (UL), if any.
+    law: Arc<dyn Law<D>>,
+    supports: Supports<D>,
+    /// The displacement prescribed for each dof at load factor 1 (UL), if any.
     prescribed: Vec<Option<f64>>,
-    /// Nodal forces at full load (UF).
+    /// Proportional nodal forces at load factor 1 (UF), and the others.
+    proportional: Vec<f64>,
+    loads: Vec<Load<D>>,
+    /// The sum of all of them there.
     forces: Vec<f64>,
 }
 
@@ -51,11 +59,14 @@ impl<const D: usize> Body<D> {
         let dofs = D * mesh.nodes().len();
         Body {
             law: match mesh.order() {
-                Order::Linear => Box::new(ElasticLaw(P1, material)),
-                Order::Quadratic => Box::new(ElasticLaw(P2, material)),
+                Order::Linear => Arc::new(ElasticLaw(P1, material)),
+                Order::Quadratic => Arc::new(ElasticLaw(P2, material)),
             },
+            supports: Supports::new(mesh.nodes().to_vec()),
             mesh,
             prescribed: vec![None; dofs],
+            proportional: vec![0.0; dofs],
+            loads: Vec::new(),
             forces: vec![0.0; dofs],
         }
     }
@@ -76,14 +87,122 @@ impl<const D: usize> Body<D> {
         boundary: &str,
         components: [Option<f64>; D],
     ) -> Result<&mut Self, Error> {
+        let nodes = self.supported(boundary)?;
+        self.prescribe_nodes(&nodes, components)
+    }
+
+    /// The nodes of a boundary that is to be supported.
+    fn supported(&self, boundary: &str) -> Result<Vec<usize>, Error> {
         let nodes = self.mesh.boundary_nodes(boundary)?;
-        if nodes.is_empty() {
-            return Err(Error::EmptyBoundary {
+        match nodes.is_empty() {
+            true => Err(Error::EmptyBoundary {
                 name: boundary.to_string(),
                 what: "support",
-            });
+            }),
+            false => Ok(nodes),
         }
-        self.prescribe_nodes(&nodes, components)
+    }
+
+    /// As [`Body::prescribe`], with the components times an amplitude in place of the load factor. What is not zero at
+    /// load factor 0 is applied within the first step.
+    ///
+    /// A bar is drawn by 0.1 and let go again, and its weight is there all the time:
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Amplitude, Body, LinearElastic, Phase, Scene, Simulation};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let mesh = rectangle(&linspace(0.0, 4.0, 8), &linspace(0.0, 1.0, 2), Diagonals::Alternating)?;
+    /// let mut bar = Body::new(mesh, LinearElastic::new(200.0, 0.0)?);
+    /// bar.prescribe("left", [Some(0.0), Some(0.0)])?;
+    /// let there_and_back = Amplitude::table(&[(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)])?;
+    /// bar.prescribe_in_time("right", [Some(0.1), Some(0.0)], there_and_back)?;
+    /// bar.body_force_in_time([0.0, -0.5], Amplitude::constant(1.0))?;
+    /// let mut scene = Scene::new();
+    /// let bar = scene.add("bar", bar);
+    /// let mut problem = scene.problem()?;
+    ///
+    /// let phases = [Phase::new("draw", 1.0, 2), Phase::new("let go", 2.0, 2)];
+    /// let history = Simulation::in_phases(phases).run(&mut problem)?;
+    /// assert!(history.is_complete());
+    /// let [drawn, back] = [1, 3].map(|step| &history.steps[step]);
+    /// assert_eq!((drawn.phase(), back.phase()), ("draw", "let go"));
+    /// assert!(drawn.stored_energy > 10.0 * back.stored_energy);
+    /// assert!((back.reaction(bar)[1] - 2.0).abs() < 1e-9, "the weight");
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Body::prescribe`]. Values of an amplitude are checked at the times that a run comes to.
+    pub fn prescribe_in_time(
+        &mut self,
+        boundary: &str,
+        components: [Option<f64>; D],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
+        let nodes = self.supported(boundary)?;
+        let course = self.course(amplitude.into());
+        self.hold(&nodes, components, course)
+    }
+
+    /// Prescribes all components of the displacement (UL) of all nodes of a boundary, as a function of the load factor and
+    /// the reference position X (UL).
+    ///
+    /// # Errors
+    /// As [`Body::prescribe`]. Values are checked at the load factors 1/16, 2/16, … 1, and at those that a run comes to.
+    pub fn prescribe_path(
+        &mut self,
+        boundary: &str,
+        path: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
+    ) -> Result<&mut Self, Error> {
+        let nodes = self.supported(boundary)?;
+        self.hold_along(&nodes, path)
+    }
+
+    /// Moves a boundary rigidly: its nodes go along circles and lines, exactly.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe_path`].
+    pub fn prescribe_motion(
+        &mut self,
+        boundary: &str,
+        motion: Motion<D>,
+    ) -> Result<&mut Self, Error> {
+        self.prescribe_path(boundary, move |t, X| motion.at(t, X) - X)
+    }
+
+    /// Moves the whole body rigidly, as a tool.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe_path`].
+    pub fn prescribe_motion_of_all(&mut self, motion: Motion<D>) -> Result<&mut Self, Error> {
+        let nodes: Vec<usize> = (0..self.mesh.nodes().len()).collect();
+        self.hold_along(&nodes, move |t, X| motion.at(t, X) - X)
+    }
+
+    fn hold_along(
+        &mut self,
+        nodes: &[usize],
+        path: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
+    ) -> Result<&mut Self, Error> {
+        for t in samples() {
+            let values = nodes.iter().map(|&a| path(t, &self.mesh.nodes()[a]));
+            let values: Vec<f64> = values.flat_map(|u| u.data.0[0]).collect();
+            Error::check_finite("prescribed displacement", &values)?;
+        }
+        self.supports.courses.push(Course::Along(Arc::new(path)));
+        let course = self.supports.courses.len() - 1;
+        self.hold(nodes, [Some(0.0); D], course)
+    }
+
+    /// The number of a course with this amplitude.
+    fn course(&mut self, amplitude: Amplitude) -> usize {
+        if amplitude.is_proportional() {
+            return 0;
+        }
+        self.supports.courses.push(Course::Scaled(amplitude));
+        self.supports.courses.len() - 1
     }
 
     /// As [`Body::prescribe`], for every node of the body. The body then moves rigidly, and none of
@@ -105,6 +224,16 @@ impl<const D: usize> Body<D> {
         nodes: &[usize],
         components: [Option<f64>; D],
     ) -> Result<&mut Self, Error> {
+        self.hold(nodes, components, 0)
+    }
+
+    /// Prescribes values along a course, where there are none yet, or the same.
+    fn hold(
+        &mut self,
+        nodes: &[usize],
+        components: [Option<f64>; D],
+        course: usize,
+    ) -> Result<&mut Self, Error> {
         let given = components.iter().flatten();
         Error::check_finite("prescribed displacement", given)?;
         let count = self.mesh.nodes().len();
@@ -116,21 +245,33 @@ impl<const D: usize> Body<D> {
                     remedy: "name a node of this body's mesh",
                 });
             }
-            for (component, value) in components.iter().enumerate() {
-                let Some(second) = *value else { continue };
-                let slot = &mut self.prescribed[D * node + component];
-                match *slot {
-                    Some(first) if first != second => {
-                        return Err(Error::Conflict {
-                            node,
-                            component,
-                            first,
-                            second,
-                        });
-                    }
-                    _ => *slot = Some(second),
+            let given = components.iter().enumerate();
+            for (component, value) in given.filter_map(|(i, value)| Some((i, (*value)?))) {
+                let dof = D * node + component;
+                let Some(first) = self.supports.values[dof] else {
+                    continue;
+                };
+                let values = [first, (value, course)];
+                let at = |t: f64| values.map(|value| self.supports.value(dof, value, t));
+                let mut differ = samples().map(at).filter(|[first, second]| first != second);
+                if let Some([first, second]) = differ.next_back() {
+                    return Err(Error::Conflict {
+                        node,
+                        component,
+                        first,
+                        second,
+                    });
                 }
             }
+        }
+        for (&node, (component, value)) in nodes
+            .iter()
+            .flat_map(|node| components.iter().enumerate().map(move |c| (node, c)))
+        {
+            let Some(value) = *value else { continue };
+            let (dof, value) = (D * node + component, (value, course));
+            self.prescribed[dof] = Some(self.supports.value(dof, value, 1.0));
+            self.supports.values[dof] = Some(value);
         }
         Ok(self)
     }
@@ -153,6 +294,48 @@ impl<const D: usize> Body<D> {
         boundary: &str,
         traction: impl Fn(&Vector<D>) -> Vector<D>,
     ) -> Result<&mut Self, Error> {
+        let forces = self.traction_forces(boundary, traction)?;
+        self.add_forces("traction", forces, Amplitude::default())
+    }
+
+    /// As [`Body::traction`], times an amplitude in place of the load factor. What is not zero at load factor 0 is applied
+    /// within the first step.
+    ///
+    /// # Errors
+    /// As [`Body::traction`]. Values of an amplitude are checked at the times that a run comes to.
+    pub fn traction_in_time(
+        &mut self,
+        boundary: &str,
+        traction: [f64; D],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
+        let forces = self.traction_forces(boundary, |_| traction.into())?;
+        self.add_forces("traction", forces, amplitude.into())
+    }
+
+    /// Adds a dead traction that depends on the load factor and on the reference position X (UL).
+    ///
+    /// # Errors
+    /// As [`Body::traction`]. Values are checked at the load factors 1/16, 2/16, … 1, and at those that a run comes to.
+    pub fn traction_path(
+        &mut self,
+        boundary: &str,
+        traction: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
+    ) -> Result<&mut Self, Error> {
+        self.traction_forces(boundary, |_| Vector::zeros())?;
+        let (mesh, boundary) = (self.mesh.clone(), boundary.to_string());
+        self.add_path("traction", move |t, forces| {
+            // checked above
+            let facets = mesh.boundary(&boundary).unwrap_or_default();
+            add_traction(&mesh, &facets, |X| traction(t, X), forces);
+        })
+    }
+
+    fn traction_forces(
+        &self,
+        boundary: &str,
+        traction: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<Vec<f64>, Error> {
         let facets = self.mesh.boundary(boundary)?;
         if facets.is_empty() {
             return Err(Error::EmptyBoundary {
@@ -162,7 +345,7 @@ impl<const D: usize> Body<D> {
         }
         let mut forces = vec![0.0; self.forces.len()];
         add_traction(&self.mesh, &facets, traction, &mut forces);
-        self.add_forces("traction", &forces)
+        Ok(forces)
     }
 
     /// Adds a dead body force (force per reference volume, UF/UL² in the plane, UF/UL³ in space).
@@ -183,25 +366,161 @@ impl<const D: usize> Body<D> {
     ) -> Result<&mut Self, Error> {
         let mut forces = vec![0.0; self.forces.len()];
         self.law.add_body_force(&self.mesh, &force, &mut forces);
-        self.add_forces("body force", &forces)
+        self.add_forces("body force", forces, Amplitude::default())
+    }
+
+    /// As [`Body::body_force`], times an amplitude in place of the load factor. What is not zero at load factor 0 is applied
+    /// within the first step.
+    ///
+    /// # Errors
+    /// If a value is not finite. Values of an amplitude are checked at the times that a run comes to.
+    pub fn body_force_in_time(
+        &mut self,
+        force: [f64; D],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
+        let mut forces = vec![0.0; self.forces.len()];
+        let field = |_: &Vector<D>| force.into();
+        self.law.add_body_force(&self.mesh, &field, &mut forces);
+        self.add_forces("body force", forces, amplitude.into())
+    }
+
+    /// Adds a dead body force that depends on the load factor and on the reference position X (UL).
+    ///
+    /// # Errors
+    /// If a value is not finite, which is checked at the load factors 1/16, 2/16, … 1, and at those that a run comes to.
+    pub fn body_force_path(
+        &mut self,
+        force: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
+    ) -> Result<&mut Self, Error> {
+        let (mesh, law) = (self.mesh.clone(), Arc::clone(&self.law));
+        self.add_path("body force", move |t, forces| {
+            law.add_body_force(&mesh, &|X| force(t, X), forces);
+        })
+    }
+
+    /// Adds a dead force (UF) on each of the given nodes.
+    ///
+    /// # Errors
+    /// If a value is not finite, or a node does not exist.
+    pub fn nodal_force(&mut self, nodes: &[usize], force: [f64; D]) -> Result<&mut Self, Error> {
+        self.nodal_force_in_time(nodes, force, Amplitude::default())
+    }
+
+    /// As [`Body::nodal_force`], times an amplitude in place of the load factor.
+    ///
+    /// # Errors
+    /// As [`Body::nodal_force`]. Values of an amplitude are checked at the times that a run comes to.
+    pub fn nodal_force_in_time(
+        &mut self,
+        nodes: &[usize],
+        force: [f64; D],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
+        let mut forces = vec![0.0; self.forces.len()];
+        for &node in nodes {
+            let Some(own) = forces.get_mut(D * node..D * (node + 1)) else {
+                return Err(Error::Setting {
+                    name: "node",
+                    value: node as f64,
+                    remedy: "name a node of this body's mesh",
+                });
+            };
+            own.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+        }
+        self.add_forces("nodal force", forces, amplitude.into())
     }
 
     /// Adds the nodal forces of the load `name` if all of them are finite.
-    fn add_forces(&mut self, name: &'static str, forces: &[f64]) -> Result<&mut Self, Error> {
-        Error::check_finite(name, forces)?;
-        let sums = self.forces.iter_mut().zip(forces);
-        sums.for_each(|(sum, force)| *sum += force);
+    fn add_forces(
+        &mut self,
+        name: &'static str,
+        forces: Vec<f64>,
+        amplitude: Amplitude,
+    ) -> Result<&mut Self, Error> {
+        Error::check_finite(name, &forces)?;
+        if amplitude.is_proportional() {
+            let sums = self.proportional.iter_mut().zip(&forces);
+            sums.for_each(|(sum, force)| *sum += force);
+        } else {
+            self.loads.push(Load::Scaled(forces, amplitude));
+        }
+        self.forces = self.forces_at(1.0);
         Ok(self)
     }
 
-    /// The displacement prescribed for each dof at full load (UL), if any.
+    /// Adds forces that are computed anew at each load factor.
+    fn add_path(
+        &mut self,
+        name: &'static str,
+        add: impl Fn(f64, &mut [f64]) + Send + Sync + 'static,
+    ) -> Result<&mut Self, Error> {
+        for t in samples() {
+            let mut forces = vec![0.0; self.forces.len()];
+            add(t, &mut forces);
+            Error::check_finite(name, &forces)?;
+        }
+        self.loads.push(Load::Given(Arc::new(add)));
+        self.forces = self.forces_at(1.0);
+        Ok(self)
+    }
+
+    /// The displacement prescribed for each dof at load factor 1 (UL), if any.
     pub fn prescribed(&self) -> &[Option<f64>] {
         &self.prescribed
     }
 
-    /// The nodal forces at full load (all dofs, UF).
+    /// The displacements prescribed at a load factor (UL), in ascending order of the dofs; 0 at the load factor 0, before
+    /// the first step.
+    pub fn prescribed_at(&self, factor: f64) -> Vec<f64> {
+        self.supports.at(factor)
+    }
+
+    /// The nodal forces at load factor 1 (all dofs, UF).
     pub fn forces(&self) -> &[f64] {
         &self.forces
+    }
+
+    /// The nodal forces at a load factor (all dofs, UF); 0 at the load factor 0, before the first step.
+    pub fn forces_at(&self, factor: f64) -> Vec<f64> {
+        let mut forces: Vec<f64> = self.proportional.iter().map(|f| factor * f).collect();
+        if factor != 0.0 {
+            self.loads
+                .iter()
+                .for_each(|load| load.add(factor, &mut forces));
+        }
+        forces
+    }
+
+    /// Whether not all loads and prescribed displacements are proportional to the load factor.
+    pub(crate) fn has_program(&self) -> bool {
+        !(self.supports.is_proportional() && self.loads.is_empty())
+    }
+
+    /// The prescribed displacements, with their courses.
+    pub(super) fn supports(&self) -> &Supports<D> {
+        &self.supports
+    }
+
+    /// The largest prescribed displacement (UL), and the largest sum of all magnitudes of forces (UF), at load factors up
+    /// to 1; values that are not finite are left out.
+    pub(super) fn largest(&self) -> (f64, f64) {
+        let of = |t: f64| {
+            let largest = self
+                .prescribed_at(t)
+                .iter()
+                .fold(0.0, |m: f64, u| m.max(u.abs()));
+            (
+                largest,
+                self.forces_at(t).iter().map(|f| f.abs()).sum::<f64>(),
+            )
+        };
+        match self.has_program() {
+            true => samples().map(of).fold((0.0, 0.0), |(u, f), (v, g)| {
+                (u.max(v), f64::max(f, if g.is_finite() { g } else { 0.0 }))
+            }),
+            false => of(1.0),
+        }
     }
 
     /// Whether the law is a small-strain law, that is linear in the displacement gradient.
@@ -224,11 +543,6 @@ impl<const D: usize> Body<D> {
     /// For each dof, whether it is prescribed.
     pub(super) fn is_prescribed(&self) -> Vec<bool> {
         self.prescribed.iter().map(Option::is_some).collect()
-    }
-
-    /// The displacements prescribed at full load (UL), in ascending order of the dofs.
-    pub(super) fn prescribed_values(&self) -> Vec<f64> {
-        self.prescribed.iter().flatten().copied().collect()
     }
 
     /// The energy over the free dofs, at load factor 0.
@@ -274,7 +588,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> 
 
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
         let dofs = DofMap::new(&body.is_prescribed());
-        let prescribed = body.prescribed_values();
+        let prescribed = body.prescribed.iter().flatten().copied().collect();
         let (law, forces) = (self.1.clone(), body.forces.clone());
         let energy = StrainEnergy::<D, E, M>::new(&body.mesh, law, dofs, prescribed, forces);
         match M::QUADRATIC {
@@ -290,5 +604,61 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> 
         forces: &mut [f64],
     ) {
         add_body_force::<D, E>(mesh, force, forces);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::NeoHookean;
+    use crate::mesh::generators::{Diagonals, rectangle};
+
+    fn square() -> Body<2> {
+        let mesh = rectangle(&[0.0, 1.0], &[0.0, 1.0], Diagonals::Rising).expect("mesh");
+        Body::new(mesh, NeoHookean::new(1.0, 0.3).expect("law"))
+    }
+
+    /// Loads of all kinds add up at every load factor, and none is there before the first step.
+    #[test]
+    fn forces_in_time() {
+        let mut body = square();
+        body.nodal_force(&[1, 1, 2], [3.0, 0.0]).expect("a force");
+        body.nodal_force_in_time(&[2], [0.0, 5.0], 1.0)
+            .expect("a force");
+        body.traction_path("top", |t, X| Vector::<2>::new(t * t * X[1], 0.0))
+            .expect("a traction");
+        assert!(body.has_program());
+        let twice = [0.0, 0.0, 12.0, 0.0, 6.0 + 2.0, 5.0, 2.0, 0.0];
+        let at = |t: f64| body.forces_at(t);
+        assert!(
+            at(2.0)
+                .iter()
+                .zip(twice)
+                .all(|(f, g)| (f - g).abs() < 1e-14)
+        );
+        assert_eq!(at(0.0), [0.0; 8]);
+        assert_eq!(body.forces(), at(1.0));
+        for wrong in [
+            square().nodal_force(&[4], [1.0, 0.0]).err(),
+            square().nodal_force(&[0], [f64::NAN, 0.0]).err(),
+        ] {
+            assert!(wrong.is_some());
+        }
+    }
+
+    /// Of two values for a dof, one may repeat the other.
+    #[test]
+    fn supports_that_agree() {
+        let mut body = square();
+        let held = |amplitude: f64| Amplitude::constant(amplitude);
+        body.prescribe("left", [Some(0.0), None]).expect("support");
+        body.prescribe_in_time("top", [Some(0.0), Some(2.0)], held(3.0))
+            .expect("0 is 0 in any course");
+        let conflict = body.prescribe("right", [None, Some(2.0)]).err();
+        let told = conflict.expect("a conflict").to_string();
+        assert!(told.ends_with("prescribed twice: 6 and 2"), "{told}");
+        // nodes row by row: the left ones are 0 and 2
+        assert_eq!(body.prescribed_at(5.0), [0.0, 0.0, 6.0, 0.0, 6.0]);
+        assert_eq!(body.prescribed_at(0.0), [0.0; 5]);
     }
 }

@@ -11,9 +11,10 @@ use super::initial_gaps::{Depths, InitialOverlaps};
 use super::kinematics::Kinematics;
 use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
 use crate::contact::motion::Motion;
+use crate::contact::obstacle::Placed;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::search::nodes_inside;
-use crate::contact::stencil::{Projected, projected_unless};
+use crate::contact::stencil::{Projected, on_obstacle, projected_unless};
 use crate::contact::variation::Variation;
 use crate::contact::{Master, Pass, Surface};
 use crate::tensor::Vector;
@@ -28,6 +29,11 @@ const WAY: f64 = 8.0;
 /// The contact surfaces and passes of a scene.
 pub(super) struct ContactSet<const D: usize> {
     pub surfaces: Vec<Arc<Surface<D>>>,
+    /// The obstacles, which passes number after the surfaces, and the number of bodies, after which all else numbers them.
+    pub obstacles: Vec<Placed<D>>,
+    bodies: usize,
+    /// The number of Gauss points on obstacles, for each facet and direction.
+    obstacle_points: usize,
     pub passes: Vec<Pass>,
     /// For each pass, whether it exchanges the roles that its pair was declared with.
     reversed: Vec<bool>,
@@ -73,8 +79,18 @@ impl<const D: usize> ContactSet<D> {
         geometry: Geometry,
         kinematics: &Kinematics<D>,
     ) -> Self {
-        let (sides, passes) = sides_and_passes(pairs);
-        let (passes, reversed) = passes.into_iter().unzip();
+        let (mut sides, passes) = sides_and_passes(pairs);
+        let on_obstacles: Vec<_> = scene
+            .obstructed()
+            .iter()
+            .map(|(side, obstacle)| (place_of(side, &mut sides), *obstacle))
+            .collect();
+        let (mut passes, mut reversed): (Vec<_>, Vec<_>) = passes.into_iter().unzip();
+        for &(slave, obstacle) in &on_obstacles {
+            let master = sides.len() + obstacle;
+            passes.push(Pass { slave, master });
+            reversed.push(false);
+        }
         let surface = |side: &&Side| {
             let body = side.body.index();
             let mesh = scene.bodies()[body].mesh();
@@ -93,7 +109,15 @@ impl<const D: usize> ContactSet<D> {
             let first = nodes.next().unwrap_or_else(Vector::zeros);
             nodes.fold([first; 2], |[low, high], X| [low.inf(&X), high.sup(&X)])
         };
+        let placed = |(index, obstacle)| {
+            let own = on_obstacles.iter().filter(|(_, other)| *other == index);
+            let sizes = own.map(|(slave, _): &(usize, usize)| surfaces[*slave].facet_size());
+            Placed::new(obstacle, sizes.fold(f64::INFINITY, f64::min))
+        };
         let mut set = ContactSet {
+            obstacles: scene.obstacles().iter().enumerate().map(placed).collect(),
+            bodies: scene.bodies().len(),
+            obstacle_points: scene.obstacle_points(),
             boxes: surfaces.iter().map(corners).collect(),
             surfaces,
             is_reach_free: scene.reach.is_none(),
@@ -124,11 +148,7 @@ impl<const D: usize> ContactSet<D> {
     fn overlaps_at_rest(&self, kinematics: &Kinematics<D>) -> InitialOverlaps {
         let mut passes = self.passes.clone();
         for pass in &self.passes {
-            let turned = Pass {
-                slave: pass.master,
-                master: pass.slave,
-            };
-            if !passes.contains(&turned) {
+            if let Some(turned) = self.turned(*pass).filter(|turned| !passes.contains(turned)) {
                 passes.push(turned);
             }
         }
@@ -169,6 +189,60 @@ impl<const D: usize> ContactSet<D> {
         InitialOverlaps(depths.collect())
     }
 
+    /// Checks where obstacles are at pseudo-time `t`.
+    ///
+    /// # Errors
+    /// A place that is not finite.
+    pub fn check(&self, scene: &Scene<D>, t: f64) -> Result<(), crate::Error> {
+        let placed = self.obstacles.iter().zip(scene.obstacle_names());
+        let mut lost = placed.filter(|(obstacle, _)| !obstacle.obstacle().pose(t).is_finite());
+        match lost.next() {
+            Some((_, name)) => Err(crate::Error::NotFinite {
+                what: format!("the motion of obstacle `{name}` at load factor {t}"),
+                index: 0,
+                value: f64::NAN,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Places obstacles where they are at pseudo-time `t`, and forgets what was found elsewhere.
+    pub fn set_load(&mut self, t: f64) {
+        let mut has_moved = false;
+        for obstacle in &mut self.obstacles {
+            has_moved |= obstacle.set_time(t);
+        }
+        if has_moved {
+            *self
+                .inside
+                .get_mut()
+                .unwrap_or_else(PoisonError::into_inner) = None;
+        }
+    }
+
+    /// The obstacle of a pass, if it has one.
+    pub fn obstacle_of(&self, pass: Pass) -> Option<(usize, &Placed<D>)> {
+        let index = pass.master.checked_sub(self.surfaces.len())?;
+        Some((index, self.obstacles.get(index)?))
+    }
+
+    /// The body of the slave, and that of the master. Obstacles are numbered after the bodies.
+    pub fn bodies_of(&self, pass: Pass) -> [usize; 2] {
+        let of = |surface: usize| match surface.checked_sub(self.surfaces.len()) {
+            None => self.surfaces[surface].body(),
+            Some(obstacle) => self.bodies + obstacle,
+        };
+        [pass.slave, pass.master].map(of)
+    }
+
+    /// The pass with exchanged roles, if there can be one.
+    pub fn turned(&self, pass: Pass) -> Option<Pass> {
+        self.obstacle_of(pass).is_none().then_some(Pass {
+            slave: pass.master,
+            master: pass.slave,
+        })
+    }
+
     /// The deepest initial overlap (UL) that the load resolves.
     pub fn resolved_overlap(&self) -> f64 {
         match self.initial_gaps {
@@ -182,8 +256,10 @@ impl<const D: usize> ContactSet<D> {
         let last = self.located.lock().unwrap_or_else(PoisonError::into_inner);
         match (&*last, self.geometry) {
             (Some(located), Geometry::Reference) => {
-                let searched = located.projected.iter().filter(|of| of.get().is_some());
-                self.passes.len() - searched.count()
+                let passes = self.passes.iter().zip(&located.projected);
+                // obstacles need no search
+                let between = passes.filter(|(pass, _)| self.obstacle_of(**pass).is_none());
+                between.filter(|(_, of)| of.get().is_none()).count()
             }
             _ => 0,
         }
@@ -192,12 +268,13 @@ impl<const D: usize> ContactSet<D> {
     /// Whether displacements of at most `moved` (UL) can close a row of this pass. In the reference geometry they cannot where
     /// the boxes of both surfaces are further apart than points move, curved facets and averages over nodes allowed for.
     pub fn is_near(&self, pass: Pass, moved: f64) -> bool {
-        let [slave, master] = [pass.slave, pass.master].map(|k| &self.surfaces[k]);
         let refuses = self.initial_gaps == InitialGaps::Refuse;
         let may_be_far = self.geometry == Geometry::Reference && self.is_reach_free && refuses;
-        if !may_be_far || slave.body() == master.body() {
+        let [first, second] = self.bodies_of(pass);
+        if !may_be_far || first == second || self.obstacle_of(pass).is_some() {
             return true;
         }
+        let [slave, master] = [pass.slave, pass.master].map(|k| &self.surfaces[k]);
         let [[low, high], [below, above]] = [pass.slave, pass.master].map(|k| self.boxes[k]);
         let apart = (below - high).sup(&(low - above)).sup(&Vector::zeros());
         let curved = slave.facet_size().max(master.facet_size());
@@ -208,7 +285,7 @@ impl<const D: usize> ContactSet<D> {
     pub fn is_pair(&self, [a, b]: [usize; 2]) -> bool {
         let mut passes = self.passes.iter();
         passes.any(|pass| {
-            let bodies = [pass.slave, pass.master].map(|k| self.surfaces[k].body());
+            let bodies = self.bodies_of(*pass);
             bodies == [a, b] || bodies == [b, a]
         })
     }
@@ -233,7 +310,12 @@ impl<const D: usize> ContactSet<D> {
     /// Whether a row's key identifies the same row in every iteration and load step. The numbers of
     /// integration points do not where facets are cut.
     pub fn has_lasting_names(&self, sampling: Sampling) -> bool {
-        sampling == Sampling::Nodes || self.integration != Integration::Exact
+        let has_cuts = || {
+            self.passes
+                .iter()
+                .any(|pass| self.obstacle_of(*pass).is_none())
+        };
+        sampling == Sampling::Nodes || self.integration != Integration::Exact || !has_cuts()
     }
 
     /// The number of times that normals and search trees were built.
@@ -315,6 +397,16 @@ impl<const D: usize> ContactSet<D> {
         stop: Option<&Stop>,
     ) -> Option<PassRows<'a, D>> {
         let slave = &self.surfaces[pass.slave];
+        if let Some((_, obstacle)) = self.obstacle_of(pass) {
+            let points = on_obstacle(
+                slave,
+                obstacle,
+                &located.x,
+                self.obstacle_points,
+                self.reach,
+            );
+            return Some(PassRows::new(slave, obstacle, &points, sampling));
+        }
         let master = &located.masters[pass.master];
         let rule = (self.integration, self.reach);
         let project = || projected_unless(slave, master, &located.x, rule, || is_requested(stop));
@@ -449,6 +541,20 @@ impl<const D: usize> ContactSet<D> {
     }
 
     fn inside_of(&self, pass: Pass, located: &Located<D>, now: &[Vector<D>]) -> Vec<(usize, f64)> {
+        if let Some((_, obstacle)) = self.obstacle_of(pass) {
+            let nodes = self.surfaces[pass.slave].nodes().iter().enumerate();
+            let gap = |(k, &node): (usize, &usize)| {
+                let x = located.x[node];
+                let way = now[node] - x;
+                let gap = obstacle.distance(&x);
+                let gap = match way.iter().all(|w| *w == 0.0) {
+                    true => gap,
+                    false => gap + obstacle.normal(&x).dot(&way),
+                };
+                (gap < 0.0).then_some((k, gap))
+            };
+            return nodes.filter_map(gap).collect();
+        }
         let [own, master] = [pass.slave, pass.master].map(|k| &located.masters[k]);
         let slave = &self.surfaces[pass.slave];
         nodes_inside(slave, own.normals(), master, &located.x, now, self.reach)
@@ -456,12 +562,13 @@ impl<const D: usize> ContactSet<D> {
 
     /// How far bodies have passed through each other (UL), or `None` if they have not. They have if
     /// the penetration at `u` exceeds the facets around the node or the search radius, or if nodes
-    /// went through a body on the way between the positions `before` and `after`, those at `u`.
+    /// went through a body on the way between the positions `before`, at load factor `from`, and `after`, those at `u`.
     pub fn tunnels(
         &self,
         kinematics: &Kinematics<D>,
         u: &[f64],
         (before, after): (&[Vector<D>], &[Vector<D>]),
+        from: f64,
     ) -> Option<f64> {
         let depth = self.penetration(kinematics, u);
         let in_facets = self.deepest(kinematics, u, Surface::node_sizes);
@@ -473,8 +580,14 @@ impl<const D: usize> ContactSet<D> {
         }
         let motion = Motion { before, after };
         let through = |pass: &Pass| {
-            let [slave, master] = [pass.slave, pass.master].map(|k| &self.surfaces[k]);
-            motion.through(slave, master)
+            let slave = &self.surfaces[pass.slave];
+            match self.obstacle_of(*pass) {
+                Some((_, obstacle)) => {
+                    let from = obstacle.obstacle().pose(from);
+                    motion.through_obstacle(slave, obstacle, &from)
+                }
+                None => motion.through(slave, &self.surfaces[pass.master]),
+            }
         };
         self.passes.iter().filter_map(through).reduce(f64::max)
     }
@@ -488,12 +601,7 @@ fn is_requested(stop: Option<&Stop>) -> bool {
 pub(super) fn sides_and_passes(pairs: &[Pair]) -> (Vec<&Side>, Vec<(Pass, bool)>) {
     let (mut sides, mut passes) = (Vec::<&Side>::new(), Vec::new());
     for pair in pairs {
-        let [a, b] = [&pair.first, &pair.second].map(|side| {
-            sides.iter().position(|s| *s == side).unwrap_or_else(|| {
-                sides.push(side);
-                sides.len() - 1
-            })
-        });
+        let [a, b] = [&pair.first, &pair.second].map(|side| place_of(side, &mut sides));
         let pass = |slave, master, reversed| (Pass { slave, master }, reversed);
         match pair.passes {
             _ if a == b => passes.push(pass(a, b, false)),
@@ -503,6 +611,14 @@ pub(super) fn sides_and_passes(pairs: &[Pair]) -> (Vec<&Side>, Vec<(Pass, bool)>
         }
     }
     (sides, passes)
+}
+
+/// The position of a side, which is added where it is new.
+fn place_of<'a>(side: &'a Side, sides: &mut Vec<&'a Side>) -> usize {
+    sides.iter().position(|s| *s == side).unwrap_or_else(|| {
+        sides.push(side);
+        sides.len() - 1
+    })
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Handles of a scene's bodies and their boundaries.
+//! Handles of a scene's bodies, their boundaries, and its obstacles.
 
 /// A body of a scene, as returned by [`Scene::add`](super::Scene::add). A handle contains the
 /// body's number only: in another scene it denotes the body with the same number. If there is none,
@@ -18,6 +18,17 @@ impl BodyId {
             body: self,
             boundary: boundary.into(),
         }
+    }
+}
+
+/// An obstacle of a scene, as returned by [`Scene::obstacle`](super::Scene::obstacle): its number, likewise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ObstacleId(pub(super) usize);
+
+impl ObstacleId {
+    /// The obstacle's number in the order of declaration, from 0.
+    pub fn index(self) -> usize {
+        self.0
     }
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use contact_core::LinearGaps;
 
 use super::Body;
+use super::courses::Supports;
 use crate::assembly::{Dof, DofMap};
 use crate::tensor::Vector;
 
@@ -15,8 +16,8 @@ pub(super) struct Kinematics<const D: usize> {
     first_node: Vec<usize>,
     /// Free and prescribed dofs.
     pub dofs: DofMap,
-    /// The prescribed displacements (UL) at full load and at the present load factor.
-    full: Vec<f64>,
+    /// The prescribed displacements of each body, and those at the present load factor (UL).
+    supports: Vec<Supports<D>>,
     pub prescribed: Vec<f64>,
     /// The present load factor.
     pub factor: f64,
@@ -26,31 +27,34 @@ impl<const D: usize> Kinematics<D> {
     /// At load factor 0.
     pub fn new(bodies: &[Body<D>]) -> Self {
         let (mut X, mut first_node) = (Vec::new(), vec![0]);
-        let (mut dofs, mut full) = (DofMap::default(), Vec::new());
+        let (mut dofs, mut supports) = (DofMap::default(), Vec::new());
         for body in bodies {
             X.extend_from_slice(body.mesh().nodes());
             first_node.push(X.len());
             dofs.extend(&body.is_prescribed());
-            full.extend(body.prescribed_values());
+            supports.push(body.supports().clone());
         }
         Kinematics {
             X,
             first_node,
+            prescribed: vec![0.0; dofs.prescribed()],
             dofs,
-            prescribed: vec![0.0; full.len()],
-            full,
+            supports,
             factor: 0.0,
         }
     }
 
-    /// Sets the prescribed displacements to `factor` times those at full load.
+    /// Sets the prescribed displacements to those at `factor`.
     pub fn set_load(&mut self, factor: f64) {
         self.factor = factor;
         self.prescribed = self.prescribed_at(factor);
     }
 
     fn prescribed_at(&self, factor: f64) -> Vec<f64> {
-        self.full.iter().map(|value| factor * value).collect()
+        self.supports
+            .iter()
+            .flat_map(|own| own.at(factor))
+            .collect()
     }
 
     /// The largest displacement at `u` and the present load (UL).

@@ -3,6 +3,7 @@
 
 mod body;
 mod contact_set;
+mod courses;
 mod diagnosis;
 mod handle;
 mod initial_gaps;
@@ -14,10 +15,10 @@ mod scale;
 mod scene;
 pub(crate) mod work;
 
-pub use crate::contact::Integration;
+pub use crate::contact::{Integration, Obstacle};
 pub use body::Body;
 pub use diagnosis::Undetermined;
-pub use handle::{BodyId, Side};
+pub use handle::{BodyId, ObstacleId, Side};
 pub use initial_gaps::InitialGaps;
 pub use preflight::{Finding, FindingKind, Severity};
 pub use problem::Problem;

@@ -13,6 +13,7 @@ use contact_core::{
 };
 
 use super::contact_set::ContactSet;
+use super::courses;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Setup};
 use super::{BodyId, Finding, Geometry, InitialGaps, Overlaps, Scene, scale};
@@ -177,9 +178,25 @@ impl<const D: usize> Problem<D> {
         &self.contact.surfaces
     }
 
-    /// The passes: every pair once or in both roles.
+    /// The passes: every pair once or in both roles, and then every side on an obstacle. Obstacles are numbered as masters
+    /// after the surfaces.
     pub fn passes(&self) -> &[Pass] {
         &self.contact.passes
+    }
+
+    /// The obstacle of a pass, by its number; `None` of a pass between surfaces.
+    pub fn obstacle_of(&self, pass: Pass) -> Option<usize> {
+        self.contact.obstacle_of(pass).map(|(index, _)| index)
+    }
+
+    /// The bodies of slave and master, by their numbers; obstacles are numbered after the bodies.
+    pub(crate) fn bodies_of(&self, pass: Pass) -> [usize; 2] {
+        self.contact.bodies_of(pass)
+    }
+
+    /// The pass with exchanged roles; `None` if its master is an obstacle.
+    pub(crate) fn turned(&self, pass: Pass) -> Option<Pass> {
+        self.contact.turned(pass)
     }
 
     /// The number of nodes of slave surfaces that may have a row, over all passes.
@@ -242,12 +259,18 @@ impl<const D: usize> Problem<D> {
         sampling: Sampling,
     ) -> Result<LinearGaps, crate::Error> {
         Error::check_vector("u", u, self.dofs().free())?;
-        let surfaces = passes.iter().flat_map(|pass| [pass.slave, pass.master]);
-        match surfaces.max().filter(|&last| last >= self.surfaces().len()) {
+        let surfaces = self.surfaces().len();
+        let masters = surfaces + self.scene.obstacles().len();
+        let wrong = |pass: &Pass| match (pass.slave < surfaces, pass.master < masters) {
+            (true, true) => None,
+            (false, _) => Some(pass.slave),
+            (_, false) => Some(pass.master),
+        };
+        match passes.iter().find_map(wrong) {
             Some(last) => Err(crate::Error::Setting {
                 name: "pass",
                 value: last as f64,
-                remedy: "name surfaces of this problem, numbered from 0 as in `Problem::surfaces`",
+                remedy: "name surfaces of this problem, numbered from 0 as in `Problem::surfaces`, or as master an obstacle after them",
             }),
             None => {
                 let numbered = passes.iter().copied().enumerate();
@@ -268,6 +291,37 @@ impl<const D: usize> Problem<D> {
             .rows(passes, &self.kinematics, u, sampling, None);
         // nothing stops it
         rows.unwrap_or_else(|| LinearGaps::new(self.contact.is_exact()))
+    }
+
+    /// The rows, if the signed distances that they were computed from are numbers.
+    fn with_distances(&self, rows: LinearGaps, u: &[f64]) -> Result<LinearGaps, Error> {
+        let obstacles = self.scene.obstacles();
+        let wrong = |i: &usize| !rows.constant()[*i].is_finite();
+        let mut wrong = (0..rows.len()).filter(wrong);
+        let first = match obstacles.iter().any(|obstacle| obstacle.is_given()) {
+            true => wrong.next(),
+            false => None,
+        };
+        let Some(row) = first else { return Ok(rows) };
+        let key = rows.keys()[row];
+        let pass = self.passes().get(key.pass as usize).copied();
+        match pass.and_then(|pass| self.obstacle_of(pass)) {
+            Some(index) => {
+                let x = self.positions(u);
+                let at = match rows.sampling() {
+                    Sampling::Nodes => x.get(key.node as usize),
+                    Sampling::Points => None,
+                };
+                Err(crate::Error::ObstacleDistance {
+                    obstacle: self.scene.obstacle_names()[index].clone(),
+                    what: "distance",
+                    value: rows.constant()[row],
+                    x: at.map_or(Vec::new(), |x| x.iter().copied().collect()),
+                }
+                .into())
+            }
+            None => Ok(rows),
+        }
     }
 
     /// As [`Problem::rows_of`], at a state, without passes that are open at `u` for sure.
@@ -307,7 +361,7 @@ impl<const D: usize> ContactProblem for Problem<D> {
         let passes = self.contact.passes_in(false);
         let (at, stop) = (&self.kinematics, self.contact.stop.as_ref());
         let rows = self.contact.rows(passes, at, u, sampling, stop);
-        rows.ok_or(Error::Interrupted)
+        self.with_distances(rows.ok_or(Error::Interrupted)?, u)
     }
 
     fn linearize_reversed(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
@@ -329,7 +383,7 @@ impl<const D: usize> ContactProblem for Problem<D> {
                 .rows(passes, &self.kinematics, u, Sampling::Nodes, stop);
             rows.ok_or(Error::Interrupted)
         };
-        Ok(of(false)?.and(of(true)?))
+        self.with_distances(of(false)?.and(of(true)?), u)
     }
 
     fn vary_gaps(
@@ -360,9 +414,21 @@ impl<const D: usize> LoadStepped for Problem<D> {
                 remedy: "choose a finite number; 1 is full load",
             });
         }
+        let bodies = self.scene.bodies().iter().zip(self.scene.names());
+        for (body, name) in bodies {
+            courses::check(body, name, factor)?;
+        }
+        self.contact.check(&self.scene, factor)?;
         self.kinematics.set_load(factor);
+        self.contact.set_load(factor);
+        self.audit.set_load(factor);
         let energies = self.energy.parts_mut().iter_mut();
-        energies.for_each(|energy| energy.set_load(factor));
+        for (body, energy) in self.scene.bodies().iter().zip(energies) {
+            match body.has_program() {
+                true => energy.set_external(body.prescribed_at(factor), body.forces_at(factor)),
+                false => energy.set_load(factor),
+            }
+        }
         Ok(())
     }
 
@@ -383,17 +449,14 @@ impl<const D: usize> LoadStepped for Problem<D> {
             bodies, at, depth, ..
         }) = overlap
         {
-            let [first, second] = bodies.map(|body| &self.scene.names()[body]);
+            let [first, second] = bodies.map(|body| self.scene.called(body));
             let at: Vec<String> = at.iter().map(|x| format!("{x:.3e}")).collect();
-            let place = format!(
-                "body `{first}` is inside body `{second}` at ({})",
-                at.join(", ")
-            );
+            let place = format!("{first} is inside {second} at ({})", at.join(", "));
             return Some(Passage { depth, place });
         }
         let depth = self
             .contact
-            .tunnels(&self.kinematics, u, (&before, &after))?;
+            .tunnels(&self.kinematics, u, (&before, &after), from)?;
         let place = "bodies penetrate or have passed through each other".to_string();
         Some(Passage { depth, place })
     }
@@ -402,8 +465,9 @@ impl<const D: usize> LoadStepped for Problem<D> {
         let mut lifted = u.to_vec();
         let bodies = self.scene.bodies().iter().zip(self.energy.parts());
         for (index, (body, energy)) in bodies.enumerate() {
-            let full = body.prescribed_values().into_iter();
-            let increments: Vec<f64> = full.map(|p| p * (self.load() - from)).collect();
+            let [now, before] = [self.load(), from].map(|factor| body.prescribed_at(factor));
+            let increments = now.iter().zip(&before).map(|(now, before)| now - before);
+            let increments: Vec<f64> = increments.collect();
             if increments.iter().all(|p| *p == 0.0) {
                 continue;
             }

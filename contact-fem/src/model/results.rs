@@ -23,6 +23,35 @@ impl<const D: usize> Problem<D> {
         }
     }
 
+    /// The contact force of the bodies on each obstacle (UF), in the order of [`Scene::obstacles`](super::Scene::obstacles);
+    /// NaN where [`Problem::contact_forces`] is.
+    pub fn obstacle_forces(&self, gaps: &LinearGaps, lambda: &[f64]) -> Vec<Vector<D>> {
+        let forces = self.forces_of_obstacles(gaps, lambda).into_iter();
+        forces
+            .map(|forces| -forces.iter().sum::<Vector<D>>())
+            .collect()
+    }
+
+    /// The forces of each obstacle on all nodes (UF).
+    pub(crate) fn forces_of_obstacles(
+        &self,
+        gaps: &LinearGaps,
+        lambda: &[f64],
+    ) -> Vec<Vec<Vector<D>>> {
+        let passes = self.passes();
+        let of = |index: usize| {
+            let own = gaps.keys().iter().zip(lambda).map(|(key, &l)| {
+                let pass = passes.get(key.pass as usize).copied();
+                match pass.and_then(|pass| self.obstacle_of(pass)) {
+                    Some(obstacle) if obstacle == index => l,
+                    _ => 0.0,
+                }
+            });
+            self.contact_forces(gaps, &own.collect::<Vec<_>>())
+        };
+        (0..self.scene.obstacles().len()).map(of).collect()
+    }
+
     /// ∂E/∂U of a body (UF) for all its dofs, free and prescribed; NaN where it depends on a `u` that is
     /// [no state](Problem::is_state).
     pub fn residual(&self, body: impl Into<BodyId>, u: &[f64]) -> Vec<f64> {

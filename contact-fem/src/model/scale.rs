@@ -65,10 +65,9 @@ fn expected_strain<const D: usize>(
     overlap: f64,
 ) -> f64 {
     let bodies = || scene.bodies().iter();
-    let magnitude = |body: &Body<D>| body.forces().iter().fold(0.0, |m: f64, v| m + v.abs());
-    let force: f64 = bodies().map(magnitude).sum();
-    let prescribed = bodies().flat_map(|body| body.prescribed().iter().flatten());
-    let prescribed = prescribed.fold(0.0, |m: f64, v| m.max(v.abs()));
+    let force: f64 = bodies().map(|body| body.largest().1).sum();
+    let prescribed = bodies().map(|body| body.largest().0).fold(0.0, f64::max);
+    let prescribed = prescribed.max(scene.obstacle_way());
     let stretch = force / stiffness * (facet / length).powi(D as i32 - 2);
     match MARGIN * prescribed.max(overlap).max(stretch) / length {
         strain if strain > 0.0 => strain.min(1.0),

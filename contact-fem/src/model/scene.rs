@@ -5,10 +5,12 @@ use contact_core::memory;
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Report, Setup};
-use super::{Body, BodyId, Finding, InitialGaps, Integration, Problem, Side};
+use super::{Body, BodyId, Finding, InitialGaps, Integration, Obstacle, ObstacleId, Problem, Side};
 use crate::audit::Audit;
 use crate::element::Order;
 use crate::error::Error;
+use crate::program::samples;
+use crate::tensor::Vector;
 
 /// The roles of the two surfaces of a contact pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -58,7 +60,7 @@ pub struct Pair {
     pub passes: Passes,
 }
 
-/// Bodies and contact pairs; [`Scene::problem`] checks them and builds the contact problem.
+/// Bodies, contact pairs and obstacles; [`Scene::problem`] checks them and builds the contact problem.
 ///
 /// ```
 /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
@@ -93,11 +95,15 @@ pub struct Scene<const D: usize> {
     names: Vec<String>,
     pairs: Vec<Pair>,
     surfaces: Vec<Side>,
+    obstacles: Vec<Obstacle<D>>,
+    obstacle_names: Vec<String>,
+    /// The sides that an obstacle may hold, with the number of the obstacle.
+    obstructed: Vec<(Side, usize)>,
     /// The quadrature of the constraints. By default 4 Gauss points for each facet and direction;
     /// with quadratic elements, whose pressures are more sensitive to quadrature errors, 12 in the
     /// plane and 8 in space. Gauss points do not resolve the edges of the facets of the other
     /// surface: in flat contact of non-matching meshes the error is about 0.1 % of the stress, with
-    /// one pass more. [`Integration::Exact`] resolves them.
+    /// one pass more. [`Integration::Exact`] resolves them. Obstacles have no facets: on them, it means the default.
     pub integration: Option<Integration>,
     /// The positions at which contact is searched. By default [`Geometry::Reference`] if all laws
     /// are small-strain laws, else [`Geometry::Current`]. If bodies with laws of both kinds are in
@@ -125,6 +131,9 @@ impl<const D: usize> Default for Scene<D> {
             names: Vec::new(),
             pairs: Vec::new(),
             surfaces: Vec::new(),
+            obstacles: Vec::new(),
+            obstacle_names: Vec::new(),
+            obstructed: Vec::new(),
             integration: None,
             geometry: None,
             reach: None,
@@ -228,6 +237,119 @@ impl<const D: usize> Scene<D> {
         Ok(())
     }
 
+    /// Declares that a boundary may touch a rigid obstacle, which has no body, under a name that no body or other obstacle
+    /// has. Its rows are those of one pass with the boundary as slave; normals and gaps are those of the obstacle itself.
+    ///
+    /// A block of height 1 and width 2 under its weight, on a rigid plane without friction:
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Body, LinearElastic, Obstacle, Scene, Simulation};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let mesh = rectangle(&linspace(0.0, 2.0, 8), &linspace(0.0, 1.0, 4), Diagonals::Rising)?;
+    /// let mut block = Body::new(mesh, LinearElastic::new(1000.0, 0.3)?);
+    /// block.prescribe("left", [Some(0.0), None])?.body_force([0.0, -5.0])?;
+    ///
+    /// let mut scene = Scene::new();
+    /// let block = scene.add("block", block);
+    /// let floor = scene.obstacle("floor", block.on("bottom"), Obstacle::half_space([0.0; 2], [0.0, 1.0])?)?;
+    /// let mut problem = scene.problem()?;
+    /// let history = Simulation::with_increments(1).run(&mut problem)?;
+    /// let force = history.steps[0].obstacle_force(floor);
+    /// assert!((force[1] + 10.0).abs() < 1e-9);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// If the body or boundary does not exist, or the boundary has no facets. Names are checked with those of bodies.
+    pub fn obstacle(
+        &mut self,
+        name: impl Into<String>,
+        side: Side,
+        obstacle: Obstacle<D>,
+    ) -> Result<ObstacleId, Error> {
+        let side = self.checked(side)?;
+        let id = self.obstacles.len();
+        self.obstacles.push(obstacle);
+        self.obstacle_names.push(name.into());
+        self.obstructed.push((side, id));
+        Ok(ObstacleId(id))
+    }
+
+    /// Declares that another boundary may touch an obstacle of this scene.
+    ///
+    /// # Errors
+    /// As [`Scene::obstacle`], and if there is no such obstacle.
+    pub fn contact_obstacle(&mut self, side: Side, obstacle: ObstacleId) -> Result<(), Error> {
+        let side = self.checked(side)?;
+        if obstacle.0 >= self.obstacles.len() {
+            return Err(Error::Setting {
+                name: "obstacle",
+                value: obstacle.0 as f64,
+                remedy: "use a handle that this scene's `obstacle` returned",
+            });
+        }
+        let declared = (side, obstacle.0);
+        if !self.obstructed.contains(&declared) {
+            self.obstructed.push(declared);
+        }
+        Ok(())
+    }
+
+    /// The obstacles, in the order of declaration.
+    pub fn obstacles(&self) -> &[Obstacle<D>] {
+        &self.obstacles
+    }
+
+    /// The names of the obstacles, in the order of declaration.
+    pub fn obstacle_names(&self) -> &[String] {
+        &self.obstacle_names
+    }
+
+    /// The sides that an obstacle may hold, with the obstacle's number.
+    pub(crate) fn obstructed(&self) -> &[(Side, usize)] {
+        &self.obstructed
+    }
+
+    /// The longest way (UL) on which obstacles take the corners of the box around a body that they may hold, up to load
+    /// factor 1.
+    pub(super) fn obstacle_way(&self) -> f64 {
+        let way = |(side, obstacle): &(Side, usize)| {
+            let Some(body) = self.bodies.get(side.body.index()) else {
+                return 0.0;
+            };
+            let (low, high) = body.mesh().bounding_box();
+            let corner =
+                |k: usize| Vector::from_fn(|i, _| if k >> i & 1 == 0 { low[i] } else { high[i] });
+            let start = self.obstacles[*obstacle].pose(0.0);
+            let poses = samples().map(|t| self.obstacles[*obstacle].pose(t));
+            let ways = poses.flat_map(|pose| {
+                (0..1 << D).map(move |k| (pose.place(&corner(k)) - start.place(&corner(k))).norm())
+            });
+            ways.filter(|way| way.is_finite()).fold(0.0, f64::max)
+        };
+        self.obstructed.iter().map(way).fold(0.0, f64::max)
+    }
+
+    /// The name of a body, or of an obstacle: these are numbered after the bodies.
+    pub(crate) fn name_of(&self, index: usize) -> &String {
+        match index.checked_sub(self.names.len()) {
+            None => &self.names[index],
+            Some(obstacle) => &self.obstacle_names[obstacle],
+        }
+    }
+
+    /// "body `name`" or "obstacle `name`", likewise.
+    pub(crate) fn called(&self, index: usize) -> String {
+        let what = if index < self.names.len() {
+            "body"
+        } else {
+            "obstacle"
+        };
+        format!("{what} `{}`", self.name_of(index))
+    }
+
     /// Whether a side may touch all other such sides, by [`Scene::contact_surface`].
     pub(super) fn is_general(&self, side: &Side) -> bool {
         self.surfaces.contains(side)
@@ -281,13 +403,25 @@ impl<const D: usize> Scene<D> {
 
     /// The quadrature of the constraints: the one that was set, or the default.
     pub(super) fn integration(&self) -> Integration {
+        let by_default = Integration::Gauss(self.default_points());
+        self.integration.unwrap_or(by_default)
+    }
+
+    /// The number of Gauss points on obstacles, for each facet and direction.
+    pub(super) fn obstacle_points(&self) -> usize {
+        match self.integration {
+            Some(Integration::Gauss(points)) => points,
+            _ => self.default_points(),
+        }
+    }
+
+    fn default_points(&self) -> usize {
         let is_quadratic = |body: &Body<D>| body.mesh().order() == Order::Quadratic;
-        let by_default = match (self.bodies.iter().any(is_quadratic), D) {
+        match (self.bodies.iter().any(is_quadratic), D) {
             (false, _) => 4,
             (true, 2) => 12,
             (true, _) => 8,
-        };
-        self.integration.unwrap_or(Integration::Gauss(by_default))
+        }
     }
 
     /// The positions at which contact is searched: those that were set, or the default.
@@ -303,7 +437,9 @@ impl<const D: usize> Scene<D> {
         match (self.geometry, body_of(true), body_of(false)) {
             (Some(chosen), _, _) => Ok(chosen),
             (None, _, None) => Ok(Geometry::Reference),
-            (None, Some((_, small)), Some((_, large))) if !pairs.is_empty() => {
+            (None, Some((_, small)), Some((_, large)))
+                if !pairs.is_empty() || !self.obstructed.is_empty() =>
+            {
                 Err(Error::GeometryNotChosen {
                     small: small.clone(),
                     large: large.clone(),

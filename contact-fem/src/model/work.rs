@@ -1,53 +1,119 @@
 //! What supports and loads do to bodies, to be compared with the energy that these store.
 
-use super::Problem;
+use super::{Geometry, Obstacle, Problem};
 use crate::assembly::Dof;
-use crate::tensor::Vector;
+use crate::program::Pose;
+use crate::tensor::{Matrix, Vector};
 
-/// Supports and loads at one state.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct External {
-    /// The load factor.
-    factor: f64,
-    /// The reactions times the prescribed displacements at full load (UF·UL).
-    supports: f64,
-    /// The loads at full load times the displacements (UF·UL).
-    loads: f64,
+/// Supports, loads and obstacles at one state.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct External<const D: usize> {
+    /// The dead loads on all dofs (UF), and the displacements (UL).
+    loads: Vec<f64>,
+    displacements: Vec<f64>,
+    /// The reactions on all dofs (UF): 0 where nothing is prescribed.
+    reactions: Vec<f64>,
+    obstacles: Vec<Push<D>>,
 }
 
-impl External {
-    /// At `u`, with the forces of contact on all nodes (UF).
-    pub fn new<const D: usize>(problem: &Problem<D>, u: &[f64], contact: &[Vector<D>]) -> Self {
+/// What an obstacle does to the bodies.
+#[derive(Clone, Debug)]
+struct Push<const D: usize> {
+    pose: Pose<D>,
+    /// Σ f and Σ f xᵀ of its forces f at places x (UF, UF·UL).
+    force: Vector<D>,
+    moment: Matrix<D>,
+}
+
+impl<const D: usize> External<D> {
+    /// Before the first step: nothing is displaced, and nothing pushes.
+    pub fn at_rest(problem: &Problem<D>) -> Self {
+        let none = vec![0.0; D * problem.reference().len()];
+        let push = |obstacle: &Obstacle<D>| Push {
+            pose: obstacle.pose(0.0),
+            force: Vector::zeros(),
+            moment: Matrix::zeros(),
+        };
+        External {
+            loads: none.clone(),
+            displacements: none.clone(),
+            reactions: none,
+            obstacles: problem.scene().obstacles().iter().map(push).collect(),
+        }
+    }
+
+    /// At `u`, with the forces of contact on all nodes, and those of each obstacle (UF).
+    pub fn new(
+        problem: &Problem<D>,
+        u: &[f64],
+        (contact, of_obstacles): (&[Vector<D>], &[Vec<Vector<D>>]),
+    ) -> Self {
         let displacements = problem.displacements(u);
-        let [mut supports, mut loads] = [0.0; 2];
+        let (mut loads, mut reactions) = (Vec::new(), Vec::new());
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let first = problem.nodes(body).start;
+            loads.extend(owner.forces_at(problem.load()));
             for (dof, residual) in problem.residual(body, u).into_iter().enumerate() {
                 let (node, axis) = (first + dof / D, dof % D);
-                loads += owner.forces()[dof] * displacements[node][axis];
-                if let Dof::Prescribed(_) = problem.dofs().get(D * first + dof) {
-                    let full = owner.prescribed()[dof].unwrap_or(0.0);
-                    supports += (residual - contact[node][axis]) * full;
-                }
+                reactions.push(match problem.dofs().get(D * first + dof) {
+                    Dof::Prescribed(_) => residual - contact[node][axis],
+                    Dof::Free(_) => 0.0,
+                });
             }
         }
+        let places = match problem.geometry() {
+            Geometry::Reference => problem.reference().to_vec(),
+            Geometry::Current => problem.positions(u),
+        };
+        let obstacles = problem.scene().obstacles().iter().zip(of_obstacles);
+        let push = |(obstacle, forces): (&Obstacle<D>, &Vec<Vector<D>>)| Push {
+            pose: obstacle.pose(problem.load()),
+            force: forces.iter().sum(),
+            moment: forces
+                .iter()
+                .zip(&places)
+                .map(|(f, x)| f * x.transpose())
+                .sum(),
+        };
         External {
-            factor: problem.load(),
-            supports,
+            obstacles: obstacles.map(push).collect(),
             loads,
+            displacements: displacements.iter().flatten().copied().collect(),
+            reactions,
         }
     }
 
     /// The energy that the bodies store (UF·UL) where E, which has the potential of the loads, is `energy`.
     pub fn stored(&self, energy: f64) -> f64 {
-        energy + self.factor * self.loads
+        let potential = self.loads.iter().zip(&self.displacements);
+        energy + potential.map(|(f, u)| f * u).sum::<f64>()
     }
 
-    /// The work of supports and loads on the way from `before` (UF·UL), by the trapezoidal rule.
-    pub fn work_since(&self, before: &External) -> f64 {
-        let supports = 0.5 * (self.supports + before.supports) * (self.factor - before.factor);
-        let loads = 0.5 * (self.factor + before.factor) * (self.loads - before.loads);
-        supports + loads
+    /// The work of supports, loads and obstacles on the way from `before` (UF·UL), by the trapezoidal rule.
+    pub fn work_since(&self, before: &Self) -> f64 {
+        let ways = self.displacements.iter().zip(&before.displacements);
+        let forces = |of: &Self, dof: usize| of.loads[dof] + of.reactions[dof];
+        let on_bodies = ways.enumerate().map(|(dof, (now, then))| {
+            0.5 * (forces(self, dof) + forces(before, dof)) * (now - then)
+        });
+        let obstacles = self.obstacles.iter().zip(&before.obstacles);
+        let of_obstacles = obstacles.map(|(now, then)| now.work_since(then));
+        on_bodies.sum::<f64>() + of_obstacles.sum::<f64>()
+    }
+}
+
+impl<const D: usize> Push<D> {
+    /// By the trapezoidal rule: the forces at either end, along the way on which the obstacle takes their places to the other
+    /// end. On it, x goes to R x + c.
+    fn work_since(&self, before: &Self) -> f64 {
+        let R = self.pose.R * before.pose.R.transpose();
+        let c = self.pose.c - R * before.pose.c;
+        let along = |push: &Self, R: &Matrix<D>, c: &Vector<D>| {
+            (R - Matrix::identity()).dot(&push.moment) + push.force.dot(c)
+        };
+        let forward = along(before, &R, &c);
+        let backward = along(self, &R.transpose(), &-R.tr_mul(&c));
+        0.5 * (forward - backward)
     }
 }
 

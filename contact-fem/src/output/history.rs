@@ -24,11 +24,12 @@ pub struct Tables {
     steps: Table,
     iterations: Table,
     bodies: usize,
+    obstacles: usize,
 }
 
 impl Tables {
     /// Empty tables called `name` in `folder`, which is created if it does not exist, for a scene
-    /// with these names of its bodies.
+    /// with these names of its bodies and obstacles.
     ///
     /// # Errors
     /// [`Error::Write`] if the files cannot be created or the name has characters other than
@@ -36,15 +37,16 @@ impl Tables {
     pub fn create<const D: usize>(
         folder: &Path,
         name: &str,
-        bodies: &[String],
+        (bodies, obstacles): (&[String], &[String]),
     ) -> Result<Self, Error> {
         file::check_name(folder, name)?;
         file::create_folder(folder)?;
         let [steps, iterations] = Self::files(name);
         Ok(Tables {
-            steps: Table::create(folder.join(steps), step_columns::<D>(bodies))?,
+            steps: Table::create(folder.join(steps), step_columns::<D>(bodies, obstacles))?,
             iterations: Table::create(folder.join(iterations), strings(&ITERATION_COLUMNS))?,
             bodies: bodies.len(),
+            obstacles: obstacles.len(),
         })
     }
 
@@ -58,12 +60,17 @@ impl Tables {
         &self.steps.path
     }
 
+    /// The number of vectors in a line: two for each body, one for each obstacle.
+    fn vectors(&self) -> usize {
+        2 * self.bodies + self.obstacles
+    }
+
     /// Adds a converged step.
     ///
     /// # Errors
     /// [`Error::Write`].
     pub fn write<const D: usize>(&mut self, record: &StepRecord<D>) -> Result<(), Error> {
-        let line = step_line(&record.attempt, Some(record), self.bodies);
+        let line = step_line(&record.attempt, Some(record), self.vectors());
         self.steps.append([line])?;
         let lines = iteration_lines(&record.attempt, record.increment);
         self.iterations.append(lines)
@@ -81,7 +88,7 @@ impl Tables {
                 Outcome::Converged => records.next(),
                 _ => None,
             };
-            steps.push(step_line(attempt, record, self.bodies));
+            steps.push(step_line(attempt, record, self.vectors()));
             let increment = record.and_then(|record| record.increment);
             iterations.extend(iteration_lines(attempt, increment));
         }
@@ -134,9 +141,10 @@ const ITERATION_COLUMNS: [&str; 17] = [
     "seconds_optimizer",
 ];
 
-fn step_columns<const D: usize>(bodies: &[String]) -> Vec<String> {
+fn step_columns<const D: usize>(bodies: &[String], obstacles: &[String]) -> Vec<String> {
     let mut columns = strings(&[
         "increment",
+        "phase",
         "from",
         "factor",
         "outcome",
@@ -146,10 +154,11 @@ fn step_columns<const D: usize>(bodies: &[String]) -> Vec<String> {
         "stored_energy",
         "work",
     ]);
-    for quantity in ["reaction", "contact_force"] {
-        for body in bodies {
+    let on_bodies = ["reaction", "contact_force"].map(|quantity| (quantity, bodies));
+    for (quantity, names) in on_bodies.into_iter().chain([("contact_force", obstacles)]) {
+        for name in names {
             let axes = ["x", "y", "z"].into_iter().take(D);
-            columns.extend(axes.map(|axis| format!("{quantity}_{body}_{axis}")));
+            columns.extend(axes.map(|axis| format!("{quantity}_{name}_{axis}")));
         }
     }
     columns.extend(strings(&[
@@ -167,12 +176,13 @@ fn step_columns<const D: usize>(bodies: &[String]) -> Vec<String> {
 fn step_line<const D: usize>(
     attempt: &Attempt,
     record: Option<&StepRecord<D>>,
-    bodies: usize,
+    vectors: usize,
 ) -> Vec<String> {
     let increment = record.and_then(|record| record.increment);
     let failed: Vec<String> = attempt.failed.iter().map(ToString::to_string).collect();
     let mut line = vec![
         increment.map_or_else(String::new, |k| k.to_string()),
+        attempt.phase.clone(),
         number(attempt.from),
         number(attempt.to),
         attempt.outcome.to_string(),
@@ -183,14 +193,15 @@ fn step_line<const D: usize>(
     match record {
         Some(record) => {
             line.extend([record.stored_energy, record.work].map(number));
-            let vectors = record.reactions.iter().chain(&record.contact_forces);
+            let on_bodies = record.reactions.iter().chain(&record.contact_forces);
+            let vectors = on_bodies.chain(&record.obstacle_forces);
             line.extend(vectors.flat_map(|v| v.iter().copied().map(number)));
             line.extend([record.min_j, record.min_j_bound()].map(number));
             line.push(record.rows.to_string());
             line.extend([record.penetration, record.weak_penetration].map(number));
         }
         None => {
-            line.extend(vec![String::new(); 2 + 2 * bodies * D]);
+            line.extend(vec![String::new(); 2 + vectors * D]);
             line.push(number(attempt.min_domain));
             line.extend(vec![String::new(); 4]);
         }
@@ -353,6 +364,7 @@ mod tests {
             },
         };
         Attempt {
+            phase: "press".into(),
             from: 0.0,
             to,
             outcome,
@@ -377,6 +389,7 @@ mod tests {
             work: 3.625,
             reactions: vec![Vector::<2>::new(1e-7, -3.5)],
             contact_forces: vec![Vector::<2>::new(0.0, 4.5)],
+            obstacle_forces: vec![Vector::<2>::new(0.25, -4.5)],
             min_j: 0.75,
             least_volume: Some(LeastVolume {
                 bound: 0.5,
@@ -407,14 +420,17 @@ mod tests {
     #[test]
     fn converged_steps_at_once_and_failures_at_the_end() {
         let folder = std::env::temp_dir().join(format!("contact-fem-csv-{}", std::process::id()));
-        let mut tables = Tables::create::<2>(&folder, "run", &["ring".into()]).expect("tables");
+        let mut tables = Tables::create::<2>(&folder, "run", (&["ring".into()], &["pin".into()]))
+            .expect("tables");
         tables.write(&record(1.0)).expect("written");
-        let columns = step_columns::<2>(&["ring".into()]);
+        let columns = step_columns::<2>(&["ring".into()], &["pin".into()]);
         let at = |name: &str| columns.iter().position(|c| c == name).expect(name);
         let steps = read(tables.path());
         assert_eq!(steps.len(), 1);
+        assert_eq!(steps[0][at("phase")], "press");
         assert_eq!(steps[0][at("reaction_ring_x")], "1e-7");
         assert_eq!(steps[0][at("contact_force_ring_y")], "4.5");
+        assert_eq!(steps[0][at("contact_force_pin_x")], "0.25");
         assert_eq!(steps[0][at("stored_energy")], "3.5");
         assert_eq!(steps[0][at("work")], "3.625");
         assert_eq!(steps[0][at("rows")], "7");
@@ -458,7 +474,7 @@ mod tests {
         for name in [
             "", ".", "..", "../evil", "a/b", "/evil", "a\\b", "a\nb", "a\0",
         ] {
-            let refused = Tables::create::<2>(&folder, name, &[]);
+            let refused = Tables::create::<2>(&folder, name, (&[], &[]));
             assert!(matches!(refused, Err(Error::Write { .. })), "{name:?}");
         }
         assert!(!folder.exists());

@@ -238,7 +238,7 @@ impl CondensedNewton {
             return Ok(Ended::with(halt.outcome()?));
         }
         let unit = Scale::of(problem, &at.state.u)?.length;
-        let is_end = context.from == 0.0 || context.to >= 1.0;
+        let is_end = context.from == 0.0 || context.is_end;
         let mut iterate = Iterate {
             before: at.state.multipliers.clone(),
             examined: if is_end { 0.0 } else { self.examined },

@@ -29,8 +29,9 @@ pub(in crate::contact) struct Foot<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Foot<'a, D> {
-    pub fn new(stencil: &Stencil<'a, D>) -> Self {
-        let (master, lambda) = (stencil.master(), &stencil.projection().lambda);
+    /// Of a point that is against the surface `master`.
+    pub fn new(stencil: &Stencil<'a, D>, master: &'a Moving<D>) -> Self {
+        let lambda = &stencil.projection().lambda;
         let (surface, order) = (master.surface(), master.surface().order());
         let nodes = surface.facet(stencil.projection().facet);
         let x = Facet::gather(order, nodes, master.positions());

@@ -6,7 +6,7 @@ use super::*;
 use crate::element::{Element, P1, P2};
 use crate::mesh::Mesh;
 use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
-use crate::model::{Body, Problem};
+use crate::model::{Body, Obstacle, Problem};
 use crate::{LinearElastic, Material, NeoHookean};
 
 /// Central differences of fourth order: (coefficient, multiple of the step).
@@ -286,6 +286,71 @@ fn quadratic_triangles() {
 #[test]
 fn self_contact() {
     assert_varies_as_differences(&fold(), TURN, "self-contact");
+}
+
+/// A wavy block whose lower side is on an obstacle.
+fn on_obstacle<const D: usize>(mesh: Mesh<D>, obstacle: Obstacle<D>) -> Problem<D>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let (mesh, law) = neo_hookean(mesh.mapped(wavy).expect("a mesh"));
+    let mut body = Body::new(mesh, law);
+    body.prescribe("top", [Some(0.05); D]).expect("a boundary");
+    let mut scene = Scene::new();
+    let side = scene.add("block", body).on("bottom");
+    scene.obstacle("obstacle", side, obstacle).expect("a side");
+    scene.integration = Some(Integration::Gauss(3));
+    scene.overlaps = crate::model::Overlaps::Allowed;
+    scene.overlap_tolerance = 10.0;
+    scene.reach = Some(10.0);
+    let mut problem = scene.problem().expect("a problem");
+    problem.set_load(1.0).expect("a load");
+    problem
+}
+
+/// Curved obstacles, as shapes and as distances of one's own.
+#[test]
+fn obstacles() {
+    let square = |is_quadratic: bool| {
+        let (xs, ys) = (linspace(0.0, 1.0, 5), linspace(0.0, 0.5, 2));
+        let mesh = rectangle(&xs, &ys, Diagonals::Alternating).expect("a mesh");
+        if is_quadratic { mesh.quadratic() } else { mesh }
+    };
+    let cube = |is_quadratic: bool| {
+        let mesh = cuboid([0.0; 3], [1.0, 1.0, 0.5], [2, 2, 1]).expect("a mesh");
+        if is_quadratic { mesh.quadratic() } else { mesh }
+    };
+    let disc = || Obstacle::ball([0.4, -0.7], 0.7).expect("a disc");
+    let cylinder = || Obstacle::cylinder([0.0, 0.4, -0.7], [1.0, 0.2, 0.1], 0.7);
+    for is_quadratic in [false, true] {
+        let problem = on_obstacle(square(is_quadratic), disc());
+        assert_varies_as_differences(&problem, FLAT, "a disc");
+        let problem = on_obstacle(cube(is_quadratic), cylinder().expect("a cylinder"));
+        assert_varies_as_differences(&problem, FLAT, "a cylinder");
+    }
+    let own = Obstacle::signed_distance(|x: &Vector<2>| (x[0] - 0.4).hypot(x[1] + 0.7) - 0.7);
+    // curvatures are differences as well
+    assert_varies_as_differences(&on_obstacle(square(false), own), TURN, "a distance");
+}
+
+/// Rows on a distance of one's own are those on the shape that has it.
+#[test]
+fn a_shape_and_its_distance_have_the_same_rows() {
+    let mesh = || {
+        let mesh = rectangle(&linspace(0.0, 1.0, 5), &[0.0, 0.5], Diagonals::Rising);
+        mesh.expect("a mesh")
+    };
+    let shape = Obstacle::cavity([0.4, 0.9], 1.2).expect("a cavity");
+    let own = Obstacle::signed_distance(|x: &Vector<2>| 1.2 - (x[0] - 0.4).hypot(x[1] - 0.9));
+    let [shape, own] = [shape, own].map(|obstacle| on_obstacle(mesh(), obstacle));
+    let u: Vec<f64> = (0..shape.dofs().free()).map(|k| bump(k, 0.02)).collect();
+    let [a, b] = [&shape, &own].map(|problem| rows(problem, &u));
+    assert!(a.len() == 6 && a.keys() == b.keys());
+    assert!(apart(a.constant(), b.constant()) < 1e-10);
+    for ((i, j, c), (k, l, d)) in a.entries().zip(b.entries()) {
+        assert!((i, j) == (k, l) && (c - d).abs() < 1e-10, "{c} {d}");
+    }
 }
 
 /// Under small strains the rows do not move, and there is nothing to vary.

@@ -157,14 +157,14 @@ fn overlaps<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<St
         }
     }
     let told = worst.into_iter().map(|((_, declared), overlap)| {
-        let [first, second] = overlap.bodies.map(|body| &problem.scene().names()[body]);
+        let [first, second] = overlap.bodies.map(|body| problem.scene().called(body));
         let at: Vec<String> = overlap.at.iter().map(|x| format!("{x:.3e}")).collect();
         let remedy = match declared {
             true => "take smaller steps, or a finer mesh there",
             false => "declare the surface of the latter there for contact, too",
         };
         format!(
-            "at its end body `{first}` is inside body `{second}` by {:.2e} at ({}): {remedy}",
+            "at its end {first} is inside {second} by {:.2e} at ({}): {remedy}",
             overlap.depth,
             at.join(", ")
         )

@@ -76,7 +76,7 @@ pub struct Finding {
     pub severity: Severity,
     /// What it is about.
     pub kind: FindingKind,
-    /// The names of the bodies.
+    /// The names of the bodies, and of obstacles.
     pub bodies: Vec<String>,
     /// A point of the reference configuration (UL), where there is one.
     pub place: Option<Vec<f64>>,
@@ -130,6 +130,10 @@ impl Finding {
             Error::NoSupport => (FindingKind::FreeMotion, &[]),
             Error::Overlap { slave, master, .. } => (FindingKind::Interference, &[slave, master]),
             Error::Crossing { first, second, .. } => (FindingKind::Interference, &[first, second]),
+            Error::InsideObstacle { body, obstacle, .. } => {
+                (FindingKind::Interference, &[body, obstacle])
+            }
+            Error::ObstacleDistance { obstacle, .. } => (FindingKind::Input, &[obstacle]),
             Error::GeometryNotChosen { small, large } => (FindingKind::Geometry, &[small, large]),
             Error::Negligible { .. } => (FindingKind::RoundOff, &[]),
             Error::BodyExists { name, .. } => (FindingKind::Input, &[name]),
@@ -157,6 +161,19 @@ impl Finding {
             } => {
                 finding.place = Some(x.clone());
                 finding.measured(*depth, *tolerance)
+            }
+            Error::InsideObstacle {
+                x,
+                depth,
+                tolerance,
+                ..
+            } => {
+                finding.place = Some(x.clone());
+                finding.measured(*depth, *tolerance)
+            }
+            Error::ObstacleDistance { x, value, .. } => {
+                finding.place = Some(x.clone());
+                finding.measured(*value, f64::NAN)
             }
             Error::Negligible { share, limit, .. } => finding.measured(*share, *limit),
             Error::Setting { value, .. } | Error::NotFinite { value, .. } => {

@@ -5,7 +5,7 @@ use super::{Finding, FindingKind, Report, Severity};
 use crate::error::Error;
 use crate::model::{Integration, Scene};
 
-/// Checks that every body has a unique name.
+/// Checks that every body and every obstacle has a name of its own.
 pub(super) fn names<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     for (body, name) in scene.names().iter().enumerate() {
         if name.is_empty() {
@@ -16,6 +16,16 @@ pub(super) fn names<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
                 name: name.clone(),
                 bodies: [first, body],
             });
+        }
+    }
+    for (obstacle, name) in scene.obstacle_names().iter().enumerate() {
+        if name.is_empty() {
+            return Err(Error::UnnamedObstacle { obstacle });
+        }
+        let others = scene.names().iter();
+        let mut others = others.chain(&scene.obstacle_names()[..obstacle]);
+        if others.any(|other| other == name) {
+            return Err(Error::ObstacleExists { name: name.clone() });
         }
     }
     Ok(())

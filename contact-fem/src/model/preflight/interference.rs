@@ -50,7 +50,12 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     let is_taken = |bodies: [usize; 2]| {
         setup.scene.initial_gaps != InitialGaps::Refuse && setup.contact.is_pair(bodies)
     };
-    let granted = |bodies| if is_taken(bodies) { f64::INFINITY } else { 0.0 };
+    // of obstacles, another check tells
+    let is_obstacle = |[_, second]: [usize; 2]| second >= names.len();
+    let granted = |bodies| match is_taken(bodies) || is_obstacle(bodies) {
+        true => f64::INFINITY,
+        false => 0.0,
+    };
     let found = match setup.scene.overlaps {
         Overlaps::Refused => setup.audit.deep_overlap(&setup.kinematics.X, granted),
         Overlaps::Allowed => None,

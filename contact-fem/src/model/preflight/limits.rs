@@ -79,3 +79,7 @@ pub(super) const UNITS: f64 = 1e6;
 
 /// The relative round-off (no unit) that is granted to values at a threshold which scenes meet exactly.
 pub(super) const AT_LIMIT: f64 = 1e-6;
+
+/// The largest difference of the slope of a distance from 1 (no unit): far above what differences leave, and below that of
+/// a function which is no distance, such as x² + y² − r².
+pub(super) const SLOPE_OF_DISTANCE: f64 = 1e-3;

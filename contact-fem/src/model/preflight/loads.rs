@@ -11,7 +11,8 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
     let bodies = scene.bodies();
     let (low, high) = bounding_box(bodies);
     let size = (high - low).norm();
-    let prescribed = bodies.iter().map(largest_prescribed).fold(0.0, f64::max);
+    let prescribed = bodies.iter().map(|body| body.largest().0);
+    let prescribed = prescribed.fold(scene.obstacle_way(), f64::max);
     let stretches: Vec<f64> = stretches(scene, size);
     let stretch = stretches.iter().copied().fold(0.0, f64::max);
     let largest = prescribed.max(stretch);
@@ -48,7 +49,7 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
         for ((name, &own), body) in scene.names().iter().zip(&stretches).zip(bodies) {
             if own > 0.0 && own / largest < SMALLEST_LINEAR {
                 let finding = Finding::new(Severity::Warning, FindingKind::RoundOff, &[name]);
-                let force: f64 = body.forces().iter().map(|f| f.abs()).sum();
+                let force = body.largest().1;
                 report.add(finding.measured(own / largest, SMALLEST_LINEAR).says(
                     format!(
                         "the load of {force:.1e} on body `{name}` stretches it by {own:.1e}, which is lost beside \
@@ -62,12 +63,6 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
     units(scene, report);
 }
 
-/// The largest prescribed displacement (UL).
-fn largest_prescribed<const D: usize>(body: &Body<D>) -> f64 {
-    let values = body.prescribed().iter().flatten();
-    values.fold(0.0, |m: f64, v| m.max(v.abs()))
-}
-
 /// For each body, a large estimate of the displacement (UL) under its loads: of a bar as long as the scene's `size`
 /// and as thin as the thinnest body, bent by the sum of the forces, of the softest material. Scenes have bodies that
 /// pass loads on, so that a body's own stiffness does not tell.
@@ -77,7 +72,7 @@ fn stretches<const D: usize>(scene: &Scene<D>, size: f64) -> Vec<f64> {
     let softest = deformable().map(shear).fold(f64::INFINITY, f64::min);
     let thinnest = deformable().map(mean_thickness).fold(size, f64::min);
     let stretch = |body: &Body<D>| {
-        let force: f64 = body.forces().iter().map(|f| f.abs()).sum();
+        let force = body.largest().1;
         let stretch = force / softest / size.powi(D as i32 - 2) * (size / thinnest).powi(3);
         // laws without stiffness at rest tell nothing
         if stretch.is_finite() && stretch >= 0.0 {

@@ -8,6 +8,7 @@ mod laws;
 mod limits;
 mod loads;
 mod meshes;
+mod obstacles;
 mod overlap;
 mod pieces;
 mod steps;
@@ -102,6 +103,7 @@ pub(super) fn without_surfaces<const D: usize>(
 /// The checks that need surfaces and thicknesses.
 pub(super) fn with_surfaces<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     interference::check(setup, report);
+    obstacles::check(setup, report);
     surfaces::check(setup, report);
     curves::check(setup, report);
     meshes::check(setup, report);

@@ -76,7 +76,8 @@ pub(super) fn deepest<const D: usize>(setup: &Setup<'_, D>) -> Vec<(usize, usize
     let located = setup.contact.located_at(x);
     let inside = setup.contact.inside(&setup.contact.passes, &located, x);
     let passes = setup.contact.passes.iter().zip(inside);
-    let found = passes.filter_map(|(pass, facing)| {
+    let between = passes.filter(|(pass, _)| setup.contact.obstacle_of(**pass).is_none());
+    let found = between.filter_map(|(pass, facing)| {
         let slave = &setup.contact.surfaces[pass.slave];
         let master = &located.masters[pass.master];
         let facing = facing.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));

@@ -13,11 +13,11 @@ use crate::tensor::Vector;
 /// The smallest part of a unit vector along a coordinate axis that is outside the motions it belongs to (no unit).
 const ALONG: f64 = 1e-6;
 
-/// Checks that every part of every body is supported or may touch another body, and that at least
-/// one displacement is prescribed; names the motions that contact alone holds.
+/// Checks that every part of every body is supported or may touch another body or an obstacle, and that at least
+/// one displacement is prescribed if there is no obstacle; names the motions that contact alone holds.
 pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &mut Report) {
     let held = |body: &Body<D>| body.prescribed().iter().any(Option::is_some);
-    if !scene.bodies().iter().any(held) {
+    if !scene.bodies().iter().any(held) && scene.obstacles().is_empty() {
         report.take::<()>(Err(Error::NoSupport));
         return;
     }
@@ -28,6 +28,7 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
     for (index, (body, name)) in scene.bodies().iter().zip(scene.names()).enumerate() {
         let mut touches = vec![false; body.mesh().nodes().len()];
         let surfaces = pairs.iter().flat_map(|pair| [&pair.first, &pair.second]);
+        let surfaces = surfaces.chain(scene.obstructed().iter().map(|(side, _)| side));
         for side in surfaces.filter(|side| side.body.index() == index) {
             // the side was checked when the pair was declared
             let nodes = body.mesh().boundary_nodes(&side.boundary);

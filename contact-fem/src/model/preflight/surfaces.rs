@@ -80,7 +80,10 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
 
 /// One pass for each two surfaces that may touch, whichever roles they have.
 pub(super) fn one_pass_a_pair<const D: usize>(setup: &Setup<'_, D>) -> Vec<Pass> {
-    let mut passes = setup.contact.passes.clone();
+    let passes = setup.contact.passes.iter().copied();
+    let mut passes: Vec<Pass> = passes
+        .filter(|pass| setup.contact.obstacle_of(*pass).is_none())
+        .collect();
     passes.sort_by_key(|pass| (pass.slave.min(pass.master), pass.slave.max(pass.master)));
     passes.dedup_by_key(|pass| (pass.slave.min(pass.master), pass.slave.max(pass.master)));
     passes

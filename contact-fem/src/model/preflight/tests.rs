@@ -4,7 +4,7 @@ use super::{Finding, FindingKind, Severity};
 use crate::mesh::generators::{Diagonals, disc, linspace, onto_sphere, rectangle};
 use crate::model::{Geometry, Integration, Overlaps};
 use crate::tensor::Vector;
-use crate::{Body, Error, LinearElastic, Material, Mesh, NeoHookean, Scene};
+use crate::{Body, Error, LinearElastic, Material, Mesh, Motion, NeoHookean, Obstacle, Scene};
 
 /// A block with its lower left corner at `low`.
 fn mesh(low: [f64; 2], size: [f64; 2], cells: [usize; 2]) -> Mesh<2> {
@@ -674,4 +674,137 @@ fn a_frame_in_a_square() {
         let crossing = matches!(refused, Some(crate::Error::Crossing { .. }));
         assert!(crossing, "{frame_first}: {refused:?}");
     }
+}
+
+/// A block, not loaded, whose bottom may touch an obstacle.
+fn on(obstacle: Obstacle<2>) -> Scene<2> {
+    let body = pushed(unit(0.0), large(), [0.0, -0.01]);
+    let mut scene = Scene::new();
+    let side = scene.add("block", body).on("bottom");
+    scene.obstacle("obstacle", side, obstacle).expect("a side");
+    scene
+}
+
+fn floor(y: f64, up: f64) -> Obstacle<2> {
+    Obstacle::half_space([0.0, y], [0.0, up]).expect("a half-plane")
+}
+
+/// The message with which a scene is refused.
+fn refused(scene: Scene<2>) -> String {
+    let Err(error) = scene.problem() else {
+        panic!("accepted");
+    };
+    error.to_string()
+}
+
+#[test]
+fn obstacles_that_are_out_of_reach() {
+    let found = differ(
+        &on(floor(-0.5, 1.0)),
+        &on(floor(-0.05, 1.0)),
+        FindingKind::OutOfReach,
+    );
+    assert_eq!(found.bodies, ["block", "obstacle"]);
+    assert!((found.value - 0.5).abs() < 1e-12 && (found.limit - 0.1 * 2f64.sqrt()).abs() < 1e-12);
+    // a motion that brings it there is none to tell of
+    let down = Motion::<2>::translation([0.0, 0.5]).expect("a way");
+    let moving = on(floor(-0.5, 1.0).moving(down));
+    assert!(of(&moving, FindingKind::OutOfReach).is_empty());
+}
+
+#[test]
+fn obstacles_that_a_boundary_faces_away_from() {
+    // above the block, seen from below
+    let found = differ(
+        &on(floor(1.05, -1.0)),
+        &on(floor(0.0, 1.0)),
+        FindingKind::FacingAway,
+    );
+    assert_eq!(found.severity, Severity::Warning);
+}
+
+#[test]
+fn bodies_that_start_in_obstacles() {
+    // facets of 0.25, of which a 20th is granted
+    for (y, limit) in [(0.012, None), (0.013, Some("1.300e-2 deep"))] {
+        let scene = on(floor(y, 1.0));
+        let notes = of(&scene, FindingKind::Interference);
+        assert_eq!(notes.len(), 1, "{notes:?}");
+        assert!((notes[0].value - y).abs() < 1e-12);
+        match limit {
+            None => assert_eq!(notes[0].severity, Severity::Note),
+            Some(says) => {
+                let error = refused(scene);
+                assert!(
+                    error.contains("`block` starts inside obstacle `obstacle`"),
+                    "{error}"
+                );
+                assert!(error.contains(says), "{error}");
+            }
+        }
+    }
+    // the wrong side out
+    assert!(refused(on(floor(0.0, -1.0))).contains("which side of the obstacle is its outside"));
+    // between the nodes
+    let needle = Obstacle::ball([0.125, 0.0], 0.06).expect("a needle");
+    assert!(refused(on(needle)).contains("starts inside"));
+}
+
+#[test]
+fn distances_that_are_none() {
+    let twice = |x: &Vector<2>| 2.0 * x[1] + 0.1;
+    let half = |x: &Vector<2>| 0.5 * (x[1] + 0.1);
+    let hole = |x: &Vector<2>| if x[0] > 0.6 { f64::NAN } else { x[1] + 0.1 };
+    for (distance, says) in [
+        (Obstacle::signed_distance(twice), "slope of the distance"),
+        (Obstacle::signed_distance(half), "slope of the distance"),
+        (
+            Obstacle::signed_distance(hole),
+            "distance of obstacle `obstacle` is NaN at [0.75",
+        ),
+    ] {
+        let error = refused(on(distance));
+        assert!(
+            error.contains(says) && error.contains("obstacle `obstacle`"),
+            "{error}"
+        );
+    }
+    // a kink, as of two walls, is none to refuse
+    let corner = Obstacle::signed_distance(|x: &Vector<2>| (x[1] + 0.05).min(x[0] + 0.2));
+    assert!(on(corner).problem().is_ok());
+}
+
+#[test]
+fn names_of_obstacles() {
+    let mut twice = on(floor(0.0, 1.0));
+    let side = twice.obstructed()[0].0.clone();
+    twice
+        .obstacle("block", side, floor(0.0, 1.0))
+        .expect("a side");
+    assert!(refused(twice).contains("obstacle `block` has the name of a body"));
+    let mut unnamed = on(floor(0.0, 1.0));
+    let side = unnamed.obstructed()[0].0.clone();
+    unnamed.obstacle("", side, floor(0.0, 1.0)).expect("a side");
+    assert!(refused(unnamed).contains("obstacle number 1"));
+}
+
+/// Only the obstacle holds it, and there is nothing that is prescribed.
+#[test]
+fn a_body_that_an_obstacle_holds() {
+    let mut body = Body::new(unit(0.0), large());
+    body.body_force([0.0, -1.0]).expect("weight");
+    let mut scene = Scene::new();
+    let side = scene.add("block", body).on("bottom");
+    let floor = scene.obstacle("floor", side.clone(), floor(0.0, 1.0));
+    let floor = floor.expect("a side");
+    let held = of(&scene, FindingKind::HeldByContact);
+    assert_eq!((held.len(), held[0].value), (1, 3.0));
+    // twice the same is once, and other scenes' obstacles are none
+    scene
+        .contact_obstacle(side.clone(), floor)
+        .expect("the same");
+    assert_eq!(scene.obstructed().len(), 1);
+    let unknown = Scene::<2>::new().contact_obstacle(side, floor);
+    assert!(unknown.is_err());
+    assert!(scene.problem().is_ok());
 }

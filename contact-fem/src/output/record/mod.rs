@@ -165,7 +165,7 @@ impl<S: Equilibrium> Simulation<S> {
             half_way: true,
             own_files: Vec::new(),
             quiet: false,
-            increments: self.load_steps.increments,
+            increments: self.load_steps.all_increments(),
             force: Box::new(largest),
             message: None,
         };

@@ -42,7 +42,10 @@ impl<'a, const D: usize> Observer<'a, D> {
         for table in Tables::files(name) {
             folder.add(&table)?;
         }
-        let tables = Tables::create::<D>(path, name, problem.scene().names())?;
+        let tables = {
+            let scene = problem.scene();
+            Tables::create::<D>(path, name, (scene.names(), scene.obstacle_names()))?
+        };
         let rest = Snapshot::at_rest(problem)?;
         if recording.vtu_every > 0 {
             write(folder, &mut series, 0.0, problem, &rest)?;

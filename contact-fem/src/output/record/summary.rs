@@ -44,6 +44,9 @@ pub(super) struct Summary {
     work: Option<f64>,
     reaction: Option<f64>,
     reactions: Vec<Vec<f64>>,
+    /// The names of the obstacles, and the contact force of the bodies on each.
+    obstacles: Vec<String>,
+    obstacle_forces: Vec<Vec<f64>>,
     min_j: Option<f64>,
     min_j_bound: Option<f64>,
     /// The cell with the smallest J of all steps, if it is not positive everywhere in it.
@@ -99,7 +102,10 @@ impl Summary {
         let left_out = history.map(|history| LeftOut::new(problem, history));
         let inverted = inverted(records);
         let shares = shares(&cost, observer.seconds, wall);
-        let vectors = last.map_or(&[][..], |record| &record.reactions);
+        let lists = |vectors: &[crate::tensor::Vector<D>]| {
+            let lists = vectors.iter().map(|v| v.iter().copied().collect());
+            lists.collect::<Vec<Vec<f64>>>()
+        };
         let reaction = last.map(|record| (plan.force)(record));
         let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.4}"));
         let mut table = vec![
@@ -159,10 +165,9 @@ impl Summary {
             stored_energy: last.map(|record| record.stored_energy),
             work: last.map(|record| record.work),
             reaction,
-            reactions: vectors
-                .iter()
-                .map(|v| v.iter().copied().collect())
-                .collect(),
+            reactions: last.map_or(Vec::new(), |record| lists(&record.reactions)),
+            obstacles: problem.scene().obstacle_names().to_vec(),
+            obstacle_forces: last.map_or(Vec::new(), |record| lists(&record.obstacle_forces)),
             min_j: last.map(|record| record.min_j),
             min_j_bound: last.map(|record| record.min_j_bound()),
             inverted: inverted.map(|(factor, least)| {

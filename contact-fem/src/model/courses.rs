@@ -1,0 +1,99 @@
+//! How the prescribed displacements and the loads of a body change with the load factor, a pseudo-time.
+
+use std::sync::Arc;
+
+use super::Body;
+use crate::error::Error;
+use crate::program::Amplitude;
+use crate::tensor::Vector;
+
+/// A displacement or a force by time and reference position.
+pub(crate) type Path<const D: usize> = Arc<dyn Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync>;
+
+/// How a prescribed displacement changes with time.
+#[derive(Clone)]
+pub(crate) enum Course<const D: usize> {
+    /// The value times an amplitude.
+    Scaled(Amplitude),
+    /// The component of a displacement.
+    Along(Path<D>),
+}
+
+/// The prescribed displacements of a body.
+#[derive(Clone)]
+pub(crate) struct Supports<const D: usize> {
+    /// X of all nodes (UL).
+    pub X: Vec<Vector<D>>,
+    /// For each dof the value at amplitude 1 (UL), and the number of its course.
+    pub values: Vec<Option<(f64, usize)>>,
+    /// The first is proportional.
+    pub courses: Vec<Course<D>>,
+}
+
+impl<const D: usize> Supports<D> {
+    pub fn new(X: Vec<Vector<D>>) -> Self {
+        Supports {
+            values: vec![None; D * X.len()],
+            X,
+            courses: vec![Course::Scaled(Amplitude::default())],
+        }
+    }
+
+    /// Whether all prescribed displacements are proportional.
+    pub fn is_proportional(&self) -> bool {
+        self.courses.len() == 1
+    }
+
+    /// The value of one dof at time `t` (UL) along a course.
+    pub fn value(&self, dof: usize, (value, course): (f64, usize), t: f64) -> f64 {
+        match &self.courses[course] {
+            Course::Scaled(amplitude) => value * amplitude.at(t),
+            Course::Along(path) => path(t, &self.X[dof / D])[dof % D],
+        }
+    }
+
+    /// The prescribed displacements at time `t` (UL), in ascending order of the dofs; none at 0, before the first step.
+    pub fn at(&self, t: f64) -> Vec<f64> {
+        let values = self.values.iter().enumerate();
+        let held = values.filter_map(|(dof, value)| Some((dof, (*value)?)));
+        match t == 0.0 {
+            true => held.map(|_| 0.0).collect(),
+            false => held.map(|(dof, value)| self.value(dof, value, t)).collect(),
+        }
+    }
+}
+
+/// Nodal forces by time.
+#[derive(Clone)]
+pub(crate) enum Load<const D: usize> {
+    /// Forces (all dofs, UF) times an amplitude.
+    Scaled(Vec<f64>, Amplitude),
+    /// Whatever is added to the forces of all dofs at a time.
+    Given(Arc<dyn Fn(f64, &mut [f64]) + Send + Sync>),
+}
+
+impl<const D: usize> Load<D> {
+    /// Adds the forces at time `t` to those of all dofs (UF).
+    pub fn add(&self, t: f64, forces: &mut [f64]) {
+        match self {
+            Load::Scaled(own, amplitude) => {
+                let factor = amplitude.at(t);
+                forces
+                    .iter_mut()
+                    .zip(own)
+                    .for_each(|(sum, f)| *sum += factor * f);
+            }
+            Load::Given(add) => add(t, forces),
+        }
+    }
+}
+
+/// Checks the values of a body at time `t`.
+pub(crate) fn check<const D: usize>(body: &Body<D>, name: &str, t: f64) -> Result<(), Error> {
+    let what = |what: &str| format!("the {what} of body `{name}` at load factor {t}");
+    if !body.has_program() {
+        return Ok(());
+    }
+    Error::check_finite(&what("prescribed displacements"), &body.prescribed_at(t))?;
+    Error::check_finite(&what("forces"), &body.forces_at(t))
+}
