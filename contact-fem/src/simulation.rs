@@ -10,7 +10,7 @@ use crate::audit::LeastVolume;
 use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::model::work::External;
-use crate::model::{BodyId, ObstacleId, Problem};
+use crate::model::{BodyId, ObstacleId, PairRecord, Problem, Side};
 use crate::tensor::Vector;
 
 /// The record of one converged load step.
@@ -31,10 +31,18 @@ pub struct StepRecord<const D: usize> {
     pub work: f64,
     /// The reaction of the supports on each body (UF).
     pub reactions: Vec<Vector<D>>,
+    /// The reactions of the supports by boundary (UF): on each named boundary with prescribed dofs, over these. A node on two
+    /// boundaries counts for both.
+    pub support_reactions: Vec<(Side, Vector<D>)>,
     /// The contact force on each body (UF).
     pub contact_forces: Vec<Vector<D>>,
     /// The contact force of the bodies on each obstacle (UF).
     pub obstacle_forces: Vec<Vector<D>>,
+    /// Area, resultant, centre and largest pressure of each pair of surfaces, in the order of their declaration.
+    pub pairs: Vec<PairRecord<D>>,
+    /// The smallest and the largest contact pressure at the nodes of all contact surfaces (UF/UL or UF/UL² of reference area); zero
+    /// without such surfaces.
+    pub pressures: [f64; 2],
     /// The smallest volume ratio at the quadrature points of all assembled cells; `+∞` for small-strain laws.
     pub min_j: f64,
     /// A lower bound of the volume ratio everywhere in all cells, whatever their laws, and where it is; `None` without cells.
@@ -218,6 +226,11 @@ impl<const D: usize> StepRecord<D> {
         self.obstacle_forces[obstacle.index()]
     }
 
+    /// The reference area in contact, over all pairs (UL in the plane, UL² in space).
+    pub fn contact_area(&self) -> f64 {
+        self.pairs.iter().map(|pair| pair.area).sum()
+    }
+
     /// `done` has supports and loads at the last step, and the work until there.
     fn new(step: &Step<'_, Problem<D>>, done: &mut (External<D>, f64)) -> Self {
         let (problem, solution) = (step.problem, step.solution);
@@ -226,6 +239,14 @@ impl<const D: usize> StepRecord<D> {
         let mut c = vec![0.0; solution.gaps.len()];
         solution.gaps.value(u, &mut c);
         let bodies = 0..problem.scene().bodies().len();
+        // a state that a step converged to is one
+        let states = problem.pair_states(u, &solution.gaps, &solution.lambda);
+        let states = states.unwrap_or_default();
+        let surfaces = problem.surface_pressures(&states);
+        let range = surfaces.iter().flatten().copied();
+        let range = range.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+            [low.min(p), high.max(p)]
+        });
         let of_obstacles = problem.forces_of_obstacles(&solution.gaps, &solution.lambda);
         let external = External::new(problem, u, (&forces, &of_obstacles));
         let work = done.1 + external.work_since(&done.0);
@@ -238,6 +259,12 @@ impl<const D: usize> StepRecord<D> {
             stored_energy,
             work,
             reactions: problem.reactions(u, &forces),
+            support_reactions: problem.support_reactions(u, &forces),
+            pairs: states.into_iter().map(|state| state.record).collect(),
+            pressures: match range[0] <= range[1] {
+                true => range,
+                false => [0.0; 2],
+            },
             contact_forces: bodies
                 .map(|body| problem.nodes(body).map(|a| forces[a]).sum())
                 .collect(),
@@ -330,6 +357,39 @@ mod tests {
                 let contact = step.contact_force(body);
                 assert!(contact[0].abs() < 1e-12 && (contact[1] - force).abs() < 1e-12);
             }
+            // both passes push with 2 a unit of area, over 1
+            let [pair] = &step.pairs[..] else {
+                panic!("{:?}", step.pairs);
+            };
+            assert!((pair.area - 1.0).abs() < 1e-12 && (step.contact_area() - 1.0).abs() < 1e-12);
+            assert!(
+                (pair.resultant[1] + 4.0).abs() < 1e-12,
+                "{:?}",
+                pair.resultant
+            );
+            let centre = pair.centre.expect("a force");
+            assert!((centre - Vector::<2>::new(0.5, 1.0)).norm() < 1e-12);
+            let pressures = [pair.pressure_max, step.pressures[0], step.pressures[1]];
+            assert!(
+                pressures.iter().all(|p| (p - 4.0).abs() < 1e-9),
+                "{pressures:?}"
+            );
+            // the lower square is held at its bottom, the corners of which are on both sides; the upper one everywhere
+            let of = |body: usize| {
+                let own = step
+                    .support_reactions
+                    .iter()
+                    .filter(|(side, _)| side.body == body.into());
+                own.map(|(side, force)| (side.boundary.clone(), force[1]))
+                    .collect::<Vec<_>>()
+            };
+            assert!(
+                of(0).iter().any(|(name, _)| name == "bottom"),
+                "{:?}",
+                of(0)
+            );
+            let bottom = of(1).into_iter().find(|(name, _)| name == "bottom");
+            assert!((bottom.expect("held").1 + 4.0).abs() < 1e-12);
             // the lower square's supports do not touch the upper one, which is held everywhere
             assert!(step.reaction(lower).norm() < 1e-12);
             assert!((step.reaction(upper)[1] + 4.0).abs() < 1e-12);

@@ -9,7 +9,6 @@
 //! interrupted report goes on where it stopped.
 #![allow(non_snake_case)] // the symbols of the field
 
-mod ball;
 mod campaign;
 mod case;
 mod data;

@@ -14,6 +14,7 @@
 #![allow(non_snake_case)] // the symbols of the field
 
 pub mod arch;
+pub mod ball;
 pub mod beams;
 pub mod blocks;
 pub mod cantilevers;

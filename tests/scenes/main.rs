@@ -27,6 +27,7 @@ mod newton;
 mod obstacles;
 mod patch;
 mod patch_exact;
+mod pressure;
 mod programs;
 mod rows;
 mod search_faults;

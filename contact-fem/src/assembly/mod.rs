@@ -41,6 +41,9 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     fn assembled_cells(&self) -> usize;
     /// The median of the Hessian's diagonal (UF/UL) at zero displacement.
     fn typical_stiffness(&self) -> f64;
+    /// E/(1 − ν²) of the law at zero strain (UF/UL²), from the stiffness to stretch and shear of its first two axes; infinite if no
+    /// cell is assembled.
+    fn contact_modulus(&self) -> f64;
 }
 
 /// Stress and volume ratio in one cell.

@@ -130,6 +130,10 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticE
         self.elastic.assembled_cells()
     }
 
+    fn contact_modulus(&self) -> f64 {
+        self.elastic.contact_modulus()
+    }
+
     fn typical_stiffness(&self) -> f64 {
         self.elastic.typical_stiffness()
     }

@@ -14,7 +14,7 @@ use crate::element::Element;
 use crate::material::{Deformation, Material};
 use crate::mesh::Mesh;
 use crate::parallel;
-use crate::tensor::{Matrix, Vector, inverse_transpose};
+use crate::tensor::{Matrix, Vector, inverse_transpose, unit_vector};
 
 /// One quadrature point: its weight times reference volume, and ∂N_a/∂X.
 #[derive(Clone, Copy)]
@@ -375,6 +375,19 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
             }
         };
         mesh.cells().map(state).collect()
+    }
+
+    fn contact_modulus(&self) -> f64 {
+        if self.cells.is_empty() {
+            return f64::INFINITY;
+        }
+        let at = Deformation::new(Matrix::identity());
+        let contraction = self.material.contraction(&at);
+        let axis = |i: usize| unit_vector::<D>(i);
+        // λ + 2μ and μ, of which E/(1 − ν²) is made
+        let stretched = contraction(&axis(0), &axis(0))[(0, 0)];
+        let sheared = contraction(&axis(1), &axis(1))[(0, 0)];
+        4.0 * sheared * (stretched - sheared) / stretched
     }
 
     fn assembled_cells(&self) -> usize {

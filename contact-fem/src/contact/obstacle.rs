@@ -571,9 +571,7 @@ mod tests {
             let message = error.expect("refused").to_string();
             assert!(message.contains(says), "{message}");
         }
-        let error = Obstacle::cylinder([0.0; 3], [0.0; 3], 1.0)
-            .err()
-            .expect("refused");
+        let error = Obstacle::cylinder([0.0; 3], [0.0; 3], 1.0).expect_err("refused");
         assert!(
             error.to_string().contains("`obstacle's axis` = 0"),
             "{error}"

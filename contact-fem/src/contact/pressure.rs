@@ -1,13 +1,222 @@
-//! The contact pressure, recovered from nodal contact forces.
+//! The contact pressure, recovered from nodal contact forces; `docs/pressure.md` derives and compares it.
 
 use contact_core::linear::{
     Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern,
 };
+use nalgebra::{SMatrix, SVector};
 
 use super::surface::Surface;
-use crate::element::{FacetRule, facet_edge};
+use crate::element::{FacetRule, facet_edge, facet_shapes};
 use crate::error::Error;
 use crate::tensor::Vector;
+
+/// What the recovery takes of one surface of a pair. All slices have one entry for each of the surface's nodes.
+#[derive(Clone, Copy, Debug)]
+pub struct Pressed<'a, const D: usize> {
+    /// The surface.
+    pub surface: &'a Surface<D>,
+    /// Where contact is searched (UL).
+    pub x: &'a [Vector<D>],
+    /// Its averaged normals there.
+    pub normals: &'a [Vector<D>],
+    /// The contact forces of the pair (UF).
+    pub forces: &'a [Vector<D>],
+    /// Those of the passes in which the surface is the slave (UF).
+    pub own: &'a [Vector<D>],
+    /// The gaps to the other surface (UL), positive = open; `None` where there is none in reach.
+    pub gaps: &'a [Option<f64>],
+    /// E* of the two bodies (UF/UL²): 1/E* = Σ (1 − ν²)/E over those that are not rigid. It is infinite, and gaps do not matter,
+    /// if both are.
+    pub modulus: f64,
+}
+
+/// r h/E*: what a node's gap weighs against the mean pressure around it, as a share of the stiffness of a half-space to a
+/// pressure that changes from node to node.
+const GAP_WEIGHT: f64 = 0.7;
+/// The largest share of a mean pressure that a gap adds.
+const LARGEST_ADDITION: f64 = 0.25;
+/// The mean pressure below which a node counts as unloaded, as a share of the largest one.
+const UNLOADED: f64 = 1e-6;
+/// Rigid motions that move the loaded nodes along their normals by less than this share of what others do leave no trace in the
+/// pressure.
+const TANGENTIAL: f64 = 1e-2;
+/// Iterations for the resultants; most take one or two.
+const ITERATIONS: usize = 60;
+
+/// Translations and rotations, as many as there are in D dimensions; the rest is zero.
+type Motion = SVector<f64, 6>;
+
+impl<const D: usize> Pressed<'_, D> {
+    /// The pressure at the nodes (UF/UL or UF/UL² of reference area). It is nowhere negative, and zero at nodes without a
+    /// contact force. If the forces are those of a constant pressure and the surfaces touch, it is that one. Its own nodal
+    /// forces, p_a ∫ N_a n ds, have the resultant and the moment of the forces' components along the normals. The resultant is also that
+    /// of the field interpolated by the facets' shape functions N.
+    ///
+    /// p = max(0, p̄ − r g + m): p̄ is the mean of the pressure with each test function, r g what the gap of the node is worth, and m
+    /// the normal component of one rigid motion of the whole surface, chosen for resultant and moment.
+    pub fn pressures(&self) -> Vec<f64> {
+        let weights = Weights::new(self);
+        let means = weights.means(self, self.forces);
+        let own = weights.means(self, self.own);
+        let largest = means.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+        let sizes = self.surface.node_sizes();
+        let degree = self.surface.order().degree() as f64;
+        let trial: Vec<Option<f64>> = (0..means.len())
+            .map(|a| {
+                let mean = means[a];
+                if !(mean.abs() > UNLOADED * largest) {
+                    return None;
+                }
+                let gap = self.gaps[a].filter(|_| self.modulus.is_finite());
+                let share = (own[a] / mean).clamp(0.0, 1.0);
+                let stiffness = GAP_WEIGHT * self.modulus * degree / sizes[a];
+                let worth = gap.map_or(0.0, |gap| share * stiffness * gap);
+                let size = mean.abs();
+                Some(mean - worth.clamp(-LARGEST_ADDITION * size, size))
+            })
+            .collect();
+        weights.balanced(self, &trial)
+    }
+}
+
+/// Integrals over a surface.
+struct Weights<const D: usize> {
+    /// ∫ N_a n ds and ∫ N_a² n ds / |∫ N_a² n ds| for each node.
+    areas: Vec<Vector<D>>,
+    normals: Vec<Vector<D>>,
+    /// For each node the number of its test function; for the others the ends of their edge.
+    tests: Vec<Option<usize>>,
+    ends: Vec<[usize; 2]>,
+}
+
+impl<const D: usize> Weights<D> {
+    fn new(of: &Pressed<'_, D>) -> Self {
+        let surface = of.surface;
+        let (tests, ends) = test_nodes(surface);
+        let mut areas = vec![Vector::zeros(); of.x.len()];
+        let mut normals = areas.clone();
+        let rule = FacetRule::<D>::gauss(3);
+        let facets = surface.facets().zip(surface.reference());
+        for ((nodes, reference), facet) in facets.zip(surface.facets_at(of.x)) {
+            for (w, lambda) in rule.points() {
+                let n = facet.normal(lambda);
+                let n = n * (w * reference.normal(lambda).norm() / n.norm());
+                for (&a, N) in nodes.iter().zip(facet_shapes(surface.order(), lambda)) {
+                    areas[a] += n * N;
+                    normals[a] += n * (N * N);
+                }
+            }
+        }
+        for (n, averaged) in normals.iter_mut().zip(of.normals) {
+            let size = n.norm();
+            *n = if size > 0.0 { *n / size } else { *averaged };
+        }
+        Weights {
+            areas,
+            normals,
+            tests,
+            ends,
+        }
+    }
+
+    /// At every node the mean of the pressure with the test functions, from nodal `forces`.
+    fn means(&self, of: &Pressed<'_, D>, forces: &[Vector<D>]) -> Vec<f64> {
+        let count = self.tests.iter().flatten().count();
+        let [mut force, mut area] = [0, 1].map(|_| vec![Vector::<D>::zeros(); count]);
+        for (a, (f, A)) in forces.iter().zip(&self.areas).enumerate() {
+            for (row, share) in shares(&self.tests, &self.ends, a) {
+                force[row] += f * share;
+                area[row] += A * share;
+            }
+        }
+        let mut means = vec![0.0; count];
+        for (a, test) in self.tests.iter().enumerate() {
+            if let Some(row) = *test {
+                let n = &self.normals[a];
+                means[row] = -force[row].dot(n) / area[row].dot(n);
+            }
+        }
+        let at_node = |a: usize| {
+            let shares = shares(&self.tests, &self.ends, a);
+            shares.map(|(row, share)| share * means[row]).sum()
+        };
+        (0..of.x.len()).map(at_node).collect()
+    }
+
+    /// max(0, `trial` + m) at the loaded nodes, m being a rigid motion's normal components, with the resultant and the
+    /// moment of the forces along the normals. It is found by Newton's method in the motion.
+    fn balanced(&self, of: &Pressed<'_, D>, trial: &[Option<f64>]) -> Vec<f64> {
+        let magnitude: Vec<f64> = of.forces.iter().map(Vector::norm).collect();
+        let total: f64 = magnitude.iter().sum();
+        if !(total > 0.0) {
+            return vec![0.0; trial.len()];
+        }
+        let weighted = |of_node: &dyn Fn(usize) -> f64| -> f64 {
+            let nodes = magnitude.iter().enumerate();
+            nodes.map(|(a, f)| f * of_node(a)).sum::<f64>() / total
+        };
+        let centre = Vector::<D>::from_fn(|i, _| weighted(&|a| of.x[a][i]));
+        let radius = weighted(&|a| (of.x[a] - centre).norm_squared()).sqrt();
+        let length = radius.max(of.surface.smallest_facet());
+        let motion = |a: usize, v: &Vector<D>| moment_of(&((of.x[a] - centre) / length), v);
+        let nodes = 0..trial.len();
+        let along: Vec<Motion> = nodes.clone().map(|a| motion(a, &self.normals[a])).collect();
+        let weight: Vec<Motion> = nodes.clone().map(|a| motion(a, &self.areas[a])).collect();
+        let wanted: Motion = nodes
+            .map(|a| motion(a, &self.normals[a]) * -of.forces[a].dot(&self.normals[a]))
+            .sum();
+        let mut shift = Motion::zeros();
+        let at = |shift: &Motion| -> Vec<f64> {
+            let nodes = trial.iter().zip(&along);
+            let pressure = |(trial, along): (&Option<f64>, &Motion)| {
+                trial.map_or(0.0, |trial| (trial + along.dot(shift)).max(0.0))
+            };
+            nodes.map(pressure).collect()
+        };
+        for iteration in 0..ITERATIONS {
+            let pressures = at(&shift);
+            let (mut left, mut slope) = (wanted, SMatrix::<f64, 6, 6>::zeros());
+            for (a, p) in pressures.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+                left -= weight[a] * *p;
+                slope += weight[a] * along[a].transpose();
+            }
+            let svd = slope.svd(true, true);
+            let largest = svd.singular_values.max();
+            let (Some(U), Some(V)) = (svd.u, svd.v_t) else {
+                break;
+            };
+            let mut change = Motion::zeros();
+            let mut reachable = Motion::zeros();
+            for (k, &value) in svd.singular_values.iter().enumerate() {
+                if value > TANGENTIAL * largest {
+                    let component = U.column(k).dot(&left);
+                    reachable[k] = component;
+                    change += V.row(k).transpose() * (component / value);
+                }
+            }
+            if !(reachable.norm() > 1e-12 * wanted.norm()) {
+                break;
+            }
+            // a cycle of nodes that are loaded in turn is broken by shorter steps
+            shift += change * if iteration < ITERATIONS / 3 { 1.0 } else { 0.5 };
+        }
+        at(&shift)
+    }
+}
+
+/// v and its moment about the origin at `x`; in the plane the moment has one component.
+fn moment_of<const D: usize>(x: &Vector<D>, v: &Vector<D>) -> Motion {
+    let mut motion = Motion::zeros();
+    (0..D).for_each(|i| motion[i] = v[i]);
+    let pairs: &[(usize, usize)] = match D {
+        2 => &[(0, 1)],
+        _ => &[(0, 1), (1, 2), (2, 0)],
+    };
+    for (k, &(i, j)) in pairs.iter().enumerate() {
+        motion[D + k] = x[i] * v[j] - x[j] * v[i];
+    }
+    motion
+}
 
 /// The nodal tractions t (reference area, UF/UL or UF/UL²) of a surface, in the order of its nodes,
 /// from the nodal contact forces f = Cᵀλ at those nodes: Σ_j ∫ φ_i φ_j ds t_j = Σ_a φ_i(X_a) f_a
@@ -106,6 +315,77 @@ fn shares(
 mod tests {
     use super::*;
     use crate::element::Order;
+
+    /// What nodal forces give without gaps, all in passes of the surface.
+    fn recovered(surface: &Surface<2>, forces: &[Vector<2>], gaps: &[Option<f64>]) -> Vec<f64> {
+        let pressed = Pressed {
+            surface,
+            x: surface.reference_nodes(),
+            normals: surface.reference_normals(),
+            forces,
+            own: forces,
+            gaps,
+            modulus: 1.0,
+        };
+        pressed.pressures()
+    }
+
+    fn polyline(x: &[Vector<2>]) -> Surface<2> {
+        let facets: Vec<[usize; 2]> = (1..x.len()).map(|k| [k - 1, k]).collect();
+        Surface::new(0, Order::Linear, facets.iter().map(|f| &f[..]), x)
+    }
+
+    /// Half of the normal times the length of each segment goes to either end.
+    #[test]
+    fn a_constant_pressure_on_a_polygon_is_exact() {
+        let x = [0.0, 0.2, 0.5, 0.6, 1.0].map(|t: f64| Vector::<2>::new(t.cos(), t.sin()));
+        let surface = polyline(&x);
+        let mut forces = [Vector::<2>::zeros(); 5];
+        for (facet, reference) in surface.facets().zip(surface.reference()) {
+            let half = reference.normal(&Vector::<2>::repeat(0.5)) * 0.5;
+            facet.iter().for_each(|&a| forces[a] -= half * 3.0);
+        }
+        for gap in [None, Some(0.0)] {
+            for p in recovered(&surface, &forces, &[gap; 5]) {
+                assert!((p - 3.0).abs() < 1e-12, "{p}");
+            }
+        }
+        let none = recovered(&surface, &[Vector::zeros(); 5], &[None; 5]);
+        assert_eq!(none, [0.0; 5]);
+    }
+
+    /// Forces of which one pulls: the field does not, and has their resultant and moment, by hand for segments of length 1.
+    #[test]
+    fn the_field_does_not_pull_and_keeps_resultant_and_moment() {
+        let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|x| Vector::<2>::new(x, 0.0));
+        let surface = polyline(&x);
+        let n = surface.reference_normals()[0];
+        let pushes = [0.5, 1.0, 0.6, 0.4, -0.1, 0.0];
+        let forces = pushes.map(|push| n * -push);
+        let areas = [0.5, 1.0, 1.0, 1.0, 1.0, 0.5];
+        let sums = |of: &dyn Fn(usize) -> f64| -> [f64; 2] {
+            [0, 1].map(|power| (0..6).map(|a| of(a) * x[a][0].powi(power)).sum())
+        };
+        let wanted = sums(&|a| pushes[a]);
+        for gap in [0.0, 0.05] {
+            // the gap of one node is worth something
+            let gaps = [None, Some(gap), None, None, None, None];
+            let p = recovered(&surface, &forces, &gaps);
+            assert!(p.iter().all(|p| *p >= 0.0) && p[4..] == [0.0; 2], "{p:?}");
+            let found = sums(&|a| areas[a] * p[a]);
+            for (found, wanted) in found.into_iter().zip(wanted) {
+                assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+            }
+        }
+        let at = |gap: f64| {
+            recovered(
+                &surface,
+                &forces,
+                &[None, Some(gap), None, None, None, None],
+            )[1]
+        };
+        assert!(at(0.05) < at(0.0) && at(-0.05) > at(0.0));
+    }
 
     /// The recovery returns a linear traction from its nodal forces on facets of unequal length.
     #[test]

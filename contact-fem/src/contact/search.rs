@@ -268,6 +268,21 @@ pub fn nodes_inside<const D: usize>(
     now: &[Vector<D>],
     reach: f64,
 ) -> Vec<(usize, f64)> {
+    let gaps = nodal_gaps(slave, slave_normals, master, x, now, reach);
+    let inside = gaps.into_iter().enumerate();
+    let inside = inside.filter_map(|(k, gap)| Some((k, gap.filter(|gap| *gap < 0.0)?)));
+    inside.collect()
+}
+
+/// As [`nodes_inside`], the gaps of all nodes; `None` where no point of `master` counts.
+pub fn nodal_gaps<const D: usize>(
+    slave: &Surface<D>,
+    slave_normals: &[Vector<D>],
+    master: &Master<D>,
+    x: &[Vector<D>],
+    now: &[Vector<D>],
+    reach: f64,
+) -> Vec<Option<f64>> {
     let same_body = slave.body() == master.surface().body();
     let numbers: Vec<usize> = (0..slave.nodes().len()).collect();
     let facet_size = slave.facet_size();
@@ -289,10 +304,9 @@ pub fn nodes_inside<const D: usize>(
         let nodes = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
         let shapes = facet_shapes(surface.order(), &p.lambda);
         let foot: Vector<D> = nodes.zip(shapes).map(|(b, N)| now[b] * N).sum();
-        let gap = (now[node] - foot).dot(&p.normal);
-        (gap < 0.0).then_some((k, gap))
+        Some((now[node] - foot).dot(&p.normal))
     };
-    slave_normals.iter().enumerate().filter_map(gap).collect()
+    slave_normals.iter().enumerate().map(gap).collect()
 }
 
 #[cfg(test)]

@@ -199,6 +199,27 @@ impl<const D: usize> Surface<D> {
         sums.iter().map(|(sum, count)| sum / count).collect()
     }
 
+    /// For each node its share of the reference area (UL in the plane, UL² in space): of the halves of quadratic segments and the
+    /// quarters of quadratic triangles, nodes share each equally.
+    pub fn node_areas(&self) -> Vec<f64> {
+        let mut areas = vec![0.0; self.nodes.len()];
+        for (facet, measure) in self.facets().zip(self.measures()) {
+            let is_quadratic_segment = facet.len() > D && D == 2;
+            for (k, &a) in facet.iter().enumerate() {
+                areas[a] += measure
+                    * match (is_quadratic_segment, k < D) {
+                        (true, true) => 0.25,
+                        (true, false) => 0.5,
+                        _ if facet.len() == D => 1.0 / D as f64,
+                        // a quadratic triangle: of four parts, corners have a third of one each
+                        (false, true) => 1.0 / 12.0,
+                        (false, false) => 0.25,
+                    };
+            }
+        }
+        areas
+    }
+
     /// The length of the smallest facet (UL).
     pub fn smallest_facet(&self) -> f64 {
         let smallest = self.measures().fold(f64::INFINITY, f64::min);

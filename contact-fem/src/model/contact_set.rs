@@ -13,7 +13,7 @@ use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
 use crate::contact::motion::Motion;
 use crate::contact::obstacle::Placed;
 use crate::contact::rows::{PassRows, Unknowns};
-use crate::contact::search::nodes_inside;
+use crate::contact::search::{nodal_gaps, nodes_inside};
 use crate::contact::stencil::{Projected, on_obstacle, projected_unless};
 use crate::contact::variation::Variation;
 use crate::contact::{Master, Pass, Surface};
@@ -544,13 +544,7 @@ impl<const D: usize> ContactSet<D> {
         if let Some((_, obstacle)) = self.obstacle_of(pass) {
             let nodes = self.surfaces[pass.slave].nodes().iter().enumerate();
             let gap = |(k, &node): (usize, &usize)| {
-                let x = located.x[node];
-                let way = now[node] - x;
-                let gap = obstacle.distance(&x);
-                let gap = match way.iter().all(|w| *w == 0.0) {
-                    true => gap,
-                    false => gap + obstacle.normal(&x).dot(&way),
-                };
+                let gap = gap_on(obstacle, &located.x[node], &now[node]);
                 (gap < 0.0).then_some((k, gap))
             };
             return nodes.filter_map(gap).collect();
@@ -558,6 +552,42 @@ impl<const D: usize> ContactSet<D> {
         let [own, master] = [pass.slave, pass.master].map(|k| &located.masters[k]);
         let slave = &self.surfaces[pass.slave];
         nodes_inside(slave, own.normals(), master, &located.x, now, self.reach)
+    }
+
+    /// The gaps of the nodes of one surface to another, or to an obstacle, at `u` (UL), less what is granted of initial
+    /// overlaps; `None` where no point of the other surface counts, or none can close.
+    pub fn nodal_gaps(
+        &self,
+        [own, other]: [usize; 2],
+        kinematics: &Kinematics<D>,
+        u: &[f64],
+    ) -> Vec<Option<f64>> {
+        let pass = Pass {
+            slave: own,
+            master: other,
+        };
+        if !self.is_near(pass, kinematics.largest(u)) {
+            return vec![None; self.surfaces[own].nodes().len()];
+        }
+        let (located, now) = (self.located(kinematics, u), kinematics.positions(u));
+        let (surface, normals) = (&self.surfaces[own], located.masters[own].normals());
+        let mut gaps = match self.obstacle_of(pass) {
+            Some((_, obstacle)) => {
+                let gap = |&node: &usize| Some(gap_on(obstacle, &located.x[node], &now[node]));
+                surface.nodes().iter().map(gap).collect()
+            }
+            None => {
+                let master = &located.masters[other];
+                nodal_gaps(surface, normals, master, &located.x, &now, self.reach)
+            }
+        };
+        if let Some(depths) = self.initial_overlaps.of(pass) {
+            let left = self.initial_gaps.share_left(kinematics.factor);
+            for (gap, depth) in gaps.iter_mut().zip(&depths.nodes) {
+                *gap = gap.map(|gap| gap + left * depth);
+            }
+        }
+        gaps
     }
 
     /// How far bodies have passed through each other (UL), or `None` if they have not. They have if
@@ -595,6 +625,15 @@ impl<const D: usize> ContactSet<D> {
 
 fn is_requested(stop: Option<&Stop>) -> bool {
     stop.is_some_and(Stop::is_requested)
+}
+
+/// The gap between an obstacle and a point `now` (UL), which the search had at `x`: along the normal there.
+fn gap_on<const D: usize>(obstacle: &Placed<D>, x: &Vector<D>, now: &Vector<D>) -> f64 {
+    let (gap, way) = (obstacle.distance(x), now - x);
+    match way.iter().all(|w| *w == 0.0) {
+        true => gap,
+        false => gap + obstacle.normal(x).dot(&way),
+    }
 }
 
 /// Every side that a pair names, once; and every pass with whether it exchanges the declared roles.

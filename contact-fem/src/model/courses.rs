@@ -63,13 +63,16 @@ impl<const D: usize> Supports<D> {
     }
 }
 
+/// Adds the forces at a time to those of all dofs (UF).
+type AddForces = Arc<dyn Fn(f64, &mut [f64]) + Send + Sync>;
+
 /// Nodal forces by time.
 #[derive(Clone)]
 pub(crate) enum Load<const D: usize> {
     /// Forces (all dofs, UF) times an amplitude.
     Scaled(Vec<f64>, Amplitude),
     /// Whatever is added to the forces of all dofs at a time.
-    Given(Arc<dyn Fn(f64, &mut [f64]) + Send + Sync>),
+    Given(AddForces),
 }
 
 impl<const D: usize> Load<D> {

@@ -3,6 +3,7 @@
 
 mod body;
 mod contact_set;
+mod contact_state;
 mod courses;
 mod diagnosis;
 mod handle;
@@ -17,6 +18,7 @@ pub(crate) mod work;
 
 pub use crate::contact::{Integration, Obstacle};
 pub use body::Body;
+pub use contact_state::{Opposite, PairRecord, PairSide, PairState, Status};
 pub use diagnosis::Undetermined;
 pub use handle::{BodyId, ObstacleId, Side};
 pub use initial_gaps::InitialGaps;

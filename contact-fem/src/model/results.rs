@@ -1,4 +1,4 @@
-//! Results derived from a solution: reactions, contact forces, pressures, penetrations.
+//! Results derived from a solution: reactions, contact forces, penetrations.
 
 use std::sync::{Arc, PoisonError};
 
@@ -6,10 +6,10 @@ use contact_core::equilibrium::Solution;
 use contact_core::{Energy, LinearGaps};
 
 use super::problem::Residuals;
-use super::{BodyId, Problem, Undetermined};
+use super::{BodyId, Problem, Side, Undetermined};
 use crate::Error;
 use crate::audit::{Findings, LeastVolume};
-use crate::contact::{Pass, Surface, pressure};
+use crate::contact::Surface;
 use crate::tensor::Vector;
 
 impl<const D: usize> Problem<D> {
@@ -107,55 +107,34 @@ impl<const D: usize> Problem<D> {
         bodies.map(reaction).collect()
     }
 
-    /// The contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area,
-    /// compression positive). It is recovered from the nodal forces of all passes of the surface,
-    /// and is their component along the normals, in [`Geometry::Reference`](super::Geometry) the
-    /// reference normals.
-    ///
-    /// # Errors
-    /// A `u` that is no state, multipliers that are not one a row, rows of another problem; see [`pressure::tractions`].
-    pub fn pressures(
+    /// The reactions (UF) of the supports by boundary, body by body: as [`Problem::reactions`], over the prescribed dofs of each named
+    /// boundary that has any. A node on two boundaries counts for both.
+    pub fn support_reactions(
         &self,
         u: &[f64],
-        gaps: &LinearGaps,
-        lambda: &[f64],
-    ) -> Result<Vec<Vec<f64>>, Error> {
-        contact_core::Error::check_vector("u", u, self.dofs().free())?;
-        contact_core::Error::check_vector("λ", lambda, gaps.len())?;
-        let passes = gaps.keys().iter().map(|key| key.pass as usize + 1);
-        if passes
-            .max()
-            .is_some_and(|count| count > self.passes().len())
-        {
-            return Err(Error::Setting {
-                name: "pass",
-                value: gaps
-                    .keys()
-                    .iter()
-                    .map(|key| key.pass)
-                    .max()
-                    .unwrap_or_default()
-                    .into(),
-                remedy: "take rows of this problem",
-            });
-        }
-        let located = self.contact.located(&self.kinematics, u);
-        let of_surface = |(index, surface): (usize, &std::sync::Arc<Surface<D>>)| {
-            let takes_part = |pass: &Pass| pass.slave == index || pass.master == index;
-            let own = gaps.keys().iter().zip(lambda);
-            let own = own.map(
-                |(key, &l)| match takes_part(&self.passes()[key.pass as usize]) {
-                    true => l,
-                    false => 0.0,
-                },
-            );
-            let all_forces = self.contact_forces(gaps, &own.collect::<Vec<_>>());
-            let forces: Vec<_> = surface.nodes().iter().map(|&a| all_forces[a]).collect();
-            let tractions = pressure::tractions(surface, &forces)?;
-            let pairs = tractions.iter().zip(located.masters[index].normals());
-            Ok(pairs.map(|(t, n)| -t.dot(n)).collect())
+        contact_forces: &[Vector<D>],
+    ) -> Vec<(Side, Vector<D>)> {
+        let residuals = match contact_forces.len() == self.reference().len() {
+            true => self.residuals(u),
+            false => return Vec::new(),
         };
-        self.surfaces().iter().enumerate().map(of_surface).collect()
+        let mut reactions = Vec::new();
+        for (id, body) in self.scene.ids().zip(self.scene.bodies()) {
+            let (residual, contact) = (&residuals[id.index()], &contact_forces[self.nodes(id)]);
+            for boundary in body.mesh().boundary_names() {
+                // the mesh knows its own names
+                let nodes = body.mesh().boundary_nodes(boundary).unwrap_or_default();
+                let dofs = nodes.into_iter().flat_map(|a| (0..D).map(move |i| (a, i)));
+                let held = dofs.filter(|(a, i)| body.prescribed()[D * a + i].is_some());
+                let mut held = held.peekable();
+                if held.peek().is_some() {
+                    let mut sum = Vector::zeros();
+                    held.for_each(|(a, i)| sum[i] += residual[D * a + i] - contact[a][i]);
+                    reactions.push((id.on(boundary), sum));
+                }
+            }
+        }
+        reactions
     }
 
     /// The largest depth of a contact node inside another surface (UL, ≥ 0), over all passes, less what is left of an overlap

@@ -1,4 +1,5 @@
-//! The history of a run as two tables: one line for each load step, and one for each iteration of the solver.
+//! The history of a run as tables: a line for each load step, for each iteration of the solver, for each pair of surfaces in
+//! contact, and for each supported boundary.
 
 use std::fs::File;
 use std::io::Write;
@@ -10,9 +11,12 @@ use contact_core::{Cost, Outcome};
 use super::file;
 use crate::certificate::{Certificate, Condition, Limits};
 use crate::error::Error;
+use crate::model::{Opposite, PairRecord, Side};
 use crate::simulation::{History, StepRecord};
+use crate::tensor::Vector;
 
-/// `NAME.csv`, the load steps, and `NAME_iterations.csv`, the iterations of the solver within them.
+/// `NAME.csv`, the load steps, and `NAME_iterations.csv`, the iterations of the solver within them. For each converged step
+/// `NAME_pairs.csv` has a line for each pair of surfaces, and `NAME_supports.csv` one for each boundary with supports.
 ///
 /// After every converged step [`Tables::write`] saves the step to disk. Failed attempts are known
 /// only at the end of the run: [`Tables::finish`] writes both files anew with all attempts in
@@ -23,8 +27,10 @@ use crate::simulation::{History, StepRecord};
 pub struct Tables {
     steps: Table,
     iterations: Table,
-    bodies: usize,
-    obstacles: usize,
+    pairs: Table,
+    supports: Table,
+    bodies: Vec<String>,
+    obstacles: Vec<String>,
 }
 
 impl Tables {
@@ -41,18 +47,20 @@ impl Tables {
     ) -> Result<Self, Error> {
         file::check_name(folder, name)?;
         file::create_folder(folder)?;
-        let [steps, iterations] = Self::files(name);
+        let [steps, iterations, pairs, supports] = Self::files(name);
         Ok(Tables {
             steps: Table::create(folder.join(steps), step_columns::<D>(bodies, obstacles))?,
             iterations: Table::create(folder.join(iterations), strings(&ITERATION_COLUMNS))?,
-            bodies: bodies.len(),
-            obstacles: obstacles.len(),
+            pairs: Table::create(folder.join(pairs), pair_columns::<D>())?,
+            supports: Table::create(folder.join(supports), support_columns::<D>())?,
+            bodies: bodies.to_vec(),
+            obstacles: obstacles.to_vec(),
         })
     }
 
     /// The names of the tables' files.
-    pub(super) fn files(name: &str) -> [String; 2] {
-        [format!("{name}.csv"), format!("{name}_iterations.csv")]
+    pub(super) fn files(name: &str) -> [String; 4] {
+        ["", "_iterations", "_pairs", "_supports"].map(|what| format!("{name}{what}.csv"))
     }
 
     /// The path of the table of the load steps.
@@ -62,7 +70,7 @@ impl Tables {
 
     /// The number of vectors in a line: two for each body, one for each obstacle.
     fn vectors(&self) -> usize {
-        2 * self.bodies + self.obstacles
+        2 * self.bodies.len() + self.obstacles.len()
     }
 
     /// Adds a converged step.
@@ -72,11 +80,14 @@ impl Tables {
     pub fn write<const D: usize>(&mut self, record: &StepRecord<D>) -> Result<(), Error> {
         let line = step_line(&record.attempt, Some(record), self.vectors());
         self.steps.append([line])?;
+        self.pairs
+            .append(pair_lines(record, (&self.bodies, &self.obstacles)))?;
+        self.supports.append(support_lines(record, &self.bodies))?;
         let lines = iteration_lines(&record.attempt, record.increment);
         self.iterations.append(lines)
     }
 
-    /// Writes both tables anew with every attempt of the run, converged or not.
+    /// Writes the tables of steps and iterations anew with every attempt of the run, converged or not.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -140,6 +151,80 @@ const ITERATION_COLUMNS: [&str; 17] = [
     "seconds_callbacks",
     "seconds_optimizer",
 ];
+
+/// The names of a vector's components.
+fn components<const D: usize>(name: &str) -> impl Iterator<Item = String> {
+    let axes = ["x", "y", "z"].into_iter().take(D);
+    axes.map(move |axis| format!("{name}_{axis}"))
+}
+
+fn pair_columns<const D: usize>() -> Vec<String> {
+    let mut columns = strings(&[
+        "increment",
+        "factor",
+        "first_body",
+        "first_boundary",
+        "second_body",
+        "second_boundary",
+        "area",
+    ]);
+    columns.extend(components::<D>("resultant").chain(components::<D>("centre")));
+    columns.push("pressure_max".into());
+    columns
+}
+
+fn pair_lines<const D: usize>(
+    record: &StepRecord<D>,
+    (bodies, obstacles): (&[String], &[String]),
+) -> Vec<Vec<String>> {
+    let line = |pair: &PairRecord<D>| {
+        let mut line = step_name(record);
+        line.extend(side_name(&pair.first, bodies));
+        line.extend(match &pair.second {
+            Opposite::Side(side) => side_name(side, bodies),
+            Opposite::Obstacle(id) => [
+                obstacles.get(id.index()).cloned().unwrap_or_default(),
+                String::new(),
+            ],
+        });
+        line.push(number(pair.area));
+        line.extend(pair.resultant.iter().copied().map(number));
+        match pair.centre {
+            Some(centre) => line.extend(centre.iter().copied().map(number)),
+            None => line.extend(vec![String::new(); D]),
+        }
+        line.push(number(pair.pressure_max));
+        line
+    };
+    record.pairs.iter().map(line).collect()
+}
+
+fn support_columns<const D: usize>() -> Vec<String> {
+    let mut columns = strings(&["increment", "factor", "body", "boundary"]);
+    columns.extend(components::<D>("reaction"));
+    columns
+}
+
+fn support_lines<const D: usize>(record: &StepRecord<D>, bodies: &[String]) -> Vec<Vec<String>> {
+    let line = |(side, reaction): &(Side, Vector<D>)| {
+        let mut line = step_name(record);
+        line.extend(side_name(side, bodies));
+        line.extend(reaction.iter().copied().map(number));
+        line
+    };
+    record.support_reactions.iter().map(line).collect()
+}
+
+/// The first columns of a line that belongs to a converged step.
+fn step_name<const D: usize>(record: &StepRecord<D>) -> Vec<String> {
+    let increment = record.increment.map(|k| k.to_string());
+    vec![increment.unwrap_or_default(), number(record.factor)]
+}
+
+fn side_name(side: &Side, bodies: &[String]) -> [String; 2] {
+    let body = bodies.get(side.body.index()).cloned();
+    [body.unwrap_or_default(), side.boundary.clone()]
+}
 
 fn step_columns<const D: usize>(bodies: &[String], obstacles: &[String]) -> Vec<String> {
     let mut columns = strings(&[
@@ -350,7 +435,7 @@ mod tests {
 
     use super::*;
     use crate::audit::LeastVolume;
-    use crate::tensor::Vector;
+    use crate::model::BodyId;
 
     fn attempt(to: f64, outcome: Outcome) -> Attempt {
         let iteration = Iteration {
@@ -405,6 +490,16 @@ mod tests {
                 .with(Condition::Stationarity, Some(1e-9))
                 .with(Condition::Drift, None)
                 .with(Condition::Dropped, Some(3.0)),
+            support_reactions: vec![(BodyId::from(0).on("rim"), Vector::<2>::new(1.5, -2.0))],
+            pairs: vec![PairRecord {
+                first: BodyId::from(0).on("rim"),
+                second: Opposite::Side(BodyId::from(1).on("edge")),
+                area: 0.5,
+                resultant: Vector::<2>::new(0.0, 4.5),
+                centre: None,
+                pressure_max: 9.0,
+            }],
+            pressures: [0.0, 9.0],
             attempt: attempt(to, Outcome::Converged),
         }
     }
@@ -465,6 +560,15 @@ mod tests {
         assert_eq!(steps[0][at("inner_iterations")], "22");
         assert_eq!(steps[1][at("increment")], "1");
         assert_eq!(read(&folder.join("run_iterations.csv")).len(), 4);
+        // neither body nor centre of the second surface is known
+        let pairs = read(&folder.join("run_pairs.csv"));
+        let expected = [
+            "1", "1", "ring", "rim", "", "edge", "0.5", "0", "4.5", "", "", "9",
+        ];
+        assert_eq!(pairs, [expected]);
+        assert_eq!(pair_columns::<2>().len(), expected.len());
+        let supports = read(&folder.join("run_supports.csv"));
+        assert_eq!(supports, [["1", "1", "ring", "rim", "1.5", "-2"]]);
         std::fs::remove_dir_all(&folder).expect("removed");
     }
 

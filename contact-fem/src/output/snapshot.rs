@@ -6,9 +6,10 @@ use contact_core::equilibrium::Solution;
 use crate::assembly::CellState;
 use crate::certificate::Certificate;
 use crate::error::Error;
-use crate::model::Problem;
+use crate::mesh::Mesh;
+use crate::model::{Problem, Status};
 use crate::simulation::StepView;
-use crate::tensor::Vector;
+use crate::tensor::{Matrix, Vector};
 
 /// Displacement, contact pressure and stress of all bodies at one load.
 ///
@@ -46,14 +47,24 @@ use crate::tensor::Vector;
 pub struct Snapshot<const D: usize> {
     /// u at every node (UL).
     pub displacements: Vec<Vector<D>>,
-    /// The recovered contact pressure at every node (UF/UL in the plane, UF/UL² in space,
-    /// compression positive): 0 outside the contact surfaces, the sum over the surfaces where
-    /// several meet.
+    /// The recovered contact pressure at every node (UF/UL in the plane, UF/UL² in space, ≥ 0), see [`Problem::pressures`]:
+    /// 0 outside the contact surfaces, the sum over the surfaces where several meet.
     pub pressures: Vec<f64>,
+    /// The consistent contact pressure, see [`Problem::consistent_pressures`], likewise.
+    pub consistent_pressures: Vec<f64>,
+    /// The smallest gap of every node to the surfaces that it may touch (UL), positive = open; `+∞` where none is in reach, and
+    /// outside the contact surfaces.
+    pub gaps: Vec<f64>,
+    /// Whether every node is open, touches or presses.
+    pub statuses: Vec<Status>,
+    /// The outward unit normal of the contact surface at every node where contact is searched; zero outside of the surfaces.
+    pub contact_normals: Vec<Vector<D>>,
     /// The contact force Cᵀλ on every node (UF).
     pub contact_forces: Vec<Vector<D>>,
     /// Stress and volume ratio of every cell.
     pub cells: Vec<CellState<D>>,
+    /// Stress and volume ratio at every node: means over its cells, weighted by their volumes.
+    pub averages: Vec<CellState<D>>,
     /// The certificate, if the state is a converged step.
     pub certificate: Option<Certificate>,
 }
@@ -96,6 +107,19 @@ impl<const D: usize> Snapshot<D> {
         for (what, found, expected) in [
             ("Snapshot::displacements", self.displacements.len(), nodes),
             ("Snapshot::pressures", self.pressures.len(), nodes),
+            (
+                "Snapshot::consistent_pressures",
+                self.consistent_pressures.len(),
+                nodes,
+            ),
+            ("Snapshot::gaps", self.gaps.len(), nodes),
+            ("Snapshot::statuses", self.statuses.len(), nodes),
+            (
+                "Snapshot::contact_normals",
+                self.contact_normals.len(),
+                nodes,
+            ),
+            ("Snapshot::averages", self.averages.len(), nodes),
             ("Snapshot::contact_forces", self.contact_forces.len(), nodes),
             ("Snapshot::cells", self.cells.len(), cells),
         ] {
@@ -119,26 +143,91 @@ impl<const D: usize> Snapshot<D> {
     ) -> Result<Self, Error> {
         contact_core::Error::check_vector("u", u, problem.dofs().free())?;
         let displacements = problem.displacements(u);
-        let mut pressures = vec![0.0; displacements.len()];
-        let of_surfaces = problem.pressures(u, gaps, lambda)?;
-        for (surface, values) in problem.surfaces().iter().zip(of_surfaces) {
-            for (&node, p) in surface.nodes().iter().zip(values) {
-                pressures[node] += p;
+        let states = problem.pair_states(u, gaps, lambda)?;
+        let [mut pressures, mut consistent_pressures] =
+            [0, 1].map(|_| vec![0.0; displacements.len()]);
+        let of_surfaces = [
+            problem.surface_pressures(&states),
+            problem.consistent_pressures(u, gaps, lambda)?,
+        ];
+        for (sums, of_surfaces) in [&mut pressures, &mut consistent_pressures]
+            .into_iter()
+            .zip(of_surfaces)
+        {
+            for (surface, values) in problem.surfaces().iter().zip(of_surfaces) {
+                for (&node, p) in surface.nodes().iter().zip(values) {
+                    sums[node] += p;
+                }
+            }
+        }
+        let mut nodal_gaps = vec![f64::INFINITY; displacements.len()];
+        let mut statuses = vec![Status::Open; displacements.len()];
+        for side in states.iter().flat_map(|state| &state.sides) {
+            let surface = &problem.surfaces()[side.surface];
+            let nodes = surface.nodes().iter().zip(surface.node_sizes());
+            for ((&node, size), gap) in nodes.zip(&side.gaps) {
+                let gap = gap.unwrap_or(f64::INFINITY);
+                nodal_gaps[node] = nodal_gaps[node].min(gap);
+                if gap < Status::TOUCHES * size {
+                    statuses[node] = Status::Touching;
+                }
+            }
+        }
+        let pressing = pressures.iter().enumerate().filter(|(_, p)| **p > 0.0);
+        pressing.for_each(|(node, _)| statuses[node] = Status::Pressing);
+        let mut contact_normals = vec![Vector::zeros(); displacements.len()];
+        for (surface, normals) in problem.surfaces().iter().zip(problem.contact_normals(u)) {
+            for (&node, normal) in surface.nodes().iter().zip(normals) {
+                contact_normals[node] = normal;
             }
         }
         let bodies = problem.scene().bodies().iter().zip(problem.body_energies());
-        let mut cells = Vec::new();
+        let (mut cells, mut averages) = (Vec::new(), Vec::new());
         for (k, (body, energy)) in bodies.enumerate() {
-            cells.extend(energy.cell_states(body.mesh(), &displacements[problem.nodes(k)]));
+            let own = energy.cell_states(body.mesh(), &displacements[problem.nodes(k)]);
+            averages.extend(averaged(body.mesh(), &own));
+            cells.extend(own);
         }
         Ok(Snapshot {
             displacements,
             pressures,
+            consistent_pressures,
+            gaps: nodal_gaps,
+            statuses,
+            contact_normals,
+            averages,
             contact_forces: problem.contact_forces(gaps, lambda),
             cells,
             certificate: None,
         })
     }
+}
+
+/// The means over the cells around each node of a mesh, weighted by the cells' volumes.
+fn averaged<const D: usize>(mesh: &Mesh<D>, cells: &[CellState<D>]) -> Vec<CellState<D>> {
+    let zero = CellState {
+        J: 0.0,
+        sigma: Matrix::zeros(),
+        sigma_zz: 0.0,
+    };
+    let mut sums = vec![(0.0, zero); mesh.nodes().len()];
+    for (k, (nodes, cell)) in mesh.cells().zip(cells).enumerate() {
+        let volume = mesh.volume(k);
+        for &a in nodes {
+            let (total, sum) = &mut sums[a];
+            *total += volume;
+            sum.J += volume * cell.J;
+            sum.sigma += cell.sigma * volume;
+            sum.sigma_zz += volume * cell.sigma_zz;
+        }
+    }
+    // every node belongs to a cell
+    let mean = |(total, sum): (f64, CellState<D>)| CellState {
+        J: sum.J / total,
+        sigma: sum.sigma / total,
+        sigma_zz: sum.sigma_zz / total,
+    };
+    sums.into_iter().map(mean).collect()
 }
 
 /// All cells of all bodies as (body, scene node numbers), in the order of [`Snapshot::cells`].
@@ -160,7 +249,6 @@ pub(super) mod tests {
 
     use super::*;
     use crate::element::{Element, P1, P2};
-    use crate::mesh::Mesh;
     use crate::mesh::generators::{Diagonals, rectangle};
     use crate::{Body, NeoHookean, Scene};
 
@@ -218,6 +306,21 @@ pub(super) mod tests {
             assert_eq!(*p != 0.0, (2..6).contains(&k), "node {k}: {p}");
         }
         assert_eq!(displaced.cells.len(), 4);
+        for (k, status) in displaced.statuses.iter().enumerate() {
+            assert_eq!(*status == Status::Pressing, (2..6).contains(&k), "node {k}");
+        }
+        assert!(rest.statuses.iter().all(|status| *status == Status::Open));
+        for (k, gap) in rest.gaps.iter().enumerate() {
+            let is_contact_node = (2..6).contains(&k);
+            let expected = if is_contact_node { 0.1 } else { f64::INFINITY };
+            assert!(*gap == expected || (gap - expected).abs() < 1e-12, "{gap}");
+        }
+        // the lower top moves up by 0.1, and the upper bottom is held: these two nodes still face each other's square
+        assert!(displaced.gaps[2].abs() < 1e-12 && displaced.gaps[5].abs() < 1e-12);
+        // the outward normals of a top and a bottom
+        assert!((displaced.contact_normals[2][1] - 1.0).abs() < 1e-12);
+        assert!((displaced.contact_normals[4][1] + 1.0).abs() < 1e-12);
+        assert_eq!(displaced.contact_normals[0], Vector::<2>::zeros());
         assert_eq!(displaced.displacements[2], Vector::<2>::repeat(0.1));
     }
 }

@@ -25,8 +25,13 @@ use crate::tensor::Vector;
 /// | field | on | components | units |
 /// |---|---|---|---|
 /// | `displacement` | points | 3 | UL |
-/// | `contact_pressure` | points | 1 | UF/UL (plane), UF/UL² (space) |
+/// | `contact_pressure` | points | 1 | UF/UL (plane), UF/UL² (space), ≥ 0 |
+/// | `contact_pressure_consistent` | points | 1 | the same, see [`Problem::consistent_pressures`] |
 /// | `contact_force` | points | 3 | UF |
+/// | `contact_normal` | points | 3 | 1; outward, zero off the contact surfaces |
+/// | `gap` | points | 1 | UL, positive = open; where there is none, the largest one |
+/// | `status` | points | 1 | 0 open, 1 touching, 2 pressing |
+/// | `nodal_von_mises`, `nodal_cauchy_stress` | points | 1, 6 | UF/UL², means over the cells around |
 /// | `body` | points, cells | 1 | number of the body |
 /// | `von_mises` | cells | 1 | UF/UL² |
 /// | `J` | cells | 1 | volume ratio |
@@ -253,10 +258,28 @@ fn cell_type(dimension: usize, nodes: usize) -> CellType {
 fn point_fields<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Vec<Attribute> {
     let bodies = 0..problem.scene().bodies().len();
     let body_of_node = bodies.flat_map(|k| problem.nodes(k).map(move |_| k as i32));
+    let gaps = snapshot.gaps.iter();
+    // not ∞, which spoils the scale of colours
+    let finite = gaps.clone().filter(|gap| gap.is_finite());
+    let widest = finite.copied().fold(0.0, f64::max);
+    let gaps = gaps.map(|gap| gap.min(widest));
+    let statuses = snapshot.statuses.iter().map(|status| *status as i32);
+    let von_mises = snapshot.averages.iter().map(CellState::von_mises);
+    let stress = snapshot.averages.iter().flat_map(symmetric_components);
     vec![
         field("displacement", 3, in_space(&snapshot.displacements)),
         field("contact_pressure", 1, snapshot.pressures.clone()),
+        field(
+            "contact_pressure_consistent",
+            1,
+            snapshot.consistent_pressures.clone(),
+        ),
         field("contact_force", 3, in_space(&snapshot.contact_forces)),
+        field("contact_normal", 3, in_space(&snapshot.contact_normals)),
+        field("gap", 1, gaps.collect::<Vec<f64>>()),
+        field("status", 1, statuses.collect::<Vec<i32>>()),
+        field("nodal_von_mises", 1, von_mises.collect::<Vec<f64>>()),
+        field("nodal_cauchy_stress", 6, stress.collect::<Vec<f64>>()),
         field("body", 1, body_of_node.collect::<Vec<i32>>()),
     ]
 }
@@ -351,7 +374,18 @@ mod tests {
             fields.iter().map(|f| f.name().to_string()).collect()
         };
         let points = names(&grid.data.point);
-        let known = ["displacement", "contact_pressure", "contact_force", "body"];
+        let known = [
+            "displacement",
+            "contact_pressure",
+            "contact_pressure_consistent",
+            "contact_force",
+            "contact_normal",
+            "gap",
+            "status",
+            "nodal_von_mises",
+            "nodal_cauchy_stress",
+            "body",
+        ];
         assert_eq!(points, known);
         let cells = names(&grid.data.cell);
         assert_eq!(cells, ["von_mises", "J", "cauchy_stress", "body"]);

@@ -5,11 +5,11 @@ use ipopt_contact::contact_fem::tensor::Vector;
 
 use super::{Bound, Claim, Family, Kind, Quantity, Scope, ladder};
 use crate::Failure;
-use crate::ball::{Ball, CONTACT_RADIUS};
 use crate::case::{Case, Formulation, Points};
 use crate::measure::Solved;
 use crate::norms;
 use crate::record::Measured;
+use ipopt_contact_scenes::ball::{Ball, CONTACT_RADIUS};
 
 const NAME: &str = "hertz-3d";
 
@@ -109,11 +109,23 @@ pub fn family() -> Family {
             does not. On the coarsest meshes no facet lies within 0.6 a, and there is no p₀.",
         size: "the facet in the centre of contact",
         quantities: QUANTITIES,
-        claims: &[Claim {
-            quantity: "p0",
-            degree: 2,
-            bound: Bound::Finest(1e-2),
-        }],
+        claims: &[
+            Claim {
+                quantity: "p0",
+                degree: 2,
+                bound: Bound::Finest(1e-2),
+            },
+            Claim {
+                quantity: "pressure",
+                degree: 1,
+                bound: Bound::Order(0.8),
+            },
+            Claim {
+                quantity: "pressure",
+                degree: 2,
+                bound: Bound::Finest(0.12),
+            },
+        ],
         cases,
         refined: None,
         run: |case, _| run(case),

@@ -55,7 +55,7 @@ fn run<const D: usize>(
         for surface in problem.surfaces().iter().filter(|s| s.body() == body) {
             for &node in surface.nodes() {
                 let number = node - problem.first_node(body);
-                text += &format!("{number} {:e}\n", state.pressures[node]);
+                text += &format!("{number} {:e}\n", state.consistent_pressures[node]);
             }
         }
         files::write(folder.join(format!("pressure_{name}.txt")), text)?;

@@ -140,7 +140,9 @@ fn bodies(
         found.ok_or_else(|| missing(name))
     };
     let (places, displacements) = (in_space(&places), in_space(&required("displacement", 3)?));
-    let (pressures, of_nodes) = (required("contact_pressure", 1)?, required("body", 1)?);
+    // scripts write the consistent one
+    let pressures = required("contact_pressure_consistent", 1)?;
+    let of_nodes = required("body", 1)?;
     let forces = field("contact_force", 3)?.map(|forces| in_space(&forces));
     let cells = cells(grid.cells.cell_verts, &grid.cells.types, nodes);
     let cells = cells.ok_or_else(|| missing("cells of this library"))?;

@@ -16,8 +16,9 @@ use crate::audit::LeastVolume;
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
-use crate::model::{Finding, Problem, Undetermined};
+use crate::model::{Finding, Opposite, PairRecord, Problem, Side, Undetermined};
 use crate::simulation::{History, StepRecord};
+use crate::tensor::Vector;
 
 /// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL. Values that
 /// require a converged step are null if there is none, and so are values that do not apply.
@@ -47,6 +48,15 @@ pub(super) struct Summary {
     /// The names of the obstacles, and the contact force of the bodies on each.
     obstacles: Vec<String>,
     obstacle_forces: Vec<Vec<f64>>,
+    /// The reactions of the supports by boundary.
+    support_reactions: Vec<Value>,
+    /// The smallest and the largest contact pressure at the nodes of all contact surfaces.
+    pressure_min: Option<f64>,
+    pressure_max: Option<f64>,
+    /// The reference area in contact, over all pairs.
+    contact_area: Option<f64>,
+    /// Area, resultant, centre and largest pressure of each pair.
+    pairs: Vec<Value>,
     min_j: Option<f64>,
     min_j_bound: Option<f64>,
     /// The cell with the smallest J of all steps, if it is not positive everywhere in it.
@@ -168,6 +178,24 @@ impl Summary {
             reactions: last.map_or(Vec::new(), |record| lists(&record.reactions)),
             obstacles: problem.scene().obstacle_names().to_vec(),
             obstacle_forces: last.map_or(Vec::new(), |record| lists(&record.obstacle_forces)),
+            support_reactions: last.map_or(Vec::new(), |record| {
+                let reactions = record.support_reactions.iter();
+                let value = |(side, force): &(Side, Vector<D>)| {
+                    json!({
+                        "body": problem.scene().names()[side.body.index()],
+                        "boundary": side.boundary, "force": force.as_slice(),
+                    })
+                };
+                reactions.map(value).collect()
+            }),
+            pressure_min: last.map(|record| record.pressures[0]),
+            pressure_max: last.map(|record| record.pressures[1]),
+            contact_area: last.map(StepRecord::contact_area),
+            pairs: last.map_or(Vec::new(), |record| {
+                let scene = problem.scene();
+                let value = |of| pair(of, scene.names(), scene.obstacle_names());
+                record.pairs.iter().map(value).collect()
+            }),
             min_j: last.map(|record| record.min_j),
             min_j_bound: last.map(|record| record.min_j_bound()),
             inverted: inverted.map(|(factor, least)| {
@@ -217,6 +245,20 @@ impl Summary {
     pub(super) fn table(&self) -> &str {
         &self.table
     }
+}
+
+fn pair<const D: usize>(pair: &PairRecord<D>, bodies: &[String], obstacles: &[String]) -> Value {
+    let side = |side: &Side| json!({"body": bodies[side.body.index()], "boundary": side.boundary});
+    json!({
+        "first": side(&pair.first),
+        "second": match &pair.second {
+            Opposite::Side(second) => side(second),
+            Opposite::Obstacle(id) => json!({"obstacle": obstacles[id.index()]}),
+        },
+        "area": pair.area, "resultant": pair.resultant.as_slice(),
+        "centre": pair.centre.as_ref().map(|centre| centre.as_slice()),
+        "pressure_max": pair.pressure_max,
+    })
 }
 
 /// The smallest volume ratio of all steps and the load factor there, if J > 0 is not shown everywhere.

@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use ipopt_contact::contact_fem::Error;
-use ipopt_contact::contact_fem::element::Order;
-use ipopt_contact::contact_fem::mesh::generators::onto_sphere;
-use ipopt_contact::contact_fem::tensor::Vector;
-use ipopt_contact::prelude::*;
-use ipopt_contact_scenes::pair;
+use contact_fem::element::Order;
+use contact_fem::mesh::generators::{Diagonals, extrude, graded, linspace, onto_sphere, rectangle};
+use contact_fem::tensor::Vector;
+use contact_fem::{Body, Error, LinearElastic, Mesh, Scene};
+
+use crate::pair;
 
 /// The ball's radius (UL).
 pub const RADIUS: f64 = 50.0;
