@@ -129,7 +129,8 @@ fn end_edge(problem: &Problem<3>, u: &[Vector<3>], beam: usize, level: f64) -> V
 }
 
 /// The mean contact pressure (UF/UL²) on the middle third of the top of beam `below`, over the
-/// facets with centroids there.
+/// facets with centroids there. A field on a flat triangle has the mean of its corners if it is linear, and that of its
+/// mid-side nodes if it is quadratic.
 pub fn mid_span_pressure(problem: &Problem<3>, pressures: &[f64], below: usize) -> f64 {
     let height = (below + 1) as f64 * SIDE;
     let is_near =
@@ -138,10 +139,11 @@ pub fn mid_span_pressure(problem: &Problem<3>, pressures: &[f64], below: usize) 
     let (mut force, mut area) = (0.0, 0.0);
     for surface in problem.surfaces().iter().filter(|s| s.body() == below) {
         for (facet, reference) in surface.facets().zip(surface.reference()) {
-            let corners = [0, 1, 2].map(|k| surface.nodes()[facet[k]]);
+            let nodes = &facet[facet.len() - 3..];
             if is_near(reference.point(&centre)) {
                 let measure = reference.normal(&centre).norm();
-                force += measure * corners.map(|a| pressures[a]).iter().sum::<f64>() / 3.0;
+                let values = nodes.iter().map(|&k| pressures[surface.nodes()[k]]);
+                force += measure * values.sum::<f64>() / 3.0;
                 area += measure;
             }
         }

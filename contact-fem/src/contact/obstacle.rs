@@ -115,7 +115,8 @@ impl<const D: usize> Obstacle<D> {
     }
 
     /// The box between two corners (UL), with bodies outside. For a box with bodies inside, take a half-space for each
-    /// wall: walls that meet in a corner then push at once.
+    /// wall: walls that meet in a corner then push at once. Its edges dig into softer bodies by a share of their facets, since
+    /// gaps are means over facets.
     ///
     /// # Errors
     /// Values that are not finite, and a `high` that is not above `low` along each axis.

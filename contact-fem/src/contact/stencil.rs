@@ -210,10 +210,6 @@ pub(crate) fn projected_unless<const D: usize>(
     Some(projected)
 }
 
-/// The smallest −n·n̄ of a point that faces an obstacle. Surfaces in contact face each other, but points beside a sharp edge
-/// of the obstacle, or on the next side of a body, would only widen the mean gap of a node that the edge holds.
-const FACES: f64 = 0.5;
-
 /// The points of the Gauss rule on `slave`, for positions `x` of all scene nodes, that an obstacle may hold: they face it,
 /// and are at most `reach` (UL) away from it. As deep inside as they may be, they count.
 pub(crate) fn on_obstacle<const D: usize>(
@@ -236,9 +232,8 @@ pub(crate) fn on_obstacle<const D: usize>(
             if gap > reach {
                 continue;
             }
-            let (normal, facing) = (obstacle.normal(&x), facet.normal(lambda));
-            // NaN is told, too
-            if -facing.dot(&normal) < FACES * facing.norm() {
+            let normal = obstacle.normal(&x);
+            if facet.normal(lambda).dot(&normal) >= 0.0 {
                 continue;
             }
             projected.push(Projected {
