@@ -119,7 +119,7 @@ impl From<f64> for Amplitude {
 ///
 /// # fn main() -> Result<(), contact_fem::Error> {
 /// let quarter = std::f64::consts::FRAC_PI_2;
-/// let turn = Motion::rotation([1.0, 0.0], quarter)?.then(Motion::translation([0.0, 3.0])?);
+/// let turn = Motion::<2>::rotation([1.0, 0.0], quarter)?.then(Motion::translation([0.0, 3.0])?);
 /// let x = turn.at(1.0, &[2.0, 0.0].into());
 /// assert!((x[0] - 1.0).abs() < 1e-15 && (x[1] - 4.0).abs() < 1e-15);
 /// # Ok(())
