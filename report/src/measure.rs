@@ -66,10 +66,20 @@ impl<const D: usize> Solved<D> {
         let Some(solution) = self.solution() else {
             return Ok(Vec::new());
         };
-        let u = &self.history.run.state.u;
-        Ok(self
+        let (u, lambda) = (&self.history.run.state.u, &solution.lambda);
+        Ok(self.problem.pressures(u, &solution.gaps, lambda)?)
+    }
+
+    /// The consistent pressure likewise: it scatters more, and its mean over several facets is more accurate.
+    pub fn consistent_pressures(&self) -> Result<Vec<Vec<f64>>, Failure> {
+        let Some(solution) = self.solution() else {
+            return Ok(Vec::new());
+        };
+        let (u, lambda) = (&self.history.run.state.u, &solution.lambda);
+        let pressures = self
             .problem
-            .pressures(u, &solution.gaps, &solution.lambda)?)
+            .consistent_pressures(u, &solution.gaps, lambda)?;
+        Ok(pressures)
     }
 
     /// All that is known without the errors, which are to be filled in; `h` is the mesh size (UL).

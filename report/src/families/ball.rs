@@ -36,14 +36,18 @@ fn add_errors(
     let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
     let (p0, a) = (Ball::peak_pressure(), CONTACT_RADIUS);
     let profile = |r: f64| p0 * (1.0 - (r / a).powi(2)).max(0.0).sqrt();
-    let surfaces = problem.surfaces().iter().zip(solved.pressures()?);
-    for (surface, pressure) in surfaces.filter(|(surface, _)| surface.body() == 0) {
+    let fields = solved
+        .pressures()?
+        .into_iter()
+        .zip(solved.consistent_pressures()?);
+    let surfaces = problem.surfaces().iter().zip(fields);
+    for (surface, (pressure, consistent)) in surfaces.filter(|(surface, _)| surface.body() == 0) {
         let r = |node: usize| problem.reference()[node].xy().norm();
-        let mut nodes = surface.nodes().iter().zip(&pressure);
+        let mut nodes = surface.nodes().iter().zip(&consistent);
         let centre = nodes.find(|(node, _)| r(**node) < 1e-9 * a);
         let (_, node) = centre.ok_or("no node in the centre of contact")?;
         let shape = |X: &Vector<3>| profile(X.xy().norm()) / p0;
-        let peak = norms::amplitude(surface, &pressure, shape, |X| X.xy().norm() <= 0.6 * a);
+        let peak = norms::amplitude(surface, &consistent, shape, |X| X.xy().norm() <= 0.6 * a);
         let moment = |power: i32| -> f64 {
             let nodes = surface.nodes().iter();
             nodes
@@ -68,10 +72,14 @@ fn add_errors(
 }
 
 const QUANTITIES: &[Quantity] = &[
-    Quantity::new("p0", "peak pressure p₀", Kind::Pressure),
+    Quantity::new("p0", "peak of the consistent pressure", Kind::Pressure),
     Quantity::new("pressure", "pressure, L²", Kind::Pressure).of_orders(1.0, 1.0),
     Quantity::new("a", "contact radius, a", Kind::Other),
-    Quantity::new("p0, node", "pressure at the central node", Kind::Other),
+    Quantity::new(
+        "p0, node",
+        "consistent pressure at the central node",
+        Kind::Other,
+    ),
 ];
 
 fn cases(scope: Scope) -> Vec<Case> {

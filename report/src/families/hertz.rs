@@ -112,10 +112,14 @@ impl Contact {
             half_width: [0.0; 2],
             profile: [0.0; 2],
         };
-        for (surface, pressure) in problem.surfaces().iter().zip(solved.pressures()?) {
+        let fields = solved
+            .pressures()?
+            .into_iter()
+            .zip(solved.consistent_pressures()?);
+        for (surface, (pressure, consistent)) in problem.surfaces().iter().zip(fields) {
             let x = |&node: &usize| problem.reference()[node][0];
             let body = surface.body();
-            let mut nodes = surface.nodes().iter().zip(&pressure);
+            let mut nodes = surface.nodes().iter().zip(&consistent);
             let centre = nodes.find(|(node, _)| x(node).abs() < 1e-9 * a);
             let (_, node) = centre.ok_or("no node in the centre of contact")?;
             let exact = |X: &Vector<2>| reference.pressure(X[0]);
@@ -127,7 +131,7 @@ impl Contact {
                     .sum()
             };
             contact.node[body] = *node;
-            contact.peak[body] = norms::amplitude(surface, &pressure, shape, |X| X[0] <= 0.6 * a);
+            contact.peak[body] = norms::amplitude(surface, &consistent, shape, |X| X[0] <= 0.6 * a);
             contact.half_width[body] = 2.0 * (moment(2) / moment(0)).sqrt();
             contact.profile[body] = norms::of_pressure(surface, &pressure, exact);
         }
@@ -171,10 +175,14 @@ impl Contact {
 }
 
 const QUANTITIES: &[Quantity] = &[
-    Quantity::new("p0", "peak pressure p₀", Kind::Pressure),
+    Quantity::new("p0", "peak of the consistent pressure", Kind::Pressure),
     Quantity::new("pressure", "pressure, L²", Kind::Pressure).of_orders(1.0, 1.0),
     Quantity::new("a", "half-width, a", Kind::Other),
-    Quantity::new("p0, node", "pressure at the central node", Kind::Other),
+    Quantity::new(
+        "p0, node",
+        "consistent pressure at the central node",
+        Kind::Other,
+    ),
     Quantity::new("h1", "displacement, H¹", Kind::Gradient).of_orders(1.0, 1.5),
     Quantity::new("h1, near", "displacement within 4 a, H¹", Kind::Other).of_orders(1.0, 1.5),
     Quantity::new("l2", "displacement, L²", Kind::Displacement).of_orders(2.0, 2.5),
