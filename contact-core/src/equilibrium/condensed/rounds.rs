@@ -179,16 +179,30 @@ impl Rounds<'_> {
         self.constants.iter().enumerate().map(gap).collect()
     }
 
-    /// The bound on overlaps at u (UL).
+    /// The bound on overlaps at u (UL). It is not below the round-off of the displacements of bodies in contact, which may be
+    /// large where those at their rows are not, as those of a body at rest.
     fn bound(&self, u: &[f64]) -> f64 {
         let row = |k: usize| {
             let terms = self.rows.row(k).iter().map(|&(j, a)| (a * u[j]).abs());
             terms.sum::<f64>()
         };
         let size = (0..self.rows.len()).map(row).fold(0.0, f64::max);
+        let displacements = self.stiffness.blocks().iter().map(|block| {
+            let own = u[block.range.clone()].iter();
+            own.fold(0.0, |most: f64, u| most.max(u.abs()))
+        });
+        let displacements: Vec<f64> = displacements.collect();
+        let block_of = |j: usize| {
+            let blocks = self.stiffness.blocks();
+            blocks.partition_point(|block| block.range.end <= j)
+        };
+        let in_contact = (0..self.rows.len()).flat_map(|k| self.rows.row(k));
+        let largest = in_contact
+            .map(|&(j, _)| displacements[block_of(j)])
+            .fold(0.0, f64::max);
         (GAP * size)
             .min(RESOLUTION * self.resolution)
-            .max(ROUNDOFF * size)
+            .max(ROUNDOFF * size.max(largest))
     }
 
     /// The largest overlap, and the largest gap times the share that its row has of the largest force, over the bound; zero
