@@ -48,7 +48,9 @@ fn deepest<const D: usize>(
         let radius = corners.iter().map(|x| (x - middle).norm());
         let radius = radius.fold(0.0, f64::max);
         let (depth, deepest) = see(&middle);
-        if depth + radius <= deepest + SEEN * size || radius <= SEEN * size {
+        // what is not finite is not divided
+        let matters = radius > SEEN * size && depth + radius > deepest + SEEN * size;
+        if !(matters && radius.is_finite()) {
             continue;
         }
         let ([i, j], _) = longest_edge(&corners);
@@ -83,6 +85,16 @@ mod tests {
         assert!((ball(0.1, 0.1).distance(&at) + depth).abs() < 1e-15);
         assert_eq!(deepest(corners, &ball(0.1, 0.31)), None);
         assert_eq!(deepest(corners, &ball(1.2, 0.0)), None);
+    }
+
+    /// Positions whose sums and distances overflow end the division of a face.
+    #[test]
+    fn positions_beyond_all_bounds() {
+        let far = [[1e308, 1e308], [1e308, 1e308]].map(Vector::<2>::from);
+        let cavity = Obstacle::cavity([0.0; 2], 1.0).expect("a cavity");
+        deepest(far, &cavity);
+        let nan = [[f64::NAN, 0.0], [1.0, 0.0]].map(Vector::<2>::from);
+        assert!(deepest(nan, &cavity).is_none_or(|(depth, _)| depth >= 0.0));
     }
 
     /// In a half-space, the deepest point is a node.

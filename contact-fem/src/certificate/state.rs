@@ -210,15 +210,10 @@ fn mutual_forces<const D: usize>(
     if problem.scene().obstacles().is_empty() {
         return None;
     }
-    let passes = problem.passes();
-    let own = gaps.keys().iter().zip(lambda);
-    let own = own.map(
-        |(key, l)| match problem.obstacle_of(passes[key.pass as usize]) {
-            Some(_) => 0.0,
-            None => *l,
-        },
-    );
-    Some(problem.contact_forces(gaps, &own.collect::<Vec<_>>()))
+    let between = |pass: &Pass| problem.obstacle_of(*pass).is_none();
+    let none = || vec![Vector::zeros(); problem.reference().len()];
+    let forces = problem.forces_of((gaps, lambda), between);
+    Some(forces.unwrap_or_else(none))
 }
 
 /// The bodies, slave and master, between which the contact forces add up to more than `noticed`.

@@ -192,11 +192,7 @@ impl<const D: usize> Obstacle<D> {
                 axis,
                 radius,
                 sign,
-            } => {
-                let arm = x - centre;
-                let across = arm - axis * axis.dot(&arm);
-                sign * (across.norm() - radius)
-            }
+            } => sign * (across(x, centre, axis).norm() - radius),
             Shape::Cuboid { centre, half } => {
                 let beyond = (x - centre).abs() - half;
                 match beyond.max() {
@@ -220,11 +216,10 @@ impl<const D: usize> Obstacle<D> {
             Shape::Round {
                 centre, axis, sign, ..
             } => {
-                let arm = x - centre;
-                let across = arm - axis * axis.dot(&arm);
-                match across.norm() {
+                let arm = across(x, centre, axis);
+                match arm.norm() {
                     0.0 => Vector::zeros(),
-                    length => across * (sign / length),
+                    length => arm * (sign / length),
                 }
             }
             Shape::Cuboid { centre, half } => {
@@ -261,12 +256,11 @@ impl<const D: usize> Obstacle<D> {
             Shape::Round {
                 centre, axis, sign, ..
             } => {
-                let arm = x - centre;
-                let across = arm - axis * axis.dot(&arm);
-                match across.norm() {
+                let arm = across(x, centre, axis);
+                match arm.norm() {
                     0.0 => Matrix::zeros(),
                     length => {
-                        let n = across / length;
+                        let n = arm / length;
                         let along = n * n.transpose() + axis * axis.transpose();
                         (Matrix::identity() - along) * (sign / length)
                     }
@@ -305,6 +299,12 @@ impl<const D: usize> Obstacle<D> {
             }
         }
     }
+}
+
+/// The way to `x` from the nearest point of the axis through `centre`, or from `centre` where the axis is zero.
+fn across<const D: usize>(x: &Vector<D>, centre: &Vector<D>, axis: &Vector<D>) -> Vector<D> {
+    let arm = x - centre;
+    arm - axis * axis.dot(&arm)
 }
 
 impl Obstacle<3> {

@@ -42,6 +42,8 @@ const UNLOADED: f64 = 1e-6;
 const TANGENTIAL: f64 = 1e-2;
 /// Iterations for the resultants; most take one or two.
 const ITERATIONS: usize = 60;
+/// Iterations of the singular value decomposition of a 6 × 6 matrix; it takes some 10.
+const SWEEPS: usize = 1000;
 
 /// Translations and rotations, as many as there are in D dimensions; the rest is zero.
 type Motion = SVector<f64, 6>;
@@ -180,11 +182,15 @@ impl<const D: usize> Weights<D> {
                 left -= weight[a] * *p;
                 slope += weight[a] * along[a].transpose();
             }
-            let svd = slope.svd(true, true);
-            let largest = svd.singular_values.max();
-            let (Some(U), Some(V)) = (svd.u, svd.v_t) else {
+            // without end on numbers that are not finite
+            if !slope.iter().all(|entry| entry.is_finite()) {
+                break;
+            }
+            let svd = slope.try_svd(true, true, f64::EPSILON, SWEEPS);
+            let Some((svd, (Some(U), Some(V)))) = svd.map(|svd| (svd, (svd.u, svd.v_t))) else {
                 break;
             };
+            let largest = svd.singular_values.max();
             let mut change = Motion::zeros();
             let mut reachable = Motion::zeros();
             for (k, &value) in svd.singular_values.iter().enumerate() {
@@ -352,6 +358,14 @@ mod tests {
         }
         let none = recovered(&surface, &[Vector::zeros(); 5], &[None; 5]);
         assert_eq!(none, [0.0; 5]);
+    }
+
+    /// Forces whose sums overflow end the search for balance.
+    #[test]
+    fn forces_beyond_all_bounds() {
+        let x = [0.0, 1.0, 2.0].map(|x| Vector::<2>::new(x, 0.0));
+        let forces = [Vector::<2>::new(0.0, 1e308); 3];
+        assert_eq!(recovered(&polyline(&x), &forces, &[None; 3]).len(), 3);
     }
 
     /// Forces of which one pulls: the field does not, and has their resultant and moment, by hand for segments of length 1.

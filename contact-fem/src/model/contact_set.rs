@@ -653,7 +653,7 @@ pub(super) fn sides_and_passes(pairs: &[Pair]) -> (Vec<&Side>, Vec<(Pass, bool)>
 }
 
 /// The position of a side, which is added where it is new.
-fn place_of<'a>(side: &'a Side, sides: &mut Vec<&'a Side>) -> usize {
+pub(super) fn place_of<'a>(side: &'a Side, sides: &mut Vec<&'a Side>) -> usize {
     sides.iter().position(|s| *s == side).unwrap_or_else(|| {
         sides.push(side);
         sides.len() - 1

@@ -4,6 +4,7 @@ use std::fmt;
 
 use contact_core::LinearGaps;
 
+use super::contact_set::place_of;
 use super::{ObstacleId, Problem, Side};
 use crate::assembly::Dof;
 use crate::contact::pressure::{self, Pressed};
@@ -109,12 +110,7 @@ impl<const D: usize> Problem<D> {
     /// The two members of each pair as passes number them, with their names.
     pub(crate) fn declared_pairs(&self) -> Vec<([usize; 2], Side, Opposite)> {
         let mut sides = Vec::<&Side>::new();
-        let mut number = |side| {
-            sides.iter().position(|s| *s == side).unwrap_or_else(|| {
-                sides.push(side);
-                sides.len() - 1
-            })
-        };
+        let mut number = |side| place_of(side, &mut sides);
         let mut pairs = Vec::<([usize; 2], Side, Opposite)>::new();
         for pair in self.scene().pairs() {
             let [a, b] = [&pair.first, &pair.second].map(&mut number);
@@ -153,25 +149,16 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The contact forces of the passes that `counts` on the nodes of a surface.
-    pub(super) fn forces_on(
+    fn forces_on(
         &self,
         surface: &Surface<D>,
-        (gaps, lambda): (&LinearGaps, &[f64]),
+        rows: (&LinearGaps, &[f64]),
         counts: impl Fn(&Pass) -> bool,
     ) -> Vec<Vector<D>> {
-        let rows = gaps.keys().iter().zip(lambda);
-        let own = rows.map(
-            |(key, &l)| match counts(&self.passes()[key.pass as usize]) {
-                true => l,
-                false => 0.0,
-            },
-        );
-        let own: Vec<f64> = own.collect();
-        if own.iter().all(|l| *l == 0.0) {
-            return vec![Vector::zeros(); surface.nodes().len()];
+        match self.forces_of(rows, counts) {
+            Some(all) => surface.nodes().iter().map(|&a| all[a]).collect(),
+            None => vec![Vector::zeros(); surface.nodes().len()],
         }
-        let all = self.contact_forces(gaps, &own);
-        surface.nodes().iter().map(|&a| all[a]).collect()
     }
 
     fn pair_state(

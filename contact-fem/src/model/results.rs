@@ -9,7 +9,7 @@ use super::problem::Residuals;
 use super::{BodyId, Problem, Side, Undetermined};
 use crate::Error;
 use crate::audit::{Findings, LeastVolume};
-use crate::contact::Surface;
+use crate::contact::{Pass, Surface};
 use crate::tensor::Vector;
 
 impl<const D: usize> Problem<D> {
@@ -38,18 +38,28 @@ impl<const D: usize> Problem<D> {
         gaps: &LinearGaps,
         lambda: &[f64],
     ) -> Vec<Vec<Vector<D>>> {
-        let passes = self.passes();
         let of = |index: usize| {
-            let own = gaps.keys().iter().zip(lambda).map(|(key, &l)| {
-                let pass = passes.get(key.pass as usize).copied();
-                match pass.and_then(|pass| self.obstacle_of(pass)) {
-                    Some(obstacle) if obstacle == index => l,
-                    _ => 0.0,
-                }
+            let own = self.forces_of((gaps, lambda), |pass| {
+                self.obstacle_of(*pass) == Some(index)
             });
-            self.contact_forces(gaps, &own.collect::<Vec<_>>())
+            own.unwrap_or_else(|| vec![Vector::zeros(); self.reference().len()])
         };
         (0..self.scene.obstacles().len()).map(of).collect()
+    }
+
+    /// The contact forces on all nodes (UF) of the passes that `counts`; `None` if these push nowhere.
+    pub(crate) fn forces_of(
+        &self,
+        (gaps, lambda): (&LinearGaps, &[f64]),
+        counts: impl Fn(&Pass) -> bool,
+    ) -> Option<Vec<Vector<D>>> {
+        let own = gaps.keys().iter().zip(lambda).map(|(key, l)| {
+            let pass = self.passes().get(key.pass as usize);
+            if pass.is_some_and(&counts) { *l } else { 0.0 }
+        });
+        let own: Vec<f64> = own.collect();
+        let is_none = own.len() == gaps.len() && own.iter().all(|l| *l == 0.0);
+        (!is_none).then(|| self.contact_forces(gaps, &own))
     }
 
     /// ∂E/∂U of a body (UF) for all its dofs, free and prescribed; NaN where it depends on a `u` that is

@@ -49,11 +49,12 @@ impl<const D: usize> External<D> {
         (contact, of_obstacles): (&[Vector<D>], &[Vec<Vector<D>>]),
     ) -> Self {
         let displacements = problem.displacements(u);
+        let residuals = problem.residuals(u);
         let (mut loads, mut reactions) = (Vec::new(), Vec::new());
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let first = problem.nodes(body).start;
             loads.extend(owner.forces_at(problem.load()));
-            for (dof, residual) in problem.residual(body, u).into_iter().enumerate() {
+            for (dof, residual) in residuals[body].iter().enumerate() {
                 let (node, axis) = (first + dof / D, dof % D);
                 reactions.push(match problem.dofs().get(D * first + dof) {
                     Dof::Prescribed(_) => residual - contact[node][axis],
