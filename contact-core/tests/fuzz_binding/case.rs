@@ -14,8 +14,10 @@ use fastrand::Rng;
 
 use super::problem::{Functions, Problem, number};
 
-/// The iteration limit, unless it is one of the random options.
-const MOST: usize = 60;
+/// The iteration limit, unless it is one of the random options: most of what goes wrong does so early.
+fn most(random: &mut Rng) -> usize {
+    if random.u32(..6) == 0 { 60 } else { 12 }
+}
 
 /// The payload of panics that are part of a case.
 pub struct Intended;
@@ -169,7 +171,7 @@ impl Known {
 
 /// Some options that the solver takes for this structure.
 fn options(random: &mut Rng, known: &[Known], structure: &Structure) -> Options {
-    let mut options = Options::new().max_iter(MOST);
+    let mut options = Options::new().max_iter(most(random));
     for _ in 0..random.usize(1..6) {
         let one = &known[random.usize(..known.len())];
         let prefix = if random.u32(..8) == 0 { "resto." } else { "" };
@@ -206,10 +208,10 @@ impl Maker {
             problem.structure.variables(),
             problem.structure.constraints(),
         );
-        let mut set = Options::new().max_iter(MOST);
-        if !self.known.is_empty() {
-            set = options(random, &self.known, &problem.structure);
-        }
+        let set = match self.known[..] {
+            [] => Options::new().max_iter(most(random)),
+            _ => options(random, &self.known, &problem.structure),
+        };
         if tell {
             println!(
                 "{:#?}\n{:#?}\n{set:#?}",

@@ -13,13 +13,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use contact_core::Budget;
+use contact_core::{Budget, Phase};
 use contact_fem::element::{Element, P1, P2};
 use contact_fem::mesh::generators::{Diagonals, annulus, cuboid, disc, linspace, rectangle};
 use contact_fem::model::{Geometry, InitialGaps, Integration, Passes, Problem, Side};
 use contact_fem::simulation::History;
 use contact_fem::tensor::Vector;
-use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Scene, Simulation};
+use contact_fem::{
+    Amplitude, Body, Error, LinearElastic, Mesh, MooneyRivlin, Motion, NeoHookean, Obstacle, Scene,
+    Simulation, StVenantKirchhoff,
+};
 use ipopt_contact_scenes::Failure;
 use ipopt_contact_scenes::cli::Solver;
 
@@ -138,16 +141,29 @@ where
     };
     let exponent = random.of(&[0.0, 0.0, 0.0, 3.0, -3.0, 9.0]);
     let young = random.odd(1.0, 2.0) * 10f64.powf(exponent);
-    let mut body = match random.one_in(2) {
-        true => Body::new(mesh, NeoHookean::new(young, nu)?),
-        false => Body::new(mesh, LinearElastic::new(young, nu)?),
+    let mut body = match random.below(8) {
+        0 => Body::new(mesh, StVenantKirchhoff::new(young, nu)?),
+        1 => Body::new(mesh, MooneyRivlin::new(young, nu, random.odd(0.0, 1.0))?),
+        2..5 => Body::new(mesh, NeoHookean::new(young, nu)?),
+        _ => Body::new(mesh, LinearElastic::new(young, nu)?),
     };
     for _ in 0..random.below(3) {
         let side = random.of(&SIDES);
-        match random.below(8) {
+        match random.below(11) {
             0 => body.traction(side, std::array::from_fn(|_| young * random.odd(-0.1, 0.1)))?,
             1 => body.body_force(std::array::from_fn(|_| young * random.odd(-0.1, 0.1)))?,
             2 => body.prescribe_all([Some(random.odd(-0.3, 0.3)); D])?,
+            3 => {
+                let course = amplitude(random)?;
+                body.prescribe_in_time(side, [Some(random.odd(-0.2, 0.2)); D], course)?
+            }
+            4 => body.prescribe_motion(side, motion(random)?)?,
+            5 => {
+                let count = body.mesh().nodes().len() + random.below(2);
+                let nodes = [0; 2].map(|_| random.below(count));
+                let force = std::array::from_fn(|_| young * random.odd(-0.01, 0.01));
+                body.nodal_force_in_time(&nodes, force, amplitude(random)?)?
+            }
             _ => {
                 let moved = std::array::from_fn(|_| {
                     let value = random.of(&[0.0, 0.0, 1.0]) * random.odd(-0.2, 0.2);
@@ -160,7 +176,53 @@ where
     Ok(body)
 }
 
-/// Bodies on top of each other, more or less, with some pairs.
+fn amplitude(random: &mut Random) -> Result<Amplitude, Error> {
+    let (a, b) = (random.odd(-1.0, 2.0), random.odd(-1.0, 1.0));
+    match random.below(4) {
+        0 => Ok(Amplitude::constant(a)),
+        1 => Amplitude::table(&[(0.0, 0.0), (random.odd(0.1, 1.1), a), (1.0, b)]),
+        2 => Ok(Amplitude::of(move |t| (a * t).sin() + b * t * t)),
+        _ => Ok(Amplitude::proportional()),
+    }
+}
+
+fn motion<const D: usize>(random: &mut Random) -> Result<Motion<D>, Error> {
+    let motion = Motion::translation(std::array::from_fn(|_| random.odd(-0.2, 0.2)))?;
+    Ok(motion.driven_by(amplitude(random)?))
+}
+
+/// Below the first body, more or less.
+fn obstacle<const D: usize>(random: &mut Random) -> Result<Obstacle<D>, Error> {
+    let vector = |random: &mut Random, last: f64| -> [f64; D] {
+        std::array::from_fn(|i| match i + 1 == D {
+            true => last,
+            false => random.odd(-0.2, 0.2),
+        })
+    };
+    let depth = random.of(&[0.0, 0.0, -0.02, 0.01, 0.2]);
+    let radius = random.odd(0.1, 2.0);
+    let obstacle = match random.below(5) {
+        0 => Obstacle::ball(vector(random, depth - radius), radius),
+        1 => Obstacle::cavity(vector(random, depth + radius), radius),
+        2 => Obstacle::cuboid(
+            vector(random, depth - 1.0).map(|x| x - 0.6),
+            vector(random, depth).map(|x| x + 0.6),
+        ),
+        3 => {
+            let low = depth + 0.01 * random.odd(-1.0, 1.0);
+            Ok(Obstacle::signed_distance(move |x| {
+                x[D - 1] - low - 0.01 * (3.0 * x[0]).sin()
+            }))
+        }
+        _ => Obstacle::half_space(vector(random, depth), vector(random, 1.0)),
+    }?;
+    Ok(match random.one_in(3) {
+        true => obstacle.moving(motion(random)?),
+        false => obstacle,
+    })
+}
+
+/// Bodies on top of each other, more or less, with some pairs and obstacles.
 fn scene<const D: usize>(
     random: &mut Random,
     mesh: impl Fn(&mut Random) -> Result<Mesh<D>, Error>,
@@ -199,6 +261,10 @@ where
         if k > 0 && !random.one_in(8) {
             let (first, second) = (side(random, k - 1, "high"), side(random, k, "low"));
             scene.contact_in_passes(first, second, passes)?;
+        }
+        if random.one_in(if k == 0 { 3 } else { 12 }) {
+            let surface = side(random, k, "low");
+            scene.obstacle(format!("obstacle {k}"), surface, obstacle(random)?)?;
         }
         if random.one_in(12) {
             let surface = side(random, k, "all");
@@ -257,6 +323,12 @@ fn solve<const D: usize>(
     ];
     let solver = random.of(&solvers).with_tolerance(None);
     let mut simulation = Simulation::solved_by(solver, 1 + random.below(3));
+    if random.one_in(6) {
+        let turn = random.odd(0.2, 0.9);
+        let phases = [("there", turn), ("back", random.of(&[0.0, 1.0, 1.5]))];
+        let phases = phases.map(|(name, until)| Phase::new(name, until, 1 + random.below(2)));
+        simulation.load_steps.phases = phases.to_vec();
+    }
     simulation.load_steps.budget = BUDGET;
     simulation.load_steps.max_halvings = random.below(4);
     let history = match simulation.run(&mut problem) {
@@ -298,12 +370,13 @@ fn balance<const D: usize>(problem: &Problem<D>, history: &History<D>) -> Result
     let contact = problem.contact_forces(&solution.gaps, &solution.lambda);
     for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
         let residual = problem.residual(id, &solution.state.u);
+        let loads = body.forces_at(problem.load());
         let (mut sum, mut largest) = (Vector::<D>::zeros(), 0.0_f64);
         let nodes = problem.nodes(id);
         for (k, node) in nodes.clone().enumerate() {
             for i in 0..D {
                 let dof = D * k + i;
-                let load = problem.load() * body.forces()[dof];
+                let load = loads[dof];
                 let reaction = match body.prescribed()[dof] {
                     Some(_) => residual[dof] - contact[node][i],
                     None => 0.0,
