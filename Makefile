@@ -5,7 +5,7 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint deny bench bench-growth bench-overhead report report-quick extremes extremes-quick needs mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick needs mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -20,6 +20,7 @@ help:
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make report            error against run time: a page, tables and data in out/report, within an hour"
 	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
+	@echo "make pressures         errors of contact pressures against Hertz's, in out/pressures, within two minutes"
 	@echo "make extremes          scenes at the limits with their truths, by each solver: tables and data in out/extremes*, within an hour"
 	@echo "make extremes-quick    two dozen of them, and all on coarse meshes by Newton's method; fails where a wrong result is claimed to be right"
 	@echo "make needs             what runs cost beside what their scenes need: data in out/needs, within two minutes"
@@ -89,6 +90,10 @@ report: install
 
 report-quick: install
 	$(CARGO) run --release -p ipopt-contact-report -- --quick
+
+# MESHES="a.mesh b.mesh" are further meshes of the ball, as scripts/ball.geo makes them.
+pressures: install
+	$(CARGO) run --release -p ipopt-contact-scenes --bin pressures -- $(if $(MESHES),--meshes $(MESHES))
 
 extremes: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --out out/extremes

@@ -16,7 +16,7 @@ pub const CONTACT_RADIUS: f64 = 2.5;
 /// The half side of the square prism that the ball is cut to, and its height (UL).
 const SIDE: f64 = 30.0;
 /// Young's modulus (UF/UL²) and Poisson's ratio.
-const MODULI: [f64; 2] = [210.0, 0.3];
+pub const MODULI: [f64; 2] = [210.0, 0.3];
 
 /// How fine, and of which order.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +53,20 @@ impl Ball {
         pair((self.ball()?, "below"), (self.plane()?, "above"))
     }
 
+    /// The same scene with another mesh of the ball: linear cells of the prism cut out of it, x, y from 0 to 30 and z from the
+    /// sphere to 30, its lowest point in the origin.
+    pub fn scene_of(&self, mesh: Mesh<3>) -> Result<Scene<3>, Error> {
+        let mut mesh = mesh;
+        let is_near = |a: f64, b: f64| (a - b).abs() < 1e-6 * SIDE;
+        mesh.name_boundary("left", |X| is_near(X[0], 0.0));
+        mesh.name_boundary("bottom", |X| is_near(X[1], 0.0));
+        mesh.name_boundary("above", |X| is_near(X[2], SIDE));
+        let centre = Vector::<3>::new(0.0, 0.0, RADIUS);
+        mesh.name_boundary("below", |X| is_near((X - centre).norm(), RADIUS));
+        let ball = self.body(mesh.translated([0.0, 0.0, -RADIUS])?)?;
+        pair((ball, "below"), (self.plane()?, "above"))
+    }
+
     /// A box whose bottom is drawn up to the sphere, heights in proportion.
     fn ball(&self) -> Result<Body<3>, Error> {
         let grid = self.grid(self.facet())?;
@@ -61,7 +75,11 @@ impl Ball {
             let height = drawn + X[2] * (SIDE - drawn) / SIDE;
             Vector::<3>::new(X[0], X[1], height - RADIUS)
         };
-        let mut mesh = Self::block(&grid, &grid)?.mapped(onto)?;
+        self.body(Self::block(&grid, &grid)?.mapped(onto)?)
+    }
+
+    /// Of linear cells around the ball's centre, with supports and load.
+    fn body(&self, mut mesh: Mesh<3>) -> Result<Body<3>, Error> {
         if self.order == Order::Quadratic {
             mesh = mesh.quadratic().curved("below", onto_sphere(RADIUS))?;
         }

@@ -26,6 +26,7 @@ pub mod freefem;
 pub mod hairpin;
 pub mod hertz;
 pub mod needs;
+pub mod pressure;
 pub mod studies;
 pub mod tables;
 

@@ -35,6 +35,8 @@ pub struct Pressed<'a, const D: usize> {
 const GAP_WEIGHT: f64 = 0.7;
 /// The largest share of a mean pressure that a gap adds.
 const LARGEST_ADDITION: f64 = 0.25;
+/// α: the part of what a mean of the means would take away that is given back where quadratic facets have linear test functions.
+const SHARPENING: f64 = 0.5;
 /// The mean pressure below which a node counts as unloaded, as a share of the largest one.
 const UNLOADED: f64 = 1e-6;
 /// Rigid motions that move the loaded nodes along their normals by less than this share of what others do leave no trace in the
@@ -138,11 +140,36 @@ impl<const D: usize> Weights<D> {
                 means[row] = -force[row].dot(n) / area[row].dot(n);
             }
         }
+        if count < self.tests.len() {
+            self.sharpen(of.surface, &mut means);
+        }
         let at_node = |a: usize| {
             let shares = shares(&self.tests, &self.ends, a);
             shares.map(|(row, share)| share * means[row]).sum()
         };
         (0..of.x.len()).map(at_node).collect()
+    }
+
+    /// Takes from the mean at each test function a part of what a further mean would add: p̄ + α (p̄ − M p̄).
+    fn sharpen(&self, surface: &Surface<D>, means: &mut [f64]) {
+        let [mut sums, mut sizes] = [0, 1].map(|_| vec![0.0; means.len()]);
+        let rule = FacetRule::<D>::gauss(3);
+        for (nodes, reference) in surface.facets().zip(surface.reference()) {
+            let rows = nodes[..surface.test_nodes()].iter();
+            let rows: Vec<usize> = rows.filter_map(|&a| self.tests[a]).collect();
+            for (w, lambda) in rule.points() {
+                let w = w * reference.normal(lambda).norm();
+                let tests = || rows.iter().zip(surface.test_functions(lambda));
+                let mean: f64 = tests().map(|(&row, phi)| means[row] * phi).sum();
+                for (&row, phi) in tests() {
+                    sums[row] += w * phi * mean;
+                    sizes[row] += w * phi;
+                }
+            }
+        }
+        for (mean, (sum, size)) in means.iter_mut().zip(sums.iter().zip(&sizes)) {
+            *mean += SHARPENING * (*mean - sum / size);
+        }
     }
 
     /// max(0, `trial` + m) at the loaded nodes, m being a rigid motion's normal components, with the resultant and the

@@ -2,14 +2,11 @@
 
 use std::path::Path;
 
-use plotters::element::{PathElement, Polygon, Rectangle};
-use plotters::prelude::Text;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{
-    BLACK, Color, FontTransform, IntoFont, IntoTextStyle, RGBColor, ShapeStyle, TextStyle,
-};
+use plotters::element::{PathElement, Polygon};
+use plotters::style::{BLACK, Color, RGBColor, ShapeStyle};
 
 use super::colours::Colours;
+use super::layout::{Layout, colour_bar, title};
 use super::trails::trails;
 use super::view::{Patch, patches, project};
 use super::{Canvas, DrawError, save};
@@ -62,13 +59,21 @@ impl<'a, const D: usize> MeshPicture<'a, D> {
         for panel in &self.panels {
             panel.snapshot.check(problem)?;
         }
-        let layout = Layout::new(problem, &self.panels);
+        let drawn = |panel: &Panel<'_, D>| -> Vec<Vector<2>> {
+            let nodes = problem
+                .reference()
+                .iter()
+                .zip(&panel.snapshot.displacements);
+            nodes.map(|(X, u)| project(&(X + u)).into()).collect()
+        };
+        let points: Vec<Vec<Vector<2>>> = self.panels.iter().map(drawn).collect();
+        let layout = Layout::new(self.panels.len(), points.iter().flatten().copied());
         let colours = self.colours(problem);
         save(path.as_ref(), layout.size(), |canvas| {
             for (k, panel) in self.panels.iter().enumerate() {
-                let title = Text::new(panel.title.as_str(), layout.title(k), centred(TITLE));
-                canvas.draw(&title)?;
-                let pixels = layout.pixels(k, problem, panel.snapshot);
+                title(canvas, &layout, k, &panel.title)?;
+                let pixels = points[k].iter().map(|x| layout.pixel(k, x));
+                let pixels: Vec<(i32, i32)> = pixels.collect();
                 let values = panel.snapshot.cells.iter().map(self.field);
                 let fills: Vec<_> = values.map(|value| colours.of(value)).collect();
                 let patches = patches(problem, panel.snapshot);
@@ -110,90 +115,6 @@ impl<'a, const D: usize> MeshPicture<'a, D> {
         }
         colours.is_cut = highest > colours.high;
         colours
-    }
-}
-
-const TITLE: u32 = 40;
-const LABEL: u32 = 32;
-
-/// The layout, with lengths in pixels: panels in a row, the colour bar to their right.
-struct Layout {
-    panels: u32,
-    /// The point of the scene that is drawn at the upper left of every panel (UL).
-    corner: Vector<2>,
-    /// The scale (pixels per UL).
-    scale: f64,
-    height: u32,
-}
-
-impl Layout {
-    const PANEL: u32 = 760;
-    const GAP: u32 = 30;
-    const TOP: u32 = 80;
-    const BAR: u32 = 34;
-    /// The width of the colour bar, its numbers and its label.
-    const RIGHT: u32 = 210;
-
-    /// The layout that shows the bodies of all panels.
-    fn new<const D: usize>(problem: &Problem<D>, panels: &[Panel<'_, D>]) -> Self {
-        let start: (Vector<2>, Vector<2>) = (
-            Vector::repeat(f64::INFINITY),
-            Vector::repeat(f64::NEG_INFINITY),
-        );
-        let (low, high) = panels
-            .iter()
-            .flat_map(|panel| {
-                problem
-                    .reference()
-                    .iter()
-                    .zip(&panel.snapshot.displacements)
-            })
-            .map(|(X, u)| Vector::from(project(&(X + u))))
-            .fold(start, |(low, high), x| (low.inf(&x), high.sup(&x)));
-        let extent = if panels.is_empty() {
-            Vector::repeat(1.0)
-        } else {
-            high - low
-        };
-        let scale = f64::from(Self::PANEL) / extent[0].max(extent[1] / 2.0);
-        Layout {
-            panels: panels.len() as u32,
-            corner: Vector::<2>::new(low[0], high[1]),
-            scale,
-            height: ((scale * extent[1]).ceil() as u32).max(300),
-        }
-    }
-
-    fn size(&self) -> (u32, u32) {
-        let width = Self::GAP + self.panels * (Self::PANEL + Self::GAP) + Self::RIGHT;
-        (width, Self::TOP + self.height + Self::GAP)
-    }
-
-    fn left(&self, panel: usize) -> u32 {
-        Self::GAP + panel as u32 * (Self::PANEL + Self::GAP)
-    }
-
-    fn title(&self, panel: usize) -> (i32, i32) {
-        let middle = self.left(panel) + Self::PANEL / 2;
-        (middle as i32, Self::TOP as i32 / 2)
-    }
-
-    /// The positions at which the nodes are drawn.
-    fn pixels<const D: usize>(
-        &self,
-        panel: usize,
-        problem: &Problem<D>,
-        snapshot: &Snapshot<D>,
-    ) -> Vec<(i32, i32)> {
-        let (left, top) = (f64::from(self.left(panel)), f64::from(Self::TOP));
-        let nodes = problem.reference().iter().zip(&snapshot.displacements);
-        let pixel = |(X, u): (&Vector<D>, &Vector<D>)| {
-            let from_corner = (Vector::from(project(&(X + u))) - self.corner) * self.scale;
-            let x = left + from_corner[0];
-            let y = top - from_corner[1];
-            (x.round() as i32, y.round() as i32)
-        };
-        nodes.map(pixel).collect()
     }
 }
 
@@ -247,51 +168,4 @@ fn outlines<const D: usize>(
         }
     }
     Ok(())
-}
-
-fn colour_bar(
-    canvas: &Canvas<'_>,
-    layout: &Layout,
-    colours: &Colours,
-    label: &str,
-) -> Result<(), DrawError> {
-    const STRIPES: i32 = 128;
-    let left = (layout.size().0 - Layout::RIGHT) as i32;
-    let right = left + Layout::BAR as i32;
-    let (top, height) = (Layout::TOP as i32, layout.height as i32);
-    let y = |share: f64| top + (f64::from(height) * (1.0 - share)).round() as i32;
-    let span = colours.high - colours.low;
-    for k in (0..STRIPES).rev() {
-        // each stripe extends to the bottom, so that there are no seams
-        let (from, to) = (f64::from(k), f64::from(k + 1));
-        let (from, to) = (from / f64::from(STRIPES), to / f64::from(STRIPES));
-        let value = colours.low + 0.5 * (from + to) * span;
-        let stripe = [(left, y(to)), (right, y(0.0))];
-        canvas.draw(&Rectangle::new(stripe, colours.of(value).filled()))?;
-    }
-    let frame = [(left, top), (right, top + height)];
-    canvas.draw(&Rectangle::new(frame, BLACK.stroke_width(2)))?;
-    for (value, label) in colours.ticks() {
-        let at = y((value - colours.low) / span.max(f64::MIN_POSITIVE));
-        let mark = vec![(right, at), (right + 8, at)];
-        canvas.draw(&PathElement::new(mark, BLACK.stroke_width(2)))?;
-        let beside = text(LABEL, HPos::Left);
-        canvas.draw(&Text::new(label, (right + 14, at), beside))?;
-    }
-    let upright = ("sans-serif", LABEL)
-        .into_font()
-        .transform(FontTransform::Rotate270)
-        .into_text_style(canvas)
-        .pos(Pos::new(HPos::Center, VPos::Center));
-    let middle = (right + 135, top + height / 2);
-    canvas.draw(&Text::new(label.to_string(), middle, upright))
-}
-
-fn centred(size: u32) -> TextStyle<'static> {
-    text(size, HPos::Center)
-}
-
-fn text(size: u32, side: HPos) -> TextStyle<'static> {
-    let style = TextStyle::from(("sans-serif", size).into_font());
-    style.pos(Pos::new(side, VPos::Center))
 }

@@ -1,13 +1,16 @@
-//! Pictures as SVG: deformed meshes and curves.
+//! Pictures as SVG: deformed meshes, contact pressures and curves.
 
 mod colours;
 mod curves;
+mod layout;
 mod meshes;
+mod pressures;
 mod trails;
 mod view;
 
 pub use curves::{Curve, Curves};
 pub use meshes::{MeshPicture, Panel};
+pub use pressures::PressurePicture;
 
 use std::path::Path;
 

@@ -17,7 +17,7 @@ use contact_core::memory::MemoryLeft;
 use contact_core::{Ending, Equilibrium, MemoryNeed};
 
 use super::file;
-use super::picture::{MeshPicture, Panel};
+use super::picture::{MeshPicture, Panel, PressurePicture};
 use super::snapshot::Snapshot;
 use crate::certificate::Limits;
 use crate::error::Error;
@@ -98,6 +98,9 @@ pub struct Plan<'a, const D: usize> {
     pub vtu_every: usize,
     /// The file name of the picture; an empty name draws none.
     pub picture: String,
+    /// The file name of the picture of the contact pressure at the last converged step, `pressure.svg` by default. An empty name
+    /// draws none; neither is there one where nothing presses.
+    pub pressure_picture: String,
     /// Whether the state half way to full load is kept for the picture; `true` by default.
     pub half_way: bool,
     /// The names of files that the caller adds to the folder after the run, such as pictures. The next run removes them
@@ -163,6 +166,7 @@ impl<S: Equilibrium> Simulation<S> {
             folder,
             vtu_every: 1,
             picture: "meshes.svg".into(),
+            pressure_picture: "pressure.svg".into(),
             half_way: true,
             own_files: Vec::new(),
             quiet: false,
@@ -271,12 +275,13 @@ impl<const D: usize> Plan<'_, D> {
     /// Checks the names before the folder is touched.
     fn check(&self) -> Result<(), Error> {
         file::check_name(&self.folder, &self.name)?;
-        let picture = Some(&self.picture).filter(|name| !name.is_empty());
-        let mut names = self.own_files.iter().chain(picture);
+        let pictures = [&self.picture, &self.pressure_picture].into_iter();
+        let pictures = pictures.filter(|name| !name.is_empty());
+        let mut names = self.own_files.iter().chain(pictures);
         names.try_for_each(|name| check_file_name(&self.folder, name))
     }
 
-    /// Draws the picture, and lists the files that the caller adds.
+    /// Draws the pictures, and lists the files that the caller adds.
     fn draw(
         &self,
         problem: &Problem<D>,
@@ -286,6 +291,12 @@ impl<const D: usize> Plan<'_, D> {
         self.own_files
             .iter()
             .try_for_each(|name| folder.add(name))?;
+        if let (Some(last), false) = (stages.last(), self.pressure_picture.is_empty()) {
+            if let Some(picture) = PressurePicture::new(problem, &last.snapshot)? {
+                folder.add(&self.pressure_picture)?;
+                picture.save(self.folder.join(&self.pressure_picture))?;
+            }
+        }
         if self.picture.is_empty() {
             return Ok(());
         }

@@ -43,6 +43,8 @@ pub(super) struct Summary {
     energy: Option<f64>,
     stored_energy: Option<f64>,
     work: Option<f64>,
+    /// What the work is more than the stored energy (UF·UL): see [`StepRecord::work`](crate::simulation::StepRecord::work).
+    unstored_work: Option<f64>,
     reaction: Option<f64>,
     reactions: Vec<Vec<f64>>,
     /// The names of the obstacles, and the contact force of the bodies on each.
@@ -127,6 +129,13 @@ impl Summary {
             ),
             format!("reaction           {:>10} UF", number(reaction)),
         ];
+        table.extend(last.map(|record| {
+            format!(
+                "work               {:>10} UF·UL, {:.1e} of it not stored",
+                number(Some(record.work)),
+                record.work - record.stored_energy
+            )
+        }));
         table.extend(undetermined.iter().map(|Undetermined { body, motions }| {
             let motions = motions.join(", ");
             format!("undetermined       body `{body}`: {motions}")
@@ -174,6 +183,7 @@ impl Summary {
             energy: last.map(|record| record.energy),
             stored_energy: last.map(|record| record.stored_energy),
             work: last.map(|record| record.work),
+            unstored_work: last.map(|record| record.work - record.stored_energy),
             reaction,
             reactions: last.map_or(Vec::new(), |record| lists(&record.reactions)),
             obstacles: problem.scene().obstacle_names().to_vec(),
