@@ -15,6 +15,8 @@ struct Row {
 
 struct Spring {
     stiffness: f64,
+    /// 1, or 0 of a linear spring.
+    hardening: f64,
     load: f64,
     pattern: SymmetricPattern,
 }
@@ -23,18 +25,21 @@ impl Energy for Spring {
     fn dofs(&self) -> usize {
         1
     }
+    fn is_quadratic(&self) -> bool {
+        self.hardening == 0.0
+    }
     fn value(&self, u: &[f64]) -> f64 {
         let u = u[0];
-        0.5 * self.stiffness * u * u + 0.25 * u.powi(4) - self.load * u
+        0.5 * self.stiffness * u * u + 0.25 * self.hardening * u.powi(4) - self.load * u
     }
     fn gradient(&self, u: &[f64], g: &mut [f64]) {
-        g[0] = self.stiffness * u[0] + u[0].powi(3) - self.load;
+        g[0] = self.stiffness * u[0] + self.hardening * u[0].powi(3) - self.load;
     }
     fn hessian_pattern(&self) -> &SymmetricPattern {
         &self.pattern
     }
     fn hessian(&self, u: &[f64], values: &mut [f64]) {
-        values[0] = self.stiffness + 3.0 * u[0] * u[0];
+        values[0] = self.stiffness + 3.0 * self.hardening * u[0] * u[0];
     }
 }
 
@@ -42,6 +47,7 @@ impl Energy for Spring {
 fn row(springs: &[(f64, f64)], gaps: &[f64]) -> Row {
     let spring = |&(stiffness, load): &(f64, f64)| Spring {
         stiffness,
+        hardening: 1.0,
         load,
         pattern: SymmetricPattern::diagonal(1),
     };
@@ -219,4 +225,19 @@ fn factors_of_groups_are_kept() {
     assert!(first.cost().factorizations > 0);
     let again = solver.solve_from(&springs, first.state.clone());
     assert_eq!(again.expect("a valid problem").cost().factorizations, 0);
+}
+
+/// A linear spring pushes a hardening one: its factor has one entry, and so has each of the other's.
+#[test]
+fn a_linear_body_is_factored_once_beside_another() {
+    let mut pair = row(&[(1.0, 20.0), (1.0, 0.0)], &[0.0]);
+    pair.springs.parts_mut()[0].hardening = 0.0;
+    let solution = pair.solve();
+    let [u, v] = solution.state.u[..] else {
+        panic!("two unknowns")
+    };
+    assert!((u - v).abs() < 1e-9 && (u - alone(2.0, 20.0)).abs() < 1e-9);
+    let cost = solution.cost();
+    assert!(cost.factorizations > 1, "{cost:?}");
+    assert_eq!(cost.factor_entries, 1 + cost.factorizations as u64);
 }
