@@ -93,6 +93,7 @@ impl SparseRows {
     }
 
     /// The same rows with the columns that `place` renumbers; entries in others are left out.
+    #[cfg(feature = "linear")]
     pub(crate) fn renumbered(&self, place: impl Fn(usize) -> Option<usize>) -> Self {
         let mut rows = SparseRows::new();
         let mut entries = Vec::new();
@@ -193,6 +194,7 @@ impl LinearGaps {
     }
 
     /// The same rows over the unknowns that `place` renumbers; no row may have entries in others.
+    #[cfg(feature = "linear")]
     pub(crate) fn renumbered(self, place: impl Fn(usize) -> Option<usize>) -> Self {
         LinearGaps {
             free: self.free.renumbered(place),

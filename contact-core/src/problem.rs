@@ -186,6 +186,7 @@ impl GapVariation {
     }
 
     /// The same over the unknowns that `place` renumbers, without the others.
+    #[cfg(feature = "linear")]
     pub(crate) fn renumbered(self, place: impl Fn(usize) -> Option<usize> + Copy) -> Self {
         let mut own = GapVariation {
             internal: self.internal.renumbered(place),
@@ -325,7 +326,7 @@ pub trait ContactProblem {
         Ok(None)
     }
     /// The bodies that the problem consists of, where the energy is a sum over them: those on which no common row acts are
-    /// solved by themselves then, by [`CondensedNewton`](crate::equilibrium::CondensedNewton). By default it is one whole. A
+    /// solved by themselves then, by `CondensedNewton`. By default it is one whole. A
     /// problem that wraps another one may pass this on if it changes neither energies nor rows.
     fn separable(&self) -> Option<&dyn Separable> {
         None
