@@ -172,7 +172,7 @@ mod tests {
         let documented = documented.join("\n");
         let programs = |text: &str, fence: &str| -> Vec<String> {
             let blocks = text.split(fence).skip(1);
-            let code = blocks.filter_map(|rest| rest.split("```").next());
+            let code = blocks.filter_map(|rest| Some(rest.split("```").next()?.trim()));
             let programs = code.filter(|code| code.contains("\nfn main()"));
             programs.take(2).map(String::from).collect()
         };
