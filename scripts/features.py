@@ -90,12 +90,6 @@ def main():
     unknown = set(wanted) - {case[0] for case in CASES}
     if unknown:
         sys.exit(f"no case {', '.join(sorted(unknown))}; there are {', '.join(case[0] for case in CASES)}")
-    page = PAGE.read_text()
-    if BEGIN not in page or END not in page:
-        sys.exit(f"{PAGE} has no place for the table: {BEGIN} and {END}")
-    head, rest = page.split(BEGIN)
-    table, tail = rest.split(END)
-    lines = {m[1]: m[0] for m in re.finditer(r"^\| ([a-z-]+) \|.*$", table, re.M)}
     for case in CASES:
         name, what, goal, _ = case
         if wanted and name not in wanted:
@@ -103,8 +97,20 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             seconds, crates = built(case, folder)
         goal = "" if goal is None else f"{goal}"
-        lines[name] = f"| {name} | {what} | {seconds:.0f} | {goal} | {crates} |"
-        print(lines[name], flush=True)
+        line = f"| {name} | {what} | {seconds:.0f} | {goal} | {crates} |"
+        print(line, flush=True)
+        note(name, line)
+
+
+def note(name, line):
+    """Puts the line of a case into the table."""
+    page = PAGE.read_text()
+    if BEGIN not in page or END not in page:
+        sys.exit(f"{PAGE} has no place for the table: {BEGIN} and {END}")
+    head, rest = page.split(BEGIN)
+    table, tail = rest.split(END)
+    lines = {m[1]: m[0] for m in re.finditer(r"^\| ([a-z-]+) \|.*$", table, re.M)}
+    lines[name] = line
     names = [case[0] for case in CASES if case[0] in lines]
     heading = "| case | what | s | goal | crates |\n|---|---|---:|---:|---:|"
     PAGE.write_text("\n".join([head + BEGIN, heading, *(lines[n] for n in names), END + tail]))
