@@ -5,7 +5,7 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick needs mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -24,6 +24,7 @@ help:
 	@echo "make extremes          scenes at the limits with their truths, by each solver: tables and data in out/extremes*, within an hour"
 	@echo "make extremes-quick    two dozen of them, and all on coarse meshes by Newton's method; fails where a wrong result is claimed to be right"
 	@echo "make needs             what runs cost beside what their scenes need: data in out/needs, within two minutes"
+	@echo "make features          what each cargo feature costs to compile: clean builds, and their table in docs/needs.md"
 	@echo "make mutants           plants faults one at a time and runs the tests (hours; an interrupted run goes on)"
 	@echo "make package           the crates as packages, each checked on its own, and their documentation without Ipopt"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
@@ -107,6 +108,10 @@ extremes-quick: install
 
 needs: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin needs
+
+# ARGUMENTS="ipopt plane" builds these alone.
+features: install
+	@scripts/features.py $(ARGUMENTS)
 
 # ARGUMENTS="certificate --units" takes an area, and unit tests alone: scripts/mutants/run.py --help has more.
 mutants: install

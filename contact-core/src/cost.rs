@@ -17,6 +17,8 @@ pub struct Cost {
     pub inner_iterations: usize,
     /// Numerical factorisations.
     pub factorizations: usize,
+    /// The entries of all factors computed by the library's own linear layer.
+    pub factor_entries: u64,
     /// Evaluations of the energy's value.
     pub values: usize,
     /// Evaluations of its gradient.
@@ -86,6 +88,7 @@ impl AddAssign for Cost {
         self.cold_retries += other.cold_retries;
         self.inner_iterations += other.inner_iterations;
         self.factorizations += other.factorizations;
+        self.factor_entries += other.factor_entries;
         self.values += other.values;
         self.gradients += other.gradients;
         self.hessians += other.hessians;

@@ -140,6 +140,36 @@ impl<E: Energy> Energy for DirectSum<E> {
     }
 }
 
+impl<E: Energy + ?Sized> Energy for &E {
+    fn dofs(&self) -> usize {
+        (**self).dofs()
+    }
+    fn value(&self, u: &[f64]) -> f64 {
+        (**self).value(u)
+    }
+    fn gradient(&self, u: &[f64], g: &mut [f64]) {
+        (**self).gradient(u, g)
+    }
+    fn hessian_pattern(&self) -> &SymmetricPattern {
+        (**self).hessian_pattern()
+    }
+    fn hessian(&self, u: &[f64], values: &mut [f64]) {
+        (**self).hessian(u, values)
+    }
+    fn blocks(&self) -> Vec<Range<usize>> {
+        (**self).blocks()
+    }
+    fn is_quadratic(&self) -> bool {
+        (**self).is_quadratic()
+    }
+    fn domain_len(&self) -> usize {
+        (**self).domain_len()
+    }
+    fn domain(&self, u: &[f64], d: &mut [f64]) {
+        (**self).domain(u, d)
+    }
+}
+
 impl<E: Energy + ?Sized> Energy for Box<E> {
     fn dofs(&self) -> usize {
         (**self).dofs()

@@ -92,6 +92,19 @@ impl SparseRows {
         self.columns[range].iter().copied().zip(values)
     }
 
+    /// The same rows with the columns that `place` renumbers; entries in others are left out.
+    #[cfg(feature = "linear")]
+    pub(crate) fn renumbered(&self, place: impl Fn(usize) -> Option<usize>) -> Self {
+        let mut rows = SparseRows::new();
+        let mut entries = Vec::new();
+        for i in 0..self.len() {
+            entries.clear();
+            entries.extend(self.row(i).filter_map(|(j, a)| Some((place(j)?, a))));
+            rows.push(&entries);
+        }
+        rows
+    }
+
     /// (A x)_i.
     pub fn times(&self, i: usize, x: &[f64]) -> f64 {
         self.row(i).map(|(j, a)| a * x[j]).sum()
@@ -178,6 +191,15 @@ impl LinearGaps {
     /// These constraints with another [`Sampling`]; the default is [`Sampling::Nodes`].
     pub fn sampled_at(self, sampling: Sampling) -> Self {
         LinearGaps { sampling, ..self }
+    }
+
+    /// The same rows over the unknowns that `place` renumbers; no row may have entries in others.
+    #[cfg(feature = "linear")]
+    pub(crate) fn renumbered(self, place: impl Fn(usize) -> Option<usize>) -> Self {
+        LinearGaps {
+            free: self.free.renumbered(place),
+            ..self
+        }
     }
 
     /// Appends a row. Keys must be unique; they need not be sorted.

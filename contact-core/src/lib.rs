@@ -68,7 +68,7 @@ pub use method::{Continuation, InteriorPoint, PenalizedSlack, Penalty};
 pub use method::{Method, Minimum};
 pub use nlp::Bounds;
 pub use outcome::{Ending, Interruption, Outcome, Solved};
-pub use problem::{ContactProblem, GapVariation, Multipliers, Scale, State};
+pub use problem::{ContactProblem, GapVariation, Multipliers, Scale, Separable, State};
 pub use stop::{Budget, Stop};
 
 /// The example of the README, as a test.

@@ -11,7 +11,7 @@ use std::path::Path;
 #[cfg(feature = "linear")]
 use crate::linear::{Analysis, FactorError, Ordering, SymmetricPattern};
 #[cfg(feature = "linear")]
-use crate::{ContactProblem, Equilibrium, Error};
+use crate::{ContactProblem, Energy, Equilibrium, Error};
 
 /// What a run will take beyond what the process has already (bytes), by an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -278,14 +278,17 @@ const SYSTEM_ENTRY: u64 = 150;
 
 #[cfg(feature = "linear")]
 impl MemoryNeed {
-    /// Of the library's own factors for a Hessian of this pattern.
+    /// Of the library's own factors for the Hessians of this energy, body by body.
     ///
     /// # Errors
     /// A pattern too large to be analysed, or for the memory there is.
-    pub fn of_factor(pattern: &SymmetricPattern) -> Result<Self, FactorError> {
+    pub fn of_energy(energy: &dyn Energy) -> Result<Self, Error> {
+        let pattern = energy.hessian_pattern();
         check("the analysis of a linear system", beside(pattern))?;
-        let analysis = Analysis::new(pattern, &Ordering::MinimumDegree)?;
-        let factor = analysis.bytes();
+        let mut blocks = energy.blocks();
+        blocks.retain(|block| !block.is_empty());
+        let analyses = Analysis::of_blocks(pattern, &blocks, &Ordering::MinimumDegree)?;
+        let factor = analyses.iter().map(Analysis::bytes).sum();
         Ok(MemoryNeed {
             factor,
             bytes: factor + beside(pattern),
@@ -295,7 +298,7 @@ impl MemoryNeed {
     /// Of Ipopt's systems by MUMPS, which adds so many `percent` to its estimate (`mumps_mem_percent`).
     ///
     /// # Errors
-    /// As [`MemoryNeed::of_factor`].
+    /// As [`MemoryNeed::of_energy`].
     pub fn of_ipopt(pattern: &SymmetricPattern, percent: f64) -> Result<Self, FactorError> {
         check("the analysis of a linear system", beside(pattern))?;
         let analysis = Analysis::new(pattern, &Ordering::MinimumDegree)?;

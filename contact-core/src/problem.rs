@@ -185,6 +185,26 @@ impl GapVariation {
         self.internal_forces.push(by_internal);
     }
 
+    /// The same over the unknowns that `place` renumbers, without the others.
+    #[cfg(feature = "linear")]
+    pub(crate) fn renumbered(self, place: impl Fn(usize) -> Option<usize> + Copy) -> Self {
+        let mut own = GapVariation {
+            internal: self.internal.renumbered(place),
+            gradients: self.gradients.renumbered(place),
+            internal_gradients: self.internal_gradients,
+            ..GapVariation::default()
+        };
+        let (direct, indirect) = (self.forces.renumbered(place), &self.internal_forces);
+        for (k, unknown) in self.unknowns.into_iter().enumerate() {
+            if let Some(unknown) = place(unknown) {
+                let [by_unknowns, by_internal] =
+                    [&direct, indirect].map(|rows| rows.row(k).collect::<Vec<_>>());
+                own.push_force(unknown, &by_unknowns, &by_internal);
+            }
+        }
+        own
+    }
+
     /// Checks the numbers of rows and the columns for `m` gaps and `n` unknowns.
     ///
     /// # Errors
@@ -249,6 +269,22 @@ impl GapVariation {
     }
 }
 
+/// A problem whose energy is a sum over bodies, which nothing but rows of gaps couples.
+pub trait Separable {
+    /// The energies of the bodies, in the order of their unknowns: those of a body follow those of the body before.
+    fn bodies(&self) -> Vec<&dyn Energy>;
+    /// Whether supports alone hold body `b`, so that it has an equilibrium without the others.
+    fn is_held(&self, b: usize) -> bool;
+    /// The two bodies that the rows of each pass ([`RowKey::pass`]) are between; twice the same one where there is no other.
+    fn passes(&self) -> Vec<[usize; 2]>;
+    /// As the rows of both roles at u, one for each contact node, of those passes alone both of whose bodies are among
+    /// these (one entry a body).
+    ///
+    /// # Errors
+    /// As [`ContactProblem::linearize_gaps`].
+    fn linearize_among(&self, u: &[f64], among: &[bool]) -> Result<LinearGaps, Error>;
+}
+
 /// An energy and its linearisable gap constraints. Space, meshes and materials are hidden behind this
 /// trait; a model problem with two unknowns can implement it, too.
 pub trait ContactProblem {
@@ -288,6 +324,12 @@ pub trait ContactProblem {
         _lambda: &[Option<f64>],
     ) -> Result<Option<GapVariation>, Error> {
         Ok(None)
+    }
+    /// The bodies that the problem consists of, where the energy is a sum over them: those on which no common row acts are
+    /// solved by themselves then, by `CondensedNewton`. By default it is one whole. A
+    /// problem that wraps another one may pass this on if it changes neither energies nor rows.
+    fn separable(&self) -> Option<&dyn Separable> {
+        None
     }
     /// Gives the request to stop that the methods above may look at within long loops, or takes it away: `None` outside a
     /// solve. They return [`Error::Interrupted`] then. By default they do not look. A problem that wraps another one may pass

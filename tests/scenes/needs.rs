@@ -6,7 +6,7 @@ use contact_fem::model::Problem;
 use contact_fem::simulation::{DefaultSolver, History};
 use contact_fem::{LeftOut, Simulation};
 use ipopt_contact_scenes::needs::floor::{self, Floor};
-use ipopt_contact_scenes::needs::{Build, Case, Way, all};
+use ipopt_contact_scenes::needs::{Build, Case, Way, all, blocks_alone};
 
 use crate::common::relative;
 
@@ -187,4 +187,36 @@ fn savings_are_counted() {
     assert_eq!(left.factorizations, 0);
     let (_, left) = left_out("8a");
     assert_eq!((left.passes, left.factorizations), (0, 99));
+}
+
+/// Ten bodies of which two touch: factors have as many entries as the two take together, and each of the others by itself,
+/// and so do energy and reactions.
+#[test]
+fn groups_are_solved_by_themselves() {
+    let run = |scene: contact_fem::Scene<2>| {
+        let mut problem = scene.problem().expect("a problem");
+        let history = Simulation::with_increments(1).run(&mut problem);
+        let history = history.expect("no misuse");
+        assert!(history.is_complete(), "{}", history.run.ending);
+        let entries = history.run.cost().factor_entries;
+        let last = history.last().expect("a step").clone();
+        assert!(
+            last.certificate.holds(&Default::default()),
+            "{}",
+            last.certificate
+        );
+        (entries, last)
+    };
+    let blocks = |blocks| run(blocks_alone(blocks, COARSE).expect("a scene"));
+    let (entries, all) = blocks(0..10);
+    let groups = std::iter::once(0..2).chain((2..10).map(|k| k..k + 1));
+    let groups: Vec<_> = groups.map(blocks).collect();
+    assert_eq!(entries, groups.iter().map(|group| group.0).sum::<u64>());
+    let energy: f64 = groups.iter().map(|group| group.1.energy).sum();
+    assert!(relative(all.energy, energy) < 1e-9);
+    let alone = groups.iter().flat_map(|group| &group.1.reactions);
+    for (a, b) in all.reactions.iter().zip(alone) {
+        assert!((a - b).norm() < 1e-7 * b.norm(), "{a} {b}");
+    }
+    assert!(all.contact_force(0usize)[0] < -1.0);
 }

@@ -2,8 +2,6 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::{DMatrix, DVector};
-
 /// How the next iterate is formed from the previous ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acceleration {
@@ -31,17 +29,18 @@ impl Default for Acceleration {
 pub struct Anderson {
     depth: usize,
     /// Differences of successive residuals and images, oldest first.
-    residual_steps: VecDeque<DVector<f64>>,
-    image_steps: VecDeque<DVector<f64>>,
-    last: Option<(DVector<f64>, DVector<f64>)>,
+    residual_steps: VecDeque<Vec<f64>>,
+    image_steps: VecDeque<Vec<f64>>,
+    last: Option<(Vec<f64>, Vec<f64>)>,
 }
 
 impl Anderson {
     /// Relative cut-off of the least-squares problem: singular values of ΔF below this share of the largest are treated
     /// as zero, since their directions carry only noise.
     const NOISE: f64 = 1e-8;
-    /// The iteration limit of its decomposition, which takes a few for each column.
-    const SWEEPS: usize = 1000;
+    /// The most sweeps of its decomposition, which takes less than ten, and what counts as orthogonal.
+    const SWEEPS: usize = 60;
+    const ORTHOGONAL: f64 = 1e-15;
 
     /// With the depth of this setting, 0 for the plain iteration.
     pub fn of(acceleration: Acceleration) -> Self {
@@ -76,45 +75,111 @@ impl Anderson {
             self.restart();
             return image.to_vec();
         }
-        let image = DVector::from_column_slice(image);
-        let residual = &image - DVector::from_column_slice(u);
+        let image = image.to_vec();
+        let residual = difference(&image, u);
         if let Some((last_image, last_residual)) = self.last.take() {
             if self.residual_steps.len() == self.depth {
                 self.residual_steps.pop_front();
                 self.image_steps.pop_front();
             }
-            self.residual_steps.push_back(&residual - last_residual);
-            self.image_steps.push_back(&image - last_image);
+            self.residual_steps
+                .push_back(difference(&residual, &last_residual));
+            self.image_steps.push_back(difference(&image, &last_image));
         }
         let mut next = image.clone();
         for (gamma, step) in self.weights(&residual).into_iter().zip(&self.image_steps) {
-            next.axpy(-gamma, step, 1.0);
+            add(-gamma, step, &mut next);
         }
         self.last = Some((image, residual));
-        next.data.into()
+        next
     }
 
-    /// γ = argmin ‖f − ΔF γ‖₂, the solution of minimal norm; 0 if the decomposition fails.
-    fn weights(&self, residual: &DVector<f64>) -> Vec<f64> {
-        if self.residual_steps.is_empty() || residual.is_empty() {
-            return Vec::new();
+    /// γ = argmin ‖f − ΔF γ‖₂, the solution of minimal norm; 0 where differences overflow.
+    ///
+    /// With ΔF = QR, rotations from the right make the columns of R V orthogonal, which is the singular value decomposition
+    /// (M. R. Hestenes, J. SIAM 6 (1958)).
+    fn weights(&self, residual: &[f64]) -> Vec<f64> {
+        let k = self.residual_steps.len();
+        let (mut Q, mut columns) = (Vec::<Vec<f64>>::new(), Vec::new());
+        for step in &self.residual_steps {
+            let (mut q, mut r) = (step.clone(), vec![0.0; k]);
+            // once more for round-off
+            for _ in 0..2 {
+                for (known, r) in Q.iter().zip(&mut r) {
+                    let part = dot(known, &q);
+                    add(-part, known, &mut q);
+                    *r += part;
+                }
+            }
+            let norm = dot(&q, &q).sqrt();
+            if norm > 0.0 {
+                q.iter_mut().for_each(|q| *q /= norm);
+            }
+            r[Q.len()] = norm;
+            Q.push(q);
+            columns.push(r);
         }
-        let steps: Vec<_> = self.residual_steps.iter().cloned().collect();
-        let columns = DMatrix::from_columns(&steps);
-        // differences of finite values may overflow, and then the decomposition would never end
-        let is_finite = columns.iter().all(|value| value.is_finite());
-        let svd = match is_finite {
-            true => columns.try_svd(true, true, f64::EPSILON, Self::SWEEPS),
-            false => None,
-        };
-        let Some(svd) = svd else {
-            return vec![0.0; steps.len()];
-        };
-        let noise = Self::NOISE * svd.singular_values.max();
-        match svd.solve(residual, noise) {
-            Ok(gamma) if gamma.iter().all(|g| g.is_finite()) => gamma.data.into(),
-            _ => vec![0.0; steps.len()],
+        let residual: Vec<f64> = Q.iter().map(|q| dot(q, residual)).collect();
+        let mut V: Vec<Vec<f64>> = (0..k).map(|j| unit(j, k)).collect();
+        for _ in 0..Self::SWEEPS {
+            let mut is_over = true;
+            for j in 1..k {
+                for i in 0..j {
+                    let [a, b] = [i, j].map(|c| dot(&columns[c], &columns[c]));
+                    let both = dot(&columns[i], &columns[j]);
+                    let is_noise = a.min(b) <= Self::NOISE.powi(3) * a.max(b);
+                    if is_noise || !(both.abs() > Self::ORTHOGONAL * (a * b).sqrt()) {
+                        continue;
+                    }
+                    is_over = false;
+                    let half = (b - a) / (2.0 * both);
+                    let tangent = half.signum() / (half.abs() + half.hypot(1.0));
+                    let cosine = 1.0 / tangent.hypot(1.0);
+                    rotate(&mut columns, [i, j], [cosine, cosine * tangent]);
+                    rotate(&mut V, [i, j], [cosine, cosine * tangent]);
+                }
+            }
+            if is_over {
+                break;
+            }
         }
+        let squares: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
+        let largest = squares.iter().fold(0.0, |m: f64, s| m.max(*s));
+        let mut gamma = vec![0.0; k];
+        for ((column, v), square) in columns.iter().zip(&V).zip(&squares) {
+            if *square > Self::NOISE * Self::NOISE * largest {
+                add(dot(column, &residual) / square, v, &mut gamma);
+            }
+        }
+        match gamma.iter().chain(&squares).all(|g| g.is_finite()) {
+            true => gamma,
+            false => vec![0.0; k],
+        }
+    }
+}
+
+fn unit(j: usize, k: usize) -> Vec<f64> {
+    (0..k).map(|i| f64::from(u8::from(i == j))).collect()
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// y += s x.
+fn add(s: f64, x: &[f64], y: &mut [f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += s * x);
+}
+
+/// Rotates the columns i < j by the angle with this cosine and sine.
+fn rotate(columns: &mut [Vec<f64>], [i, j]: [usize; 2], [cosine, sine]: [f64; 2]) {
+    let (left, right) = columns.split_at_mut(j);
+    for (a, b) in left[i].iter_mut().zip(&mut right[0]) {
+        (*a, *b) = (cosine * *a - sine * *b, sine * *a + cosine * *b);
     }
 }
 
@@ -144,6 +209,31 @@ mod tests {
         assert!(error < 1e-10, "residual {error}");
         let mut plain = Anderson::new(0);
         assert_eq!(plain.next(&u, &map(&u)), map(&u));
+    }
+
+    /// The solution of minimal norm, by the singular value decomposition of another library; one column is twice another.
+    #[test]
+    fn weights_are_those_of_least_squares() {
+        let columns: [&[f64]; 4] = [
+            &[1.0, 2.0, -1.0, 0.5, 3.0],
+            &[0.1, -0.3, 2.0, 1.0, 0.0],
+            &[2.0, 4.0, -2.0, 1.0, 6.0],
+            &[1e-3, 0.0, 3e-3, 0.0, -2e-3],
+        ];
+        let residual = [0.3, -1.0, 2.0, 0.7, 1.1];
+        let mut anderson = Anderson::new(4);
+        anderson.residual_steps = columns.iter().map(|column| column.to_vec()).collect();
+        let all = nalgebra::DMatrix::from_fn(5, 4, |i, j| columns[j][i]);
+        let expected = all
+            .svd(true, true)
+            .solve(&nalgebra::DVector::from_column_slice(&residual), 1e-7);
+        for (a, b) in anderson
+            .weights(&residual)
+            .iter()
+            .zip(expected.expect("solved").iter())
+        {
+            assert!((a - b).abs() < 1e-8 * (1.0 + b.abs()), "{a} {b}");
+        }
     }
 
     /// Neither may the decomposition be asked about them, which would never end.

@@ -338,6 +338,22 @@ fn rows_of_both_roles(
     Ok(forward.and(problem.linearize_reversed(u, Sampling::Nodes)?))
 }
 
+/// The end of a solve at its start, with energy E there.
+#[cfg(feature = "linear")]
+fn unchanged(start: State, energy: f64, outcome: Outcome) -> Solution {
+    Solution {
+        outcome,
+        energy,
+        state: start,
+        gaps: LinearGaps::new(true),
+        lambda: Vec::new(),
+        history: Vec::new(),
+        failed: Vec::new(),
+        curvature: None,
+        flickering: Vec::new(),
+    }
+}
+
 /// An unknown and its bound (UL), if there is one.
 #[cfg(feature = "linear")]
 fn finite_bound(bounds: &Bounds) -> Option<(usize, f64)> {

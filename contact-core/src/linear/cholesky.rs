@@ -1,5 +1,6 @@
 //! Sparse LLᵀ and LDLᵀ by faer.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
@@ -15,7 +16,7 @@ use faer::{Conj, MatMut, Par, Side};
 
 use super::ordering::{inverse, nested_dissection};
 use super::{Factor, FactorError, Inertia, Ordering, SymmetricPattern};
-use crate::{MemoryError, memory};
+use crate::{Error, MemoryError, memory, parallel};
 
 /// The places of a factor's entries.
 pub(super) type Structure = SymbolicCholesky<usize>;
@@ -44,6 +45,29 @@ impl Analysis {
             Ordering::Given(order) => Some(order.clone()),
         };
         Self::in_order(pattern, order.as_deref())
+    }
+
+    /// The analyses of diagonal blocks with these unknowns; blocks with the same pattern share one.
+    ///
+    /// # Errors
+    /// As [`Analysis::new`], and blocks that are coupled.
+    pub(crate) fn of_blocks(
+        pattern: &SymmetricPattern,
+        blocks: &[Range<usize>],
+        ordering: &Ordering,
+    ) -> Result<Vec<Self>, Error> {
+        let mut distinct = Vec::<SymmetricPattern>::new();
+        let mut numbers = Vec::with_capacity(blocks.len());
+        for range in blocks {
+            let own = pattern.block(range)?;
+            let known = distinct.iter().position(|other| *other == own);
+            numbers.push(known.unwrap_or(distinct.len()));
+            if known.is_none() {
+                distinct.push(own);
+            }
+        }
+        let analyses = parallel::try_map(&distinct, |own| Self::new(own, ordering))?;
+        Ok(numbers.into_iter().map(|k| analyses[k].clone()).collect())
     }
 
     fn automatic(pattern: &SymmetricPattern) -> Result<Self, FactorError> {

@@ -18,6 +18,8 @@ struct Columns {
     /// The first slot of each column, and the number of slots.
     starts: Vec<usize>,
     entries: Pattern,
+    /// The blocks, where it is the direct sum of more than one.
+    blocks: Vec<SymmetricPattern>,
     /// The structure of the factor in the order by minimum degree, once somebody has asked for it.
     #[cfg(feature = "linear")]
     by_degree: std::sync::OnceLock<Arc<super::cholesky::Structure>>,
@@ -127,14 +129,23 @@ impl SymmetricPattern {
 
     /// The block diagonal pattern with these blocks; their slots are consecutive.
     pub fn direct_sum<'a>(blocks: impl IntoIterator<Item = &'a SymmetricPattern>) -> Self {
+        let blocks: Vec<&SymmetricPattern> = blocks.into_iter().collect();
+        if let [only] = blocks[..] {
+            return only.clone();
+        }
         let (mut starts, mut rows, mut cols) = (vec![0], Vec::new(), Vec::new());
-        for block in blocks {
+        for block in &blocks {
             let (n, slots) = (starts.len() - 1, rows.len());
             starts.extend(block.starts()[1..].iter().map(|s| slots + s));
             rows.extend(block.rows().iter().map(|i| n + i));
             cols.extend(block.cols().iter().map(|j| n + j));
         }
-        Self::of(starts, rows, cols)
+        SymmetricPattern(Arc::new(Columns {
+            starts,
+            entries: Pattern::new(rows, cols),
+            blocks: blocks.into_iter().cloned().collect(),
+            ..Columns::default()
+        }))
     }
 
     /// The pattern with `more` entries (row, column), in any order and as often as they come, and the new slot of each
@@ -219,6 +230,13 @@ impl SymmetricPattern {
     pub fn block(&self, range: &Range<usize>) -> Result<Self, NlpError> {
         if *range == (0..self.dim()) {
             return Ok(self.clone());
+        }
+        let mut start = 0;
+        for block in &self.0.blocks {
+            if *range == (start..start + block.dim()) {
+                return Ok(block.clone());
+            }
+            start += block.dim();
         }
         let slots = self.starts()[range.start]..self.starts()[range.end];
         let own = |all: &[usize]| all[slots.clone()].iter().map(|k| k - range.start).collect();

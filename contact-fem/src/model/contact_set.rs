@@ -64,10 +64,25 @@ type Inside<const D: usize> = (Vec<Vector<D>>, Arc<Vec<Vec<(usize, f64)>>>);
 pub(super) struct Located<const D: usize> {
     /// The positions of all nodes (UL): X in [`Geometry::Reference`], x in [`Geometry::Current`].
     pub x: Vec<Vector<D>>,
-    /// One master for each surface, in the same order.
-    pub masters: Vec<Master<D>>,
+    surfaces: Vec<Arc<Surface<D>>>,
+    /// One master for each surface, in the same order, once somebody has asked for it.
+    masters: Vec<OnceLock<Master<D>>>,
     /// The integration points of each pass with their projections.
     projected: Vec<OnceLock<Vec<Projected<D>>>>,
+}
+
+impl<const D: usize> Located<D> {
+    /// Surface `k`, with its normals and its search tree.
+    pub fn master(&self, k: usize) -> &Master<D> {
+        let known = &self.masters[k];
+        match known.get() {
+            Some(master) => master,
+            None => {
+                let master = Master::new(&self.surfaces[k], &self.x);
+                known.get_or_init(|| master)
+            }
+        }
+    }
 }
 
 impl<const D: usize> ContactSet<D> {
@@ -339,10 +354,10 @@ impl<const D: usize> ContactSet<D> {
             return Arc::clone(located);
         }
         self.built.fetch_add(1, Ordering::Relaxed);
-        let surfaces = self.surfaces.iter();
         let located = Arc::new(Located {
             x: x.to_vec(),
-            masters: surfaces.map(|s| Master::new(s, x)).collect(),
+            surfaces: self.surfaces.clone(),
+            masters: self.surfaces.iter().map(|_| OnceLock::new()).collect(),
             projected: self.passes.iter().map(|_| OnceLock::new()).collect(),
         });
         *last = Some(Arc::clone(&located));
@@ -407,7 +422,7 @@ impl<const D: usize> ContactSet<D> {
             );
             return Some(PassRows::new(slave, obstacle, &points, sampling));
         }
-        let master = &located.masters[pass.master];
+        let master = located.master(pass.master);
         let rule = (self.integration, self.reach);
         let project = || projected_unless(slave, master, &located.x, rule, || is_requested(stop));
         if self.passes.get(k) != Some(&pass) {
@@ -442,12 +457,17 @@ impl<const D: usize> ContactSet<D> {
         }
         let stop = self.stop.as_ref();
         let located = self.located(kinematics, u);
+        let mut has_rows = vec![false; self.passes.len()];
+        for (key, _) in gaps.keys().iter().zip(lambda).filter(|(_, l)| l.is_some()) {
+            has_rows[key.pass as usize] = true;
+        }
         let matters = gaps.keys().iter().zip(lambda).enumerate();
         let matters: HashMap<RowKey, (usize, f64)> = matters
             .filter_map(|(row, (key, lambda))| Some((*key, (row, (*lambda)?))))
             .collect();
         let mut variation = Variation::new(gaps.len(), located.x.len());
-        for (k, pass) in self.passes.iter().enumerate() {
+        let passes = self.passes.iter().enumerate();
+        for (k, pass) in passes.filter(|(k, _)| has_rows[*k]) {
             let rows = self.pass_rows(&located, (k, *pass), gaps.sampling(), stop);
             let rows = rows.ok_or(Error::Interrupted)?;
             let key = |node: usize| RowKey {
@@ -549,7 +569,7 @@ impl<const D: usize> ContactSet<D> {
             };
             return nodes.filter_map(gap).collect();
         }
-        let [own, master] = [pass.slave, pass.master].map(|k| &located.masters[k]);
+        let [own, master] = [pass.slave, pass.master].map(|k| located.master(k));
         let slave = &self.surfaces[pass.slave];
         nodes_inside(slave, own.normals(), master, &located.x, now, self.reach)
     }
@@ -570,14 +590,14 @@ impl<const D: usize> ContactSet<D> {
             return vec![None; self.surfaces[own].nodes().len()];
         }
         let (located, now) = (self.located(kinematics, u), kinematics.positions(u));
-        let (surface, normals) = (&self.surfaces[own], located.masters[own].normals());
+        let (surface, normals) = (&self.surfaces[own], located.master(own).normals());
         let mut gaps = match self.obstacle_of(pass) {
             Some((_, obstacle)) => {
                 let gap = |&node: &usize| Some(gap_on(obstacle, &located.x[node], &now[node]));
                 surface.nodes().iter().map(gap).collect()
             }
             None => {
-                let master = &located.masters[other];
+                let master = located.master(other);
                 nodal_gaps(surface, normals, master, &located.x, &now, self.reach)
             }
         };

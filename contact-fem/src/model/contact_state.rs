@@ -102,9 +102,15 @@ impl<const D: usize> Problem<D> {
         lambda: &[f64],
     ) -> Result<Vec<PairState<D>>, Error> {
         self.check_rows(u, gaps, lambda)?;
-        let states = self.declared_pairs().into_iter();
-        let states = states.map(|pair| self.pair_state(pair, u, gaps, lambda));
-        Ok(states.collect())
+        let moved = self.kinematics.largest(u);
+        let state = |pair: ([usize; 2], Side, Opposite)| {
+            let [slave, master] = pair.0;
+            match self.contact.is_near(Pass { slave, master }, moved) {
+                true => self.pair_state(pair, u, gaps, lambda),
+                false => self.pair_apart(pair),
+            }
+        };
+        Ok(self.declared_pairs().into_iter().map(state).collect())
     }
 
     /// The two members of each pair as passes number them, with their names.
@@ -158,6 +164,30 @@ impl<const D: usize> Problem<D> {
         match self.forces_of(rows, counts) {
             Some(all) => surface.nodes().iter().map(|&a| all[a]).collect(),
             None => vec![Vector::zeros(); surface.nodes().len()],
+        }
+    }
+
+    /// The state of a pair that no displacement brings together.
+    fn pair_apart(&self, ([a, b], first, second): ([usize; 2], Side, Opposite)) -> PairState<D> {
+        let side = |surface: usize| {
+            let nodes = self.surfaces()[surface].nodes().len();
+            PairSide {
+                surface,
+                pressures: vec![0.0; nodes],
+                forces: vec![Vector::zeros(); nodes],
+                gaps: vec![None; nodes],
+            }
+        };
+        PairState {
+            record: PairRecord {
+                first,
+                second,
+                area: 0.0,
+                resultant: Vector::zeros(),
+                centre: None,
+                pressure_max: 0.0,
+            },
+            sides: vec![side(a), side(b)],
         }
     }
 
@@ -229,7 +259,7 @@ impl<const D: usize> Problem<D> {
         let pressed = Pressed {
             surface,
             x: &surface.gather(&located.x),
-            normals: located.masters[index].normals(),
+            normals: located.master(index).normals(),
             forces: &forces,
             own: &own,
             gaps: &gaps,
@@ -292,8 +322,10 @@ impl<const D: usize> Problem<D> {
                 .collect();
         }
         let located = self.contact.located(&self.kinematics, u);
-        let masters = located.masters.iter();
-        masters.map(|master| master.normals().to_vec()).collect()
+        let surfaces = 0..self.surfaces().len();
+        surfaces
+            .map(|k| located.master(k).normals().to_vec())
+            .collect()
     }
 
     /// The consistent contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area, compression positive):
@@ -315,7 +347,7 @@ impl<const D: usize> Problem<D> {
             let takes_part = |pass: &Pass| pass.slave == index || pass.master == index;
             let forces = self.forces_on(surface, (gaps, lambda), takes_part);
             let tractions = pressure::tractions(surface, &forces)?;
-            let pairs = tractions.iter().zip(located.masters[index].normals());
+            let pairs = tractions.iter().zip(located.master(index).normals());
             Ok(pairs.map(|(t, n)| -t.dot(n)).collect())
         });
         of_surface.collect()

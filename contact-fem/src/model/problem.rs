@@ -9,7 +9,7 @@ use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::load_steps::Passage;
 use contact_core::nlp::Bounds;
 use contact_core::{
-    ContactProblem, DirectSum, Energy, Error, GapVariation, LoadStepped, Scale, Stop,
+    ContactProblem, DirectSum, Energy, Error, GapVariation, LoadStepped, Scale, Separable, Stop,
 };
 
 use super::contact_set::ContactSet;
@@ -31,6 +31,8 @@ pub struct Problem<const D: usize> {
     pub(super) energy: DirectSum<Box<dyn BodyEnergy<D>>>,
     pub(super) kinematics: Kinematics<D>,
     pub(super) contact: ContactSet<D>,
+    /// Whether supports alone hold each body.
+    held: Vec<bool>,
     scale: Scale,
     pub(super) audit: Audit<D>,
     /// [`Audit::depths`] in the reference configuration of bodies with a pair, if their overlaps are resolved or adjusted.
@@ -71,6 +73,7 @@ impl<const D: usize> Problem<D> {
                 contact.resolved_overlap(),
             ),
             energy: DirectSum::new(energies),
+            held: scene.bodies().iter().map(preflight::is_held).collect(),
             audit,
             overlaps_at_rest,
             scene,
@@ -324,6 +327,25 @@ impl<const D: usize> Problem<D> {
         }
     }
 
+    /// The rows of both roles at u, one for each contact node, of the passes that `is_searched` tells.
+    fn linearize_where(
+        &self,
+        u: &[f64],
+        is_searched: impl Fn(Pass) -> bool,
+    ) -> Result<LinearGaps, Error> {
+        Error::check_vector("u", u, self.dofs().free())?;
+        let stop = self.contact.stop.as_ref();
+        let of = |reversed| {
+            let passes = self.contact.passes_in(reversed);
+            let passes = passes.filter(|(_, pass)| is_searched(*pass));
+            let rows = self
+                .contact
+                .rows(passes, &self.kinematics, u, Sampling::Nodes, stop);
+            rows.ok_or(Error::Interrupted)
+        };
+        self.with_distances(of(false)?.and(of(true)?), u)
+    }
+
     /// As [`Problem::rows_of`], at a state, without passes that are open at `u` for sure.
     pub(crate) fn rows_at(&self, passes: &[Pass], u: &[f64], sampling: Sampling) -> LinearGaps {
         let moved = self.kinematics.largest(u);
@@ -373,17 +395,7 @@ impl<const D: usize> ContactProblem for Problem<D> {
     }
 
     fn linearize_near(&self, u: &[f64], moved: f64) -> Result<LinearGaps, Error> {
-        Error::check_vector("u", u, self.dofs().free())?;
-        let stop = self.contact.stop.as_ref();
-        let of = |reversed| {
-            let passes = self.contact.passes_in(reversed);
-            let passes = passes.filter(|(_, pass)| self.contact.is_near(*pass, moved));
-            let rows = self
-                .contact
-                .rows(passes, &self.kinematics, u, Sampling::Nodes, stop);
-            rows.ok_or(Error::Interrupted)
-        };
-        self.with_distances(of(false)?.and(of(true)?), u)
+        self.linearize_where(u, |pass| self.contact.is_near(pass, moved))
     }
 
     fn vary_gaps(
@@ -396,12 +408,45 @@ impl<const D: usize> ContactProblem for Problem<D> {
         self.contact.variation(&self.kinematics, u, gaps, lambda)
     }
 
+    fn separable(&self) -> Option<&dyn Separable> {
+        Some(self)
+    }
+
     fn watch(&mut self, stop: Option<&Stop>) {
         self.contact.stop = stop.cloned();
     }
 
     fn diagnose(&self, solution: &Solution) -> Option<String> {
         super::diagnosis::cause(self, solution)
+    }
+}
+
+impl<const D: usize> Separable for Problem<D> {
+    fn bodies(&self) -> Vec<&dyn Energy> {
+        let energies = self.energy.parts().iter();
+        energies.map(|energy| energy as &dyn Energy).collect()
+    }
+
+    fn is_held(&self, b: usize) -> bool {
+        self.held[b]
+    }
+
+    fn passes(&self) -> Vec<[usize; 2]> {
+        let bodies = self.scene.bodies().len();
+        let of_pass = |pass: &Pass| match self.bodies_of(*pass) {
+            // obstacles are numbered after the bodies
+            [slave, master] if master >= bodies => [slave; 2],
+            both => both,
+        };
+        self.contact.passes.iter().map(of_pass).collect()
+    }
+
+    fn linearize_among(&self, u: &[f64], among: &[bool]) -> Result<LinearGaps, Error> {
+        let is_own = |pass: &Pass| {
+            let [slave, master] = self.bodies_of(*pass);
+            among[slave] && among.get(master) != Some(&false)
+        };
+        self.linearize_where(u, |pass| is_own(&pass))
     }
 }
 

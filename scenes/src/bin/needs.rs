@@ -182,7 +182,7 @@ fn floor<const D: usize>(
     problem: &mut Problem<D>,
     coarseness: usize,
 ) -> Result<(Floor, f64), Failure> {
-    let mut alone = needs::pair_alone(coarseness)?.problem()?;
+    let mut alone = needs::blocks_alone(0..2, coarseness)?.problem()?;
     let clock = processor()?;
     let floor = match case.way {
         Way::Linear => floor::linear(problem, case.increments)?,

@@ -7,6 +7,7 @@ use contact_fem::mesh::generators::{
 };
 use contact_fem::{Body, Error, LinearElastic, Material, NeoHookean, Scene};
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// How a floor is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,7 +170,7 @@ pub fn all(coarseness: usize) -> Vec<Case> {
             1,
             Linear,
             3.0,
-            Box::new(move || row(L, 10, n(30), false, 1.0)),
+            Box::new(move || row(L, 0..10, n(30), false, 1.0)),
         ),
         plane(
             "5a",
@@ -177,7 +178,7 @@ pub fn all(coarseness: usize) -> Vec<Case> {
             1,
             Linear,
             4.0,
-            Box::new(move || row(L, 10, n(30), true, 1.0)),
+            Box::new(move || row(L, 0..10, n(30), true, 1.0)),
         ),
         plane(
             "5n",
@@ -185,7 +186,7 @@ pub fn all(coarseness: usize) -> Vec<Case> {
             1,
             Pair,
             1.3,
-            Box::new(move || row(H, 10, n(30), false, 20.0)),
+            Box::new(move || row(H, 0..10, n(30), false, 20.0)),
         ),
         plane(
             "6",
@@ -241,7 +242,7 @@ pub fn all(coarseness: usize) -> Vec<Case> {
             1,
             Linear,
             3.0,
-            Box::new(move || row(L, 10, n(30), true, 1.0)),
+            Box::new(move || row(L, 0..10, n(30), true, 1.0)),
         ),
         plane(
             "30b",
@@ -249,17 +250,18 @@ pub fn all(coarseness: usize) -> Vec<Case> {
             1,
             Linear,
             3.0,
-            Box::new(move || row(L, 30, n(30), true, 1.0)),
+            Box::new(move || row(L, 0..30, n(30), true, 1.0)),
         ),
     ]
 }
 
-/// The first two blocks of the case `5n` alone.
+/// Some blocks of the case `5n` alone.
 ///
 /// # Errors
 /// As [`Scene::contact`].
-pub fn pair_alone(coarseness: usize) -> Result<Scene<2>, Error> {
-    row(Law::NeoHookean, 2, (30 / coarseness).max(2), false, 20.0)
+pub fn blocks_alone(blocks: Range<usize>, coarseness: usize) -> Result<Scene<2>, Error> {
+    let cells = (30 / coarseness).max(2);
+    row(Law::NeoHookean, blocks, cells, false, 20.0)
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -356,14 +358,14 @@ fn punch(along: usize, up: usize) -> Result<Scene<2>, Error> {
 /// their own. Their sides are declared pair by pair, or all.
 fn row(
     law: Law,
-    bodies: usize,
+    blocks: Range<usize>,
     cells: usize,
     is_general: bool,
     load: f64,
 ) -> Result<Scene<2>, Error> {
     let mut scene = Scene::new();
     let mut ids = Vec::new();
-    for k in 0..bodies {
+    for k in blocks {
         let low = if k == 0 { 0.5 } else { 1.5 * k as f64 };
         let mut block = block(law, [low, 0.0], [1.0, 1.0], [cells, cells - k % 2])?;
         block.prescribe("bottom", [Some(0.0); 2])?;

@@ -32,7 +32,7 @@ use self::rows::Rows;
 use self::stiffness::Stiffness;
 use super::{
     Choice, Equilibrium, Iteration, Solution, StepContext, check_unbounded, least_displacement,
-    relative_change,
+    relative_change, unchanged,
 };
 use crate::cost::FactorSize;
 use crate::{
@@ -242,26 +242,11 @@ impl Equilibrium for Condensed {
     }
 
     fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
-        MemoryNeed::of_factor(problem.energy().hessian_pattern()).ok()
+        MemoryNeed::of_energy(problem.energy()).ok()
     }
 
     fn lifts_starts(&self, _problem: &dyn ContactProblem) -> bool {
         true
-    }
-}
-
-/// The end of a solve at its start, with energy E there.
-fn unchanged(start: State, energy: f64, outcome: Outcome) -> Solution {
-    Solution {
-        outcome,
-        energy,
-        state: start,
-        gaps: LinearGaps::new(true),
-        lambda: Vec::new(),
-        history: Vec::new(),
-        failed: Vec::new(),
-        curvature: None,
-        flickering: Vec::new(),
     }
 }
 

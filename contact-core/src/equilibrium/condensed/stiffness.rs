@@ -44,16 +44,21 @@ impl Stiffness {
         let pattern = energy.hessian_pattern().clone();
         let mut ranges = energy.blocks();
         ranges.retain(|range| !range.is_empty());
-        let analyses = analyses(&pattern, &ranges, stop)?;
+        Halt::if_requested(stop)?;
+        let analyses = Analysis::of_blocks(&pattern, &ranges, &Ordering::Automatic)?;
         Halt::unless_may_factorize(stop)?;
         cost.factorizations += 1;
         let mut blocks =
             parallel::try_map(ranges.into_iter().zip(analyses), |(range, analysis)| {
                 Block::new(&pattern, &values, range, &analysis, stop)
             })?;
+        let fill = |block: &Block| block.factor.analysis().fill() as u64;
+        cost.factor_entries += blocks.iter().map(fill).sum::<u64>();
         if blocks.iter().any(|block| block.floats) {
             Halt::unless_may_factorize(stop)?;
             cost.factorizations += 1;
+            let floating = blocks.iter().filter(|block| block.floats);
+            cost.factor_entries += floating.map(fill).sum::<u64>();
             let floating = blocks.iter_mut().filter(|block| block.floats);
             parallel::try_map(floating, |block| block.shift(&pattern, &values, stop))?;
         }
@@ -172,29 +177,6 @@ impl Block {
 /// The slots of a block.
 fn slots(pattern: &SymmetricPattern, range: &Range<usize>) -> Range<usize> {
     pattern.column(range.start).start..pattern.column(range.end - 1).end
-}
-
-/// The analysis of each block, which those with the same pattern share.
-fn analyses(
-    pattern: &SymmetricPattern,
-    ranges: &[Range<usize>],
-    stop: &Stop,
-) -> Result<Vec<Analysis>, Halt> {
-    let mut patterns: Vec<SymmetricPattern> = Vec::new();
-    let mut numbers = Vec::new();
-    for range in ranges {
-        let own = pattern.block(range)?;
-        let known = patterns.iter().position(|other| *other == own);
-        numbers.push(known.unwrap_or(patterns.len()));
-        if known.is_none() {
-            patterns.push(own);
-        }
-    }
-    let analyses = parallel::try_map(&patterns, |pattern| {
-        Halt::if_requested(stop)?;
-        Ok::<_, Halt>(Analysis::new(pattern, &Ordering::Automatic)?)
-    })?;
-    Ok(numbers.iter().map(|&k| analyses[k].clone()).collect())
 }
 
 /// K + σ diag K.

@@ -2,6 +2,7 @@
 //!
 //! | file | role |
 //! |---|---|
+//! | `groups` | bodies that do not act on each other, solved by themselves |
 //! | `linearization` | E and the gaps at u, to second order |
 //! | `step` | Newton's step, the solution of the linearised contact problem |
 //! | `tangent` | the matrix that is factored |
@@ -24,6 +25,7 @@
 //! stay closed. A row that opens leaves the defect in the next step, and S before the iteration ends, so that equilibria are the
 //! same. S and its factor are kept for further steps as long as these are short and easily corrected.
 
+mod groups;
 mod linearization;
 mod stability;
 mod step;
@@ -32,9 +34,11 @@ mod tangent;
 mod tests;
 mod watchdog;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::time::Instant;
 
+use self::groups::Found;
 use self::linearization::Linearization;
 use self::stability::Softest;
 use self::step::{Accuracy, Step};
@@ -66,18 +70,28 @@ use crate::{
 /// closed rows permit and that release energy. Where there is one, the method moves along it and goes on; if it does not
 /// come to another equilibrium, the unstable one is the solution, and [`Solution::curvature`] tells.
 ///
-/// The factor is kept for the next iteration and the next load step while steps are short and easily corrected. Clones
-/// start without it.
+/// The factor is kept for the next iteration and the next load step while steps are short and easily corrected, and that of
+/// a body with a quadratic energy as long as no row adds stiffness to it. Clones start without it.
+///
+/// Where the problem is [`Separable`](crate::Separable), bodies on which no common row acts are solved by themselves. Rows
+/// that turn out to act between them join them, and they are solved again from the start.
 ///
 /// In [`Cost`], an outer iteration is a step of Newton's method, a solve is a linear complementarity problem, and an inner
-/// iteration is a step towards its active rows.
+/// iteration is a step towards its active rows. Iterations of several groups with the same number count as one, and so do
+/// their factorisations; a budget counts those of each group.
 pub struct CondensedNewton {
     /// Bound on the relative change of u in the last iteration, see [`relative_change`]. Rows are closed, and forces in
     /// equilibrium, to the same share of the displacements, but at most to 1e-10.
     pub tolerance: f64,
     /// The iteration limit.
     pub max_iterations: usize,
-    kept: Option<Tangent>,
+    /// What the next load step can use again, for each group of bodies; that of the whole has none.
+    kept: BTreeMap<Vec<usize>, Kept>,
+}
+
+/// What the next load step can use again.
+struct Kept {
+    tangent: Tangent,
     /// The sum of the multipliers of the last equilibrium that was examined (UF).
     examined: f64,
 }
@@ -87,8 +101,7 @@ impl Default for CondensedNewton {
         CondensedNewton {
             tolerance: 1e-8,
             max_iterations: 30,
-            kept: None,
-            examined: 0.0,
+            kept: BTreeMap::new(),
         }
     }
 }
@@ -96,7 +109,7 @@ impl Default for CondensedNewton {
 impl Clone for CondensedNewton {
     fn clone(&self) -> Self {
         CondensedNewton {
-            kept: None,
+            kept: BTreeMap::new(),
             ..*self
         }
     }
@@ -139,29 +152,19 @@ impl Equilibrium for CondensedNewton {
     ) -> Result<Solution, Error> {
         self.validate()?;
         check_unbounded(problem, &start, "CondensedNewton")?;
-        let mut at = Point {
-            gaps: LinearGaps::new(false),
-            lambda: Vec::new(),
-            state: start,
+        let found = match problem.separable() {
+            Some(bodies) => self.solve_by_groups(problem, bodies, &start, context)?,
+            None => Found::Whole(Vec::new()),
         };
-        let mut history = Vec::new();
-        let energy = problem.energy().value(&at.state.u);
-        let ended = match energy.is_finite() {
-            true => self.iterate(problem, &mut at, energy, &mut history, context)?,
-            false => Ended::with(Outcome::InadmissibleStart),
-        };
-        let solution = Solution {
-            outcome: ended.outcome,
-            curvature: ended.curvature,
-            flickering: ended.flickering,
-            energy: problem.energy().value(&at.state.u),
-            state: at.state,
-            gaps: at.gaps,
-            lambda: at.lambda,
-            history,
-            failed: Vec::new(),
-        };
-        Ok(solution.checked())
+        match found {
+            Found::Solution(solution) => Ok(solution.checked()),
+            Found::Whole(history) => {
+                self.kept.retain(|members, _| members.is_empty());
+                let mut solution = self.solve_whole(problem, start, &[], context)?;
+                solution.history.splice(..0, history);
+                Ok(solution.checked())
+            }
+        }
     }
 
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
@@ -177,7 +180,7 @@ impl Equilibrium for CondensedNewton {
     }
 
     fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
-        MemoryNeed::of_factor(problem.energy().hessian_pattern()).ok()
+        MemoryNeed::of_energy(problem.energy()).ok()
     }
 }
 
@@ -215,22 +218,57 @@ impl CondensedNewton {
         }
     }
 
+    /// Solves a problem as one, with what is kept for these bodies.
+    fn solve_whole(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        bodies: &[usize],
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let mut at = Point {
+            gaps: LinearGaps::new(false),
+            lambda: Vec::new(),
+            state: start,
+        };
+        let mut history = Vec::new();
+        let energy = problem.energy().value(&at.state.u);
+        let ended = match energy.is_finite() {
+            true => self.iterate(problem, bodies, &mut at, energy, &mut history, context)?,
+            false => Ended::with(Outcome::InadmissibleStart),
+        };
+        let solution = Solution {
+            outcome: ended.outcome,
+            curvature: ended.curvature,
+            flickering: ended.flickering,
+            energy: problem.energy().value(&at.state.u),
+            state: at.state,
+            gaps: at.gaps,
+            lambda: at.lambda,
+            history,
+            failed: Vec::new(),
+        };
+        Ok(solution)
+    }
+
     fn iterate(
         &mut self,
         problem: &dyn ContactProblem,
+        bodies: &[usize],
         at: &mut Point,
         start: f64,
         history: &mut Vec<Iteration>,
         context: &StepContext<'_>,
     ) -> Result<Ended, Error> {
         let energy = problem.energy();
-        let kept = self
-            .kept
-            .take()
-            .filter(|kept| kept.is_of(energy.hessian_pattern()));
-        let tangent = self
-            .kept
-            .insert(kept.unwrap_or_else(|| Tangent::new(energy.hessian_pattern())));
+        let kept = self.kept.entry(bodies.to_vec()).or_insert_with(|| Kept {
+            tangent: Tangent::new(energy),
+            examined: 0.0,
+        });
+        if !kept.tangent.is_of(energy) {
+            kept.tangent = Tangent::new(energy);
+        }
+        let Kept { tangent, examined } = kept;
         if context.from == 0.0 {
             tangent.begin();
         }
@@ -241,7 +279,7 @@ impl CondensedNewton {
         let is_end = context.from == 0.0 || context.is_end;
         let mut iterate = Iterate {
             before: at.state.multipliers.clone(),
-            examined: if is_end { 0.0 } else { self.examined },
+            examined: if is_end { 0.0 } else { *examined },
             curvature: None,
             unstable: None,
             frozen: 0,
@@ -288,7 +326,7 @@ impl CondensedNewton {
                 Err(halt) => break Err(halt),
             }
         };
-        self.examined = iterate.examined;
+        *examined = iterate.examined;
         let (outcome, curvature) = match (outcome, iterate.unstable) {
             (Ok(Outcome::IterationLimit) | Err(Halt::Failed(_)), Some((point, curvature))) => {
                 *iterate.at = point;

@@ -1,6 +1,8 @@
-//! The symmetric matrix S that is factored, and its factor.
+//! The symmetric matrix S that is factored, and its factor: body by body as long as no row adds stiffness between them. A
+//! body whose part has not changed, since its energy is quadratic, keeps its factor.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use faer::Mat;
 
@@ -11,7 +13,7 @@ use crate::gaps::SparseRows;
 use crate::linear::{
     Analysis, Cholesky, Factor, FactorError, Kind, Ordering, Reach, SymmetricPattern, postordered,
 };
-use crate::{Cost, Error, Multipliers, RowKey, Stop};
+use crate::{Cost, Energy, Error, Multipliers, RowKey, Stop};
 
 /// The factor is kept where the last step changed u by less than this share and took no more corrections than that.
 const NEAR: f64 = 1e-2;
@@ -31,13 +33,16 @@ const FILL: f64 = 1.3;
 /// S and its factor. Pattern, order of elimination and factor are kept from one matrix to the next.
 pub(super) struct Tangent {
     energy: SymmetricPattern,
+    /// The unknowns of each body.
+    bodies: Vec<Range<usize>>,
     /// The pattern of S, and the slot of each slot of K.
     pattern: SymmetricPattern,
     slots: Vec<usize>,
     values: Vec<f64>,
     order: Option<Vec<usize>>,
     fill: usize,
-    factor: Option<Cholesky>,
+    /// One for each body, or one of all where rows have added entries; `None` before the first.
+    factors: Option<Vec<Part>>,
     /// The stiffness added to each row, what the factor has of it, and its ratio to the rows' own.
     added: Vec<f64>,
     stiffened: BTreeMap<RowKey, f64>,
@@ -51,16 +56,48 @@ pub(super) struct Tangent {
     diagonal: Vec<f64>,
 }
 
+/// The factor of a diagonal block of S.
+struct Part {
+    range: Range<usize>,
+    factor: Cholesky,
+    /// What is factored; empty if nothing is.
+    values: Vec<f64>,
+}
+
+impl Part {
+    fn new(range: Range<usize>, analysis: &Analysis) -> Result<Self, FactorError> {
+        Ok(Part {
+            range,
+            factor: Cholesky::new(analysis, Kind::Llt)?,
+            values: Vec::new(),
+        })
+    }
+
+    /// Its values among those of S.
+    fn of<'a>(&self, pattern: &SymmetricPattern, values: &'a [f64]) -> &'a [f64] {
+        let starts = pattern.starts();
+        &values[starts[self.range.start]..starts[self.range.end]]
+    }
+
+    fn fill(&self) -> usize {
+        self.factor.analysis().fill()
+    }
+}
+
 impl Tangent {
-    pub fn new(energy: &SymmetricPattern) -> Self {
+    pub fn new(energy: &dyn Energy) -> Self {
+        let pattern = energy.hessian_pattern();
+        let mut bodies = energy.blocks();
+        bodies.retain(|range| !range.is_empty());
         Tangent {
-            pattern: energy.clone(),
-            slots: (0..energy.len()).collect(),
-            energy: energy.clone(),
+            pattern: pattern.clone(),
+            slots: (0..pattern.len()).collect(),
+            energy: pattern.clone(),
+            bodies,
             values: Vec::new(),
             order: None,
             fill: 0,
-            factor: None,
+            factors: None,
             added: Vec::new(),
             stiffened: BTreeMap::new(),
             ratio: 0.0,
@@ -71,9 +108,11 @@ impl Tangent {
         }
     }
 
-    /// Whether it is for Hessians of this pattern.
-    pub fn is_of(&self, energy: &SymmetricPattern) -> bool {
-        self.energy == *energy
+    /// Whether it is for the Hessians of this energy.
+    pub fn is_of(&self, energy: &dyn Energy) -> bool {
+        let mut bodies = energy.blocks();
+        bodies.retain(|range| !range.is_empty());
+        self.energy == *energy.hessian_pattern() && self.bodies == bodies
     }
 
     /// The stiffness added to each row (m, UF/UL).
@@ -88,9 +127,7 @@ impl Tangent {
 
     /// Entries of the factor.
     pub fn fill(&self) -> usize {
-        self.factor
-            .as_ref()
-            .map_or(0, |factor| factor.analysis().fill())
+        self.factors.iter().flatten().map(Part::fill).sum()
     }
 
     /// Whether S is that of the present linearisation.
@@ -140,7 +177,7 @@ impl Tangent {
         let last = self.last.take();
         let went_well =
             last.is_some_and(|(change, corrections)| change < NEAR && corrections <= FEW);
-        let has_factor = self.factor.is_some() && self.shift == 0.0;
+        let has_factor = self.factors.is_some() && self.shift == 0.0;
         if has_factor && went_well && self.is_like(here) {
             self.is_fresh = false;
             let rows = here.gaps.keys().iter().zip(&here.acts);
@@ -173,7 +210,7 @@ impl Tangent {
             } else if SHIFT_GROWTH * self.shift <= LARGEST_SHIFT {
                 self.shift = (SHIFT_GROWTH * self.shift).max(SHIFT);
             } else {
-                self.factor = None;
+                self.factors = None;
                 return Err(Halt::Failed(format!(
                     "the Hessian of the energy stays indefinite with {:.0} times its diagonal added",
                     self.shift
@@ -226,14 +263,29 @@ impl Tangent {
         if !missing.is_empty() {
             self.extend(&missing)?;
         }
-        let factor = match self.factor.take() {
-            Some(factor) => factor,
-            None => self.analysed()?,
+        let factors = match self.factors.take() {
+            Some(factors) => factors,
+            None => self.analysed(stop)?,
         };
-        let factor = self.factor.insert(factor);
-        Halt::unless_may_factorize(stop)?;
-        cost.factorizations += 1;
-        factor.refactor(&self.values)?;
+        let factors = self.factors.insert(factors);
+        let stale = factors.iter_mut().filter(|part| {
+            let values = part.of(&self.pattern, &self.values);
+            part.values.is_empty() || part.values != values
+        });
+        let mut is_counted = false;
+        for part in stale {
+            if !is_counted {
+                Halt::unless_may_factorize(stop)?;
+                cost.factorizations += 1;
+                is_counted = true;
+            }
+            Halt::if_requested(stop)?;
+            cost.factor_entries += part.fill() as u64;
+            part.values.clear();
+            let values = part.of(&self.pattern, &self.values);
+            part.factor.refactor(values)?;
+            part.values.extend_from_slice(values);
+        }
         let rows = here.gaps.keys().iter().zip(&self.added);
         let stiffened = rows.filter(|(_, s)| **s > 0.0);
         self.stiffened = stiffened.map(|(&key, &s)| (key, s)).collect();
@@ -260,7 +312,7 @@ impl Tangent {
             .zip(&self.values)
             .for_each(|(&slot, &a)| values[slot] = a);
         self.slots.iter_mut().for_each(|slot| *slot = slots[*slot]);
-        (self.pattern, self.values, self.factor) = (pattern, values, None);
+        (self.pattern, self.values, self.factors) = (pattern, values, None);
         let mut none = Vec::new();
         missing
             .iter()
@@ -268,32 +320,41 @@ impl Tangent {
         Ok(())
     }
 
-    /// An analysis in the order of the last one, unless the factor would grow too much.
-    fn analysed(&mut self) -> Result<Cholesky, Error> {
+    /// Factors to be: one for each body where S has no other entries, else one in the order of the last one, unless it
+    /// would grow too much.
+    fn analysed(&mut self, stop: &Stop) -> Result<Vec<Part>, Halt> {
+        if self.pattern == self.energy {
+            Halt::if_requested(stop)?;
+            let analyses = Analysis::of_blocks(&self.pattern, &self.bodies, &Ordering::Automatic)?;
+            let parts = self.bodies.iter().cloned().zip(&analyses);
+            let parts = parts.map(|(range, analysis)| Part::new(range, analysis));
+            return Ok(parts.collect::<Result<_, _>>()?);
+        }
+        let all = 0..self.pattern.dim();
         if let Some(order) = &self.order {
             let order = Ordering::Given(postordered(&self.pattern, order)?);
             let analysis = Analysis::new(&self.pattern, &order)?;
             if analysis.fill() as f64 <= FILL * self.fill as f64 {
-                return Ok(Cholesky::new(&analysis, Kind::Llt)?);
+                return Ok(vec![Part::new(all, &analysis)?]);
             }
         }
         let analysis = Analysis::new(&self.pattern, &Ordering::Automatic)?;
-        let steps = 0..self.pattern.dim();
-        self.order = Some(steps.map(|k| analysis.unknown(k)).collect());
+        self.order = Some(all.clone().map(|k| analysis.unknown(k)).collect());
         self.fill = analysis.fill();
-        Ok(Cholesky::new(&analysis, Kind::Llt)?)
+        Ok(vec![Part::new(all, &analysis)?])
     }
 
-    fn factor(&self) -> Result<&Cholesky, Error> {
-        Ok(self.factor.as_ref().ok_or(FactorError::NotFactored)?)
+    fn factors(&self) -> Result<&[Part], Error> {
+        Ok(self.factors.as_deref().ok_or(FactorError::NotFactored)?)
     }
 
     /// S⁻¹b, in place.
     pub fn solve(&mut self, b: &mut [f64]) -> Result<(), Error> {
-        match &mut self.factor {
-            Some(factor) => Ok(factor.solve(b)?),
-            None => Err(FactorError::NotFactored.into()),
+        let factors = self.factors.as_mut().ok_or(FactorError::NotFactored)?;
+        for part in factors {
+            part.factor.solve(&mut b[part.range.clone()])?;
         }
+        Ok(())
     }
 
     /// W = C S⁻¹ Cᵀ of some `rows` of C, both triangles, and the part of the factor that it takes.
@@ -303,27 +364,37 @@ impl Tangent {
         rows: &[usize],
         stop: &Stop,
     ) -> Result<(Mat<f64>, Response), Halt> {
-        let factor = self.factor()?;
-        let steps = factor.analysis().steps();
-        let entries = rows.iter().enumerate().flat_map(|(place, &row)| {
-            let entries = matrix.row(row);
-            entries
-                .map(|(j, a)| (place, steps[j], a))
-                .collect::<Vec<_>>()
-        });
-        let entries: Vec<_> = entries.collect();
-        let response = Response {
-            reach: Reach::of(factor, entries.iter().map(|entry| entry.1)),
-            whole: Reach::whole(factor),
-            steps,
-        };
-        Ok((gram(factor, rows.len(), entries, stop)?, response))
+        let (mut W, mut parts) = (Mat::zeros(rows.len(), rows.len()), Vec::new());
+        for Part { range, factor, .. } in self.factors()? {
+            let steps = factor.analysis().steps();
+            let own = |(place, &row): (usize, &usize)| {
+                let entries = matrix.row(row).filter(|(j, _)| range.contains(j));
+                let entries = entries.map(|(j, a)| (place, steps[j - range.start], a));
+                entries.collect::<Vec<_>>()
+            };
+            let entries: Vec<_> = rows.iter().enumerate().flat_map(own).collect();
+            let reach = Reach::of(factor, entries.iter().map(|entry| entry.1));
+            if !entries.is_empty() {
+                W += gram(factor, rows.len(), entries, stop)?;
+            }
+            parts.push(Seen {
+                range: range.clone(),
+                reach,
+                whole: Reach::whole(factor),
+                steps,
+            });
+        }
+        Ok((W, Response(parts)))
     }
 }
 
 /// Solves with S in two halves: what the rows see of a solution is known after the first, and forces on the rows can
 /// still be added before the second.
-pub(super) struct Response {
+pub(super) struct Response(Vec<Seen>);
+
+/// What rows see of a diagonal block.
+struct Seen {
+    range: Range<usize>,
     /// The part of the factor that the rows see, and all of it.
     reach: Reach,
     whole: Reach,
@@ -331,33 +402,58 @@ pub(super) struct Response {
     steps: Vec<usize>,
 }
 
-/// L⁻¹b, in the order of elimination.
-pub(super) struct Half(Vec<f64>);
+impl Seen {
+    /// b in the order of elimination.
+    fn ordered(&self, b: &[f64]) -> Vec<f64> {
+        let mut ordered = vec![0.0; self.steps.len()];
+        let own = self.steps.iter().zip(&b[self.range.clone()]);
+        own.for_each(|(&k, b)| ordered[k] = *b);
+        ordered
+    }
+
+    /// Puts a solution in the order of elimination into x.
+    fn put(&self, ordered: &[f64], x: &mut [f64]) {
+        let own = self.steps.iter().zip(&mut x[self.range.clone()]);
+        own.for_each(|(&k, x)| *x = ordered[k]);
+    }
+}
+
+/// L⁻¹b of each diagonal block, in the order of elimination.
+pub(super) struct Half(Vec<Vec<f64>>);
 
 impl Response {
     /// The first half of S⁻¹b.
     pub fn begun(&self, tangent: &Tangent, b: &[f64]) -> Result<Half, Error> {
-        let mut half = vec![0.0; b.len()];
-        self.steps.iter().zip(b).for_each(|(&k, b)| half[k] = *b);
-        tangent.factor()?.forward(&self.whole, &mut half);
-        Ok(Half(half))
+        let parts = self.0.iter().zip(tangent.factors()?);
+        let half = parts.map(|(seen, part)| {
+            let mut half = seen.ordered(b);
+            part.factor.forward(&seen.whole, &mut half);
+            half
+        });
+        Ok(Half(half.collect()))
     }
 
     /// The entries of the solution that the rows see (n); the others are of no meaning.
     pub fn seen(&self, tangent: &Tangent, half: &Half) -> Result<Vec<f64>, Error> {
-        let mut x = half.0.clone();
-        tangent.factor()?.backward(&self.reach, &mut x);
-        Ok(self.steps.iter().map(|&k| x[k]).collect())
+        let mut all = vec![0.0; tangent.pattern.dim()];
+        for ((seen, part), half) in self.0.iter().zip(tangent.factors()?).zip(&half.0) {
+            let mut x = half.clone();
+            part.factor.backward(&seen.reach, &mut x);
+            seen.put(&x, &mut all);
+        }
+        Ok(all)
     }
 
     /// Adds S⁻¹b for forces b on the rows, and finishes.
     pub fn ended(&self, tangent: &Tangent, half: Half, b: &[f64]) -> Result<Vec<f64>, Error> {
-        let (factor, Half(mut x)) = (tangent.factor()?, half);
-        let mut added = vec![0.0; b.len()];
-        self.steps.iter().zip(b).for_each(|(&k, b)| added[k] = *b);
-        factor.forward(&self.reach, &mut added);
-        x.iter_mut().zip(&added).for_each(|(x, a)| *x += a);
-        factor.backward(&self.whole, &mut x);
-        Ok(self.steps.iter().map(|&k| x[k]).collect())
+        let mut all = vec![0.0; b.len()];
+        for ((seen, part), mut x) in self.0.iter().zip(tangent.factors()?).zip(half.0) {
+            let mut added = seen.ordered(b);
+            part.factor.forward(&seen.reach, &mut added);
+            x.iter_mut().zip(&added).for_each(|(x, a)| *x += a);
+            part.factor.backward(&seen.whole, &mut x);
+            seen.put(&x, &mut all);
+        }
+        Ok(all)
     }
 }

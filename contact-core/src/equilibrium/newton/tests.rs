@@ -3,6 +3,7 @@
 mod curved;
 mod ends;
 mod fixed;
+mod groups;
 
 use nalgebra::{DMatrix, DVector};
 

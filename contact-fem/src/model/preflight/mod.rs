@@ -19,7 +19,7 @@ mod tests;
 
 pub use finding::{Finding, FindingKind, Severity};
 pub(super) use steps::at_increments;
-pub(super) use supports::unheld_motions;
+pub(super) use supports::{is_held, unheld_motions};
 
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;

@@ -79,7 +79,7 @@ pub(super) fn deepest<const D: usize>(setup: &Setup<'_, D>) -> Vec<(usize, usize
     let between = passes.filter(|(pass, _)| setup.contact.obstacle_of(**pass).is_none());
     let found = between.filter_map(|(pass, facing)| {
         let slave = &setup.contact.surfaces[pass.slave];
-        let master = &located.masters[pass.master];
+        let master = located.master(pass.master);
         let facing = facing.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let facing = facing.map(|(k, gap)| (slave.nodes()[k], gap));
         let other = master.surface().body();

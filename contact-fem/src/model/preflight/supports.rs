@@ -64,6 +64,12 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
     }
 }
 
+/// Whether supports hold every part of a body.
+pub(in crate::model) fn is_held<const D: usize>(body: &Body<D>) -> bool {
+    let mut parts = body.mesh().parts().into_iter();
+    parts.all(|part| free_motions(body, &part).is_empty())
+}
+
 /// The number of rigid motions in ℝᴰ.
 pub(super) const fn modes<const D: usize>() -> usize {
     D * (D + 1) / 2

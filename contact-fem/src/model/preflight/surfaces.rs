@@ -17,7 +17,7 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     }
     let (sides, _) = sides_and_passes(setup.pairs);
     for pass in one_pass_a_pair(setup) {
-        let [first, second] = [pass.slave, pass.master].map(|k| &located.masters[k]);
+        let [first, second] = [pass.slave, pass.master].map(|k| located.master(k));
         let bodies = [first, second].map(|side| side.surface().body());
         if bodies[0] == bodies[1] {
             continue;

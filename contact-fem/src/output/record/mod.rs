@@ -227,6 +227,7 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
         if !plan.quiet {
             let findings = problem.findings_in(plan.increments);
             findings.iter().for_each(print);
+            print(format!("plan: {}", problem.plan()));
             print(format!("solver: {choice}"));
             memory.line().iter().for_each(print);
         }

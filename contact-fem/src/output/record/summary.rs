@@ -16,7 +16,7 @@ use crate::audit::LeastVolume;
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
-use crate::model::{Finding, Opposite, PairRecord, Problem, Side, Undetermined};
+use crate::model::{BodyId, Finding, Opposite, PairRecord, Problem, ScenePlan, Side, Undetermined};
 use crate::simulation::{History, StepRecord};
 use crate::tensor::Vector;
 
@@ -31,6 +31,8 @@ pub(super) struct Summary {
     mesh: Value,
     /// What the checks of the scene found, the worst first.
     findings: Vec<Value>,
+    /// The names of the bodies in each part of [`ScenePlan`].
+    plan: Value,
     /// The rigid motions of bodies that nothing determines in the last converged state.
     undetermined: Vec<Value>,
     load_factor: f64,
@@ -171,6 +173,7 @@ impl Summary {
                 .iter()
                 .map(finding)
                 .collect(),
+            plan: planned(&problem.plan(), problem.scene().names()),
             undetermined: undetermined
                 .iter()
                 .map(|Undetermined { body, motions }| json!({"body": body, "motions": motions}))
@@ -255,6 +258,15 @@ impl Summary {
     pub(super) fn table(&self) -> &str {
         &self.table
     }
+}
+
+fn planned(plan: &ScenePlan, bodies: &[String]) -> Value {
+    let names =
+        |ids: &Vec<BodyId>| -> Vec<&String> { ids.iter().map(|id| &bodies[id.index()]).collect() };
+    json!({
+        "groups": plan.groups.iter().map(names).collect::<Vec<_>>(), "held": names(&plan.held),
+        "linear": names(&plan.linear), "prescribed": names(&plan.prescribed),
+    })
 }
 
 fn pair<const D: usize>(pair: &PairRecord<D>, bodies: &[String], obstacles: &[String]) -> Value {
