@@ -77,7 +77,7 @@ pub enum Error {
         /// The body, contact or obstacle.
         part: String,
         /// Why.
-        source: contact_fem::Error,
+        source: Box<contact_fem::Error>,
     },
 }
 
@@ -261,7 +261,7 @@ impl fmt::Display for Name {
 fn of<T>(part: &str, result: Result<T, contact_fem::Error>) -> Result<T, Error> {
     result.map_err(|source| Error::Refused {
         part: part.into(),
-        source,
+        source: Box::new(source),
     })
 }
 
