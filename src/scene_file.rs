@@ -248,6 +248,37 @@ struct Ball {
     radius: f64,
 }
 
+/// What may be otherwise in another program's scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Change {
+    /// Gauss points of each facet and direction.
+    Points(usize),
+    /// The roles of all contacts.
+    Passes(Passes),
+    /// Where contact is looked for.
+    Geometry(Geometry),
+    /// The solver's tolerance.
+    Tolerance(f64),
+    /// Load increments.
+    Increments(usize),
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Change::Points(points) => write!(f, "points = {points}"),
+            Change::Passes(Passes::Both) => f.write_str("passes = both"),
+            Change::Passes(Passes::FirstIsSlave) => f.write_str("passes = first-is-slave"),
+            Change::Passes(Passes::SecondIsSlave) => f.write_str("passes = second-is-slave"),
+            Change::Geometry(Geometry::Reference) => f.write_str("geometry = reference"),
+            Change::Geometry(Geometry::Current) => f.write_str("geometry = current"),
+            Change::Tolerance(tolerance) => write!(f, "tolerance = {tolerance:e}"),
+            Change::Increments(increments) => write!(f, "increments = {increments}"),
+        }
+    }
+}
+
 impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -310,6 +341,30 @@ impl SceneFile {
         let mesh = self.mesh_file(first)?;
         let kinds = mesh.elements().iter().map(|block| block.kind.dimension());
         Ok(kinds.max().unwrap_or(0))
+    }
+
+    /// The scene with one thing otherwise.
+    pub fn changed(&self, change: Change) -> Self {
+        let mut file = self.clone();
+        let keys = &mut file.keys;
+        match change {
+            Change::Points(points) => keys.points = Some(points),
+            Change::Passes(passes) => {
+                let passes = match passes {
+                    Passes::Both => PassKeys::Both,
+                    Passes::FirstIsSlave => PassKeys::FirstIsSlave,
+                    Passes::SecondIsSlave => PassKeys::SecondIsSlave,
+                };
+                keys.contact
+                    .iter_mut()
+                    .for_each(|contact| contact.passes = Some(passes));
+            }
+            Change::Geometry(Geometry::Reference) => keys.geometry = Some(Where::Reference),
+            Change::Geometry(Geometry::Current) => keys.geometry = Some(Where::Current),
+            Change::Tolerance(tolerance) => keys.tolerance = Some(tolerance),
+            Change::Increments(increments) => keys.increments = Some(increments),
+        }
+        file
     }
 
     fn mesh_file(&self, body: &BodyKeys) -> Result<MeshFile, Error> {

@@ -141,6 +141,21 @@ fn a_scene_from_a_file_agrees_with_the_script() {
     }
 }
 
+/// The script has 4 points, and the scene the default of quadratic elements.
+#[test]
+fn points_are_found_to_be_the_cause() {
+    let folder = fresh("causes");
+    let scene = two_bodies(&folder, &TWO_BODIES.replace("points = 4", ""));
+    let out = folder.join("out");
+    let (code, text) = program(&["causes", "--out"], &[&out, &scene, &stored()]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(
+        text.contains("\nlikely: points = 4, which leaves"),
+        "{text}"
+    );
+    assert_eq!(text.matches("which leaves").count(), 1, "{text}");
+}
+
 /// The paper's algorithm to the letter, and with each departure, ends where the others do.
 #[test]
 fn the_literal_solver_finds_the_same_equilibrium() {

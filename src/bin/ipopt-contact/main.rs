@@ -1,5 +1,6 @@
 //! The program `ipopt-contact`: scenes and problems from files, and results compared.
 
+mod causes;
 mod compare;
 mod fields;
 mod run;
@@ -21,6 +22,9 @@ usage:
       Compares two results: folders of recorded runs, of `solve`, or of scripts of FreeFEM. A tolerance is the largest
       relative difference, 1e-6 by default, of all quantities or of one: energy, reaction, displacement, force or
       pressure. Iterations and seconds are shown only.
+  ipopt-contact causes SCENE.toml RESULT --out DIR
+      Solves the scene as it is and with one thing otherwise at a time (points, passes, geometry, tolerance, increments),
+      compares each with a result, and tells which change brings them together.
   ipopt-contact fields RESULT --nodes DIR --out DIR
       Writes the displacements and contact forces of a result for `file >> u[]` in FreeFEM, in the order of the files
       `nodes_BODY.txt` of a folder.
@@ -39,6 +43,7 @@ fn main() -> ExitCode {
         return exit::<ExitCode>(Err(format!("a command is missing\n\n{USAGE}")));
     };
     exit(match command.as_str() {
+        "causes" => causes::command(words),
         "compare" => compare::command(words),
         "run" => run::command(words),
         "solve" => solve::command(words),
