@@ -178,10 +178,10 @@ fn shown(text: &str) -> String {
     text.chars().take(40).collect()
 }
 
-/// The array in a file, see [`array`].
+/// The array in a file, see [`array()`].
 ///
 /// # Errors
-/// A file that cannot be read, and as [`array`].
+/// A file that cannot be read, and as [`array()`].
 pub fn read_array(path: impl AsRef<Path>) -> Result<Vec<f64>, Error> {
     read(path.as_ref(), array)
 }
