@@ -103,6 +103,9 @@
 //! goes on: `simulation.record("out/disc")`. All are on by default. `threads` shares assembly, contact search and the
 //! factors of separate bodies among threads; `metis` orders large factors by nested dissection.
 
+#[cfg(feature = "record")]
+pub mod scene_file;
+
 pub use contact_core;
 pub use contact_core::ipopt::{Blas, BlasKind, Versions, versions};
 pub use contact_fem;

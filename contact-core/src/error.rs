@@ -47,6 +47,41 @@ pub enum Error {
         /// What to do instead.
         remedy: &'static str,
     },
+    /// A stiffness that is not symmetric.
+    #[error(
+        "K[{row}, {column}] = {value} and K[{column}, {row}] = {transposed} differ: give both triangles of the Hessian of an energy"
+    )]
+    Asymmetric {
+        /// The row of the entry, from 0.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// The entry.
+        value: f64,
+        /// The entry across the diagonal.
+        transposed: f64,
+    },
+    /// A stiffness in which a penalty holds an unknown.
+    #[error(
+        "K[{unknown}, {unknown}] = {value:e} holds unknown {unknown} by a penalty: leave conditions such as `on` out of the \
+         matrix, and give the unknown equal bounds"
+    )]
+    HeldByPenalty {
+        /// The unknown, from 0.
+        unknown: usize,
+        /// Its diagonal entry.
+        value: f64,
+    },
+    /// A gap that no unknown changes, and that is negative.
+    #[error(
+        "row {row} of C has no entry, and its gap is {constant}: no motion opens it; leave the row out"
+    )]
+    ImpossibleRow {
+        /// The row, from 0.
+        row: usize,
+        /// Its c₀ (UL).
+        constant: f64,
+    },
     /// Invalid bounds or sparsity patterns.
     #[error(transparent)]
     Nlp(#[from] crate::nlp::NlpError),

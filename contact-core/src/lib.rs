@@ -52,10 +52,13 @@ pub mod outcome;
 #[cfg(feature = "linear")]
 mod parallel;
 pub mod problem;
+pub mod quadratic;
 mod stop;
 
 pub use cost::Cost;
 pub use energy::{DirectSum, Energy};
+#[cfg(feature = "ipopt")]
+pub use equilibrium::Literal;
 pub use equilibrium::{Acceleration, Equilibrium, FixedPoint, Retry};
 #[cfg(feature = "linear")]
 pub use equilibrium::{Automatic, Condensed, CondensedNewton};

@@ -73,6 +73,10 @@ pub struct LoadSteps {
     /// Whether each increment starts from the linear extrapolation of the last two converged
     /// states, where that is admissible.
     pub predictor: bool,
+    /// Where the first load step is solved from, in place of the start: the result of another program, or of another run.
+    /// It has the free unknowns at the end of that step; later attempts, and what is compared with the state before, start
+    /// from rest as ever.
+    pub guess: Option<State>,
     /// The request to stop, which later runs share.
     pub stop: Stop,
     /// What each run may take, counted from its start; no limit by default.
@@ -86,6 +90,7 @@ impl Default for LoadSteps {
             phases: Vec::new(),
             max_halvings: 6,
             predictor: true,
+            guess: None,
             stop: Stop::default(),
             budget: Budget::default(),
         }
@@ -270,6 +275,9 @@ impl LoadSteps {
         self.validate()?;
         solver.validate()?;
         Error::check_vector("start.u", &start.u, problem.energy().dofs())?;
+        if let Some(guess) = &self.guess {
+            Error::check_vector("guess.u", &guess.u, problem.energy().dofs())?;
+        }
         #[cfg(feature = "linear")]
         crate::memory::check_run(&*solver, &*problem, self.budget.memory)?;
         let mut path = Path {
@@ -475,10 +483,14 @@ impl Path<'_> {
         problem.watch(Some(&self.stop));
         let lifted = || self.lifted(&*problem);
         let is_lifted = predicted || !solver.lifts_starts(&*problem);
-        let start = match (prediction, is_lifted) {
-            (Some(start), _) => start,
-            (None, true) => lifted(),
-            (None, false) => self.last.state.clone(),
+        let guess = self.settings.guess.as_ref();
+        let guess = guess.filter(|_| self.attempts.is_empty());
+        let is_lifted = is_lifted || guess.is_some();
+        let start = match (guess, prediction, is_lifted) {
+            (Some(guess), _, _) => guess.clone(),
+            (None, Some(start), _) => start,
+            (None, None, true) => lifted(),
+            (None, None, false) => self.last.state.clone(),
         };
         let context = StepContext {
             last: &self.last.state,

@@ -152,7 +152,7 @@ impl Bounds {
         self.lower.is_empty()
     }
 
-    fn validate(
+    pub(crate) fn validate(
         &self,
         what: &'static str,
         lower: &'static str,

@@ -16,6 +16,7 @@ pub mod certificate;
 pub mod contact;
 pub mod element;
 pub mod error;
+pub mod freefem;
 pub mod left_out;
 pub mod material;
 pub mod mesh;

@@ -250,12 +250,13 @@ impl<const D: usize> StepRecord<D> {
         let of_obstacles = problem.forces_of_obstacles(&solution.gaps, &solution.lambda);
         let external = External::new(problem, u, (&forces, &of_obstacles));
         let work = done.1 + external.work_since(&done.0);
-        let stored_energy = external.stored(solution.energy);
+        let energy = problem.energy_at(u);
+        let stored_energy = external.stored(energy);
         *done = (external, work);
         StepRecord {
             factor: step.factor,
             increment: step.increment,
-            energy: solution.energy,
+            energy,
             stored_energy,
             work,
             reactions: problem.reactions(u, &forces),
@@ -351,7 +352,9 @@ mod tests {
         for (step, depth) in history.steps.iter().zip([0.01, 0.02]) {
             assert!((step.penetration - depth).abs() < 1e-12);
             assert!((step.weak_penetration - depth).abs() < 1e-12);
-            assert_eq!((step.rows, step.energy), (6, -7.0));
+            // that of the state, whatever the solver claims
+            assert_eq!(step.rows, 6);
+            assert!(step.energy.abs() < 1e-12, "{}", step.energy);
             // both surfaces are 1 wide
             for (body, force) in [(lower, -4.0), (upper, 4.0)] {
                 let contact = step.contact_force(body);

@@ -36,16 +36,28 @@ impl<M: Default> Default for FixedPoint<M> {
     }
 }
 
-impl<M: Method> Equilibrium for FixedPoint<M> {
-    fn solve(
+impl<M: Method> FixedPoint<M> {
+    /// As [`Equilibrium::solve`], but iterates that come back do not end it.
+    #[cfg(feature = "ipopt")]
+    pub(super) fn solve_to_the_limit(
         &mut self,
         problem: &dyn ContactProblem,
         start: State,
         context: &StepContext<'_>,
     ) -> Result<Solution, Error> {
         self.validate()?;
-        let sampling = self.method.sampling();
         let mut journal = Journal::new(self, problem, start)?;
+        journal.ignore_cycles();
+        self.iterate(problem, journal, context)
+    }
+
+    fn iterate(
+        &mut self,
+        problem: &dyn ContactProblem,
+        mut journal: Journal<'_>,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let sampling = self.method.sampling();
         while journal.goes_on(context.stop) {
             let before = journal.point.clone(); // U_{n−1}
             // 1, 2: projections and normals at U_{n−1}; with both held, every gap is linear in U
@@ -76,6 +88,19 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
             journal.accept(gaps, minimum, error);
         }
         Ok(journal.solution())
+    }
+}
+
+impl<M: Method> Equilibrium for FixedPoint<M> {
+    fn solve(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        self.validate()?;
+        let journal = Journal::new(self, problem, start)?;
+        self.iterate(problem, journal, context)
     }
 
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {

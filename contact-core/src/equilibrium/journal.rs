@@ -26,7 +26,7 @@ pub(super) struct Journal<'a> {
     max_iterations: usize,
     anderson: Anderson,
     accuracy: Accuracy,
-    cycles: CycleDetector,
+    cycles: Option<CycleDetector>,
     solution: Solution,
     ended: Option<Outcome>,
     /// The start of this iteration, the time of its projections (s), and the accuracy asked of its subproblem.
@@ -59,7 +59,7 @@ impl<'a> Journal<'a> {
             max_iterations: settings.max_iterations,
             anderson: Anderson::of(settings.acceleration),
             accuracy: Accuracy::new(settings.acceleration, settings.max_iterations),
-            cycles: CycleDetector::default(),
+            cycles: Some(CycleDetector::default()),
             ended: (!energy.is_finite()).then_some(Outcome::InadmissibleStart),
             solution: Solution {
                 outcome: Outcome::InadmissibleStart,
@@ -77,6 +77,11 @@ impl<'a> Journal<'a> {
             projection: 0.0,
             asked: 0.0,
         })
+    }
+
+    /// Lets iterates that come back go on to the limit.
+    pub fn ignore_cycles(&mut self) {
+        self.cycles = None;
     }
 
     /// Whether no stopping criterion has been met yet, and no stop requested.
@@ -174,7 +179,8 @@ impl<'a> Journal<'a> {
         if is_accurate && (error < self.tolerance || is_exact) {
             return Some(Outcome::Converged);
         }
-        if let Some(period) = self.cycles.period(&minimum.u, error) {
+        let cycles = self.cycles.as_mut();
+        if let Some(period) = cycles.and_then(|cycles| cycles.period(&minimum.u, error)) {
             return Some(Outcome::Cycle {
                 period,
                 amplitude: error,

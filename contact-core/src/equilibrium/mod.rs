@@ -8,6 +8,7 @@
 //! | `accuracy` | the accuracy asked of the next subproblem |
 //! | `anderson` | the next iterate |
 //! | `cycles` | detection of periodic iterates |
+//! | `literal` | the fixed point as a straightforward script has it, with the feature `ipopt` |
 //! | `automatic` | the solver that fits a problem, with the feature `linear` |
 //! | `retry` | further attempts where the fixed point does not converge |
 //! | `newton` | Newton's method with contact condensed onto its rows, with the feature `linear` |
@@ -22,6 +23,8 @@ mod condensed;
 mod cycles;
 pub mod fixed_point;
 mod journal;
+#[cfg(feature = "ipopt")]
+mod literal;
 #[cfg(feature = "linear")]
 mod newton;
 mod retry;
@@ -32,6 +35,8 @@ pub use automatic::Automatic;
 #[cfg(feature = "linear")]
 pub use condensed::Condensed;
 pub use fixed_point::{FixedPoint, relative_change};
+#[cfg(feature = "ipopt")]
+pub use literal::{Departures, Literal};
 #[cfg(feature = "linear")]
 pub use newton::CondensedNewton;
 pub use retry::Retry;

@@ -151,7 +151,7 @@ impl InteriorPoint {
     }
 }
 
-fn structure(subproblem: &Subproblem<'_>) -> Result<Structure, Error> {
+pub(crate) fn structure(subproblem: &Subproblem<'_>) -> Result<Structure, Error> {
     let Subproblem {
         energy,
         bounds,

@@ -3,7 +3,7 @@
 #[cfg(feature = "ipopt")]
 mod continuation;
 #[cfg(feature = "ipopt")]
-mod interior_point;
+pub(crate) mod interior_point;
 #[cfg(feature = "ipopt")]
 mod penalized;
 #[cfg(feature = "ipopt")]
@@ -11,7 +11,7 @@ mod penalized_slack;
 #[cfg(feature = "ipopt")]
 mod penalty;
 #[cfg(feature = "ipopt")]
-mod scaled;
+pub(crate) mod scaled;
 #[cfg(all(test, feature = "ipopt"))]
 mod tests;
 

@@ -16,7 +16,7 @@ const ABOVE_ROUNDOFF: f64 = 10.0;
 
 /// The scaled subproblem that Ipopt solves, with the guard of its domain and the cost of its
 /// evaluations. The x passed to its functions may have further entries after the n displacements.
-pub(super) struct Scaled<'a> {
+pub(crate) struct Scaled<'a> {
     energy: &'a dyn Energy,
     gaps: &'a LinearGaps,
     /// L (UL) and E₀ (UF·UL).
@@ -221,7 +221,7 @@ impl<'a> Scaled<'a> {
 
 /// What Ipopt with these options takes on an energy; `None` without the library's linear layer, or with another linear
 /// solver than MUMPS.
-pub(super) fn memory(energy: &dyn Energy, options: &Options) -> Option<MemoryNeed> {
+pub(crate) fn memory(energy: &dyn Energy, options: &Options) -> Option<MemoryNeed> {
     let is_mumps = match options.get("linear_solver") {
         Some(OptionValue::Text(name)) => name == "mumps",
         _ => true,
@@ -250,7 +250,7 @@ pub(super) fn memory(energy: &dyn Energy, options: &Options) -> Option<MemoryNee
 }
 
 /// An error if the run has ended for want of memory: to solve again would end likewise.
-pub(super) fn check_memory(run: &Run, energy: &dyn Energy) -> Result<(), Error> {
+pub(crate) fn check_memory(run: &Run, energy: &dyn Energy) -> Result<(), Error> {
     match run.solution.status {
         Status::InsufficientMemory => Err(Error::Memory(MemoryError::Exhausted {
             what: "Ipopt",
@@ -261,20 +261,20 @@ pub(super) fn check_memory(run: &Run, energy: &dyn Energy) -> Result<(), Error> 
 }
 
 /// Checks a tolerance relative to the scales.
-pub(super) fn check_tolerance(name: &'static str, tolerance: f64) -> Result<(), Error> {
+pub(crate) fn check_tolerance(name: &'static str, tolerance: f64) -> Result<(), Error> {
     let is_share = tolerance > 0.0 && tolerance < 1.0;
     let remedy = "choose a value between 0 and 1; see the default";
     Error::check_setting(is_share, name, tolerance, remedy)
 }
 
 /// The given tolerance, or the smallest one that is above round-off at this scale.
-pub(super) fn attainable(tolerance: f64, scale: &Scale) -> f64 {
+pub(crate) fn attainable(tolerance: f64, scale: &Scale) -> f64 {
     tolerance.max(ABOVE_ROUNDOFF * scale.roundoff)
 }
 
 /// The options of Ipopt for scaled subproblems with these tolerances on the optimality error and on
 /// complementarity. `warm` has the options of warm solves; `given` overrides all others.
-pub(super) fn settings(
+pub(crate) fn settings(
     tolerance: f64,
     complementarity: f64,
     max_iterations: usize,

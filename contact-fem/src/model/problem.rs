@@ -17,7 +17,7 @@ use super::courses;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Setup};
 use super::{BodyId, Finding, Geometry, InitialGaps, Overlaps, Scene, scale};
-use crate::assembly::{BodyEnergy, DofMap};
+use crate::assembly::{BodyEnergy, Dof, DofMap};
 use crate::audit::{Audit, Overlap};
 use crate::contact::{Pass, Surface};
 use crate::tensor::Vector;
@@ -163,6 +163,22 @@ impl<const D: usize> Problem<D> {
             true => Cow::Borrowed(u),
             false => Cow::Owned(vec![f64::NAN; self.dofs().free()]),
         }
+    }
+
+    /// The free unknowns of given displacements of all nodes (UL), which [`Problem::displacements`] gives back: a result of another
+    /// program as [`LoadSteps::guess`](contact_core::LoadSteps::guess). Prescribed components are left out.
+    ///
+    /// # Errors
+    /// Another number of nodes, or values that are not finite.
+    pub fn unknowns(&self, displacements: &[Vector<D>]) -> Result<Vec<f64>, crate::Error> {
+        let all: Vec<f64> = displacements.iter().flatten().copied().collect();
+        contact_core::Error::check_vector("the displacements", &all, self.dofs().len())?;
+        let free = all.into_iter().enumerate();
+        let is_free = |dof: usize| matches!(self.dofs().get(dof), Dof::Free(_));
+        Ok(free
+            .filter(|(dof, _)| is_free(*dof))
+            .map(|(_, u)| u)
+            .collect())
     }
 
     /// The displacements of all nodes (UL) from the free unknowns, at the present load; NaN at free unknowns if `u` is

@@ -62,6 +62,15 @@ impl<const D: usize> Problem<D> {
         (!is_none).then(|| self.contact_forces(gaps, &own))
     }
 
+    /// E(u) (UF·UL) from the strains of the cells, see [`BodyEnergy::energy`](crate::assembly::BodyEnergy::energy); NaN where `u`
+    /// is [no state](Problem::is_state).
+    pub fn energy_at(&self, u: &[f64]) -> f64 {
+        let state = self.state(u);
+        let bodies = self.energy.parts().iter().enumerate();
+        let energies = bodies.map(|(body, energy)| energy.energy(&state[self.energy.range(body)]));
+        energies.sum()
+    }
+
     /// ∂E/∂U of a body (UF) for all its dofs, free and prescribed; NaN where it depends on a `u` that is
     /// [no state](Problem::is_state).
     pub fn residual(&self, body: impl Into<BodyId>, u: &[f64]) -> Vec<f64> {

@@ -285,6 +285,68 @@ pub fn compare(a: &Path, b: &Path) -> Result<Comparison, Error> {
     })
 }
 
+/// The nodes of a body that have fields.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nodes {
+    /// The name of the body.
+    pub body: String,
+    /// Where they are at rest (UL); the third coordinate is 0 in the plane.
+    pub places: Vec<[f64; 3]>,
+}
+
+/// The fields of a result at given nodes of a body; third components are 0 in the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// The name of the body.
+    pub body: String,
+    /// The displacement of each node (UL).
+    pub displacements: Vec<[f64; 3]>,
+    /// The contact force Cᵀλ on each node (UF), if the result has it.
+    pub forces: Option<Vec<[f64; 3]>>,
+}
+
+/// The dimension and the nodes of all bodies, in the order of the files `nodes_BODY.txt` in a folder.
+///
+/// # Errors
+/// No such file, or a damaged one.
+pub fn nodes_of(folder: &Path) -> Result<(usize, Vec<Nodes>), Error> {
+    script::nodes(folder)
+}
+
+/// The fields of the result in a folder at these nodes, which are found by their places.
+///
+/// # Errors
+/// As [`compare`], if the result has another dimension or lacks a body or a node.
+pub fn fields_at(folder: &Path, dimension: usize, nodes: &[Nodes]) -> Result<Vec<Field>, Error> {
+    let result = Outcome::read(folder)?;
+    if result.dimension != dimension {
+        return Err(Error::Dimensions {
+            a: dimension,
+            b: result.dimension,
+        });
+    }
+    let of_body = |nodes: &Nodes| {
+        let target = Fields {
+            name: nodes.body.clone(),
+            places: Some(nodes.places.clone()),
+            displacements: vec![[0.0; 3]; nodes.places.len()],
+            ..Fields::default()
+        };
+        let own = result.body(&nodes.body).ok_or_else(|| Error::Bodies {
+            a: vec![nodes.body.clone()],
+            b: result.names(),
+        })?;
+        let (found, _) = nodes::matched(&target, own, dimension)?;
+        let fields = renumbered(own, &found);
+        Ok(Field {
+            body: fields.name,
+            displacements: fields.displacements,
+            forces: fields.forces,
+        })
+    };
+    nodes.iter().map(of_body).collect()
+}
+
 fn bodies_differ(a: &Outcome, b: &Outcome) -> Error {
     Error::Bodies {
         a: a.names(),

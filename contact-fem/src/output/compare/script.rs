@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::outcome::{Fields, Outcome, Point, finite, malformed, text};
-use super::{Error, Program};
+use super::{Error, Nodes, Program};
 
 /// The file of the values, a key and a number a line.
 pub(super) const RESULT: &str = "result.txt";
@@ -12,7 +12,7 @@ pub(super) const RESULT: &str = "result.txt";
 pub(super) fn read(folder: &Path) -> Result<Outcome, Error> {
     let values = values(&folder.join(RESULT))?;
     let mut dimension = None;
-    let bodies: Result<Vec<Fields>, Error> = names(folder)?
+    let bodies: Result<Vec<Fields>, Error> = names(folder, "displacement_")?
         .into_iter()
         .map(|name| fields(folder, name, &mut dimension))
         .collect();
@@ -44,15 +44,35 @@ fn values(path: &Path) -> Result<BTreeMap<String, f64>, Error> {
     Ok(values)
 }
 
-/// The bodies that have displacements, alphabetically.
-fn names(folder: &Path) -> Result<Vec<String>, Error> {
+/// The dimension and the nodes in the files of their places.
+pub(super) fn nodes(folder: &Path) -> Result<(usize, Vec<Nodes>), Error> {
+    let mut dimension = None;
+    let of_body = |body: String| {
+        let path = folder.join(format!("nodes_{body}.txt"));
+        let places = vectors(&path, &mut dimension)?;
+        Ok(Nodes { body, places })
+    };
+    let nodes: Result<Vec<Nodes>, Error> =
+        names(folder, "nodes_")?.into_iter().map(of_body).collect();
+    let nodes = nodes?;
+    match dimension {
+        Some(dimension) => Ok((dimension, nodes)),
+        None => {
+            let why = "it has no file `nodes_BODY.txt` with a node a line";
+            Err(malformed(folder, why))
+        }
+    }
+}
+
+/// The bodies that have a file that begins so, alphabetically.
+fn names(folder: &Path, begin: &str) -> Result<Vec<String>, Error> {
     let entries = std::fs::read_dir(folder).map_err(|source| Error::Unreadable {
         path: folder.into(),
         source,
     })?;
     let name = |entry: std::fs::DirEntry| {
         let name = entry.file_name().into_string().ok()?;
-        let name = name.strip_prefix("displacement_")?.strip_suffix(".txt")?;
+        let name = name.strip_prefix(begin)?.strip_suffix(".txt")?;
         Some(name.to_string())
     };
     let mut names: Vec<String> = entries.flatten().filter_map(name).collect();

@@ -1,0 +1,92 @@
+//! `ipopt-contact run SCENE.toml`: a recorded run of a scene file.
+
+use std::path::Path;
+use std::process::{ExitCode, Termination};
+
+use ipopt_contact::contact_core::State;
+use ipopt_contact::contact_fem::element::{Element, P1, P2};
+use ipopt_contact::contact_fem::model::Problem;
+use ipopt_contact::contact_fem::nalgebra::SVector;
+use ipopt_contact::contact_fem::output::compare::{Nodes, fields_at};
+use ipopt_contact::scene_file::{SceneFile, Solver};
+
+use crate::Words;
+
+/// Solves the scene in a file and records the run.
+pub fn command(words: &[String]) -> Result<ExitCode, String> {
+    let words = Words::parse(words, &["out", "solver", "increments", "start"])?;
+    let path = words.only("one scene file")?;
+    words.needed("out")?;
+    let file = SceneFile::read(path).map_err(|why| match why {
+        why @ ipopt_contact::scene_file::Error::Read { .. } => why.to_string(),
+        why => format!("{path}: {why}"),
+    })?;
+    match file.dimension().map_err(|why| format!("{path}: {why}"))? {
+        2 => run::<2>(path, &file, &words),
+        3 => run::<3>(path, &file, &words),
+        dimension => Err(format!(
+            "{path}: its meshes have dimension {dimension}; they need triangles or tetrahedra"
+        )),
+    }
+}
+
+fn run<const D: usize>(path: &str, file: &SceneFile, words: &Words) -> Result<ExitCode, String>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let in_file = |why: &dyn std::fmt::Display| format!("{path}: {why}");
+    let solver = words.option("solver").map(solver).transpose()?;
+    let simulation = match solver {
+        Some(solver) => file.simulation_by(solver),
+        None => file.simulation(),
+    };
+    let mut simulation = simulation.map_err(|why| in_file(&why))?;
+    if let Some(text) = words.option("increments") {
+        let number = text.parse().ok().filter(|number| *number > 0);
+        let needed = || format!("--increments needs a whole number from 1, not `{text}`");
+        simulation.load_steps.increments = number.ok_or_else(needed)?;
+    }
+    let scene = file.scene::<D>().map_err(|why| in_file(&why))?;
+    let mut problem = scene.problem().map_err(|why| in_file(&why))?;
+    if let Some(folder) = words.option("start") {
+        simulation.load_steps.guess = Some(guess(&problem, Path::new(folder))?);
+    }
+    let recording = simulation.record(words.needed("out")?);
+    let recorded = recording.run(&mut problem).map_err(|why| why.to_string())?;
+    Ok(recorded.report())
+}
+
+fn solver(name: &str) -> Result<Solver, String> {
+    match name {
+        "automatic" => Ok(Solver::Automatic),
+        "ipopt" => Ok(Solver::Ipopt),
+        "newton" => Ok(Solver::Newton),
+        "condensed" => Ok(Solver::Condensed),
+        "literal" => Ok(Solver::Literal),
+        _ => Err(format!(
+            "there is no solver {name}: there are automatic, ipopt, newton, condensed and literal"
+        )),
+    }
+}
+
+/// The displacements of a result at the nodes of the problem.
+fn guess<const D: usize>(problem: &Problem<D>, folder: &Path) -> Result<State, String> {
+    let names = problem.scene().names().iter().enumerate();
+    let of_body = |(body, name): (usize, &String)| Nodes {
+        body: name.clone(),
+        places: problem.reference()[problem.nodes(body)]
+            .iter()
+            .map(|place| std::array::from_fn(|i| if i < D { place[i] } else { 0.0 }))
+            .collect(),
+    };
+    let nodes: Vec<Nodes> = names.map(of_body).collect();
+    let fields = fields_at(folder, D, &nodes).map_err(|why| why.to_string())?;
+    let all = fields.iter().flat_map(|field| &field.displacements);
+    let displacements: Vec<SVector<f64, D>> = all.map(|u| SVector::from_fn(|i, _| u[i])).collect();
+    let u = problem.unknowns(&displacements);
+    Ok(State {
+        u: u.map_err(|why| why.to_string())?,
+        ..State::default()
+    })
+}

@@ -1,0 +1,593 @@
+//! Scenes as text files, which the program `ipopt-contact run` solves.
+//!
+//! A file is TOML. Meshes are files of their own, named relative to it, in any format that [`MeshFile`] reads. Lengths and forces
+//! are in the user's units. A boundary is a label (`1`) or a name (`"top"`). docs/freefem.md lists all keys.
+//! ```
+//! use ipopt_contact::scene_file::SceneFile;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = std::env::temp_dir().join(format!("scene-file-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder)?;
+//! std::fs::write(folder.join("block.msh"), "4 2 4  0 0 0  1 0 0  1 1 0  0 1 0  1 2 3 0  1 3 4 0  1 2 1  2 3 2  3 4 3  4 1 4")?;
+//! let text = r#"
+//!     [[body]]
+//!     name = "block"
+//!     mesh = "block.msh"
+//!     law = "linear-elastic"
+//!     young = 100.0
+//!     poisson = 0.0
+//!     supports = [{ on = 4, x = 0.0 }, { on = 3, y = -0.1 }]
+//!
+//!     [[obstacle]]
+//!     name = "floor"
+//!     half-space = { point = [0, 0], normal = [0, 1] }
+//!     on = [["block", 1]]
+//! "#;
+//! let file = SceneFile::parse(text, &folder)?;
+//! let history = file.simulation()?.run(&mut file.scene::<2>()?.problem()?)?;
+//! // a strain of 0.1 on an area of 1
+//! let last = history.last().ok_or("not converged")?;
+//! assert!((last.energy - 0.5 * 100.0 * 0.1 * 0.1).abs() < 1e-9);
+//! # std::fs::remove_dir_all(&folder)?;
+//! # Ok(())
+//! # }
+//! ```
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use contact_core::equilibrium::Departures;
+use contact_core::{
+    Automatic, Condensed, CondensedNewton, Equilibrium, InteriorPoint, Literal, Retry,
+};
+use contact_fem::element::{Element, P1, P2};
+use contact_fem::model::{Geometry, Integration, Passes, Side};
+use contact_fem::{
+    Body, LinearElastic, MeshFile, MooneyRivlin, NeoHookean, Obstacle, Scene, Simulation,
+    StVenantKirchhoff,
+};
+use serde::Deserialize;
+
+/// Why a scene file cannot be used. Each contains what is wrong, its value and the remedy.
+#[derive(thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file that is missing or that the system does not read.
+    #[error("cannot read {path}: {source}")]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// No TOML, or keys and values that a scene does not have.
+    #[error("the scene file: {0}")]
+    Text(#[from] toml::de::Error),
+    /// A part of the scene whose values do not fit together.
+    #[error("{part}: {what}")]
+    Part {
+        /// The body, contact or obstacle.
+        part: String,
+        /// What is wrong with it, and the remedy.
+        what: String,
+    },
+    /// What the library refuses.
+    #[error("{part}: {source}")]
+    Refused {
+        /// The body, contact or obstacle.
+        part: String,
+        /// Why.
+        source: Box<contact_fem::Error>,
+    },
+}
+
+/// The `Display` message: `main` and `unwrap` print an error by `Debug`.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// A scene file.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    folder: PathBuf,
+    keys: Keys,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct Keys {
+    increments: Option<usize>,
+    solver: Option<Solver>,
+    tolerance: Option<f64>,
+    departures: Option<Vec<Departure>>,
+    goes_on: Option<bool>,
+    points: Option<usize>,
+    geometry: Option<Where>,
+    reach: Option<f64>,
+    body: Vec<BodyKeys>,
+    #[serde(default)]
+    contact: Vec<ContactKeys>,
+    #[serde(default)]
+    obstacle: Vec<ObstacleKeys>,
+}
+
+/// How a load is solved.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Solver {
+    /// The one that fits the scene, see [`Automatic`].
+    Automatic,
+    /// Algorithm 2 of the paper around Ipopt, accelerated, see [`Retry`].
+    Ipopt,
+    /// See [`CondensedNewton`].
+    Newton,
+    /// See [`Condensed`].
+    Condensed,
+    /// Algorithm 2 as a straightforward script has it, see [`Literal`].
+    Literal,
+}
+
+/// What the library does and [`Literal`] does not.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Departure {
+    /// See [`Departures::acceleration`].
+    Acceleration,
+    /// See [`Departures::warm_starts`].
+    WarmStarts,
+    /// See [`Departures::units`].
+    Units,
+    /// See [`Departures::guard`].
+    Guard,
+    /// See [`Departures::lift`].
+    Lift,
+    /// Load steps start from the extrapolation of the last two, see
+    /// [`LoadSteps::predictor`](contact_core::LoadSteps::predictor).
+    Predictor,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Where {
+    Reference,
+    Current,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct BodyKeys {
+    name: String,
+    mesh: PathBuf,
+    region: Option<Name>,
+    #[serde(default)]
+    quadratic: bool,
+    law: Law,
+    young: f64,
+    poisson: f64,
+    share: Option<f64>,
+    #[serde(default)]
+    supports: Vec<SupportKeys>,
+    #[serde(default)]
+    tractions: Vec<TractionKeys>,
+    body_force: Option<Vec<f64>>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Law {
+    LinearElastic,
+    NeoHookean,
+    StVenantKirchhoff,
+    MooneyRivlin,
+}
+
+/// A label or a name.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+enum Name {
+    Label(i64),
+    Name(String),
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SupportKeys {
+    on: Option<Name>,
+    x: Option<f64>,
+    y: Option<f64>,
+    z: Option<f64>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TractionKeys {
+    on: Name,
+    force: Vec<f64>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct ContactKeys {
+    first: (String, Name),
+    second: (String, Name),
+    passes: Option<PassKeys>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum PassKeys {
+    Both,
+    FirstIsSlave,
+    SecondIsSlave,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct ObstacleKeys {
+    name: String,
+    half_space: Option<HalfSpace>,
+    ball: Option<Ball>,
+    on: Vec<(String, Name)>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HalfSpace {
+    point: Vec<f64>,
+    normal: Vec<f64>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Ball {
+    centre: Vec<f64>,
+    radius: f64,
+}
+
+/// What may be otherwise in another program's scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Change {
+    /// Gauss points of each facet and direction.
+    Points(usize),
+    /// The roles of all contacts.
+    Passes(Passes),
+    /// Where contact is looked for.
+    Geometry(Geometry),
+    /// The solver's tolerance.
+    Tolerance(f64),
+    /// Load increments.
+    Increments(usize),
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Change::Points(points) => write!(f, "points = {points}"),
+            Change::Passes(Passes::Both) => f.write_str("passes = both"),
+            Change::Passes(Passes::FirstIsSlave) => f.write_str("passes = first-is-slave"),
+            Change::Passes(Passes::SecondIsSlave) => f.write_str("passes = second-is-slave"),
+            Change::Geometry(Geometry::Reference) => f.write_str("geometry = reference"),
+            Change::Geometry(Geometry::Current) => f.write_str("geometry = current"),
+            Change::Tolerance(tolerance) => write!(f, "tolerance = {tolerance:e}"),
+            Change::Increments(increments) => write!(f, "increments = {increments}"),
+        }
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Name::Label(label) => write!(f, "{label}"),
+            Name::Name(name) => f.write_str(name),
+        }
+    }
+}
+
+/// Names the part that an error is of.
+fn of<T>(part: &str, result: Result<T, contact_fem::Error>) -> Result<T, Error> {
+    result.map_err(|source| Error::Refused {
+        part: part.into(),
+        source: Box::new(source),
+    })
+}
+
+fn vector<const D: usize>(part: &str, key: &str, values: &[f64]) -> Result<[f64; D], Error> {
+    values.try_into().map_err(|_| Error::Part {
+        part: part.into(),
+        what: format!("`{key}` has {} components and needs {D}", values.len()),
+    })
+}
+
+impl SceneFile {
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and as [`SceneFile::parse`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            path: path.into(),
+            source,
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(&text, folder)
+    }
+
+    /// Reads a text whose mesh files are relative to `folder`.
+    ///
+    /// # Errors
+    /// No TOML, an unknown key, a key that is missing, a value of the wrong kind.
+    pub fn parse(text: &str, folder: impl Into<PathBuf>) -> Result<Self, Error> {
+        Ok(SceneFile {
+            folder: folder.into(),
+            keys: toml::from_str(text)?,
+        })
+    }
+
+    /// The dimension of the first body's mesh.
+    ///
+    /// # Errors
+    /// A file without a body, or whose mesh cannot be read.
+    pub fn dimension(&self) -> Result<usize, Error> {
+        let first = self.keys.body.first().ok_or_else(|| Error::Part {
+            part: "the scene".into(),
+            what: "it has no body: add `[[body]]`".into(),
+        })?;
+        let mesh = self.mesh_file(first)?;
+        let kinds = mesh.elements().iter().map(|block| block.kind.dimension());
+        Ok(kinds.max().unwrap_or(0))
+    }
+
+    /// The scene with one thing otherwise.
+    pub fn changed(&self, change: Change) -> Self {
+        let mut file = self.clone();
+        let keys = &mut file.keys;
+        match change {
+            Change::Points(points) => keys.points = Some(points),
+            Change::Passes(passes) => {
+                let passes = match passes {
+                    Passes::Both => PassKeys::Both,
+                    Passes::FirstIsSlave => PassKeys::FirstIsSlave,
+                    Passes::SecondIsSlave => PassKeys::SecondIsSlave,
+                };
+                keys.contact
+                    .iter_mut()
+                    .for_each(|contact| contact.passes = Some(passes));
+            }
+            Change::Geometry(Geometry::Reference) => keys.geometry = Some(Where::Reference),
+            Change::Geometry(Geometry::Current) => keys.geometry = Some(Where::Current),
+            Change::Tolerance(tolerance) => keys.tolerance = Some(tolerance),
+            Change::Increments(increments) => keys.increments = Some(increments),
+        }
+        file
+    }
+
+    fn mesh_file(&self, body: &BodyKeys) -> Result<MeshFile, Error> {
+        let part = format!("body {}", body.name);
+        of(&part, MeshFile::read(self.folder.join(&body.mesh)))
+    }
+
+    /// The scene.
+    ///
+    /// # Errors
+    /// Meshes that cannot be read or have another dimension, bodies and boundaries that there are not, and what
+    /// [`Scene`] refuses.
+    pub fn scene<const D: usize>(&self) -> Result<Scene<D>, Error>
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
+        let mut scene = Scene::new();
+        let mut bodies = Vec::new();
+        for keys in &self.keys.body {
+            bodies.push(scene.add(&keys.name, self.body(keys)?));
+        }
+        let side = |part: &str, (body, name): &(String, Name)| -> Result<Side, Error> {
+            let index = self.keys.body.iter().position(|keys| keys.name == *body);
+            let index = index.ok_or_else(|| Error::Part {
+                part: part.into(),
+                what: format!("there is no body `{body}`"),
+            })?;
+            Ok(bodies[index].on(name.to_string()))
+        };
+        for (k, keys) in self.keys.contact.iter().enumerate() {
+            let part = format!("contact {}", k + 1);
+            let (first, second) = (side(&part, &keys.first)?, side(&part, &keys.second)?);
+            let passes = match keys.passes {
+                None | Some(PassKeys::Both) => Passes::Both,
+                Some(PassKeys::FirstIsSlave) => Passes::FirstIsSlave,
+                Some(PassKeys::SecondIsSlave) => Passes::SecondIsSlave,
+            };
+            of(&part, scene.contact_in_passes(first, second, passes))?;
+        }
+        for keys in &self.keys.obstacle {
+            let part = format!("obstacle {}", keys.name);
+            let shape = match (&keys.half_space, &keys.ball) {
+                (Some(HalfSpace { point, normal }), None) => {
+                    let (point, normal) = (
+                        vector(&part, "point", point)?,
+                        vector(&part, "normal", normal)?,
+                    );
+                    of(&part, Obstacle::half_space(point, normal))?
+                }
+                (None, Some(Ball { centre, radius })) => {
+                    let centre = vector(&part, "centre", centre)?;
+                    of(&part, Obstacle::ball(centre, *radius))?
+                }
+                _ => {
+                    let what = "give it one shape: `half-space` or `ball`".into();
+                    return Err(Error::Part { part, what });
+                }
+            };
+            let Some((first, others)) = keys.on.split_first() else {
+                let what = "`on` is empty: name the boundaries that may touch it".into();
+                return Err(Error::Part { part, what });
+            };
+            let obstacle = scene.obstacle(&keys.name, side(&part, first)?, shape);
+            let obstacle = of(&part, obstacle)?;
+            for other in others {
+                of(&part, scene.contact_obstacle(side(&part, other)?, obstacle))?;
+            }
+        }
+        scene.integration = self.keys.points.map(Integration::Gauss);
+        scene.geometry = self.keys.geometry.map(|geometry| match geometry {
+            Where::Reference => Geometry::Reference,
+            Where::Current => Geometry::Current,
+        });
+        scene.reach = self.keys.reach;
+        Ok(scene)
+    }
+
+    fn body<const D: usize>(&self, keys: &BodyKeys) -> Result<Body<D>, Error>
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
+        let part = format!("body {}", keys.name);
+        let file = self.mesh_file(keys)?;
+        let mesh = match &keys.region {
+            Some(region) => of(&part, file.body::<D>(&region.to_string()))?,
+            None => {
+                let mut all = of(&part, file.bodies::<D>())?;
+                match all.len() {
+                    1 => all.swap_remove(0).1,
+                    _ => {
+                        let names: Vec<String> = all.into_iter().map(|(name, _)| name).collect();
+                        let names = names.join(", ");
+                        let what =
+                            format!("its mesh has the regions {names}: choose one by `region`");
+                        return Err(Error::Part { part, what });
+                    }
+                }
+            }
+        };
+        let mesh = if keys.quadratic {
+            mesh.quadratic()
+        } else {
+            mesh
+        };
+        let (young, poisson) = (keys.young, keys.poisson);
+        let mut body = match (keys.law, keys.share) {
+            (Law::MooneyRivlin, Some(share)) => {
+                Body::new(mesh, of(&part, MooneyRivlin::new(young, poisson, share))?)
+            }
+            (Law::MooneyRivlin, None) => {
+                let what = "the law mooney-rivlin needs `share`".into();
+                return Err(Error::Part { part, what });
+            }
+            (_, Some(_)) => {
+                let what = "`share` is of the law mooney-rivlin: leave it out".into();
+                return Err(Error::Part { part, what });
+            }
+            (Law::LinearElastic, None) => {
+                Body::new(mesh, of(&part, LinearElastic::new(young, poisson))?)
+            }
+            (Law::NeoHookean, None) => Body::new(mesh, of(&part, NeoHookean::new(young, poisson))?),
+            (Law::StVenantKirchhoff, None) => {
+                Body::new(mesh, of(&part, StVenantKirchhoff::new(young, poisson))?)
+            }
+        };
+        for SupportKeys { on, x, y, z } in &keys.supports {
+            if D == 2 && z.is_some() {
+                let what = "a support in the plane has no `z`".into();
+                return Err(Error::Part { part, what });
+            }
+            let all = [*x, *y, *z];
+            let components = std::array::from_fn(|i| all[i]);
+            match on {
+                Some(name) => of(&part, body.prescribe(&name.to_string(), components))?,
+                None => of(&part, body.prescribe_all(components))?,
+            };
+        }
+        for TractionKeys { on, force } in &keys.tractions {
+            let force = vector(&part, "force", force)?;
+            of(&part, body.traction(&on.to_string(), force))?;
+        }
+        if let Some(force) = &keys.body_force {
+            of(&part, body.body_force(vector(&part, "body-force", force)?))?;
+        }
+        Ok(body)
+    }
+
+    /// The run: increments, solver, tolerance.
+    ///
+    /// # Errors
+    /// A tolerance for a solver that has none, departures of another solver than [`Solver::Literal`], increments out of range.
+    pub fn simulation(&self) -> Result<Simulation<Box<dyn Equilibrium>>, Error> {
+        self.simulation_by(self.keys.solver.unwrap_or(Solver::Automatic))
+    }
+
+    /// As [`SceneFile::simulation`], with this solver.
+    ///
+    /// # Errors
+    /// As [`SceneFile::simulation`].
+    pub fn simulation_by(&self, solver: Solver) -> Result<Simulation<Box<dyn Equilibrium>>, Error> {
+        let tolerance = self.keys.tolerance;
+        let departures = self.keys.departures.as_deref().unwrap_or_default();
+        if let (Some(first), true) = (departures.first(), solver != Solver::Literal) {
+            return Err(Error::Part {
+                part: "the scene".into(),
+                what: format!(
+                    "the departure {first:?} has no effect with the solver {solver:?}: leave `departures` out, or take literal"
+                ),
+            });
+        }
+        let boxed: Box<dyn Equilibrium> = match solver {
+            Solver::Automatic => {
+                Box::new(tolerance.map_or_else(Automatic::default, Automatic::with_tolerance))
+            }
+            Solver::Newton => Box::new(
+                tolerance.map_or_else(CondensedNewton::default, CondensedNewton::with_tolerance),
+            ),
+            Solver::Ipopt => {
+                let mut retry = Retry::<InteriorPoint>::default();
+                let own = retry.fixed_point.tolerance;
+                retry.fixed_point.tolerance = tolerance.unwrap_or(own);
+                Box::new(retry)
+            }
+            Solver::Literal => {
+                let mut literal = Literal::default();
+                literal.tolerance = tolerance.unwrap_or(literal.tolerance);
+                literal.goes_on = self.keys.goes_on.unwrap_or(false);
+                let has = |departure| departures.contains(&departure);
+                literal.departures = Departures {
+                    acceleration: has(Departure::Acceleration),
+                    warm_starts: has(Departure::WarmStarts),
+                    units: has(Departure::Units),
+                    guard: has(Departure::Guard),
+                    lift: has(Departure::Lift),
+                };
+                Box::new(literal)
+            }
+            Solver::Condensed => match tolerance {
+                None => Box::new(Condensed::new()),
+                Some(tolerance) => {
+                    return Err(Error::Part {
+                        part: "the scene".into(),
+                        what: format!(
+                            "`tolerance = {tolerance}` has no effect with the solver condensed, which is exact to round-off: leave it out"
+                        ),
+                    });
+                }
+            },
+        };
+        let mut simulation = Simulation::solved_by(boxed, self.keys.increments.unwrap_or(1));
+        if solver == Solver::Literal {
+            simulation.load_steps.predictor = departures.contains(&Departure::Predictor);
+            simulation.load_steps.max_halvings = 0;
+        }
+        simulation
+            .load_steps
+            .validate()
+            .map_err(|why| Error::Part {
+                part: "the scene".into(),
+                what: why.to_string(),
+            })?;
+        Ok(simulation)
+    }
+}

@@ -1,0 +1,343 @@
+//! The program `ipopt-contact` on files: scenes, matrices of a script, fields for one.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use ipopt_contact::contact_fem::freefem::read_array;
+use ipopt_contact::contact_fem::output::compare::{Quantity, Tolerances, compare};
+use ipopt_contact::prelude::*;
+use ipopt_contact::scene_file::SceneFile;
+
+/// An empty folder of a test.
+fn fresh(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("program")
+        .join(name);
+    if folder.exists() {
+        fs::remove_dir_all(&folder).expect("removed");
+    }
+    fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// What FreeFEM 4.9 wrote.
+fn stored() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/script_results/quadratic")
+}
+
+/// The exit code and the output of the program.
+fn program(words: &[&str], paths: &[&Path]) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ipopt-contact"));
+    let output = command.args(words).args(paths).output();
+    let output = output.expect("the program");
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8_lossy(&text).into())
+}
+
+/// The scene of `freefem/two_bodies.edp`, with meshes of this library's beside it.
+const TWO_BODIES: &str = r#"
+points = 4
+
+[[body]]
+name = "lower"
+mesh = "lower.msh"
+quadratic = true
+law = "linear-elastic"
+young = 100
+poisson = 0.3
+supports = [{ on = 1, x = 0, y = 0 }]
+
+[[body]]
+name = "upper"
+mesh = "upper.msh"
+quadratic = true
+law = "linear-elastic"
+young = 200
+poisson = 0.3
+supports = [{ on = 4, x = 0.02, y = -0.02 }]
+
+[[contact]]
+first = ["lower", 4]
+second = ["upper", 1]
+"#;
+
+/// Writes the scene and its meshes.
+fn two_bodies(folder: &Path, text: &str) -> PathBuf {
+    let block = |x: [f64; 2], y: f64, cells: [usize; 2]| {
+        let (across, up) = (
+            linspace(x[0], x[1], cells[0]),
+            linspace(y, y + 1.0, cells[1]),
+        );
+        rectangle(&across, &up, Diagonals::Rising).expect("a mesh")
+    };
+    // labels by name: 1 bottom, 2 left, 3 right, 4 top
+    let [lower, upper] = [
+        block([0.0, 2.0], 0.0, [8, 2]),
+        block([0.5, 1.5], 1.0, [6, 3]),
+    ];
+    lower
+        .save_freefem(folder.join("lower.msh"))
+        .expect("written");
+    upper
+        .save_freefem(folder.join("upper.msh"))
+        .expect("written");
+    let path = folder.join("scene.toml");
+    fs::write(&path, text).expect("written");
+    path
+}
+
+fn tolerances() -> Tolerances {
+    Tolerances {
+        displacement: 1e-8,
+        force: 1e-6,
+        ..Tolerances::all(1e-9)
+    }
+}
+
+/// A scene from a file agrees with the script, from rest and from the script's result; its fields go back to the script's
+/// order.
+#[test]
+fn a_scene_from_a_file_agrees_with_the_script() {
+    let folder = fresh("scene");
+    let scene = two_bodies(&folder, TWO_BODIES);
+    let (out, again) = (folder.join("out"), folder.join("again"));
+    let (code, text) = program(&["run", "--out"], &[&out, &scene]);
+    assert_eq!(code, Some(0), "{text}");
+    let comparison = compare(&out, &stored()).expect("a comparison");
+    assert!(comparison.beyond(&tolerances()).is_empty(), "{comparison}");
+
+    let (code, text) = program(
+        &["run", "--solver", "ipopt", "--start"],
+        &[&stored(), Path::new("--out"), &again, &scene],
+    );
+    assert_eq!(code, Some(0), "{text}");
+    let comparison = compare(&out, &again).expect("a comparison");
+    assert!(
+        comparison.beyond(&Tolerances::all(1e-5)).is_empty(),
+        "{comparison}"
+    );
+
+    let fields = folder.join("fields");
+    let (code, text) = program(
+        &["fields", "--nodes"],
+        &[&stored(), Path::new("--out"), &fields, &out],
+    );
+    assert_eq!(code, Some(0), "{text}");
+    for body in ["lower", "upper"] {
+        let u = read_array(fields.join(format!("u_{body}.txt"))).expect("an array");
+        let theirs = fs::read_to_string(stored().join(format!("displacement_{body}.txt")));
+        let theirs = theirs.expect("a text");
+        let theirs: Vec<f64> = theirs
+            .split_whitespace()
+            .map(|word| word.parse().expect("a number"))
+            .collect();
+        assert_eq!(u.len(), theirs.len());
+        let off = u.iter().zip(&theirs).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-9);
+        let forces = read_array(fields.join(format!("f_{body}.txt"))).expect("an array");
+        let up: f64 = forces.iter().skip(1).step_by(2).sum();
+        assert!((up.abs() - 1.885796324).abs() < 1e-8, "{up}");
+    }
+}
+
+/// The script has 4 points, and the scene the default of quadratic elements.
+#[test]
+fn points_are_found_to_be_the_cause() {
+    let folder = fresh("causes");
+    let scene = two_bodies(&folder, &TWO_BODIES.replace("points = 4", ""));
+    let out = folder.join("out");
+    let (code, text) = program(&["causes", "--out"], &[&out, &scene, &stored()]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(
+        text.contains("\nlikely: points = 4, which leaves"),
+        "{text}"
+    );
+    assert_eq!(text.matches("which leaves").count(), 1, "{text}");
+}
+
+/// The paper's algorithm to the letter, and with each departure, ends where the others do.
+#[test]
+fn the_literal_solver_finds_the_same_equilibrium() {
+    let folder = fresh("literal");
+    let text = TWO_BODIES.replace("linear-elastic", "neo-hookean");
+    let energy = |keys: &str| {
+        let keys = format!("points = 4\ntolerance = 1e-8\n{keys}");
+        let path = two_bodies(&folder, &text.replace("points = 4", &keys));
+        let file = SceneFile::read(&path).expect("a scene file");
+        let scene = file.scene::<2>().expect("a scene");
+        let mut simulation = file.simulation().expect("a simulation");
+        let history = simulation.run(&mut scene.problem().expect("a problem"));
+        let history = history.expect("a run");
+        assert!(history.is_complete(), "{keys}: {:?}", history.run.ending);
+        history.steps[0].energy
+    };
+    let newton = energy("solver = \"newton\"");
+    for departures in [
+        "",
+        "\"acceleration\"",
+        "\"warm-starts\"",
+        "\"units\"",
+        "\"guard\"",
+        "\"lift\", \"predictor\"",
+    ] {
+        let literal = energy(&format!(
+            "solver = \"literal\"\ndepartures = [{departures}]"
+        ));
+        assert!(
+            (literal / newton - 1.0).abs() < 1e-6,
+            "{departures}: {literal} {newton}"
+        );
+    }
+}
+
+/// A start far off gives the same end.
+#[test]
+fn a_guess_is_where_the_first_step_starts() {
+    let folder = fresh("guess");
+    let path = two_bodies(
+        &folder,
+        &TWO_BODIES.replace("linear-elastic", "neo-hookean"),
+    );
+    let file = SceneFile::read(&path).expect("a scene file");
+    let run = |guess: Option<Vec<f64>>| {
+        let scene = file.scene::<2>().expect("a scene");
+        let mut problem = scene.problem().expect("a problem");
+        let mut simulation = file.simulation().expect("a simulation");
+        simulation.load_steps.guess = guess.map(|u| ipopt_contact::contact_core::State {
+            u,
+            ..ipopt_contact::contact_core::State::default()
+        });
+        let history = simulation.run(&mut problem).expect("a run");
+        assert!(history.is_complete());
+        history
+    };
+    let from_rest = run(None);
+    let end = from_rest.run.state.u.clone();
+    let from_end = run(Some(end));
+    let iterations = |history: &History<2>| history.run.cost().outer_iterations;
+    assert!(iterations(&from_end) < iterations(&from_rest));
+    let energy = |history: &History<2>| history.steps[0].energy;
+    assert!((energy(&from_end) / energy(&from_rest) - 1.0).abs() < 1e-12);
+}
+
+/// Two nodes of a body on springs: the first is held, the second pulled down by 3 onto a stop at −1. All are known by hand.
+#[test]
+fn matrices_of_a_script_are_solved() {
+    let folder = fresh("matrices");
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("written");
+    let head = "#  HashMatrix Matrix (COO) 0x1\n#    n       m        nnz     half     fortran   state  \n";
+    let stiffness = "4 4 6 0 0 0 0 \n 0 0 2\n 1 1 2\n 1 3 -2\n 3 1 -2\n 2 2 5\n 3 3 2\n";
+    write("K.txt", &format!("{head}{stiffness}"));
+    write("b.txt", "4\t\n\t0\t0\t-1\t3");
+    write(
+        "C.txt",
+        &format!("{head}3 4 2 0 0 0 0 \n 0 3 0.5\n 2 3 1\n"),
+    );
+    write("c0.txt", "3 0.5 -1 0");
+    // the row without an entry is free, and so is the last one
+    write("clow.txt", "3 0 -1 -1e19");
+    write("low.txt", "4 0 0 -1e19 -1e19");
+    write("high.txt", "4 0 0 1e19 1e19");
+    write("bodies.txt", "pair 2 4\n");
+    write("nodes_pair.txt", "0 1\n0 0\n");
+    let out = folder.join("out");
+    let (code, text) = program(&["solve", "--out"], &[&out, &folder]);
+    assert_eq!(code, Some(0), "{text}");
+    let near = |found: Vec<f64>, known: &[f64]| {
+        assert_eq!(found.len(), known.len());
+        let off = found.iter().zip(known).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-12, "{found:?} {known:?}");
+    };
+    // 5 u = 1; 2 v + 3 = λ/2 at v = −1
+    near(
+        read_array(out.join("u.txt")).expect("an array"),
+        &[0.0, 0.0, 0.2, -1.0],
+    );
+    near(
+        read_array(out.join("lambda.txt")).expect("an array"),
+        &[2.0, 0.0, 0.0],
+    );
+
+    // the same as a script's result
+    let script = folder.join("script");
+    fs::create_dir_all(&script).expect("a folder");
+    let write = |name: &str, text: &str| fs::write(script.join(name), text).expect("written");
+    // ½·5·0.04 − 0.2 + ½·2·1 − 3; the support carries 2
+    write(
+        "result.txt",
+        "energy -2.1\nreaction_pair_x 0\nreaction_pair_y 2\nconverged 1\n",
+    );
+    write("displacement_pair.txt", "0 0\n0.2 -1\n");
+    write("force_pair.txt", "0 0\n0 1\n");
+    write("nodes_pair.txt", "0 1\n0 0\n");
+    let comparison = compare(&out, &script).expect("a comparison");
+    let beyond = comparison.beyond(&Tolerances::all(1e-12));
+    assert!(beyond.is_empty(), "{comparison}");
+    let compared = comparison.rows.iter();
+    let compared = compared.filter(|row| row.relative.is_some());
+    let compared: Vec<Quantity> = compared.map(|row| row.quantity).collect();
+    assert!(compared.contains(&Quantity::ContactForce), "{compared:?}");
+}
+
+#[test]
+fn what_files_lack_is_named() {
+    let folder = fresh("damaged");
+    let out = folder.join("out");
+    let cases = [
+        ("mesh = \"lower.msh\"", "mesh = \"no.msh\"", "no.msh"),
+        ("young = 100", "young = -100", "body lower"),
+        ("young = 100", "yuong = 100", "yuong"),
+        ("on = 1, x", "on = 9, x", "9"),
+        (
+            "first = [\"lower\"",
+            "first = [\"over\"",
+            "there is no body `over`",
+        ),
+        ("y = 0 }", "y = 0, z = 0 }", "no `z`"),
+        ("points = 4", "points = 0", "0"),
+        ("points = 4", "solver = \"magic\"", "magic"),
+        (
+            "points = 4",
+            "solver = \"condensed\"\ntolerance = 1e-3",
+            "leave it out",
+        ),
+        ("points = 4", "points = 4\nincrements = 0", "increment"),
+        ("points = 4", "departures = [\"units\"]", "Units"),
+        ("[[contact]]", "[[contact]", "scene.toml"),
+        (
+            "[[contact]]",
+            "[[obstacle]]\nname = \"o\"\non = [[\"lower\", 4]]\n[[contact]]",
+            "one shape",
+        ),
+        (
+            "[[contact]]",
+            "[[obstacle]]\nname = \"o\"\nball = { centre = [0, 0, 0], radius = 1 }\non = [[\"lower\", 4]]\n[[contact]]",
+            "3 components",
+        ),
+    ];
+    for (sound, damaged, told) in cases {
+        let text = TWO_BODIES.replacen(sound, damaged, 1);
+        assert_ne!(text, TWO_BODIES, "{sound}");
+        let path = two_bodies(&folder, &text);
+        let (code, text) = program(&["run", "--out"], &[&out, &path]);
+        assert_eq!(code, Some(2), "{damaged}: {text}");
+        assert!(text.contains(told), "{damaged}: {text}");
+        assert!(!out.join("summary.json").exists(), "{damaged}");
+    }
+    let nowhere = folder.join("nowhere");
+    for words in [
+        &["run", "--out", "x"][..],
+        &["solve", "--out", "x"],
+        &["fields", "--out", "x", "--nodes", "y"],
+    ] {
+        let (code, text) = program(words, &[&nowhere]);
+        assert_eq!(code, Some(2), "{text}");
+        assert!(!Path::new("x").exists());
+    }
+    let (code, text) = program(&["solve", "--out"], &[&folder, &folder]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("would be overwritten"), "{text}");
+    let (code, text) = program(&["dance"], &[]);
+    assert_eq!(code, Some(2), "{text}");
+}
