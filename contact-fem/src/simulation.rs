@@ -250,7 +250,9 @@ impl<const D: usize> StepRecord<D> {
         let of_obstacles = problem.forces_of_obstacles(&solution.gaps, &solution.lambda);
         let external = External::new(problem, u, (&forces, &of_obstacles));
         let work = done.1 + external.work_since(&done.0);
-        let energy = problem.energy_at(u);
+        let energy = Some(problem.energy_at(u)).filter(|energy| energy.is_finite());
+        // a law that answers otherwise than it did to the solver has no energy here
+        let energy = energy.unwrap_or(solution.energy);
         let stored_energy = external.stored(energy);
         *done = (external, work);
         StepRecord {

@@ -154,8 +154,9 @@ fn energies_that_are_no_numbers_at_the_end() {
                     .expect("run");
                 assert!(history.steps.iter().all(|step| step.energy.is_finite()));
                 if claims(&history) {
-                    // the last evaluations are not used
-                    assert_eq!(history.last().expect("complete").energy, sound);
+                    // the last evaluations are not used; without them, the energy is that of the solver
+                    let energy = history.last().expect("complete").energy;
+                    assert!((energy - sound).abs() <= 1e-12 * sound, "{energy}");
                 }
             }
         }

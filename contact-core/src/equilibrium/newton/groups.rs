@@ -333,7 +333,7 @@ impl CondensedNewton {
             };
             let least = super::least_displacement(problem, scale.length);
             let size = u.iter().fold(least, |size, u| size.max(u.abs()));
-            let bound = self.tolerance.max(CLOSED) * size;
+            let bound = CLOSED * size;
             let mut has_joined = false;
             for rows in [&first, &gaps] {
                 let mut c = vec![0.0; rows.len()];
