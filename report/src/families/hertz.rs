@@ -299,4 +299,15 @@ const CLAIMS: &[Claim] = &[
         degree: 1,
         bound: Bound::Order(0.95),
     },
+    Claim {
+        quantity: "pressure",
+        degree: 1,
+        bound: Bound::Order(0.75),
+    },
+    // orders of quadratic elements follow where the zone ends in its facet
+    Claim {
+        quantity: "pressure",
+        degree: 2,
+        bound: Bound::Finest(0.035),
+    },
 ];

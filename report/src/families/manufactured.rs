@@ -238,15 +238,24 @@ const fn order(quantity: &'static str, degree: usize, order: f64) -> Claim {
 const SMOOTH_CLAIMS: &[Claim] = &[
     order("h1", 1, 0.95),
     order("l2", 1, 1.9),
+    order("pressure", 1, 1.7),
     order("h1", 2, 1.9),
+    order("pressure", 2, 1.9),
 ];
 /// Meshes in space are too coarse for more.
-const SMOOTH_CLAIMS_IN_SPACE: &[Claim] = &[order("h1", 1, 0.95), order("h1", 2, 1.9)];
-const ZONE_CLAIMS_IN_SPACE: &[Claim] = &[order("h1", 1, 0.95)];
+const SMOOTH_CLAIMS_IN_SPACE: &[Claim] = &[
+    order("h1", 1, 0.95),
+    order("pressure", 1, 1.7),
+    order("h1", 2, 1.9),
+    order("pressure", 2, 1.4),
+];
+const ZONE_CLAIMS_IN_SPACE: &[Claim] = &[order("h1", 1, 0.95), order("pressure", 1, 0.9)];
 const ZONE_CLAIMS: &[Claim] = &[
     order("h1", 1, 0.95),
     order("l2", 1, 1.9),
+    order("pressure", 1, 0.9),
     order("h1", 2, 1.45),
+    order("pressure", 2, 0.9),
 ];
 
 /// In the plane: smooth, and with a zone that ends inside.
