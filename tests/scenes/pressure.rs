@@ -7,6 +7,7 @@ use contact_fem::model::{Passes, Problem};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, LinearElastic, Scene, Simulation};
 use ipopt_contact_scenes::ball::{Ball, CONTACT_RADIUS};
+use ipopt_contact_scenes::disc_in_disc;
 use ipopt_contact_scenes::hertz::{Fineness, Hertz};
 use ipopt_contact_scenes::pressure::{error, integral};
 
@@ -182,3 +183,48 @@ fn a_constant_pressure_is_constant() {
         }
     }
 }
+
+/// Disc and ring press on each other with the same force per current length. The stretched ring has half as many nodes there, and
+/// every other node of the disc carries hardly any multiplier.
+#[test]
+fn a_finer_surface_has_the_pressure_of_the_coarser_one() {
+    let roles = disc_in_disc::Roles::default();
+    let scene = disc_in_disc::scene(disc_in_disc::Fineness::scaled(48), roles).expect("a scene");
+    let mut problem = scene.problem().expect("valid scene");
+    let history = Simulation::with_increments(10).run(&mut problem);
+    let solution = history.expect("a run").run.solution.expect("converged");
+    let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda);
+    let now = problem.positions(u);
+    // at x, by surface: force per current length between the nodes beside it
+    let at = |field: &[f64], surface: usize, x: f64| {
+        let of = &problem.surfaces()[surface];
+        let nodes = of.nodes();
+        let mut found = of.facets().filter_map(|facet| {
+            let [a, b] = [facet[0], facet[1]].map(|k| now[nodes[k]]);
+            let t = (x - a[0]) / (b[0] - a[0]);
+            let is_below = a[1] < -DISC_CENTRE && (0.0..1.0).contains(&t);
+            let [A, B] = [facet[0], facet[1]].map(|k| problem.reference()[nodes[k]]);
+            let stretch = (b - a).norm() / (B - A).norm();
+            let p = field[facet[0]] * (1.0 - t) + field[facet[1]] * t;
+            is_below.then_some(p / stretch)
+        });
+        found.next().expect("a facet")
+    };
+    let apart = |fields: &[Vec<f64>]| {
+        let at_place = |k: i32| {
+            let [a, b] = [0, 1].map(|surface| at(&fields[surface], surface, 0.05 * f64::from(k)));
+            (a - b).abs() / (0.5 * (a + b))
+        };
+        (-6..=6).map(at_place).fold(0.0, f64::max)
+    };
+    let recovered = problem.pressures(u, gaps, lambda).expect("pressures");
+    let consistent = problem.consistent_pressures(u, gaps, lambda);
+    let (recovered, consistent) = (apart(&recovered), apart(&consistent.expect("pressures")));
+    assert!(
+        recovered < 0.15 && consistent > 0.5,
+        "{recovered} {consistent}"
+    );
+}
+
+/// The disc's centre is pushed below this depth.
+const DISC_CENTRE: f64 = 1.2;

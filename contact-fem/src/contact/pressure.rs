@@ -25,6 +25,9 @@ pub struct Pressed<'a, const D: usize> {
     pub own: &'a [Vector<D>],
     /// The gaps to the other surface (UL), positive = open; `None` where there is none in reach.
     pub gaps: &'a [Option<f64>],
+    /// The nodes of the other surface that carry a force, with the distance between nodes there (UL); empty where that surface
+    /// does not deform.
+    pub facing: &'a [(Vector<D>, f64)],
     /// E* of the two bodies (UF/UL²): 1/E* = Σ (1 − ν²)/E over those that are not rigid. It is infinite, and gaps do not matter,
     /// if both are.
     pub modulus: f64,
@@ -79,7 +82,48 @@ impl<const D: usize> Pressed<'_, D> {
                 Some(mean - worth.clamp(-LARGEST_ADDITION * size, size))
             })
             .collect();
-        weights.balanced(self, &trial)
+        weights.balanced(self, &self.resolved(trial))
+    }
+
+    /// At the loaded nodes the mean of `trial` with a hat function as wide as those of the other surface at the nearest of its
+    /// loaded nodes: what changes faster is how a fine surface meets the facets of a coarser one. Where nodes of the other
+    /// surface are closer together than the own ones, nothing changes.
+    fn resolved(&self, trial: Vec<Option<f64>>) -> Vec<Option<f64>> {
+        if self.facing.is_empty() {
+            return trial;
+        }
+        let neighbours = self.surface.neighbours();
+        let areas = self.surface.node_areas();
+        let of_node = |(a, own): (usize, &Option<f64>)| {
+            let own = (*own)?;
+            let apart = |(x, _): &&(Vector<D>, f64)| (x - self.x[a]).norm_squared();
+            let nearest = self
+                .facing
+                .iter()
+                .min_by(|one, other| apart(one).total_cmp(&apart(other)));
+            let radius = nearest.map_or(0.0, |(_, spacing)| *spacing);
+            let mut within = vec![(a, 1.0)];
+            let mut next = 0;
+            while let Some(&(b, _)) = within.get(next) {
+                next += 1;
+                for &c in &neighbours[b] {
+                    let weight = 1.0 - (self.x[c] - self.x[a]).norm() / radius;
+                    if weight > 0.0 && !within.iter().any(|(known, _)| *known == c) {
+                        within.push((c, weight));
+                    }
+                }
+            }
+            if within.len() == 1 {
+                return Some(own);
+            }
+            let [mut sum, mut size] = [0.0; 2];
+            for (b, weight) in within {
+                sum += weight * areas[b] * trial[b].unwrap_or(0.0);
+                size += weight * areas[b];
+            }
+            Some(sum / size)
+        };
+        trial.iter().enumerate().map(of_node).collect()
     }
 }
 
@@ -358,9 +402,53 @@ mod tests {
             forces,
             own: forces,
             gaps,
+            facing: &[],
             modulus: 1.0,
         };
         pressed.pressures()
+    }
+
+    /// A surface with nodes at distances 1 whose every other node carries the force of two, on one with nodes at distances 2.
+    #[test]
+    fn what_the_other_surface_cannot_resolve_is_averaged() {
+        let x: Vec<Vector<2>> = (0..=12)
+            .map(|k| Vector::<2>::new(f64::from(k), 0.0))
+            .collect();
+        let surface = polyline(&x);
+        let force = |a: usize| if a % 2 == 0 { 2.0 } else { 1e-3 };
+        let inside = |a: usize| (3..=9).contains(&a);
+        let forces = |a: usize| Vector::<2>::new(0.0, if inside(a) { force(a) } else { 0.0 });
+        let forces: Vec<Vector<2>> = (0..x.len()).map(forces).collect();
+        let at = |spacing: f64| {
+            let facing: Vec<_> = (1..7)
+                .map(|k| (Vector::<2>::new(2.0 * f64::from(k), 0.0), spacing))
+                .collect();
+            let pressed = Pressed {
+                surface: &surface,
+                x: &x,
+                normals: surface.reference_normals(),
+                forces: &forces,
+                own: &forces,
+                gaps: &vec![None; x.len()],
+                facing: &facing,
+                modulus: 1.0,
+            };
+            pressed.pressures()
+        };
+        let own = at(1.0);
+        assert!(own[6] > 1.9 && own[7] < 0.1, "{own:?}");
+        let wider = at(2.0);
+        // by hand: a half of the node and a quarter of each of its neighbours
+        let middle = wider[6];
+        assert!((middle - 1.0005).abs() < 0.05, "{wider:?}");
+        assert!(
+            (4..9).all(|a| (wider[a] - middle).abs() < 1e-2),
+            "{wider:?}"
+        );
+        assert!(
+            (wider.iter().sum::<f64>() - forces.iter().map(|f| f[1]).sum::<f64>()).abs() < 1e-9
+        );
+        assert_eq!(wider[2], 0.0);
     }
 
     fn polyline(x: &[Vector<2>]) -> Surface<2> {

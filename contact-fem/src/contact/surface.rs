@@ -199,6 +199,38 @@ impl<const D: usize> Surface<D> {
         sums.iter().map(|(sum, count)| sum / count).collect()
     }
 
+    /// For each node the mean distance to the next ones on its facets, where the surface's nodes are at `x` (UL).
+    pub fn node_spacings(&self, x: &[Vector<D>]) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.nodes.len()];
+        for facet in self.facets() {
+            for e in 0..D * (D - 1) / 2 {
+                let [a, b] = facet_edge::<D>(e).map(|k| facet[k]);
+                let apart = (x[a] - x[b]).norm() / self.order.degree() as f64;
+                for node in [a, b].into_iter().chain(facet.get(D + e).copied()) {
+                    sums[node] = (sums[node].0 + apart, sums[node].1 + 1.0);
+                }
+            }
+        }
+        sums.iter().map(|(sum, count)| sum / count).collect()
+    }
+
+    /// For each node the others of its facets, without repetition.
+    pub fn neighbours(&self) -> Vec<Vec<usize>> {
+        let mut neighbours = vec![Vec::new(); self.nodes.len()];
+        for facet in self.facets() {
+            for &a in facet {
+                let others = facet.iter().copied().filter(|&b| b != a);
+                let known: &mut Vec<usize> = &mut neighbours[a];
+                known.extend(others);
+            }
+        }
+        for own in &mut neighbours {
+            own.sort_unstable();
+            own.dedup();
+        }
+        neighbours
+    }
+
     /// For each node its share of the reference area (UL in the plane, UL² in space): of the halves of quadratic segments and the
     /// quarters of quadratic triangles, nodes share each equally.
     pub fn node_areas(&self) -> Vec<f64> {

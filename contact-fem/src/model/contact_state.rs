@@ -256,7 +256,19 @@ impl<const D: usize> Problem<D> {
         let own = self.forces_on(surface, rows, is_own);
         let gaps = self.contact.nodal_gaps([index, other], &self.kinematics, u);
         let located = self.contact.located(&self.kinematics, u);
+        let facing = match self.surfaces().get(other) {
+            Some(facing) if other != index && !self.is_rigid(facing) => {
+                let x = facing.gather(&located.x);
+                let spacings = facing.node_spacings(&x);
+                let forces = self.forces_on(facing, rows, is_pair);
+                let nodes = x.into_iter().zip(spacings).zip(forces);
+                let loaded = nodes.filter(|(_, force)| force.norm() > 0.0);
+                loaded.map(|(node, _)| node).collect()
+            }
+            _ => Vec::new(),
+        };
         let pressed = Pressed {
+            facing: &facing,
             surface,
             x: &surface.gather(&located.x),
             normals: located.master(index).normals(),
@@ -279,12 +291,19 @@ impl<const D: usize> Problem<D> {
             let Some(surface) = self.surfaces().get(index) else {
                 return 0.0;
             };
-            let mut dofs = surface.nodes().iter().flat_map(|a| D * a..D * (a + 1));
-            let held = dofs.all(|dof| matches!(self.dofs().get(dof), Dof::Prescribed(_)));
             let modulus = self.body_energies()[surface.body()].contact_modulus();
-            if held { 0.0 } else { modulus.recip() }
+            match self.is_rigid(surface) {
+                true => 0.0,
+                false => modulus.recip(),
+            }
         };
         members.map(compliance).iter().sum::<f64>().recip()
+    }
+
+    /// Whether all nodes of a surface are prescribed.
+    fn is_rigid(&self, surface: &Surface<D>) -> bool {
+        let mut dofs = surface.nodes().iter().flat_map(|a| D * a..D * (a + 1));
+        dofs.all(|dof| matches!(self.dofs().get(dof), Dof::Prescribed(_)))
     }
 
     /// The contact pressure at the nodes of each surface (UF/UL or UF/UL² of reference area, ≥ 0), summed over the pairs of
