@@ -72,7 +72,7 @@ impl<'a, const D: usize> PressurePicture<'a, D> {
         Curves {
             title: "Contact pressure".into(),
             x_label: "length along the surface from the centre of pressure (UL)".into(),
-            y_label: "pressure (UF/UL)".into(),
+            y_label: "pressure, per undeformed length (UF/UL)".into(),
             curves: curves.collect(),
         }
     }
