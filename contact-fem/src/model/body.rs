@@ -13,6 +13,9 @@ use crate::mesh::Mesh;
 use crate::program::{Amplitude, Motion, samples};
 use crate::tensor::{Matrix, Vector, unit_vector};
 
+/// Nodes are in one plane up to this share of the mesh's size.
+const PLANE: f64 = 1e-9;
+
 /// An elastic body: a mesh, a material law, prescribed displacements and loads.
 ///
 /// ```
@@ -100,6 +103,52 @@ impl<const D: usize> Body<D> {
                 what: "support",
             }),
             false => Ok(nodes),
+        }
+    }
+
+    /// Makes a boundary a plane of symmetry, perpendicular to an axis: displacements along that axis are zero on it, and the
+    /// others are free. Model a half or a quarter of the bodies; forces and energies are those of the part.
+    ///
+    /// A quarter of a plate, drawn upwards:
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, rectangle};
+    /// use contact_fem::{Body, LinearElastic};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let grid = [0.0, 0.5, 1.0];
+    /// let plate = rectangle(&grid, &grid, Diagonals::Rising)?;
+    /// let mut plate = Body::new(plate, LinearElastic::new(100.0, 0.3)?);
+    /// plate.symmetry("left")?.symmetry("bottom")?.traction("top", [0.0, 1.0])?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Body::prescribe`], and if the boundary is not in one plane perpendicular to an axis.
+    pub fn symmetry(&mut self, boundary: &str) -> Result<&mut Self, Error> {
+        let nodes = self.supported(boundary)?;
+        let extent = |nodes: &mut dyn Iterator<Item = usize>, i: usize| {
+            let range = nodes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], a| {
+                let x = self.mesh.nodes()[a][i];
+                [low.min(x), high.max(x)]
+            });
+            range[1] - range[0]
+        };
+        let size = (0..D).map(|i| extent(&mut (0..self.mesh.nodes().len()), i));
+        let size = size.fold(0.0, f64::max);
+        let own = (0..D).map(|i| (i, extent(&mut nodes.iter().copied(), i)));
+        let flattest = own.min_by(|a, b| a.1.total_cmp(&b.1));
+        match flattest {
+            Some((axis, thickness)) if thickness <= PLANE * size => {
+                let mut components = [None; D];
+                components[axis] = Some(0.0);
+                self.prescribe_nodes(&nodes, components)
+            }
+            flattest => Err(Error::Setting {
+                name: "thickness of the plane of symmetry",
+                value: flattest.map_or(0.0, |(_, thickness)| thickness),
+                remedy: "name facets in one plane perpendicular to an axis, or turn the mesh so that they are",
+            }),
         }
     }
 
@@ -643,6 +692,37 @@ mod tests {
             square().nodal_force(&[0], [f64::NAN, 0.0]).err(),
         ] {
             assert!(wrong.is_some());
+        }
+    }
+
+    /// A quarter of a plate is drawn as the whole would be: u = σ/E (−ν(1 + ν) X, (1 − ν²) Y) in plane strain.
+    #[test]
+    fn planes_of_symmetry() {
+        let mut quarter = square();
+        let slanted = |X: &Vector<2>| (X[0] - X[1]).abs() < 1e-9;
+        quarter.mesh.name_boundary("corner", |X| X[0] * X[1] < 1e-9);
+        assert!(quarter.symmetry("corner").is_err(), "two sides");
+        assert!(quarter.symmetry("nowhere").is_err());
+        quarter.mesh.name_boundary("slanted", slanted);
+        assert!(quarter.symmetry("slanted").is_err());
+
+        let mesh = rectangle(&[0.0, 0.4, 1.0], &[0.0, 1.0], Diagonals::Rising).expect("mesh");
+        let law = crate::LinearElastic::new(100.0, 0.25).expect("law");
+        let mut quarter = Body::new(mesh, law);
+        let planes = quarter
+            .symmetry("left")
+            .and_then(|body| body.symmetry("bottom"));
+        let drawn = planes.and_then(|body| body.traction("top", [0.0, 2.0]));
+        drawn.expect("named by the generator");
+        let mut scene = crate::Scene::new();
+        scene.add("quarter", quarter);
+        let mut problem = scene.problem().expect("a problem");
+        let history = crate::Simulation::with_increments(1).run(&mut problem);
+        let solution = history.expect("a run").run.solution.expect("a solution");
+        let now = problem.positions(&solution.state.u);
+        for (x, X) in now.iter().zip(problem.reference()) {
+            let exact = Vector::<2>::new(-0.25 * 1.25 * X[0], (1.0 - 0.0625) * X[1]) * 0.02;
+            assert!((x - X - exact).norm() < 1e-12, "{x} from {X}");
         }
     }
 
