@@ -168,7 +168,7 @@ mod tests {
     fn straight_edges_are_those_of_the_linear_mesh() {
         let mesh = sphere(1.0, 2).expect("a ball").quadratic();
         assert!(!mesh.is_curved(1e-12));
-        let curved = mesh.clone().curved("boundary", onto_sphere(1.0));
+        let curved = mesh.clone().curved("surface", onto_sphere(1.0));
         let curved = curved.expect("curved");
         assert!(curved.is_curved(1e-3) && !curved.is_curved(1.0));
         let volume = |mesh: &Mesh<3>| (0..mesh.len()).map(|k| mesh.volume(k)).sum::<f64>();
