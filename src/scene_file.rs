@@ -43,7 +43,7 @@ use contact_core::{
 use contact_fem::element::{Element, P1, P2};
 use contact_fem::model::{Geometry, Integration, Passes, Side};
 use contact_fem::{
-    Body, LinearElastic, MeshFile, MooneyRivlin, NeoHookean, Obstacle, Scene, Simulation,
+    Body, LinearElastic, Mesh, MeshFile, MooneyRivlin, NeoHookean, Obstacle, Scene, Simulation,
     StVenantKirchhoff,
 };
 use serde::Deserialize;
@@ -93,6 +93,8 @@ impl fmt::Debug for Error {
 pub struct SceneFile {
     folder: PathBuf,
     keys: Keys,
+    /// Whether curved sides are made straight.
+    is_straight: bool,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -103,6 +105,8 @@ struct Keys {
     tolerance: Option<f64>,
     departures: Option<Vec<Departure>>,
     goes_on: Option<bool>,
+    max_iterations: Option<usize>,
+    ipopt_tolerance: Option<f64>,
     points: Option<usize>,
     geometry: Option<Where>,
     reach: Option<f64>,
@@ -128,6 +132,19 @@ pub enum Solver {
     Condensed,
     /// Algorithm 2 as a straightforward script has it, see [`Literal`].
     Literal,
+}
+
+/// As in a file.
+impl fmt::Display for Solver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Solver::Automatic => "automatic",
+            Solver::Ipopt => "ipopt",
+            Solver::Newton => "newton",
+            Solver::Condensed => "condensed",
+            Solver::Literal => "literal",
+        })
+    }
 }
 
 /// What the library does and [`Literal`] does not.
@@ -212,8 +229,8 @@ struct TractionKeys {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct ContactKeys {
-    first: (String, Name),
-    second: (String, Name),
+    first: SideKeys,
+    second: SideKeys,
     passes: Option<PassKeys>,
 }
 
@@ -231,7 +248,26 @@ struct ObstacleKeys {
     name: String,
     half_space: Option<HalfSpace>,
     ball: Option<Ball>,
-    on: Vec<(String, Name)>,
+    on: Vec<SideKeys>,
+}
+
+/// A body and one of its boundaries.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "Vec<Name>")]
+struct SideKeys {
+    body: String,
+    boundary: Name,
+}
+
+impl TryFrom<Vec<Name>> for SideKeys {
+    type Error = String;
+
+    fn try_from(names: Vec<Name>) -> Result<Self, String> {
+        match <[Name; 2]>::try_from(names) {
+            Ok([Name::Name(body), boundary]) => Ok(SideKeys { body, boundary }),
+            _ => Err("give the name of a body and one label, as [\"block\", 3]".into()),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -262,6 +298,8 @@ pub enum Change {
     Tolerance(f64),
     /// Load increments.
     Increments(usize),
+    /// Sides of quadratic elements that are straight, as in FreeFEM.
+    Straight,
 }
 
 impl fmt::Display for Change {
@@ -275,6 +313,7 @@ impl fmt::Display for Change {
             Change::Geometry(Geometry::Current) => f.write_str("geometry = current"),
             Change::Tolerance(tolerance) => write!(f, "tolerance = {tolerance:e}"),
             Change::Increments(increments) => write!(f, "increments = {increments}"),
+            Change::Straight => f.write_str("straight sides"),
         }
     }
 }
@@ -326,6 +365,7 @@ impl SceneFile {
         Ok(SceneFile {
             folder: folder.into(),
             keys: toml::from_str(text)?,
+            is_straight: false,
         })
     }
 
@@ -363,8 +403,49 @@ impl SceneFile {
             Change::Geometry(Geometry::Current) => keys.geometry = Some(Where::Current),
             Change::Tolerance(tolerance) => keys.tolerance = Some(tolerance),
             Change::Increments(increments) => keys.increments = Some(increments),
+            Change::Straight => file.is_straight = true,
         }
         file
+    }
+
+    /// The scene to be solved as the paper's script does: by [`Solver::Literal`], with 4 points if the file does not say
+    /// otherwise, in the increments of the file, those that do not converge included unless it has `goes-on = false`.
+    ///
+    /// # Errors
+    /// A file that asks for another solver.
+    pub fn literal(&self) -> Result<Self, Error> {
+        if let Some(solver) = self.keys.solver {
+            if ![Solver::Literal, Solver::Automatic].contains(&solver) {
+                return Err(Error::Part {
+                    part: "the scene".into(),
+                    what: format!(
+                        "its `solver` is {solver}, which is not the script's: leave the key out, or do not ask for literal"
+                    ),
+                });
+            }
+        }
+        let mut file = self.clone();
+        file.keys.solver = Some(Solver::Literal);
+        file.keys.points.get_or_insert(4);
+        file.keys.goes_on.get_or_insert(true);
+        Ok(file)
+    }
+
+    /// Whether a quadratic body has a side that is curved by more than round-off of a file.
+    ///
+    /// # Errors
+    /// As [`SceneFile::scene`].
+    pub fn is_curved<const D: usize>(&self) -> Result<bool, Error>
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
+        for keys in &self.keys.body {
+            if self.mesh::<D>(keys)?.is_curved(1e-9) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     fn mesh_file(&self, body: &BodyKeys) -> Result<MeshFile, Error> {
@@ -387,13 +468,21 @@ impl SceneFile {
         for keys in &self.keys.body {
             bodies.push(scene.add(&keys.name, self.body(keys)?));
         }
-        let side = |part: &str, (body, name): &(String, Name)| -> Result<Side, Error> {
+        let side = |part: &str, SideKeys { body, boundary }: &SideKeys| -> Result<Side, Error> {
             let index = self.keys.body.iter().position(|keys| keys.name == *body);
-            let index = index.ok_or_else(|| Error::Part {
-                part: part.into(),
-                what: format!("there is no body `{body}`"),
+            let index = index.ok_or_else(|| {
+                let names: Vec<&str> = self
+                    .keys
+                    .body
+                    .iter()
+                    .map(|keys| keys.name.as_str())
+                    .collect();
+                Error::Part {
+                    part: part.into(),
+                    what: format!("there is no body `{body}`: there are {names:?}"),
+                }
             })?;
-            Ok(bodies[index].on(name.to_string()))
+            Ok(bodies[index].on(boundary.to_string()))
         };
         for (k, keys) in self.keys.contact.iter().enumerate() {
             let part = format!("contact {}", k + 1);
@@ -443,7 +532,8 @@ impl SceneFile {
         Ok(scene)
     }
 
-    fn body<const D: usize>(&self, keys: &BodyKeys) -> Result<Body<D>, Error>
+    /// The mesh of a body, of the order that the scene asks for.
+    fn mesh<const D: usize>(&self, keys: &BodyKeys) -> Result<Mesh<D>, Error>
     where
         P1: Element<D>,
         P2: Element<D>,
@@ -471,6 +561,24 @@ impl SceneFile {
         } else {
             mesh
         };
+        Ok(match self.is_straight {
+            true => mesh.straight(),
+            false => mesh,
+        })
+    }
+
+    fn body<const D: usize>(&self, keys: &BodyKeys) -> Result<Body<D>, Error>
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
+        let part = format!("body {}", keys.name);
+        // files of fields are called after the body
+        if keys.name.contains(['/', '\\']) {
+            let what = "a name has no `/` or `\\`, since files are called after it".into();
+            return Err(Error::Part { part, what });
+        }
+        let mesh = self.mesh(keys)?;
         let (young, poisson) = (keys.young, keys.poisson);
         let mut body = match (keys.law, keys.share) {
             (Law::MooneyRivlin, Some(share)) => {
@@ -498,6 +606,14 @@ impl SceneFile {
                 return Err(Error::Part { part, what });
             }
             let all = [*x, *y, *z];
+            if all.iter().all(Option::is_none) {
+                let place = match on {
+                    Some(name) => format!("on {name}"),
+                    None => "without `on`".into(),
+                };
+                let what = format!("its support {place} holds nothing: give it x, y or z");
+                return Err(Error::Part { part, what });
+            }
             let components = std::array::from_fn(|i| all[i]);
             match on {
                 Some(name) => of(&part, body.prescribe(&name.to_string(), components))?,
@@ -517,7 +633,7 @@ impl SceneFile {
     /// The run: increments, solver, tolerance.
     ///
     /// # Errors
-    /// A tolerance for a solver that has none, departures of another solver than [`Solver::Literal`], increments out of range.
+    /// A tolerance for a solver that has none, keys of [`Solver::Literal`] for another one, increments out of range.
     pub fn simulation(&self) -> Result<Simulation<Box<dyn Equilibrium>>, Error> {
         self.simulation_by(self.keys.solver.unwrap_or(Solver::Automatic))
     }
@@ -528,12 +644,32 @@ impl SceneFile {
     /// As [`SceneFile::simulation`].
     pub fn simulation_by(&self, solver: Solver) -> Result<Simulation<Box<dyn Equilibrium>>, Error> {
         let tolerance = self.keys.tolerance;
+        let only_literal = [
+            self.keys.goes_on.map(|value| format!("goes-on = {value}")),
+            self.keys
+                .max_iterations
+                .map(|value| format!("max-iterations = {value}")),
+            self.keys
+                .ipopt_tolerance
+                .map(|value| format!("ipopt-tolerance = {value}")),
+        ];
+        if let (Some(key), true) = (
+            only_literal.iter().flatten().next(),
+            solver != Solver::Literal,
+        ) {
+            return Err(Error::Part {
+                part: "the scene".into(),
+                what: format!(
+                    "`{key}` has no effect with the solver {solver}: leave it out, or take literal"
+                ),
+            });
+        }
         let departures = self.keys.departures.as_deref().unwrap_or_default();
         if let (Some(first), true) = (departures.first(), solver != Solver::Literal) {
             return Err(Error::Part {
                 part: "the scene".into(),
                 what: format!(
-                    "the departure {first:?} has no effect with the solver {solver:?}: leave `departures` out, or take literal"
+                    "the departure {first:?} has no effect with the solver {solver}: leave `departures` out, or take literal"
                 ),
             });
         }
@@ -553,7 +689,10 @@ impl SceneFile {
             Solver::Literal => {
                 let mut literal = Literal::default();
                 literal.tolerance = tolerance.unwrap_or(literal.tolerance);
-                literal.goes_on = self.keys.goes_on.unwrap_or(false);
+                literal.goes_on = self.keys.goes_on.unwrap_or(literal.goes_on);
+                literal.max_iterations = self.keys.max_iterations.unwrap_or(literal.max_iterations);
+                literal.ipopt_tolerance =
+                    self.keys.ipopt_tolerance.unwrap_or(literal.ipopt_tolerance);
                 let has = |departure| departures.contains(&departure);
                 literal.departures = Departures {
                     acceleration: has(Departure::Acceleration),
@@ -581,9 +720,9 @@ impl SceneFile {
             simulation.load_steps.predictor = departures.contains(&Departure::Predictor);
             simulation.load_steps.max_halvings = 0;
         }
-        simulation
-            .load_steps
-            .validate()
+        let checked = simulation.solver.validate();
+        checked
+            .and_then(|()| simulation.load_steps.validate())
             .map_err(|why| Error::Part {
                 part: "the scene".into(),
                 what: why.to_string(),

@@ -198,8 +198,12 @@ fn recorded_runs_compare_with_each_other() {
 #[test]
 fn the_program_tells_what_is_beyond() {
     let stored = stored("quadratic");
-    let (code, text) = program(&[&stored, &stored]);
+    let copy = changed("copy", "result.txt", str::to_string);
+    let (code, text) = program(&[&stored, &copy]);
     assert_eq!(code, Some(0), "{text}");
+    let (code, text) = program(&[&stored, &stored]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("the same folder"), "{text}");
     let other = changed("beyond", "result.txt", |text| {
         text.replace("energy 0.0188", "energy 0.0189")
     });
@@ -211,6 +215,81 @@ fn the_program_tells_what_is_beyond() {
     let (code, text) = program(&[&stored, Path::new("nowhere")]);
     assert_eq!(code, Some(2), "{text}");
     assert!(text.contains("nowhere has no result"), "{text}");
+}
+
+/// What a tolerance is given for must be in both results.
+#[test]
+fn what_is_asked_for_is_compared() {
+    let stored = stored("quadratic");
+    let without = changed("without", "result.txt", |text| {
+        text.replace("energy", "enregy")
+    });
+    for body in ["lower", "upper"] {
+        fs::remove_file(without.join(format!("force_{body}.txt"))).expect("removed");
+    }
+    let (code, text) = program(&[&stored, &without]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(
+        text.contains("note: B has keys that are not compared: enregy;"),
+        "{text}"
+    );
+    assert!(
+        text.contains("in one result only: energy; contact force, largest"),
+        "{text}"
+    );
+    for (quantity, told) in [("energy", "energy"), ("force", "contact force, largest")] {
+        let tolerance = format!("--tolerance={quantity}=1");
+        let (code, text) = program(&[&stored, &without, Path::new(&tolerance)]);
+        assert_eq!(code, Some(1), "{text}");
+        let told = format!("not compared, although a tolerance is given: {told}\n");
+        assert!(text.contains(&told), "{text}");
+    }
+}
+
+/// Of a reaction the components that both have are compared.
+#[test]
+fn a_reaction_may_have_one_component() {
+    let only_y = |name: &str, factor: f64| {
+        changed(name, "result.txt", |text| {
+            let line = |line: &str| match line.split_once(' ') {
+                Some(("reaction_lower_x", _)) => String::new(),
+                Some(("reaction_lower_y", y)) => {
+                    let y: f64 = y.trim().parse().expect("a number");
+                    format!("reaction_lower_y {}\n", factor * y)
+                }
+                _ => format!("{line}\n"),
+            };
+            text.lines().map(line).collect()
+        })
+    };
+    let whole = stored("quadratic");
+    let comparison = compare(&whole, &only_y("one", 1.0)).expect("a comparison");
+    let reaction = row(&comparison, Quantity::Reaction);
+    assert_eq!(reaction.body.as_deref(), Some("lower"));
+    assert_eq!((reaction.relative, reaction.a), (Some(0.0), reaction.b));
+    let comparison = compare(&only_y("double", 2.0), &whole).expect("a comparison");
+    let off = row(&comparison, Quantity::Reaction).relative.expect("both");
+    assert!((off - 0.5).abs() < 1e-12, "{off}");
+}
+
+#[test]
+fn forces_of_the_other_sign_are_told() {
+    let turn = |text: &str| -> String {
+        let negative = |word: &str| (-word.parse::<f64>().expect("a number")).to_string();
+        let words = |line: &str| line.split_whitespace().map(negative).collect::<Vec<_>>();
+        text.lines()
+            .map(|line| words(line).join(" ") + "\n")
+            .collect()
+    };
+    let whole = stored("quadratic");
+    let turned = changed("turned", "force_lower.txt", turn);
+    let notes = compare(&whole, &turned).expect("a comparison").notes;
+    assert_eq!(notes, [], "of one body only");
+    let path = turned.join("force_upper.txt");
+    let text = fs::read_to_string(&path).expect("a text");
+    fs::write(&path, turn(&text)).expect("written");
+    let notes = compare(&whole, &turned).expect("a comparison").notes;
+    assert_eq!(notes, [Note::OppositeForces]);
 }
 
 #[test]
@@ -302,7 +381,13 @@ fn sides_that_are_curved_in_one_result_are_told() {
 #[test]
 fn damaged_files_are_named() {
     type Change = fn(&str) -> String;
-    let cases: [(&str, &str, Change, &str); 6] = [
+    let cases: [(&str, &str, Change, &str); 7] = [
+        (
+            "twice",
+            "result.txt",
+            |text| format!("{text}energy 5\n"),
+            "`energy` is there twice",
+        ),
         (
             "energy",
             "result.txt",

@@ -400,3 +400,95 @@ fn results_of_the_disc_in_disc_are_those_asserted() {
         assert!(readme.contains(&told), "{told}");
     }
 }
+
+/// What an include for scripts declares outside of functions: the line without its comment, and the names.
+fn declared(text: &str) -> Vec<String> {
+    let types = [
+        "func", "real", "int", "matrix", "mesh", "mesh3", "string", "bool", "varf", "macro",
+        "NewMacro", "fespace", "border",
+    ];
+    let (mut depth, mut names) = (0, Vec::new());
+    for line in text.lines() {
+        let code = line.split("//").next().unwrap_or_default();
+        let opened = |begin: char, end: char| {
+            code.matches(begin).count() as isize - code.matches(end).count() as isize
+        };
+        let words: Vec<&str> = code
+            .split(|c: char| !c.is_alphanumeric())
+            .filter(|word| !word.is_empty())
+            .collect();
+        let kind = words.first().copied().unwrap_or_default();
+        if depth == 0 && types.contains(&kind) {
+            let is_value = !["func", "macro", "NewMacro", "varf"].contains(&kind);
+            let mut nested = 0;
+            let outside = |c: char| {
+                nested += isize::from("([{".contains(c)) - isize::from(")]}".contains(c));
+                if nested == 0 { c } else { '.' }
+            };
+            let outer: String = code.chars().map(outside).collect();
+            let parts = outer.split(',').take(if is_value { usize::MAX } else { 1 });
+            for (k, part) in parts.enumerate() {
+                let before = part.split(['=', ';', '(']).next().unwrap_or_default();
+                let word = |c: char| !c.is_alphanumeric();
+                let mut words = before.split(word).filter(|word| !word.is_empty());
+                let name = match (k, is_value) {
+                    (0, _) => words.rfind(|word| !types.contains(word)),
+                    _ => words.next(),
+                };
+                names.extend(name.map(String::from));
+            }
+        }
+        depth += opened('{', '}') + opened('(', ')');
+        depth += isize::from(kind == "NewMacro") - isize::from(kind == "EndMacro");
+    }
+    names
+}
+
+/// A script may include any of these files beside its own names.
+#[test]
+fn names_of_includes_have_a_prefix() {
+    let prefixes = [
+        ("beams.idp", "beams", 40),
+        ("beams_results.idp", "beams", 3),
+        ("contact2d.idp", "contact", 10),
+        ("contact3d.idp", "contact", 40),
+        ("contact_result.idp", "contactresult", 8),
+        ("discs.idp", "discs", 10),
+        ("energies.idp", "energy", 10),
+        ("neo_hookean2d.idp", "nh", 40),
+        ("neo_hookean3d.idp", "nh", 40),
+        ("run.idp", "run", 8),
+    ];
+    let files = entries(&root().join("freefem"));
+    let is_include = |path: &&PathBuf| path.extension().is_some_and(|end| end == "idp");
+    assert_eq!(files.iter().filter(is_include).count(), prefixes.len());
+    for (file, prefix, least) in prefixes {
+        let names = declared(&read(Path::new("freefem").join(file)));
+        assert!(names.len() >= least, "{file}: {names:?}");
+        for name in &names {
+            assert!(name.to_lowercase().starts_with(prefix), "{file}: {name}");
+        }
+    }
+    let text = "int a = 1, b[2] = [1, c];\nfunc real e(int f)\n{\n    int g;\n}\nreal[int] h(3); // int i\n";
+    assert_eq!(declared(text), ["a", "b", "e", "h"]);
+}
+
+/// `name#E` in a macro with a parameter E would take the parameter's value.
+#[test]
+fn what_macros_declare_is_none_of_their_parameters() {
+    let text = read("freefem/energies.idp");
+    let mut macros = 0;
+    for part in text.split("NewMacro ").skip(1) {
+        let (head, body) = part.split_once(')').expect("parameters");
+        let (name, parameters) = head.split_once('(').expect("parameters");
+        let parameters: Vec<&str> = parameters.split(", ").collect();
+        let body = body.split("EndMacro").next().unwrap_or_default();
+        for suffix in body.split("name#").skip(1) {
+            let suffix = suffix.split(|c: char| !c.is_alphanumeric()).next();
+            let suffix = suffix.unwrap_or_default();
+            assert!(!parameters.contains(&suffix), "{name}: name#{suffix}");
+        }
+        macros += 1;
+    }
+    assert!(macros >= 6, "{macros}");
+}

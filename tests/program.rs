@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use ipopt_contact::contact_fem::freefem::read_array;
+use ipopt_contact::contact_fem::mesh::generators::onto_sphere;
 use ipopt_contact::contact_fem::output::compare::{Quantity, Tolerances, compare};
 use ipopt_contact::prelude::*;
 use ipopt_contact::scene_file::SceneFile;
@@ -191,6 +192,128 @@ fn the_literal_solver_finds_the_same_equilibrium() {
     }
 }
 
+/// The flag is the solver with the points and the stopping rule of the script.
+#[test]
+fn the_literal_flag_is_the_literal_solver() {
+    let folder = fresh("flag");
+    let text = TWO_BODIES.replace("linear-elastic", "neo-hookean");
+    let keys = "solver = \"literal\"\ngoes-on = true\npoints = 4";
+    let (flag, file) = (folder.join("flag"), folder.join("file"));
+    let path = two_bodies(&folder, &text.replace("points = 4", keys));
+    let (code, told) = program(&["run", "--out"], &[&file, &path]);
+    assert_eq!(code, Some(0), "{told}");
+    let path = two_bodies(&folder, &text.replace("points = 4", ""));
+    let (code, told) = program(&["run", "--literal", "--out"], &[&flag, &path]);
+    assert_eq!(code, Some(0), "{told}");
+    assert!(told.contains("solver: literal"), "{told}");
+    let comparison = compare(&flag, &file).expect("a comparison");
+    for row in &comparison.rows {
+        let is_cost = row.quantity == Quantity::Seconds;
+        assert!(is_cost || row.absolute == Some(0.0), "{comparison}");
+    }
+
+    let (code, told) = program(
+        &["run", "--literal", "--solver=newton", "--out"],
+        &[&flag, &path],
+    );
+    assert_eq!(code, Some(2), "{told}");
+    assert!(told.contains("two solvers"), "{told}");
+    let path = two_bodies(&folder, &text.replace("points = 4", "solver = \"newton\""));
+    let (code, told) = program(&["run", "--literal", "--out"], &[&flag, &path]);
+    assert_eq!(code, Some(2), "{told}");
+    assert!(told.contains("its `solver` is newton"), "{told}");
+}
+
+/// A disc on a line; the result has its sides straight, the scene curved.
+#[test]
+fn straight_sides_are_found_to_be_the_cause() {
+    let folder = fresh("sides");
+    let round = disc(1.0, 16, 4, 0.0).expect("a mesh").quadratic();
+    let curved = round
+        .clone()
+        .curved("boundary", onto_sphere(1.0))
+        .expect("curved");
+    let write = |name: &str, mesh: &Mesh<2>| {
+        let nodes = mesh.nodes().iter().enumerate();
+        let nodes: String = nodes
+            .map(|(k, node)| format!("{} {:e} {:e} 0\n", k + 1, node[0], node[1]))
+            .collect();
+        let line =
+            |nodes: &[usize]| -> String { nodes.iter().map(|k| format!(" {}", k + 1)).collect() };
+        let sides = mesh.boundary("boundary").expect("a boundary");
+        let sides: Vec<String> = sides
+            .iter()
+            .map(|side| format!("8 2 1 1{}", line(side)))
+            .collect();
+        let cells = mesh.cells().map(|cell| format!("9 2 2 2{}", line(cell)));
+        let all: Vec<String> = sides.into_iter().chain(cells).collect();
+        let elements: String = all
+            .iter()
+            .enumerate()
+            .map(|(k, text)| format!("{} {text}\n", k + 1))
+            .collect();
+        let text = format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 1 \"rim\"\n2 2 \"disc\"\n$EndPhysicalNames\n\
+             $Nodes\n{}\n{nodes}$EndNodes\n$Elements\n{}\n{elements}$EndElements\n",
+            mesh.nodes().len(),
+            all.len()
+        );
+        fs::write(folder.join(name), text).expect("written");
+    };
+    write("straight.msh", &round);
+    write("curved.msh", &curved);
+    let scene = |mesh: &str| {
+        let text = format!(
+            r#"
+[[body]]
+name = "disc"
+mesh = "{mesh}.msh"
+law = "linear-elastic"
+young = 100
+poisson = 0.3
+body-force = [0, -0.1]
+supports = [{{ x = 0 }}]
+
+[[obstacle]]
+name = "floor"
+half-space = {{ point = [0, -1], normal = [0, 1] }}
+on = [["disc", "rim"]]
+"#
+        );
+        let path = folder.join(format!("{mesh}.toml"));
+        fs::write(&path, text).expect("written");
+        path
+    };
+    let result = folder.join("result");
+    let (code, text) = program(&["run", "--out"], &[&result, &scene("straight")]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(text.contains("are straight, and turn by up to"), "{text}");
+    let curved = scene("curved");
+    let (code, text) = program(&["run", "--out"], &[&folder.join("own"), &curved]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(!text.contains("are straight"), "{text}");
+    let out = folder.join("out");
+    let (code, text) = program(&["causes", "--out"], &[&out, &curved, &result]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(
+        text.contains("only middles of edges are elsewhere"),
+        "{text}"
+    );
+    let straight = text.lines().find(|line| line.starts_with("straight sides"));
+    let words: Vec<f64> = straight
+        .expect("a row")
+        .split_whitespace()
+        .skip(2)
+        .map(|word| word.parse().expect("a number"))
+        .collect();
+    assert!(words.iter().all(|off| *off < 1e-9), "{words:?}");
+    assert!(
+        text.contains("\nlikely: straight sides, which leaves"),
+        "{text}"
+    );
+    assert!(text.contains("not tried: normals"), "{text}");
+}
+
 /// A start far off gives the same end.
 #[test]
 fn a_guess_is_where_the_first_step_starts() {
@@ -304,6 +427,39 @@ fn what_files_lack_is_named() {
         ),
         ("points = 4", "points = 4\nincrements = 0", "increment"),
         ("points = 4", "departures = [\"units\"]", "Units"),
+        (
+            "points = 4",
+            "goes-on = true",
+            "leave it out, or take literal",
+        ),
+        (
+            "points = 4",
+            "max-iterations = 9",
+            "leave it out, or take literal",
+        ),
+        (
+            "points = 4",
+            "solver = \"literal\"\nmax-iterations = 0",
+            "max_iterations",
+        ),
+        (
+            "points = 4",
+            "solver = \"literal\"\nipopt-tolerance = nan",
+            "ipopt_tolerance",
+        ),
+        ("x = 0.02, y = -0.02", "", "holds nothing"),
+        ("points = 4", "tolerance = -1e-8", "`tolerance`"),
+        (
+            "first = [\"lower\", 4]",
+            "first = [\"lower\", 4, 3]",
+            "a body and one label",
+        ),
+        (
+            "first = [\"lower\", 4]",
+            "first = [4, 4]",
+            "a body and one label",
+        ),
+        ("name = \"upper\"", "name = \"../upper\"", "no `/`"),
         ("[[contact]]", "[[contact]", "scene.toml"),
         (
             "[[contact]]",

@@ -8,7 +8,7 @@ use contact_core::ipopt::{self, OptionValue};
 use contact_core::nlp::{Bounds, Pattern, Structure};
 use contact_core::{
     Acceleration, Automatic, Budget, Condensed, CondensedNewton, Equilibrium, InteriorPoint,
-    Method, PenalizedSlack, Penalty, Retry,
+    Literal, Method, PenalizedSlack, Penalty, Retry,
 };
 use contact_fem::Simulation;
 use contact_fem::output::record::Recording;
@@ -24,6 +24,10 @@ pub struct Options {
     /// How a load increment is solved [default: ipopt with an option that only Ipopt has, else automatic]
     #[arg(long, value_enum)]
     pub solver: Option<Solver>,
+    /// Solve as the paper's script does, step by step: plain, with a cold Ipopt in the user's units, and on from increments
+    /// that do not converge in 30 iterations
+    #[arg(long)]
+    pub literal: bool,
     /// Relative change of the displacement at which an increment has converged, in (0, 1); `condensed` has none
     /// [default: 1e-6 for ipopt, else 1e-8]
     #[arg(long, value_parser = tolerance)]
@@ -135,6 +139,9 @@ impl Options {
         increments: usize,
     ) -> Result<Simulation<Box<dyn Equilibrium>>, Failure> {
         let increments = self.increments.unwrap_or(increments);
+        if self.literal {
+            return self.literal(increments);
+        }
         let solver = match self.solver()? {
             Solver::Ipopt => {
                 let mut retry = fixed_point(self.method()?, self.tolerance);
@@ -148,12 +155,44 @@ impl Options {
             other => other.with_tolerance(self.tolerance),
         };
         let mut simulation = Simulation::solved_by(solver, increments);
-        simulation.load_steps.budget = Budget {
+        simulation.load_steps.budget = self.budget();
+        Ok(simulation)
+    }
+
+    /// The load steps of [`Literal`], which has none of the settings of other solvers but a tolerance.
+    fn literal(&self, increments: usize) -> Result<Simulation<Box<dyn Equilibrium>>, Failure> {
+        let settings = [
+            ("--solver", self.solver.is_some()),
+            ("--method", self.method.is_some()),
+            ("--acceleration", self.acceleration.is_some()),
+            ("--depth", self.depth.is_some()),
+            ("--ipopt", !self.ipopt.is_empty()),
+        ];
+        if let Some((option, _)) = settings.iter().find(|(_, is_given)| *is_given) {
+            return Err(
+                format!("{option} has no effect with --literal: leave one of them out").into(),
+            );
+        }
+        let own = Literal::default();
+        let solver = Literal {
+            tolerance: self.tolerance.unwrap_or(own.tolerance),
+            goes_on: true,
+            ..own
+        };
+        let solver: Box<dyn Equilibrium> = Box::new(solver);
+        let mut simulation = Simulation::solved_by(solver, increments);
+        simulation.load_steps.predictor = false;
+        simulation.load_steps.max_halvings = 0;
+        simulation.load_steps.budget = self.budget();
+        Ok(simulation)
+    }
+
+    fn budget(&self) -> Budget {
+        Budget {
             seconds: self.seconds,
             factorizations: self.factorizations,
             memory: self.memory.map(|megabytes| megabytes * 1_000_000),
-        };
-        Ok(simulation)
+        }
     }
 
     /// The chosen solver: the one given, else Ipopt if an option is given that only Ipopt has.

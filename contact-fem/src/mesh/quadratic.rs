@@ -44,6 +44,33 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
+    /// The mesh with every middle node half way between its corners, as those of FreeFEM's P2; a linear mesh is returned
+    /// unchanged.
+    pub fn straight(mut self) -> Self {
+        if self.order == Order::Quadratic {
+            let edges = &CELL_EDGES[..D * (D + 1) / 2];
+            for cell in self.cells.chunks_exact(D + 1 + edges.len()) {
+                for (&middle, &[a, b]) in cell[D + 1..].iter().zip(edges) {
+                    self.nodes[middle] = (self.nodes[cell[a]] + self.nodes[cell[b]]) * 0.5;
+                }
+            }
+        }
+        self
+    }
+
+    /// Whether an edge is curved: its middle node is off the middle of its corners by more than this share of its length.
+    pub fn is_curved(&self, share: f64) -> bool {
+        let edges = &CELL_EDGES[..D * (D + 1) / 2];
+        self.order == Order::Quadratic
+            && self.cells().any(|cell| {
+                cell[D + 1..].iter().zip(edges).any(|(&middle, &[a, b])| {
+                    let [a, b] = [a, b].map(|corner| self.nodes[cell[corner]]);
+                    let off = (a + b) * 0.5 - self.nodes[middle];
+                    off.norm() > share * (b - a).norm()
+                })
+            })
+    }
+
     /// Curves a boundary: every middle node on it moves to `onto(X)`, usually the closest point of
     /// the curve or surface on which the corners lie.
     ///
@@ -136,6 +163,22 @@ mod tests {
     use super::*;
     use crate::element::{Facet, FacetRule};
     use crate::mesh::generators::{disc, onto_sphere, sphere};
+
+    #[test]
+    fn straight_edges_are_those_of_the_linear_mesh() {
+        let mesh = sphere(1.0, 2).expect("a ball").quadratic();
+        assert!(!mesh.is_curved(1e-12));
+        let curved = mesh.clone().curved("surface", onto_sphere(1.0));
+        let curved = curved.expect("curved");
+        assert!(curved.is_curved(1e-3) && !curved.is_curved(1.0));
+        let volume = |mesh: &Mesh<3>| (0..mesh.len()).map(|k| mesh.volume(k)).sum::<f64>();
+        assert!(volume(&curved) > 1.01 * volume(&mesh));
+        let straight = curved.straight();
+        assert!((volume(&straight) / volume(&mesh) - 1.0).abs() < 1e-14);
+        let off = straight.nodes().iter().zip(mesh.nodes());
+        let off = off.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        assert!(off < 1e-15);
+    }
 
     #[test]
     fn a_curved_disc_has_nearly_the_area_of_the_circle() {

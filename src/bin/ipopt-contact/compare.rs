@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use ipopt_contact::contact_fem::output::compare::{Comparison, Row, Tolerances, compare};
+use ipopt_contact::contact_fem::output::compare::{Comparison, Quantity, Row, Tolerances, compare};
 use ipopt_contact::contact_fem::output::record::print;
 
 /// What the command line asks for.
@@ -11,6 +11,8 @@ use ipopt_contact::contact_fem::output::record::print;
 struct Request {
     folders: [String; 2],
     tolerances: Tolerances,
+    /// The quantities that have a tolerance of their own.
+    asked: Vec<Quantity>,
 }
 
 /// Compares two results and prints the table.
@@ -20,6 +22,7 @@ pub fn command(words: &[String]) -> Result<ExitCode, String> {
 
 fn request(arguments: &[String]) -> Result<Request, String> {
     let (mut folders, mut tolerances) = (Vec::new(), Tolerances::default());
+    let mut asked = Vec::new();
     let mut words = arguments.iter();
     while let Some(word) = words.next() {
         let (name, given) = match word.split_once('=') {
@@ -29,7 +32,7 @@ fn request(arguments: &[String]) -> Result<Request, String> {
         match name {
             "--tolerance" => {
                 let value = given.or_else(|| words.next().cloned());
-                tolerate(&mut tolerances, &value.unwrap_or_default())?;
+                asked.extend(tolerate(&mut tolerances, &value.unwrap_or_default())?);
             }
             _ if name.starts_with('-') => {
                 return Err(format!("compare has no option {name}"));
@@ -42,37 +45,64 @@ fn request(arguments: &[String]) -> Result<Request, String> {
     Ok(Request {
         folders,
         tolerances,
+        asked,
     })
 }
 
-/// Takes `1e-8`, of all quantities, or `force=1e-6`, of one.
-fn tolerate(tolerances: &mut Tolerances, text: &str) -> Result<(), String> {
+/// Takes `1e-8`, of all quantities, or `force=1e-6`, of one, which is returned.
+fn tolerate(tolerances: &mut Tolerances, text: &str) -> Result<Option<Quantity>, String> {
     let (name, number) = match text.split_once('=') {
         Some((name, number)) => (Some(name), number),
         None => (None, text),
     };
-    let value = number.parse().ok().filter(|value: &f64| *value >= 0.0);
+    let value = number.parse().ok();
+    let value = value.filter(|value: &f64| *value >= 0.0 && value.is_finite());
     let value =
-        value.ok_or_else(|| format!("--tolerance needs a number from 0, not `{number}`"))?;
-    match name {
-        None => *tolerances = Tolerances::all(value),
-        Some("energy") => tolerances.energy = value,
-        Some("reaction") => tolerances.reaction = value,
-        Some("displacement") => tolerances.displacement = value,
-        Some("force") => tolerances.force = value,
-        Some("pressure") => tolerances.pressure = value,
-        Some(name) => return Err(format!("there is no quantity {name}")),
-    }
-    Ok(())
+        value.ok_or_else(|| format!("--tolerance needs a finite number from 0, not `{number}`"))?;
+    let (own, quantity) = match name {
+        None => {
+            *tolerances = Tolerances::all(value);
+            return Ok(None);
+        }
+        Some("energy") => (&mut tolerances.energy, Quantity::Energy),
+        Some("reaction") => (&mut tolerances.reaction, Quantity::Reaction),
+        Some("displacement") => (&mut tolerances.displacement, Quantity::Displacement),
+        Some("force") => (&mut tolerances.force, Quantity::ContactForce),
+        Some("pressure") => (&mut tolerances.pressure, Quantity::Pressure),
+        Some(name) => {
+            return Err(format!(
+                "there is no quantity {name}: there are energy, reaction, displacement, force and pressure"
+            ));
+        }
+    };
+    *own = value;
+    Ok(Some(quantity))
 }
 
 fn run(request: Request) -> Result<ExitCode, String> {
     let [a, b] = request.folders.each_ref().map(Path::new);
     let comparison = compare(a, b).map_err(|why| why.to_string())?;
     let beyond = comparison.beyond(&request.tolerances);
-    let verdict = verdict(&comparison, &beyond, &request.tolerances);
+    let mut verdict = verdict(&comparison, &beyond, &request.tolerances);
+    let missing = missing(&comparison, &request.asked);
+    if !missing.is_empty() {
+        let names: Vec<String> = missing.iter().map(ToString::to_string).collect();
+        let names = names.join("; ");
+        verdict += &format!("\nnot compared, although a tolerance is given: {names}");
+    }
     print(format!("{comparison}\n\n{verdict}"));
-    Ok(ExitCode::from(u8::from(!beyond.is_empty())))
+    let within = beyond.is_empty() && missing.is_empty();
+    Ok(ExitCode::from(u8::from(!within)))
+}
+
+/// The quantities asked for that the two results do not share.
+fn missing(comparison: &Comparison, asked: &[Quantity]) -> Vec<Quantity> {
+    let is_compared = |quantity: &Quantity| {
+        let mut rows = comparison.rows.iter();
+        rows.any(|row| row.quantity == *quantity && row.relative.is_some())
+    };
+    let missing = asked.iter().filter(|quantity| !is_compared(quantity));
+    missing.copied().collect()
 }
 
 /// What is beyond its tolerance, and what only one result has.
@@ -111,7 +141,9 @@ mod tests {
         let all = parsed("a b --tolerance 1e-8").expect("a request");
         assert_eq!(all.tolerances, Tolerances::all(1e-8));
         assert_eq!(all.folders, ["a", "b"]);
+        assert_eq!(all.asked, []);
         let one = parsed("--tolerance=1e-8 a --tolerance force=1e-3 b").expect("a request");
+        assert_eq!(one.asked, [Quantity::ContactForce]);
         let force = Tolerances {
             force: 1e-3,
             ..Tolerances::all(1e-8)
@@ -129,6 +161,8 @@ mod tests {
             "a b --tolerance x",
             "a b --tolerance -1",
             "a b --tolerance NaN",
+            "a b --tolerance inf",
+            "a b --tolerance force=inf",
             "a b --tolerance mass=1",
             "a b --colour",
         ] {

@@ -14,8 +14,9 @@ const USAGE: &str = "\
 Contact problems from files, without a line of Rust (docs/freefem.md)
 
 usage:
-  ipopt-contact run SCENE.toml --out DIR [--solver NAME] [--increments N] [--start DIR]
+  ipopt-contact run SCENE.toml --out DIR [--solver NAME] [--literal] [--increments N] [--start DIR]
       Solves the scene in a file and records the run in a folder. It starts from rest, or from the result in a folder.
+      --literal does what the paper's script does: its points, stopping rule and settings of Ipopt, and nothing else.
   ipopt-contact solve DIR --out DIR
       Solves the matrices that a script of FreeFEM has left in a folder.
   ipopt-contact compare A B [--tolerance [QUANTITY=]VALUE]...
@@ -23,8 +24,8 @@ usage:
       relative difference, 1e-6 by default, of all quantities or of one: energy, reaction, displacement, force or
       pressure. Iterations and seconds are shown only.
   ipopt-contact causes SCENE.toml RESULT --out DIR
-      Solves the scene as it is and with one thing otherwise at a time (points, passes, geometry, tolerance, increments),
-      compares each with a result, and tells which change brings them together.
+      Solves the scene as it is and with one thing otherwise at a time (points, passes, geometry, tolerance, increments,
+      straight sides), compares each with a result, and tells which change brings them together.
   ipopt-contact fields RESULT --nodes DIR --out DIR
       Writes the displacements and contact forces of a result for `file >> u[]` in FreeFEM, in the order of the files
       `nodes_BODY.txt` of a folder.
@@ -59,7 +60,8 @@ struct Words {
 }
 
 impl Words {
-    fn parse(words: &[String], known: &[&str]) -> Result<Self, String> {
+    /// `known` have a value each, `flags` have none.
+    fn parse(words: &[String], known: &[&str], flags: &[&str]) -> Result<Self, String> {
         let (mut plain, mut options) = (Vec::new(), Vec::<(String, String)>::new());
         let mut words = words.iter();
         while let Some(word) = words.next() {
@@ -71,13 +73,20 @@ impl Words {
                 Some((name, value)) => (name, Some(value.to_string())),
                 None => (option, None),
             };
-            if !known.contains(&name) {
+            let is_flag = flags.contains(&name);
+            if !known.contains(&name) && !is_flag {
                 return Err(format!("there is no option --{name}\n\n{USAGE}"));
             }
             if options.iter().any(|(other, _)| other == name) {
                 return Err(format!("--{name} is given twice"));
             }
-            let value = given.or_else(|| words.next().cloned());
+            if let (true, Some(value)) = (is_flag, &given) {
+                return Err(format!("--{name} has no value, and `{value}` is given"));
+            }
+            let value = match is_flag {
+                true => Some(String::new()),
+                false => given.or_else(|| words.next().cloned()),
+            };
             let value = value.ok_or_else(|| format!("--{name} needs a value"))?;
             options.push((name.to_string(), value));
         }
@@ -110,7 +119,7 @@ mod tests {
 
     fn parsed(line: &str) -> Result<Words, String> {
         let words: Vec<String> = line.split_whitespace().map(String::from).collect();
-        Words::parse(&words, &["out", "start"])
+        Words::parse(&words, &["out", "start"], &["literal"])
     }
 
     #[test]
@@ -122,7 +131,19 @@ mod tests {
             (Some("a"), Some("b"))
         );
         assert!(words.needed("increments").is_err());
-        for line in ["--out", "--out a --out b", "--colour red"] {
+        let words = parsed("--literal scene.toml").expect("words");
+        assert_eq!(words.only("a scene"), Ok("scene.toml"));
+        assert_eq!(
+            (words.option("literal"), words.option("out")),
+            (Some(""), None)
+        );
+        for line in [
+            "--out",
+            "--out a --out b",
+            "--colour red",
+            "--literal=no",
+            "--literal --literal",
+        ] {
             assert!(parsed(line).is_err(), "{line}");
         }
         assert!(parsed("a b").expect("words").only("a scene").is_err());

@@ -14,13 +14,23 @@ use crate::Words;
 
 /// Solves the scene in a file and records the run.
 pub fn command(words: &[String]) -> Result<ExitCode, String> {
-    let words = Words::parse(words, &["out", "solver", "increments", "start"])?;
+    let known = ["out", "solver", "increments", "start"];
+    let words = Words::parse(words, &known, &["literal"])?;
     let path = words.only("one scene file")?;
     words.needed("out")?;
     let file = SceneFile::read(path).map_err(|why| match why {
         why @ ipopt_contact::scene_file::Error::Read { .. } => why.to_string(),
         why => format!("{path}: {why}"),
     })?;
+    let file = match (words.option("literal"), words.option("solver")) {
+        (Some(_), Some(solver)) => {
+            return Err(format!(
+                "--literal and --solver {solver} name two solvers: leave one out"
+            ));
+        }
+        (Some(_), None) => file.literal().map_err(|why| format!("{path}: {why}"))?,
+        (None, _) => file,
+    };
     match file.dimension().map_err(|why| format!("{path}: {why}"))? {
         2 => run::<2>(path, &file, &words),
         3 => run::<3>(path, &file, &words),
@@ -81,7 +91,10 @@ fn guess<const D: usize>(problem: &Problem<D>, folder: &Path) -> Result<State, S
             .collect(),
     };
     let nodes: Vec<Nodes> = names.map(of_body).collect();
-    let fields = fields_at(folder, D, &nodes).map_err(|why| why.to_string())?;
+    let fields = fields_at(folder, D, &nodes).map_err(|why| {
+        let folder = folder.display();
+        format!("{why} (A is the scene, B the result in {folder})")
+    })?;
     let all = fields.iter().flat_map(|field| &field.displacements);
     let displacements: Vec<SVector<f64, D>> = all.map(|u| SVector::from_fn(|i, _| u[i])).collect();
     let u = problem.unknowns(&displacements);

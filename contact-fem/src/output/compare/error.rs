@@ -17,6 +17,12 @@ pub enum Error {
         /// Which folder.
         folder: PathBuf,
     },
+    /// One folder given twice, whose comparison could not fail.
+    #[error("A and B are the same folder, {folder}: name two results")]
+    Same {
+        /// Which folder.
+        folder: PathBuf,
+    },
     /// A file that is missing or that the system does not read.
     #[error("cannot read {path}: {source}")]
     Unreadable {

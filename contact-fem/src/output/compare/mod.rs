@@ -47,6 +47,9 @@ use std::path::{Path, PathBuf};
 pub use error::Error;
 use outcome::{Fields, Outcome, Point, finite};
 
+/// Contact forces whose sum is below this share of the largest are opposite.
+const OPPOSITE: f64 = 0.1;
+
 /// One of the two results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -75,7 +78,7 @@ pub enum Program {
 pub enum Quantity {
     /// The energy E (UF·UL).
     Energy,
-    /// The reaction on a body (UF), by its length.
+    /// The reaction on a body (UF), by its length; of the components that both results have, if there are such.
     Reaction,
     /// The largest displacement of a node (UL).
     Displacement,
@@ -149,6 +152,15 @@ pub enum Note {
         a: f64,
         /// B's.
         b: f64,
+    },
+    /// The contact forces of one are those of the other with the opposite sign.
+    OppositeForces,
+    /// A script's values that are not compared under these keys.
+    Unknown {
+        /// Whose.
+        side: Side,
+        /// The keys, alphabetically.
+        keys: Vec<String>,
     },
 }
 
@@ -242,9 +254,14 @@ impl Comparison {
 /// Compares the results in two folders.
 ///
 /// # Errors
-/// [`Error`], if a folder has no result, a file is missing, damaged or has numbers that are not finite, or if the two are
-/// not results of the same bodies on the same nodes.
+/// [`Error`], if a folder has no result, a file is missing, damaged or has numbers that are not finite, if both are one
+/// folder, or if the two are not results of the same bodies on the same nodes.
 pub fn compare(a: &Path, b: &Path) -> Result<Comparison, Error> {
+    if let (Ok(of_a), Ok(of_b)) = (a.canonicalize(), b.canonicalize()) {
+        if of_a == of_b {
+            return Err(Error::Same { folder: a.into() });
+        }
+    }
     let (a, b) = (Outcome::read(a)?, Outcome::read(b)?);
     if a.dimension != b.dimension {
         return Err(Error::Dimensions {
@@ -276,8 +293,12 @@ pub fn compare(a: &Path, b: &Path) -> Result<Comparison, Error> {
         scalar(&a, &b, Quantity::Seconds, "seconds_total"),
     ]);
     rows.retain(|row| row.a.is_some() || row.b.is_some());
+    let mut notes = notes(&a, &b);
+    if are_opposite(&pairs) {
+        notes.push(Note::OppositeForces);
+    }
     Ok(Comparison {
-        notes: notes(&a, &b),
+        notes,
         a: source(a),
         b: source(b),
         matching,
@@ -416,13 +437,23 @@ fn reactions(a: &Outcome, b: &Outcome, scale: f64) -> Vec<Row> {
                 Some(body) => format!("reaction_{body}"),
                 None => "reaction".into(),
             };
-            (body, a.vector(&key), b.vector(&key))
+            let (a, b) = (a.vector(&key), b.vector(&key));
+            let both = [0, 1, 2].map(|i| a[i].is_some() && b[i].is_some());
+            let shared = both.contains(&true);
+            let of = |own: [Option<f64>; 3]| {
+                let own = [0, 1, 2].map(|i| own[i].filter(|_| both[i] || !shared));
+                let known = own.iter().any(Option::is_some);
+                known.then(|| own.map(Option::unwrap_or_default))
+            };
+            (body, of(a), of(b), shared)
         })
         .collect();
-    let sizes = pairs.iter().flat_map(|(_, a, b)| [a, b]).flatten();
+    let sizes = pairs.iter().flat_map(|(_, a, b, _)| [a, b]).flatten();
     let largest = sizes.map(length).fold(scale, f64::max);
-    let row = |(body, a, b): (Option<String>, Option<Point>, Option<Point>)| {
-        let off = a.zip(b).map(|(a, b)| length(&minus(&a, &b)));
+    type Pair = (Option<String>, Option<Point>, Option<Point>, bool);
+    let row = |(body, a, b, shared): Pair| {
+        let off = a.zip(b).filter(|_| shared);
+        let off = off.map(|(a, b)| length(&minus(&a, &b)));
         let sizes = [a, b].map(|r| r.as_ref().map(length));
         Row::new(Quantity::Reaction, body, sizes, off, largest)
     };
@@ -532,8 +563,31 @@ fn notes(a: &Outcome, b: &Outcome) -> Vec<Note> {
     };
     let increments = different("increments").map(|(a, b)| Note::Increments { a, b });
     let tolerances = different("tolerance").map(|(a, b)| Note::Tolerances { a, b });
+    let unknown = |side, outcome: &Outcome| {
+        let keys = match outcome.program {
+            Program::Script => script::unknown(outcome),
+            Program::Recorded { .. } => Vec::new(),
+        };
+        (!keys.is_empty()).then_some(Note::Unknown { side, keys })
+    };
+    let unknown = unknown(Side::A, a).into_iter().chain(unknown(Side::B, b));
     let statuses = status(Side::A, a).into_iter().chain(status(Side::B, b));
-    statuses.chain(increments).chain(tolerances).collect()
+    let all = statuses.chain(increments).chain(tolerances).chain(unknown);
+    all.collect()
+}
+
+/// Whether both have contact forces whose sum is small.
+fn are_opposite(pairs: &[(&Fields, Fields)]) -> bool {
+    let forces = pairs.iter().flat_map(|(a, b)| {
+        let both = a.forces.iter().zip(&b.forces);
+        both.flat_map(|(a, b)| a.iter().zip(b))
+    });
+    let (mut size, mut sum) = (0.0_f64, 0.0_f64);
+    for (a, b) in forces {
+        size = size.max(length(a)).max(length(b));
+        sum = sum.max(length(&[0, 1, 2].map(|i| a[i] + b[i])));
+    }
+    sum < OPPOSITE * size
 }
 
 fn length(v: &Point) -> f64 {

@@ -53,13 +53,13 @@ impl Outcome {
         self.values.get(key).copied()
     }
 
-    /// The vector whose components have the keys `NAME_x`, `NAME_y` and `NAME_z`, if all are there.
-    pub(super) fn vector(&self, name: &str) -> Option<Point> {
-        let mut vector = [0.0; 3];
+    /// The components under the keys `NAME_x`, `NAME_y` and `NAME_z`, as far as they are there.
+    pub(super) fn vector(&self, name: &str) -> [Option<f64>; 3] {
+        let mut vector = [None; 3];
         for (value, axis) in vector.iter_mut().zip(AXES).take(self.dimension) {
-            *value = self.value(&format!("{name}_{axis}"))?;
+            *value = self.value(&format!("{name}_{axis}"));
         }
-        Some(vector)
+        vector
     }
 
     pub(super) fn names(&self) -> Vec<String> {

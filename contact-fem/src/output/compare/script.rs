@@ -3,11 +3,21 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::outcome::{Fields, Outcome, Point, finite, malformed, text};
+use super::outcome::{AXES, Fields, Outcome, Point, finite, malformed, text};
 use super::{Error, Nodes, Program};
 
 /// The file of the values, a key and a number a line.
 pub(super) const RESULT: &str = "result.txt";
+
+/// Its keys without a body, but for reactions and `seconds_…`.
+const KEYS: [&str; 6] = [
+    "energy",
+    "increments",
+    "tolerance",
+    "fixed_point_iterations",
+    "ipopt_iterations",
+    "converged",
+];
 
 pub(super) fn read(folder: &Path) -> Result<Outcome, Error> {
     let values = values(&folder.join(RESULT))?;
@@ -39,9 +49,28 @@ fn values(path: &Path) -> Result<BTreeMap<String, f64>, Error> {
         };
         let value = number(path, value.trim())?;
         // a key that nobody asks for may have any value
-        values.insert(key.to_string(), value);
+        if values.insert(key.to_string(), value).is_some() {
+            let why = format!("`{key}` is there twice: let the script begin a new file");
+            return Err(malformed(path, why));
+        }
     }
     Ok(values)
+}
+
+/// The keys of a script's result that nothing reads, without those that docs/freefem.md names.
+pub(super) fn unknown(outcome: &Outcome) -> Vec<String> {
+    let of_body = |key: &str| {
+        let names = outcome
+            .bodies
+            .iter()
+            .map(|body| format!("reaction_{}", body.name));
+        let mut names = names.chain(["reaction".to_string()]);
+        let axes = &AXES[..outcome.dimension];
+        names.any(|name| axes.iter().any(|axis| key == format!("{name}_{axis}")))
+    };
+    let is_known = |key: &str| KEYS.contains(&key) || key.starts_with("seconds_") || of_body(key);
+    let keys = outcome.values.keys();
+    keys.filter(|key| !is_known(key)).cloned().collect()
 }
 
 /// The dimension and the nodes in the files of their places.

@@ -85,6 +85,14 @@ impl Display for Note {
             Note::Unfinished { side, status } => write!(f, "{side}: {status}"),
             Note::Increments { a, b } => write!(f, "{a} increments in A, {b} in B"),
             Note::Tolerances { a, b } => write!(f, "the tolerance is {a:e} in A, {b:e} in B"),
+            Note::OppositeForces => f.write_str(
+                "the contact forces of A and B have opposite signs: they are Cᵀλ, that is -C'*lm of ff-Ipopt",
+            ),
+            Note::Unknown { side, keys } => write!(
+                f,
+                "{side} has keys that are not compared: {}; docs/freefem.md lists those that are",
+                keys.join(", ")
+            ),
         }
     }
 }
