@@ -156,6 +156,27 @@ fn regions_and_labels_of_freefem_are_bodies_and_boundaries() {
     }
 }
 
+/// Their coordinates are in single precision, and as text with six digits.
+#[test]
+#[cfg(feature = "vtk")]
+fn labels_of_vtk_files_are_bodies_and_boundaries() {
+    let same = |name: &str, text: &str| {
+        let (file, text) = (read(name), read(text));
+        assert_eq!(file.format(), Format::Vtu);
+        assert_eq!(file.vertices().len(), text.vertices().len(), "{name}");
+        for (x, y) in file.vertices().iter().zip(text.vertices()) {
+            assert!(
+                (0..3).all(|i| (x[i] - y[i]).abs() <= 6e-7),
+                "{name}: {x:?} {y:?}"
+            );
+        }
+        assert_eq!(labelled(&file), labelled(&text), "{name}");
+    };
+    same("freefem.vtu", "freefem.msh");
+    same("freefem_text.vtu", "freefem.msh");
+    same("freefem_3d.vtu", "freefem_3d.mesh");
+}
+
 /// The field (x², x y) of FreeFEM's P2, whose nodes are told by their coordinates.
 #[test]
 fn nodes_of_freefem_are_found_by_their_places() {
@@ -191,6 +212,24 @@ fn nodes_of_freefem_are_found_by_their_places() {
     assert!(error.to_string().contains("0 nodes are within"), "{error}");
 }
 
+/// All elements with their labels, in order.
+fn labelled(file: &MeshFile) -> Vec<(ElementKind, i64, Vec<usize>)> {
+    let elements = file.elements().iter().flat_map(|elements| {
+        let label = file.groups()[elements.groups[0]].number;
+        let nodes = elements.iter().map(<[usize]>::to_vec);
+        nodes.map(move |mut nodes| {
+            if elements.kind == ElementKind::Segment {
+                // of either direction
+                nodes.sort_unstable();
+            }
+            (elements.kind, label, nodes)
+        })
+    });
+    let mut elements: Vec<_> = elements.collect();
+    elements.sort();
+    elements
+}
+
 /// Files of FreeFEM and of libMeshb, which was given the text.
 #[test]
 fn binary_files_of_medit_hold_what_the_text_holds() {
@@ -209,16 +248,6 @@ fn binary_files_of_medit_hold_what_the_text_holds() {
             let is_close = |i: usize| (x[i] - y[i]).abs() <= round_off;
             assert!((0..3).all(is_close), "{binary}: {x:?} {y:?}");
         }
-        let labelled = |file: &MeshFile| {
-            let elements = file.elements().iter().flat_map(|elements| {
-                let label = file.groups()[elements.groups[0]].number;
-                let nodes = elements.iter().map(<[usize]>::to_vec);
-                nodes.map(move |nodes| (elements.kind, label, nodes))
-            });
-            let mut elements: Vec<_> = elements.collect();
-            elements.sort();
-            elements
-        };
         assert_eq!(labelled(&file), labelled(&text), "{binary}");
     }
 }
@@ -273,7 +302,7 @@ fn line_ends_byte_order_marks_and_comments_do_not_matter() {
         let comment = match file.format() {
             Format::Gmsh41 | Format::Gmsh22 => "$Comments\nNodes, $Nodes and é\n$EndComments\n",
             Format::Medit => "# comment\n",
-            Format::FreeFem => "",
+            Format::FreeFem | Format::Vtu => "",
         };
         let variants = [
             text.replace('\n', "\r\n"),

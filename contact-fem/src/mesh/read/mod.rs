@@ -1,5 +1,5 @@
 //! Mesh files of Gmsh (MSH 4.1 and 2.2, text and binary), Medit (`.mesh`, and `.meshb` in binary;
-//! FreeFEM writes both) and FreeFEM (`.msh` in the plane).
+//! FreeFEM writes both), FreeFEM (`.msh` in the plane) and, with the feature `vtk`, VTK (`.vtu`).
 //!
 //! A [`MeshFile`] has the contents of a file in any of these formats; [`MeshFile::bodies`] builds
 //! meshes from it. Invalid contents are rejected as [`Error::MeshFile`] with the line and the
@@ -26,6 +26,8 @@ mod kind;
 mod medit;
 mod parts;
 mod problem;
+#[cfg(feature = "vtk")]
+mod vtu;
 
 use std::path::{Path, PathBuf};
 
@@ -56,6 +58,8 @@ pub enum Format {
     Medit,
     /// FreeFEM's `.msh` in the plane.
     FreeFem,
+    /// VTK's `.vtu`.
+    Vtu,
 }
 
 /// A group of elements: a physical group of Gmsh, or all elements with one label.
@@ -178,6 +182,16 @@ fn contents(bytes: &[u8]) -> Result<(Format, Contents), Fault> {
     }
     if freefem::recognised(start) {
         return Ok((Format::FreeFem, freefem::read(bytes)?));
+    }
+    if start.starts_with(b"<?xml") || start.starts_with(b"<VTKFile") {
+        #[cfg(feature = "vtk")]
+        return Ok((Format::Vtu, vtu::read(start)?));
+        #[cfg(not(feature = "vtk"))]
+        return Err(Problem::Unsupported {
+            found: "a VTK file".to_string(),
+            remedy: "build contact-fem with the feature `vtk`",
+        }
+        .into());
     }
     let start = excerpt(start);
     Err(Problem::UnknownFormat { start }.into())

@@ -38,8 +38,8 @@ pub enum Problem {
     Empty,
     /// A format other than the supported ones.
     #[error(
-        "begins with `{start}`: this is no Gmsh MSH, Medit .mesh or .meshb or FreeFEM .msh file; export one \
-         of these"
+        "begins with `{start}`: this is no Gmsh MSH, Medit .mesh or .meshb, FreeFEM .msh or VTK .vtu file; \
+         export one of these"
     )]
     UnknownFormat {
         /// The beginning of the file.
