@@ -105,7 +105,7 @@ impl Stop {
     }
 
     /// The memory that the budgets allow (bytes).
-    #[cfg(feature = "linear")]
+    #[cfg(all(feature = "linear", feature = "ipopt"))]
     pub(crate) fn memory(&self) -> Option<u64> {
         let budgets = self.accounts.iter().map(|account| &account.budget);
         budgets.filter_map(|budget| budget.memory).min()

@@ -80,6 +80,7 @@ impl<'a> Journal<'a> {
     }
 
     /// Lets iterates that come back go on to the limit.
+    #[cfg(feature = "ipopt")]
     pub fn ignore_cycles(&mut self) {
         self.cycles = None;
     }
