@@ -355,7 +355,8 @@ impl<N: Nlp> Nlp for Large<N> {
     }
 }
 
-/// There is nothing to approximate by differences. Where there are constraints Ipopt would crash.
+/// There is nothing to approximate by differences. Where there are constraints Ipopt would crash, and where fixed variables become
+/// some.
 #[test]
 fn differences_for_a_jacobian_without_entries() {
     in_a_child("differences_for_a_jacobian_without_entries", || {
@@ -373,12 +374,27 @@ fn differences_for_a_jacobian_without_entries() {
                         continue;
                     }
                 };
+                assert_eq!(m, 0);
                 let solution = solver
                     .solve(&mut { FIXED }, &Start::at(&[1.0, 1.0]))
                     .unwrap();
                 assert_eq!(solution.status, Status::Solved, "{m}");
             }
         }
+        let variables = Bounds {
+            lower: vec![0.0, 2.0],
+            upper: vec![1.0, 2.0],
+        };
+        let hessian = Some(Pattern::diagonal(2));
+        let structure = Structure::new(variables, Bounds::default(), Pattern::empty(), hessian);
+        let options = Options::new()
+            .with("fixed_variable_treatment", "make_constraint")
+            .with("jacobian_approximation", "finite-difference-values");
+        let refused = Solver::new(structure.unwrap(), &options).unwrap_err();
+        assert!(
+            refused.to_string().contains("jacobian_approximation"),
+            "{refused}"
+        );
     });
 }
 

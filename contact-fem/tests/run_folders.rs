@@ -250,7 +250,7 @@ fn only_files_of_an_earlier_run_are_removed() {
     let mut expected: Vec<&str> = mine.to_vec();
     expected.extend(["run.lock", "second.csv", "second.pvd", "second_0000.vtu"]);
     expected.extend(["second_0001.vtu", "second_iterations.csv", "summary.json"]);
-    expected.extend(["second_pairs.csv", "second_supports.csv"]);
+    expected.extend(["second_pairs.csv", "second_supports.csv", "second_work.csv"]);
     expected.sort_unstable();
     assert_eq!(found.keys().collect::<Vec<_>>(), expected);
     assert!(mine.iter().all(|name| found[*name] == b"mine"));

@@ -218,6 +218,21 @@ fn a_finer_surface_has_the_pressure_of_the_coarser_one() {
         (-6..=6).map(at_place).fold(0.0, f64::max)
     };
     let recovered = problem.pressures(u, gaps, lambda).expect("pressures");
+    // −∫ p n ds over the undeformed lengths is the force on each, though forces are along normals of the other
+    let forces = problem.contact_forces(gaps, lambda);
+    for (surface, field) in problem.surfaces().iter().zip(&recovered) {
+        let nodes = surface.nodes();
+        let mut sum = 0.0;
+        for facet in surface.facets() {
+            let [a, b] = [facet[0], facet[1]].map(|k| now[nodes[k]]);
+            let [A, B] = [facet[0], facet[1]].map(|k| problem.reference()[nodes[k]]);
+            // outward normals of segments are on their right
+            let upward = (a - b)[0] / (b - a).norm();
+            sum -= upward * (B - A).norm() * 0.5 * (field[facet[0]] + field[facet[1]]);
+        }
+        let force: f64 = nodes.iter().map(|&a| forces[a][1]).sum();
+        assert!(relative(sum, force) < 1e-6, "{sum} for {force}");
+    }
     let consistent = problem.consistent_pressures(u, gaps, lambda);
     let (recovered, consistent) = (apart(&recovered), apart(&consistent.expect("pressures")));
     assert!(

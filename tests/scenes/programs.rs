@@ -71,10 +71,10 @@ fn load_and_unload_return_to_the_start() {
     assert!(back.stored_energy.abs() < 1e-9 * pressed.stored_energy);
     // the way back costs what the way there did
     assert!(
-        back.work.abs() < 1e-9 * pressed.work,
+        back.work().abs() < 1e-9 * pressed.work(),
         "{} {}",
-        back.work,
-        pressed.work
+        back.work(),
+        pressed.work()
     );
     // a start on the line through two states would go on down where the motion turns
     let turn = history.run.attempts.iter().find(|a| a.phase == "pull back");
@@ -106,7 +106,7 @@ fn press_then_slide() {
             "{now} for {force}"
         );
         assert!((step.reaction(block) - force).norm() < 1e-9 * force.norm());
-        assert!((step.work - pressed.work).abs() < 1e-9 * pressed.work);
+        assert!((step.work() - pressed.work()).abs() < 1e-9 * pressed.work());
     }
     let top = problem.displacements(&history.run.state.u)[problem.reference().len() - 1];
     assert_eq!([top[0], top[1]], [4.0, -0.1]);
@@ -151,7 +151,7 @@ fn an_edge_is_turned_by_one_radian() {
     // the work of the support is what the bar stores, to the order of the step
     let lost = |history: &History<2>| {
         let last = history.last().expect("a step");
-        (last.work - last.stored_energy) / last.stored_energy
+        (last.work() - last.stored_energy) / last.stored_energy
     };
     let finer = Simulation::with_increments(10)
         .run(&mut problem)
@@ -192,7 +192,7 @@ fn a_turn_with_an_obstacle_costs_nothing() {
         let change = (step.stored_energy - pressed.stored_energy) / pressed.stored_energy;
         assert!(change.abs() < 1e-8, "{change:e} at {}", step.factor);
         // what the solver leaves of the forces goes a long way
-        let work = (step.work - pressed.work) / pressed.work;
+        let work = (step.work() - pressed.work()) / pressed.work();
         assert!(work.abs() < 1e-7, "{work:e} at {}", step.factor);
         let (sin, cos) = (full * (step.factor - 1.0)).sin_cos();
         let turned = [
@@ -250,7 +250,7 @@ fn a_tool_moves_over_a_heavy_block() {
         );
         let pressed = &history.steps[6 * steps - 1];
         assert_eq!((pressed.factor, pressed.phase()), (2.0, "press"));
-        [pressed, last].map(|step| (step.work - step.stored_energy) / step.stored_energy)
+        [pressed, last].map(|step| (step.work() - step.stored_energy) / step.stored_energy)
     };
     let ([coarse, coarse_moved], [fine, fine_moved]) = (run(1), run(2));
     assert!(

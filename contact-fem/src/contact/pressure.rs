@@ -4,6 +4,8 @@ use contact_core::linear::{
     Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern,
 };
 use nalgebra::{SMatrix, SVector};
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 
 use super::surface::Surface;
 use crate::element::{FacetRule, facet_edge, facet_shapes};
@@ -45,6 +47,8 @@ const UNLOADED: f64 = 1e-6;
 /// Rigid motions that move the loaded nodes along their normals by less than this share of what others do leave no trace in the
 /// pressure.
 const TANGENTIAL: f64 = 1e-2;
+/// What forces have more than their components along the normals is borne along each motion up to this share of those.
+const OBLIQUE: f64 = 0.25;
 /// Iterations for the resultants; most take one or two.
 const ITERATIONS: usize = 60;
 /// Iterations of the singular value decomposition of a 6 × 6 matrix; it takes some 10.
@@ -56,8 +60,9 @@ type Motion = SVector<f64, 6>;
 impl<const D: usize> Pressed<'_, D> {
     /// The pressure at the nodes (UF/UL or UF/UL² of reference area). It is nowhere negative, and zero at nodes without a
     /// contact force. If the forces are those of a constant pressure and the surfaces touch, it is that one. Its own nodal
-    /// forces, p_a ∫ N_a n ds, have the resultant and the moment of the forces' components along the normals. The resultant is also that
-    /// of the field interpolated by the facets' shape functions N.
+    /// forces, p_a ∫ N_a n ds, have the resultant and the moment of the forces, except where only tangential forces could: a shallow cap
+    /// bears nothing in its plane, and an arc no moment about its centre. The resultant is also that of the field interpolated by
+    /// the facets' shape functions N. A node whose force or gap is no number has a pressure that is none.
     ///
     /// p = max(0, p̄ − r g + m): p̄ is the mean of the pressure with each test function, r g what the gap of the node is worth, and m
     /// the normal component of one rigid motion of the whole surface, chosen for resultant and moment.
@@ -65,13 +70,17 @@ impl<const D: usize> Pressed<'_, D> {
         let weights = Weights::new(self);
         let means = weights.means(self, self.forces);
         let own = weights.means(self, self.own);
-        let largest = means.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+        let finite = means.iter().filter(|mean| mean.is_finite());
+        let largest = finite.fold(0.0, |m: f64, t| m.max(t.abs()));
         let sizes = self.surface.node_sizes();
         let degree = self.surface.order().degree() as f64;
         let trial: Vec<Option<f64>> = (0..means.len())
             .map(|a| {
                 let mean = means[a];
-                if !(mean.abs() > UNLOADED * largest) {
+                if !mean.is_finite() {
+                    return Some(f64::NAN);
+                }
+                if mean.abs() <= UNLOADED * largest {
                     return None;
                 }
                 let gap = self.gaps[a].filter(|_| self.modulus.is_finite());
@@ -85,41 +94,50 @@ impl<const D: usize> Pressed<'_, D> {
         weights.balanced(self, &self.resolved(trial))
     }
 
-    /// At the loaded nodes the mean of `trial` with a hat function as wide as those of the other surface at the nearest of its
-    /// loaded nodes: what changes faster is how a fine surface meets the facets of a coarser one. Where nodes of the other
-    /// surface are closer together than the own ones, nothing changes.
+    /// At the loaded nodes the mean of `trial` over the loaded nodes around, with a hat function as wide as those of the other
+    /// surface at the nearest of its loaded nodes: what changes faster is how a fine surface meets the facets of a coarser one.
+    /// Where nodes of the other surface are closer together than the own ones, nothing changes; neither does a constant.
     fn resolved(&self, trial: Vec<Option<f64>>) -> Vec<Option<f64>> {
-        if self.facing.is_empty() {
+        let facing = self.facing.iter();
+        let facing = facing.filter(|(x, _)| x.iter().all(|x| x.is_finite()));
+        let facing: Vec<GeomWithData<[f64; D], f64>> = facing
+            .map(|(x, spacing)| GeomWithData::new((*x).into(), *spacing))
+            .collect();
+        if facing.is_empty() {
             return trial;
         }
+        let facing = RTree::bulk_load(facing);
         let neighbours = self.surface.neighbours();
         let areas = self.surface.node_areas();
+        let mut seen_from = vec![usize::MAX; trial.len()];
+        let mut within = Vec::new();
         let of_node = |(a, own): (usize, &Option<f64>)| {
             let own = (*own)?;
-            let apart = |(x, _): &&(Vector<D>, f64)| (x - self.x[a]).norm_squared();
-            let nearest = self
-                .facing
-                .iter()
-                .min_by(|one, other| apart(one).total_cmp(&apart(other)));
-            let radius = nearest.map_or(0.0, |(_, spacing)| *spacing);
-            let mut within = vec![(a, 1.0)];
+            let nearest = facing.nearest_neighbor(self.x[a].into());
+            let radius = nearest.map_or(0.0, |node| node.data);
+            within.clear();
+            within.push((a, 1.0));
+            seen_from[a] = a;
             let mut next = 0;
             while let Some(&(b, _)) = within.get(next) {
                 next += 1;
                 for &c in &neighbours[b] {
                     let weight = 1.0 - (self.x[c] - self.x[a]).norm() / radius;
-                    if weight > 0.0 && !within.iter().any(|(known, _)| *known == c) {
+                    if weight > 0.0 && seen_from[c] != a {
+                        seen_from[c] = a;
                         within.push((c, weight));
                     }
                 }
             }
-            if within.len() == 1 {
+            if within.len() == 1 || !own.is_finite() {
                 return Some(own);
             }
             let [mut sum, mut size] = [0.0; 2];
-            for (b, weight) in within {
-                sum += weight * areas[b] * trial[b].unwrap_or(0.0);
-                size += weight * areas[b];
+            for &(b, weight) in &within {
+                if let Some(trial) = trial[b].filter(|trial| trial.is_finite()) {
+                    sum += weight * areas[b] * trial;
+                    size += weight * areas[b];
+                }
             }
             Some(sum / size)
         };
@@ -179,7 +197,8 @@ impl<const D: usize> Weights<D> {
         }
         let mut means = vec![0.0; count];
         for (a, test) in self.tests.iter().enumerate() {
-            if let Some(row) = *test {
+            // a fold without a force has no pressure, whatever its area
+            if let Some(row) = test.filter(|&row| force[row].norm() != 0.0) {
                 let n = &self.normals[a];
                 means[row] = -force[row].dot(n) / area[row].dot(n);
             }
@@ -217,13 +236,15 @@ impl<const D: usize> Weights<D> {
     }
 
     /// max(0, `trial` + m) at the loaded nodes, m being a rigid motion's normal components, with the resultant and the
-    /// moment of the forces along the normals. It is found by Newton's method in the motion.
+    /// moment of the forces, unless these are mostly tangential. It is found by Newton's method in the motion.
     fn balanced(&self, of: &Pressed<'_, D>, trial: &[Option<f64>]) -> Vec<f64> {
-        let magnitude: Vec<f64> = of.forces.iter().map(Vector::norm).collect();
-        let total: f64 = magnitude.iter().sum();
-        if !(total > 0.0) {
-            return vec![0.0; trial.len()];
-        }
+        let finite = |f: &Vector<D>| match f.iter().all(|f| f.is_finite()) {
+            true => *f,
+            false => Vector::zeros(),
+        };
+        let forces: Vec<Vector<D>> = of.forces.iter().map(finite).collect();
+        let magnitude: Vec<f64> = forces.iter().map(Vector::norm).collect();
+        let total = magnitude.iter().sum::<f64>().max(f64::MIN_POSITIVE);
         let weighted = |of_node: &dyn Fn(usize) -> f64| -> f64 {
             let nodes = magnitude.iter().enumerate();
             nodes.map(|(a, f)| f * of_node(a)).sum::<f64>() / total
@@ -235,22 +256,25 @@ impl<const D: usize> Weights<D> {
         let nodes = 0..trial.len();
         let along: Vec<Motion> = nodes.clone().map(|a| motion(a, &self.normals[a])).collect();
         let weight: Vec<Motion> = nodes.clone().map(|a| motion(a, &self.areas[a])).collect();
-        let wanted: Motion = nodes
-            .map(|a| motion(a, &self.normals[a]) * -of.forces[a].dot(&self.normals[a]))
+        let whole: Motion = nodes.clone().map(|a| motion(a, &-forces[a])).sum();
+        let normal: Motion = nodes
+            .map(|a| along[a] * -forces[a].dot(&self.normals[a]))
             .sum();
         let mut shift = Motion::zeros();
         let at = |shift: &Motion| -> Vec<f64> {
             let nodes = trial.iter().zip(&along);
-            let pressure = |(trial, along): (&Option<f64>, &Motion)| {
-                trial.map_or(0.0, |trial| (trial + along.dot(shift)).max(0.0))
+            let pressure = |(trial, along): (&Option<f64>, &Motion)| match trial {
+                Some(trial) if trial.is_finite() => (trial + along.dot(shift)).max(0.0),
+                Some(_) => f64::NAN,
+                None => 0.0,
             };
             nodes.map(pressure).collect()
         };
         for iteration in 0..ITERATIONS {
             let pressures = at(&shift);
-            let (mut left, mut slope) = (wanted, SMatrix::<f64, 6, 6>::zeros());
+            let (mut field, mut slope) = (Motion::zeros(), SMatrix::<f64, 6, 6>::zeros());
             for (a, p) in pressures.iter().enumerate().filter(|(_, p)| **p > 0.0) {
-                left -= weight[a] * *p;
+                field += weight[a] * *p;
                 slope += weight[a] * along[a].transpose();
             }
             // without end on numbers that are not finite
@@ -266,12 +290,15 @@ impl<const D: usize> Weights<D> {
             let mut reachable = Motion::zeros();
             for (k, &value) in svd.singular_values.iter().enumerate() {
                 if value > TANGENTIAL * largest {
-                    let component = U.column(k).dot(&left);
+                    let along = |m: &Motion| U.column(k).dot(m);
+                    let most = OBLIQUE * along(&normal).abs();
+                    let oblique = along(&(whole - normal)).max(-most).min(most);
+                    let component = along(&(normal - field)) + oblique;
                     reachable[k] = component;
                     change += V.row(k).transpose() * (component / value);
                 }
             }
-            if !(reachable.norm() > 1e-12 * wanted.norm()) {
+            if !(reachable.norm() > 1e-12 * whole.norm()) {
                 break;
             }
             // a cycle of nodes that are loaded in turn is broken by shorter steps
@@ -473,6 +500,77 @@ mod tests {
         }
         let none = recovered(&surface, &[Vector::zeros(); 5], &[None; 5]);
         assert_eq!(none, [0.0; 5]);
+    }
+
+    /// The force of one node is no number: its pressure is none, too, and those of others are what they are.
+    #[test]
+    fn a_force_that_is_no_number() {
+        let x: Vec<Vector<2>> = (0..=6)
+            .map(|k| Vector::<2>::new(f64::from(k), 0.0))
+            .collect();
+        let surface = polyline(&x);
+        let force = |k: usize| match k {
+            1 => f64::NAN,
+            3..=5 => 2.0,
+            _ => 0.0,
+        };
+        let forces: Vec<_> = (0..7).map(|k| Vector::<2>::new(0.0, force(k))).collect();
+        let p = recovered(&surface, &forces, &[None; 7]);
+        let expected = [0.0, f64::NAN, 0.0, 2.0, 2.0, 2.0, 0.0];
+        for (p, expected) in p.iter().zip(expected) {
+            assert!((p - expected).abs() < 1e-12 || p.is_nan() && expected.is_nan());
+        }
+    }
+
+    /// A constant pressure over a part of a fine surface: facets of the other one that are four times as large leave it what it is.
+    #[test]
+    fn a_constant_pressure_on_a_part_stays_constant() {
+        let x: Vec<Vector<2>> = (0..=20)
+            .map(|k| Vector::<2>::new(f64::from(k), 0.0))
+            .collect();
+        let surface = polyline(&x);
+        let inside = |a: usize| (5..=15).contains(&a);
+        let forces: Vec<_> = (0..x.len())
+            .map(|a| Vector::<2>::new(0.0, if inside(a) { 3.0 } else { 0.0 }))
+            .collect();
+        let facing: Vec<_> = (0..=5)
+            .map(|k| (Vector::<2>::new(4.0 * f64::from(k), 0.0), 4.0))
+            .collect();
+        let pressed = Pressed {
+            surface: &surface,
+            x: &x,
+            normals: surface.reference_normals(),
+            forces: &forces,
+            own: &forces,
+            gaps: &vec![None; x.len()],
+            facing: &facing,
+            modulus: 1.0,
+        };
+        for (a, p) in pressed.pressures().iter().enumerate() {
+            let expected = if inside(a) { 3.0 } else { 0.0 };
+            assert!((p - expected).abs() < 1e-12, "{p} at {a}");
+        }
+    }
+
+    /// Forces that are not along a curved surface's normals, without a moment about its centre: the field has their resultant.
+    #[test]
+    fn a_curved_surface_bears_whole_forces() {
+        let angle = |k: usize| -0.6 + 0.1 * k as f64;
+        let x: Vec<Vector<2>> = (0..=12)
+            .map(|k| Vector::<2>::new(angle(k).sin(), -angle(k).cos()))
+            .collect();
+        let surface = polyline(&x);
+        let forces: Vec<_> = (0..=12)
+            .map(|k| Vector::<2>::new(0.0, 1.0 + 0.1 * k.min(12 - k) as f64))
+            .collect();
+        let p = recovered(&surface, &forces, &[None; 13]);
+        let mut resultant = Vector::<2>::zeros();
+        for (facet, reference) in surface.facets().zip(surface.reference()) {
+            let n = reference.normal(&Vector::<2>::repeat(0.5));
+            resultant -= n * (0.5 * (p[facet[0]] + p[facet[1]]));
+        }
+        let wanted: Vector<2> = forces.iter().sum();
+        assert!((resultant - wanted).norm() < 1e-9, "{resultant} {wanted}");
     }
 
     /// Forces whose sums overflow end the search for balance.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::courses::{Course, Load, Supports};
+use super::courses::{Course, Load, Origin, Supports};
 use crate::assembly::{
     BodyEnergy, DofMap, QuadraticEnergy, StrainEnergy, add_body_force, add_traction,
 };
@@ -45,9 +45,13 @@ pub struct Body<const D: usize> {
     supports: Supports<D>,
     /// The displacement prescribed for each dof at load factor 1 (UL), if any.
     prescribed: Vec<Option<f64>>,
-    /// Proportional nodal forces at load factor 1 (UF), and the others.
+    /// The boundaries that supports name, in the order in which they were, and for each prescribed dof the first that did; the
+    /// empty name is that of supports of nodes.
+    supported: Vec<String>,
+    support_of: Vec<Option<usize>>,
+    /// All loads with their origin, and the sum of the proportional ones at load factor 1 (UF).
+    loads: Vec<(Origin, Load<D>)>,
     proportional: Vec<f64>,
-    loads: Vec<Load<D>>,
     /// The sum of all of them there.
     forces: Vec<f64>,
 }
@@ -68,8 +72,10 @@ impl<const D: usize> Body<D> {
             supports: Supports::new(mesh.nodes().to_vec()),
             mesh,
             prescribed: vec![None; dofs],
-            proportional: vec![0.0; dofs],
+            supported: Vec::new(),
+            support_of: vec![None; dofs],
             loads: Vec::new(),
+            proportional: vec![0.0; dofs],
             forces: vec![0.0; dofs],
         }
     }
@@ -90,12 +96,12 @@ impl<const D: usize> Body<D> {
         boundary: &str,
         components: [Option<f64>; D],
     ) -> Result<&mut Self, Error> {
-        let nodes = self.supported(boundary)?;
-        self.prescribe_nodes(&nodes, components)
+        let nodes = self.nodes_to_support(boundary)?;
+        self.hold((boundary, &nodes), components, 0)
     }
 
     /// The nodes of a boundary that is to be supported.
-    fn supported(&self, boundary: &str) -> Result<Vec<usize>, Error> {
+    fn nodes_to_support(&self, boundary: &str) -> Result<Vec<usize>, Error> {
         let nodes = self.mesh.boundary_nodes(boundary)?;
         match nodes.is_empty() {
             true => Err(Error::EmptyBoundary {
@@ -126,7 +132,7 @@ impl<const D: usize> Body<D> {
     /// # Errors
     /// As [`Body::prescribe`], and if the boundary is not in one plane perpendicular to an axis.
     pub fn symmetry(&mut self, boundary: &str) -> Result<&mut Self, Error> {
-        let nodes = self.supported(boundary)?;
+        let nodes = self.nodes_to_support(boundary)?;
         let extent = |nodes: &mut dyn Iterator<Item = usize>, i: usize| {
             let range = nodes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], a| {
                 let x = self.mesh.nodes()[a][i];
@@ -142,7 +148,7 @@ impl<const D: usize> Body<D> {
             Some((axis, thickness)) if thickness <= PLANE * size => {
                 let mut components = [None; D];
                 components[axis] = Some(0.0);
-                self.prescribe_nodes(&nodes, components)
+                self.hold((boundary, &nodes), components, 0)
             }
             flattest => Err(Error::Setting {
                 name: "thickness of the plane of symmetry",
@@ -190,9 +196,9 @@ impl<const D: usize> Body<D> {
         components: [Option<f64>; D],
         amplitude: impl Into<Amplitude>,
     ) -> Result<&mut Self, Error> {
-        let nodes = self.supported(boundary)?;
+        let nodes = self.nodes_to_support(boundary)?;
         let course = self.course(amplitude.into());
-        self.hold(&nodes, components, course)
+        self.hold((boundary, &nodes), components, course)
     }
 
     /// Prescribes all components of the displacement (UL) of all nodes of a boundary, as a function of the load factor and
@@ -205,8 +211,8 @@ impl<const D: usize> Body<D> {
         boundary: &str,
         path: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
     ) -> Result<&mut Self, Error> {
-        let nodes = self.supported(boundary)?;
-        self.hold_along(&nodes, path)
+        let nodes = self.nodes_to_support(boundary)?;
+        self.hold_along((boundary, &nodes), path)
     }
 
     /// Moves a boundary rigidly: its nodes go along circles and lines, exactly.
@@ -227,12 +233,12 @@ impl<const D: usize> Body<D> {
     /// As [`Body::prescribe_path`].
     pub fn prescribe_motion_of_all(&mut self, motion: Motion<D>) -> Result<&mut Self, Error> {
         let nodes: Vec<usize> = (0..self.mesh.nodes().len()).collect();
-        self.hold_along(&nodes, move |t, X| motion.at(t, X) - X)
+        self.hold_along(("", &nodes), move |t, X| motion.at(t, X) - X)
     }
 
     fn hold_along(
         &mut self,
-        nodes: &[usize],
+        (boundary, nodes): (&str, &[usize]),
         path: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
     ) -> Result<&mut Self, Error> {
         for t in samples() {
@@ -242,7 +248,7 @@ impl<const D: usize> Body<D> {
         }
         self.supports.courses.push(Course::Along(Arc::new(path)));
         let course = self.supports.courses.len() - 1;
-        self.hold(nodes, [Some(0.0); D], course)
+        self.hold((boundary, nodes), [Some(0.0); D], course)
     }
 
     /// The number of a course with this amplitude.
@@ -273,13 +279,13 @@ impl<const D: usize> Body<D> {
         nodes: &[usize],
         components: [Option<f64>; D],
     ) -> Result<&mut Self, Error> {
-        self.hold(nodes, components, 0)
+        self.hold(("", nodes), components, 0)
     }
 
-    /// Prescribes values along a course, where there are none yet, or the same.
+    /// Prescribes values along a course, where there are none yet, or the same. Nodes of no boundary have the empty name.
     fn hold(
         &mut self,
-        nodes: &[usize],
+        (boundary, nodes): (&str, &[usize]),
         components: [Option<f64>; D],
         course: usize,
     ) -> Result<&mut Self, Error> {
@@ -313,6 +319,11 @@ impl<const D: usize> Body<D> {
                 }
             }
         }
+        let known = self.supported.iter().position(|name| name == boundary);
+        let own = known.unwrap_or_else(|| {
+            self.supported.push(boundary.to_string());
+            self.supported.len() - 1
+        });
         for (&node, (component, value)) in nodes
             .iter()
             .flat_map(|node| components.iter().enumerate().map(move |c| (node, c)))
@@ -321,6 +332,7 @@ impl<const D: usize> Body<D> {
             let (dof, value) = (D * node + component, (value, course));
             self.prescribed[dof] = Some(self.supports.value(dof, value, 1.0));
             self.supports.values[dof] = Some(value);
+            self.support_of[dof].get_or_insert(own);
         }
         Ok(self)
     }
@@ -344,7 +356,11 @@ impl<const D: usize> Body<D> {
         traction: impl Fn(&Vector<D>) -> Vector<D>,
     ) -> Result<&mut Self, Error> {
         let forces = self.traction_forces(boundary, traction)?;
-        self.add_forces("traction", forces, Amplitude::default())
+        self.add_forces(
+            Origin::Traction(boundary.to_string()),
+            forces,
+            Amplitude::default(),
+        )
     }
 
     /// As [`Body::traction`], times an amplitude in place of the load factor. What is not zero at load factor 0 is applied
@@ -359,7 +375,11 @@ impl<const D: usize> Body<D> {
         amplitude: impl Into<Amplitude>,
     ) -> Result<&mut Self, Error> {
         let forces = self.traction_forces(boundary, |_| traction.into())?;
-        self.add_forces("traction", forces, amplitude.into())
+        self.add_forces(
+            Origin::Traction(boundary.to_string()),
+            forces,
+            amplitude.into(),
+        )
     }
 
     /// Adds a dead traction that depends on the load factor and on the reference position X (UL).
@@ -373,7 +393,8 @@ impl<const D: usize> Body<D> {
     ) -> Result<&mut Self, Error> {
         self.traction_forces(boundary, |_| Vector::zeros())?;
         let (mesh, boundary) = (self.mesh.clone(), boundary.to_string());
-        self.add_path("traction", move |t, forces| {
+        let origin = Origin::Traction(boundary.clone());
+        self.add_path(origin, move |t, forces| {
             // checked above
             let facets = mesh.boundary(&boundary).unwrap_or_default();
             add_traction(&mesh, &facets, |X| traction(t, X), forces);
@@ -415,7 +436,7 @@ impl<const D: usize> Body<D> {
     ) -> Result<&mut Self, Error> {
         let mut forces = vec![0.0; self.forces.len()];
         self.law.add_body_force(&self.mesh, &force, &mut forces);
-        self.add_forces("body force", forces, Amplitude::default())
+        self.add_forces(Origin::BodyForce, forces, Amplitude::default())
     }
 
     /// As [`Body::body_force`], times an amplitude in place of the load factor. What is not zero at load factor 0 is applied
@@ -431,7 +452,7 @@ impl<const D: usize> Body<D> {
         let mut forces = vec![0.0; self.forces.len()];
         let field = |_: &Vector<D>| force.into();
         self.law.add_body_force(&self.mesh, &field, &mut forces);
-        self.add_forces("body force", forces, amplitude.into())
+        self.add_forces(Origin::BodyForce, forces, amplitude.into())
     }
 
     /// Adds a dead body force that depends on the load factor and on the reference position X (UL).
@@ -443,7 +464,7 @@ impl<const D: usize> Body<D> {
         force: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
     ) -> Result<&mut Self, Error> {
         let (mesh, law) = (self.mesh.clone(), Arc::clone(&self.law));
-        self.add_path("body force", move |t, forces| {
+        self.add_path(Origin::BodyForce, move |t, forces| {
             law.add_body_force(&mesh, &|X| force(t, X), forces);
         })
     }
@@ -477,23 +498,22 @@ impl<const D: usize> Body<D> {
             };
             own.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
         }
-        self.add_forces("nodal force", forces, amplitude.into())
+        self.add_forces(Origin::NodalForce, forces, amplitude.into())
     }
 
-    /// Adds the nodal forces of the load `name` if all of them are finite.
+    /// Adds the nodal forces of a load if all of them are finite.
     fn add_forces(
         &mut self,
-        name: &'static str,
+        origin: Origin,
         forces: Vec<f64>,
         amplitude: Amplitude,
     ) -> Result<&mut Self, Error> {
-        Error::check_finite(name, &forces)?;
+        Error::check_finite(origin.kind(), &forces)?;
         if amplitude.is_proportional() {
             let sums = self.proportional.iter_mut().zip(&forces);
             sums.for_each(|(sum, force)| *sum += force);
-        } else {
-            self.loads.push(Load::Scaled(forces, amplitude));
         }
+        self.loads.push((origin, Load::Scaled(forces, amplitude)));
         self.forces = self.forces_at(1.0);
         Ok(self)
     }
@@ -501,15 +521,15 @@ impl<const D: usize> Body<D> {
     /// Adds forces that are computed anew at each load factor.
     fn add_path(
         &mut self,
-        name: &'static str,
+        origin: Origin,
         add: impl Fn(f64, &mut [f64]) + Send + Sync + 'static,
     ) -> Result<&mut Self, Error> {
         for t in samples() {
             let mut forces = vec![0.0; self.forces.len()];
             add(t, &mut forces);
-            Error::check_finite(name, &forces)?;
+            Error::check_finite(origin.kind(), &forces)?;
         }
-        self.loads.push(Load::Given(Arc::new(add)));
+        self.loads.push((origin, Load::Given(Arc::new(add))));
         self.forces = self.forces_at(1.0);
         Ok(self)
     }
@@ -534,16 +554,34 @@ impl<const D: usize> Body<D> {
     pub fn forces_at(&self, factor: f64) -> Vec<f64> {
         let mut forces: Vec<f64> = self.proportional.iter().map(|f| factor * f).collect();
         if factor != 0.0 {
-            self.loads
-                .iter()
-                .for_each(|load| load.add(factor, &mut forces));
+            let loads = self.loads.iter().map(|(_, load)| load);
+            let others = loads.filter(|load| !load.is_proportional());
+            others.for_each(|load| load.add(factor, &mut forces));
         }
         forces
     }
 
+    /// The nodal forces of each load at a load factor, as [`Body::forces_at`], with their origin.
+    pub(super) fn loads_at(&self, factor: f64) -> impl Iterator<Item = (&Origin, Vec<f64>)> {
+        self.loads.iter().map(move |(origin, load)| {
+            let mut forces = vec![0.0; self.forces.len()];
+            if factor != 0.0 {
+                load.add(factor, &mut forces);
+            }
+            (origin, forces)
+        })
+    }
+
+    /// The boundaries that supports name, and for each prescribed dof the first that did; the empty name stands for supports of
+    /// nodes.
+    pub(super) fn support_names(&self) -> (&[String], &[Option<usize>]) {
+        (&self.supported, &self.support_of)
+    }
+
     /// Whether not all loads and prescribed displacements are proportional to the load factor.
     pub(crate) fn has_program(&self) -> bool {
-        !(self.supports.is_proportional() && self.loads.is_empty())
+        let mut loads = self.loads.iter().map(|(_, load)| load);
+        !(self.supports.is_proportional() && loads.all(Load::is_proportional))
     }
 
     /// The prescribed displacements, with their courses.

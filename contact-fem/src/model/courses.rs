@@ -75,7 +75,34 @@ pub(crate) enum Load<const D: usize> {
     Given(AddForces),
 }
 
+/// Where a load comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// A traction on a boundary.
+    Traction(String),
+    /// Forces on cells.
+    BodyForce,
+    /// Forces on nodes.
+    NodalForce,
+}
+
+impl Origin {
+    /// What users call it.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Origin::Traction(_) => "traction",
+            Origin::BodyForce => "body force",
+            Origin::NodalForce => "nodal force",
+        }
+    }
+}
+
 impl<const D: usize> Load<D> {
+    /// Whether it is its value at load factor 1 times the load factor.
+    pub fn is_proportional(&self) -> bool {
+        matches!(self, Load::Scaled(_, amplitude) if amplitude.is_proportional())
+    }
+
     /// Adds the forces at time `t` to those of all dofs (UF).
     pub fn add(&self, t: f64, forces: &mut [f64]) {
         match self {

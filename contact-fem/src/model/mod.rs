@@ -27,3 +27,4 @@ pub use plan::ScenePlan;
 pub use preflight::{Finding, FindingKind, Severity};
 pub use problem::Problem;
 pub use scene::{Geometry, Overlaps, Pair, Passes, Scene};
+pub use work::{WorkRecord, WorkSource};

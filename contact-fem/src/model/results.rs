@@ -6,7 +6,7 @@ use contact_core::equilibrium::Solution;
 use contact_core::{Energy, LinearGaps};
 
 use super::problem::Residuals;
-use super::{BodyId, Problem, Side, Undetermined};
+use super::{BodyId, Problem, Undetermined};
 use crate::Error;
 use crate::audit::{Findings, LeastVolume};
 use crate::contact::{Pass, Surface};
@@ -124,36 +124,6 @@ impl<const D: usize> Problem<D> {
             sum
         };
         bodies.map(reaction).collect()
-    }
-
-    /// The reactions (UF) of the supports by boundary, body by body: as [`Problem::reactions`], over the prescribed dofs of each named
-    /// boundary that has any. A node on two boundaries counts for both.
-    pub fn support_reactions(
-        &self,
-        u: &[f64],
-        contact_forces: &[Vector<D>],
-    ) -> Vec<(Side, Vector<D>)> {
-        let residuals = match contact_forces.len() == self.reference().len() {
-            true => self.residuals(u),
-            false => return Vec::new(),
-        };
-        let mut reactions = Vec::new();
-        for (id, body) in self.scene.ids().zip(self.scene.bodies()) {
-            let (residual, contact) = (&residuals[id.index()], &contact_forces[self.nodes(id)]);
-            for boundary in body.mesh().boundary_names() {
-                // the mesh knows its own names
-                let nodes = body.mesh().boundary_nodes(boundary).unwrap_or_default();
-                let dofs = nodes.into_iter().flat_map(|a| (0..D).map(move |i| (a, i)));
-                let held = dofs.filter(|(a, i)| body.prescribed()[D * a + i].is_some());
-                let mut held = held.peekable();
-                if held.peek().is_some() {
-                    let mut sum = Vector::zeros();
-                    held.for_each(|(a, i)| sum[i] += residual[D * a + i] - contact[a][i]);
-                    reactions.push((id.on(boundary), sum));
-                }
-            }
-        }
-        reactions
     }
 
     /// The largest depth of a contact node inside another surface (UL, ≥ 0), over all passes, less what is left of an overlap

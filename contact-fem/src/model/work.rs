@@ -1,19 +1,84 @@
 //! What supports and loads do to bodies, to be compared with the energy that these store.
 
-use super::{Geometry, Obstacle, Problem};
+use std::ops::Range;
+
+use super::courses::Origin;
+use super::{BodyId, Geometry, Obstacle, ObstacleId, Problem, Side};
 use crate::assembly::Dof;
 use crate::program::Pose;
 use crate::tensor::{Matrix, Vector};
 
+/// What does work on bodies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum WorkSource {
+    /// The supports that name a boundary. Those of nodes, or of a whole body, have an empty name.
+    Support(Side),
+    /// The tractions on a boundary.
+    Traction(Side),
+    /// The body forces on a body.
+    BodyForce(BodyId),
+    /// The forces on nodes of a body.
+    NodalForce(BodyId),
+    /// An obstacle that moves.
+    Obstacle(ObstacleId),
+}
+
+impl WorkSource {
+    /// What users call it: `support`, `traction`, `body force`, `nodal force` or `obstacle`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            WorkSource::Support(_) => "support",
+            WorkSource::Traction(_) => "traction",
+            WorkSource::BodyForce(_) => "body force",
+            WorkSource::NodalForce(_) => "nodal force",
+            WorkSource::Obstacle(_) => "obstacle",
+        }
+    }
+
+    fn of(body: BodyId, origin: &Origin) -> Self {
+        match origin {
+            Origin::Traction(boundary) => WorkSource::Traction(body.on(boundary)),
+            Origin::BodyForce => WorkSource::BodyForce(body),
+            Origin::NodalForce => WorkSource::NodalForce(body),
+        }
+    }
+}
+
+/// What one support, load or obstacle has done since the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorkRecord {
+    /// What did it.
+    pub source: WorkSource,
+    /// The work, by the trapezoidal rule over the load steps (UF·UL).
+    pub work: f64,
+}
+
 /// Supports, loads and obstacles at one state.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct External<const D: usize> {
-    /// The dead loads on all dofs (UF), and the displacements (UL).
-    loads: Vec<f64>,
+    /// The displacements of all dofs (UL).
     displacements: Vec<f64>,
-    /// The reactions on all dofs (UF): 0 where nothing is prescribed.
-    reactions: Vec<f64>,
+    /// The forces on all dofs (UF) of each support: 0 where it holds nothing.
+    supports: Vec<Force>,
+    /// Dead loads.
+    loads: Vec<Force>,
     obstacles: Vec<Push<D>>,
+}
+
+/// Forces (UF) on these dofs.
+#[derive(Clone, Debug)]
+struct Force {
+    source: WorkSource,
+    dofs: Range<usize>,
+    forces: Vec<f64>,
+}
+
+impl Force {
+    /// Σ f·way, with one way (UL) for each dof of all bodies.
+    fn along(&self, ways: &[f64]) -> f64 {
+        let own = self.forces.iter().zip(&ways[self.dofs.clone()]);
+        own.map(|(f, way)| f * way).sum()
+    }
 }
 
 /// What an obstacle does to the bodies.
@@ -28,16 +93,22 @@ struct Push<const D: usize> {
 impl<const D: usize> External<D> {
     /// Before the first step: nothing is displaced, and nothing pushes.
     pub fn at_rest(problem: &Problem<D>) -> Self {
-        let none = vec![0.0; D * problem.reference().len()];
+        let nothing = |source, dofs: Range<usize>| Force {
+            source,
+            forces: vec![0.0; dofs.len()],
+            dofs,
+        };
         let push = |obstacle: &Obstacle<D>| Push {
             pose: obstacle.pose(0.0),
             force: Vector::zeros(),
             moment: Matrix::zeros(),
         };
         External {
-            loads: none.clone(),
-            displacements: none.clone(),
-            reactions: none,
+            displacements: vec![0.0; D * problem.reference().len()],
+            supports: sources_of_supports(problem)
+                .map(|(source, dofs, _)| nothing(source, dofs))
+                .collect(),
+            loads: forces_of_loads(problem, 0.0),
             obstacles: problem.scene().obstacles().iter().map(push).collect(),
         }
     }
@@ -50,18 +121,22 @@ impl<const D: usize> External<D> {
     ) -> Self {
         let displacements = problem.displacements(u);
         let residuals = problem.residuals(u);
-        let (mut loads, mut reactions) = (Vec::new(), Vec::new());
-        for (body, owner) in problem.scene().bodies().iter().enumerate() {
-            let first = problem.nodes(body).start;
-            loads.extend(owner.forces_at(problem.load()));
-            for (dof, residual) in residuals[body].iter().enumerate() {
-                let (node, axis) = (first + dof / D, dof % D);
-                reactions.push(match problem.dofs().get(D * first + dof) {
-                    Dof::Prescribed(_) => residual - contact[node][axis],
-                    Dof::Free(_) => 0.0,
-                });
-            }
+        let mut reactions = Vec::with_capacity(D * displacements.len());
+        for residual in residuals.iter().flatten() {
+            let dof = reactions.len();
+            reactions.push(match problem.dofs().get(dof) {
+                Dof::Prescribed(_) => residual - contact[dof / D][dof % D],
+                Dof::Free(_) => 0.0,
+            });
         }
+        let support = |(source, dofs, is_own): (WorkSource, Range<usize>, Vec<bool>)| {
+            let own = is_own.into_iter().zip(&reactions[dofs.clone()]);
+            Force {
+                source,
+                dofs,
+                forces: own.map(|(is, r)| if is { *r } else { 0.0 }).collect(),
+            }
+        };
         let places = match problem.geometry() {
             Geometry::Reference => problem.reference().to_vec(),
             Geometry::Current => problem.positions(u),
@@ -77,30 +152,91 @@ impl<const D: usize> External<D> {
                 .sum(),
         };
         External {
+            supports: sources_of_supports(problem).map(support).collect(),
+            loads: forces_of_loads(problem, problem.load()),
             obstacles: obstacles.map(push).collect(),
-            loads,
             displacements: displacements.iter().flatten().copied().collect(),
-            reactions,
         }
     }
 
     /// The energy that the bodies store (UF·UL) where E, which has the potential of the loads, is `energy`.
     pub fn stored(&self, energy: f64) -> f64 {
-        let potential = self.loads.iter().zip(&self.displacements);
-        energy + potential.map(|(f, u)| f * u).sum::<f64>()
+        let potential = self
+            .loads
+            .iter()
+            .map(|load| load.along(&self.displacements));
+        energy + potential.sum::<f64>()
     }
 
-    /// The work of supports, loads and obstacles on the way from `before` (UF·UL), by the trapezoidal rule.
-    pub fn work_since(&self, before: &Self) -> f64 {
-        let ways = self.displacements.iter().zip(&before.displacements);
-        let forces = |of: &Self, dof: usize| of.loads[dof] + of.reactions[dof];
-        let on_bodies = ways.enumerate().map(|(dof, (now, then))| {
-            0.5 * (forces(self, dof) + forces(before, dof)) * (now - then)
-        });
-        let obstacles = self.obstacles.iter().zip(&before.obstacles);
-        let of_obstacles = obstacles.map(|(now, then)| now.work_since(then));
-        on_bodies.sum::<f64>() + of_obstacles.sum::<f64>()
+    /// The reaction of each support (UF), with the boundary that it names.
+    pub fn reactions(&self) -> impl Iterator<Item = (Side, Vector<D>)> {
+        self.supports.iter().filter_map(|support| {
+            let nodes = support.forces.chunks_exact(D);
+            let sum = nodes.map(Vector::<D>::from_column_slice).sum();
+            match &support.source {
+                WorkSource::Support(side) => Some((side.clone(), sum)),
+                _ => None,
+            }
+        })
     }
+
+    /// The work of each support, load and obstacle on the way from `before` (UF·UL), by the trapezoidal rule, in an order that is
+    /// always the same.
+    pub fn work_since(&self, before: &Self) -> Vec<WorkRecord> {
+        let ways = self.displacements.iter().zip(&before.displacements);
+        let ways: Vec<f64> = ways.map(|(now, then)| 0.5 * (now - then)).collect();
+        let now = self.supports.iter().chain(&self.loads);
+        let then = before.supports.iter().chain(&before.loads);
+        let on_bodies = now.zip(then).map(|(now, then)| WorkRecord {
+            source: now.source.clone(),
+            work: now.along(&ways) + then.along(&ways),
+        });
+        let obstacles = self.obstacles.iter().zip(&before.obstacles).enumerate();
+        let of_obstacles = obstacles.map(|(k, (now, then))| WorkRecord {
+            source: WorkSource::Obstacle(ObstacleId(k)),
+            work: now.work_since(then),
+        });
+        on_bodies.chain(of_obstacles).collect()
+    }
+}
+
+/// The supports of all bodies by the boundary that they name, with the dofs of the body and which of these are theirs.
+fn sources_of_supports<const D: usize>(
+    problem: &Problem<D>,
+) -> impl Iterator<Item = (WorkSource, Range<usize>, Vec<bool>)> {
+    let bodies = problem.scene().ids().zip(problem.scene().bodies());
+    bodies.flat_map(move |(id, body)| {
+        let nodes = problem.nodes(id);
+        let dofs = D * nodes.start..D * nodes.end;
+        let (names, of_dofs) = body.support_names();
+        names.iter().enumerate().map(move |(k, name)| {
+            let is_own = of_dofs.iter().map(|support| *support == Some(k)).collect();
+            (WorkSource::Support(id.on(name)), dofs.clone(), is_own)
+        })
+    })
+}
+
+/// The loads of all bodies at a load factor; those of one kind on one boundary together.
+fn forces_of_loads<const D: usize>(problem: &Problem<D>, factor: f64) -> Vec<Force> {
+    let mut loads = Vec::<Force>::new();
+    for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
+        let nodes = problem.nodes(id);
+        for (origin, forces) in body.loads_at(factor) {
+            let source = WorkSource::of(id, origin);
+            match loads.iter_mut().find(|known| known.source == source) {
+                Some(known) => {
+                    let sums = known.forces.iter_mut().zip(forces);
+                    sums.for_each(|(sum, force)| *sum += force);
+                }
+                None => loads.push(Force {
+                    source,
+                    dofs: D * nodes.start..D * nodes.end,
+                    forces,
+                }),
+            }
+        }
+    }
+    loads
 }
 
 impl<const D: usize> Push<D> {
@@ -121,6 +257,7 @@ impl<const D: usize> Push<D> {
 #[cfg(test)]
 mod tests {
     use crate::mesh::generators::{Diagonals, linspace, rectangle};
+    use crate::tensor::Vector;
     use crate::{Body, LinearElastic, NeoHookean, Scene, Simulation};
 
     /// A bar of 1 by 2, without lateral strain: 3 up on top, and pulled at its side by 5.
@@ -134,14 +271,29 @@ mod tests {
             bar.prescribe("bottom", [Some(0.0); 2]).expect("support");
             bar.prescribe("top", [Some(0.0), Some(0.3)])
                 .expect("support");
-            bar.traction("right", [traction, 0.0]).expect("a traction");
+            if traction != 0.0 {
+                bar.traction("right", [traction, 0.0]).expect("a traction");
+            }
             let mut scene = Scene::new();
             scene.add("bar", bar);
             let mut problem = scene.problem().expect("a scene");
             let history = Simulation::with_increments(increments).run(&mut problem);
             let history = history.expect("a run");
             let last = history.last().expect("a step");
-            (last.stored_energy, last.work)
+            let kinds: Vec<_> = last
+                .works
+                .iter()
+                .map(|record| record.source.kind())
+                .collect();
+            let expected = ["support", "support", "traction"];
+            assert_eq!(kinds, expected[..2 + usize::from(traction != 0.0)]);
+            // the bottom does not move, and the bar gives way to the traction
+            assert_eq!(last.works[0].work, 0.0);
+            assert!(last.works[1..].iter().all(|record| record.work > 0.0));
+            let own = last.support_reactions.iter().map(|(_, force)| force);
+            let left = own.sum::<Vector<2>>() - last.reactions[0];
+            assert!(left.norm() < 1e-12, "{left}");
+            (last.stored_energy, last.work())
         };
         // ½ E ε² A L
         let expected = 0.5 * 8.0 * 0.15 * 0.15 * 2.0;
@@ -181,7 +333,7 @@ mod tests {
             let history = history.expect("a run");
             assert!(history.is_complete());
             let last = history.last().expect("a step");
-            (last.work - last.stored_energy) / last.stored_energy
+            (last.work() - last.stored_energy) / last.stored_energy
         };
         let [coarse, fine] = [left(8), left(16)];
         assert!(coarse.abs() < 1e-2, "{coarse}");

@@ -1,5 +1,5 @@
 //! The history of a run as tables: a line for each load step, for each iteration of the solver, for each pair of surfaces in
-//! contact, and for each supported boundary.
+//! contact, for each support, and for everything that does work.
 
 use std::fs::File;
 use std::io::Write;
@@ -11,12 +11,13 @@ use contact_core::{Cost, Outcome};
 use super::file;
 use crate::certificate::{Certificate, Condition, Limits};
 use crate::error::Error;
-use crate::model::{Opposite, PairRecord, Side};
+use crate::model::{Opposite, PairRecord, Side, WorkRecord, WorkSource};
 use crate::simulation::{History, StepRecord};
 use crate::tensor::Vector;
 
 /// `NAME.csv`, the load steps, and `NAME_iterations.csv`, the iterations of the solver within them. For each converged step
-/// `NAME_pairs.csv` has a line for each pair of surfaces, and `NAME_supports.csv` one for each boundary with supports.
+/// `NAME_pairs.csv` has a line for each pair of surfaces, `NAME_supports.csv` one for the reaction of each boundary that supports name, and `NAME_work.csv`
+/// one for the work of each support, load and obstacle since the start.
 ///
 /// After every converged step [`Tables::write`] saves the step to disk. Failed attempts are known
 /// only at the end of the run: [`Tables::finish`] writes both files anew with all attempts in
@@ -29,6 +30,7 @@ pub struct Tables {
     iterations: Table,
     pairs: Table,
     supports: Table,
+    works: Table,
     bodies: Vec<String>,
     obstacles: Vec<String>,
 }
@@ -47,20 +49,21 @@ impl Tables {
     ) -> Result<Self, Error> {
         file::check_name(folder, name)?;
         file::create_folder(folder)?;
-        let [steps, iterations, pairs, supports] = Self::files(name);
+        let [steps, iterations, pairs, supports, works] = Self::files(name);
         Ok(Tables {
             steps: Table::create(folder.join(steps), step_columns::<D>(bodies, obstacles))?,
             iterations: Table::create(folder.join(iterations), strings(&ITERATION_COLUMNS))?,
             pairs: Table::create(folder.join(pairs), pair_columns::<D>())?,
             supports: Table::create(folder.join(supports), support_columns::<D>())?,
+            works: Table::create(folder.join(works), strings(&WORK_COLUMNS))?,
             bodies: bodies.to_vec(),
             obstacles: obstacles.to_vec(),
         })
     }
 
     /// The names of the tables' files.
-    pub(super) fn files(name: &str) -> [String; 4] {
-        ["", "_iterations", "_pairs", "_supports"].map(|what| format!("{name}{what}.csv"))
+    pub(super) fn files(name: &str) -> [String; 5] {
+        ["", "_iterations", "_pairs", "_supports", "_work"].map(|what| format!("{name}{what}.csv"))
     }
 
     /// The path of the table of the load steps.
@@ -83,6 +86,8 @@ impl Tables {
         self.pairs
             .append(pair_lines(record, (&self.bodies, &self.obstacles)))?;
         self.supports.append(support_lines(record, &self.bodies))?;
+        self.works
+            .append(work_lines(record, (&self.bodies, &self.obstacles)))?;
         let lines = iteration_lines(&record.attempt, record.increment);
         self.iterations.append(lines)
     }
@@ -215,6 +220,38 @@ fn support_lines<const D: usize>(record: &StepRecord<D>, bodies: &[String]) -> V
     record.support_reactions.iter().map(line).collect()
 }
 
+const WORK_COLUMNS: [&str; 6] = ["increment", "factor", "kind", "of", "boundary", "work"];
+
+fn work_lines<const D: usize>(
+    record: &StepRecord<D>,
+    (bodies, obstacles): (&[String], &[String]),
+) -> Vec<Vec<String>> {
+    let line = |own: &WorkRecord| {
+        let mut line = step_name(record);
+        line.push(own.source.kind().into());
+        line.extend(source_name(&own.source, bodies, obstacles));
+        line.push(number(own.work));
+        line
+    };
+    record.works.iter().map(line).collect()
+}
+
+/// The body or obstacle of a source of work, and its boundary.
+pub(super) fn source_name(
+    source: &WorkSource,
+    bodies: &[String],
+    obstacles: &[String],
+) -> [String; 2] {
+    let name = |names: &[String], number: usize| names.get(number).cloned().unwrap_or_default();
+    match source {
+        WorkSource::Support(side) | WorkSource::Traction(side) => side_name(side, bodies),
+        WorkSource::BodyForce(body) | WorkSource::NodalForce(body) => {
+            [name(bodies, body.index()), String::new()]
+        }
+        WorkSource::Obstacle(id) => [name(obstacles, id.index()), String::new()],
+    }
+}
+
 /// The first columns of a line that belongs to a converged step.
 fn step_name<const D: usize>(record: &StepRecord<D>) -> Vec<String> {
     let increment = record.increment.map(|k| k.to_string());
@@ -277,7 +314,7 @@ fn step_line<const D: usize>(
     ];
     match record {
         Some(record) => {
-            line.extend([record.stored_energy, record.work].map(number));
+            line.extend([record.stored_energy, record.work()].map(number));
             let on_bodies = record.reactions.iter().chain(&record.contact_forces);
             let vectors = on_bodies.chain(&record.obstacle_forces);
             line.extend(vectors.flat_map(|v| v.iter().copied().map(number)));
@@ -471,7 +508,16 @@ mod tests {
             increment: Some(1),
             energy: 2.5,
             stored_energy: 3.5,
-            work: 3.625,
+            works: vec![
+                WorkRecord {
+                    source: WorkSource::Traction(BodyId::from(0).on("rim")),
+                    work: 3.5,
+                },
+                WorkRecord {
+                    source: WorkSource::BodyForce(BodyId::from(0)),
+                    work: 0.125,
+                },
+            ],
             reactions: vec![Vector::<2>::new(1e-7, -3.5)],
             contact_forces: vec![Vector::<2>::new(0.0, 4.5)],
             obstacle_forces: vec![Vector::<2>::new(0.25, -4.5)],
@@ -569,6 +615,12 @@ mod tests {
         assert_eq!(pair_columns::<2>().len(), expected.len());
         let supports = read(&folder.join("run_supports.csv"));
         assert_eq!(supports, [["1", "1", "ring", "rim", "1.5", "-2"]]);
+        let works = read(&folder.join("run_work.csv"));
+        let expected = [
+            ["1", "1", "traction", "ring", "rim", "3.5"],
+            ["1", "1", "body force", "ring", "", "0.125"],
+        ];
+        assert_eq!(works, expected);
         std::fs::remove_dir_all(&folder).expect("removed");
     }
 

@@ -145,6 +145,33 @@ fn main() -> Result<(), Failure> {
             }
         }
     }
+    // the cylinder on a rigid plane
+    for in_contact in [4, 8, 16, 32]
+        .into_iter()
+        .filter(|n| *n <= arguments.finest)
+    {
+        let published = Hertz::new(Fineness::family(in_contact), Order::Quadratic);
+        let hertz = Hertz {
+            young: [published.young[0], f64::INFINITY],
+            ..published
+        };
+        let (problem, solution) = solved(hertz.on_rigid(false)?)?;
+        let fields = fields(&problem, &solution)?;
+        let a = hertz.half_width();
+        let shape = |X: &Vector<2>| profile(X[0].abs() / a);
+        let is_inside = |X: &Vector<2>| X[0] < 0.6 * a;
+        row(
+            &mut table,
+            [
+                format!("a/{in_contact}, on a rigid plane"),
+                "cylinder".into(),
+            ],
+            &problem,
+            0,
+            &fields,
+            (hertz.peak_pressure(), &shape, &is_inside),
+        );
+    }
     table.save(&arguments.out)?;
     Ok(())
 }

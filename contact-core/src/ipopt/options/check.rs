@@ -1,7 +1,7 @@
 //! Checks of option names and values that Ipopt would accept but misread.
 
 use super::{KnownOption, OptionError, OptionValue};
-use crate::nlp::Structure;
+use crate::nlp::{Bounds, Structure};
 
 /// The prefix of options for the restoration phase; Ipopt knows no other prefix.
 const RESTORATION: &str = "resto.";
@@ -59,6 +59,12 @@ pub(super) fn unusable(name: &str, number: f64) -> Option<String> {
     }
 }
 
+/// Whether a variable is fixed.
+fn has_fixed(structure: &Structure) -> bool {
+    let Bounds { lower, upper } = structure.variable_bounds();
+    lower.iter().zip(upper).any(|(lower, upper)| lower == upper)
+}
+
 /// Rejects values that conflict with the structure, which Ipopt would accept silently or crash with.
 pub(super) fn fits(
     structure: &Structure,
@@ -74,8 +80,10 @@ pub(super) fn fits(
         "derivative_test" if structure.hessian().is_none() => {
             (&["none", "first-order"], "the structure has no Hessian")
         }
-        // Ipopt would write to an array that it does not have.
-        "jacobian_approximation" if structure.constraints() > 0 && jacobian.is_empty() => {
+        // Ipopt would write to an array that it does not have, also where fixed variables become constraints.
+        "jacobian_approximation"
+            if jacobian.is_empty() && (structure.constraints() > 0 || has_fixed(structure)) =>
+        {
             (&["exact"], "the structure's Jacobian has no entries")
         }
         "jacobian_approximation" if *value != "exact".into() => {

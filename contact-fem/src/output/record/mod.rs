@@ -43,7 +43,7 @@ type Message<'a, const D: usize> = Box<dyn Fn(&StepView<'_, D>) -> String + 'a>;
 /// | file | what |
 /// |---|---|
 /// | `NAME.csv`, `NAME_iterations.csv` | the load steps and their iterations, see [`Tables`](super::history::Tables) |
-/// | `NAME_pairs.csv`, `NAME_supports.csv` | for each step the contact of each pair, and the reaction of each supported boundary |
+/// | `NAME_pairs.csv`, `NAME_supports.csv`, `NAME_work.csv` | for each step the contact of each pair, the reaction of each supported boundary, and the work of each support, load and obstacle |
 /// | `NAME.pvd`, `NAME_0000.vtu`, … | the states for ParaView, see [`Series`](super::vtk::Series) |
 /// | `meshes.svg` | the deformed bodies at rest, half way and at the end |
 /// | `summary.json` | what ran on what, the findings before the run, how it ended, the results and what they cost |

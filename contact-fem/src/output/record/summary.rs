@@ -16,7 +16,10 @@ use crate::audit::LeastVolume;
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
-use crate::model::{BodyId, Finding, Opposite, PairRecord, Problem, ScenePlan, Side, Undetermined};
+use crate::model::{
+    BodyId, Finding, Opposite, PairRecord, Problem, ScenePlan, Side, Undetermined, WorkRecord,
+};
+use crate::output::history::source_name;
 use crate::simulation::{History, StepRecord};
 use crate::tensor::Vector;
 
@@ -47,6 +50,8 @@ pub(super) struct Summary {
     work: Option<f64>,
     /// What the work is more than the stored energy (UF·UL): see [`StepRecord::work`](crate::simulation::StepRecord::work).
     unstored_work: Option<f64>,
+    /// The work of each support, load and obstacle.
+    works: Vec<Value>,
     reaction: Option<f64>,
     reactions: Vec<Vec<f64>>,
     /// The names of the obstacles, and the contact force of the bodies on each.
@@ -134,8 +139,8 @@ impl Summary {
         table.extend(last.map(|record| {
             format!(
                 "work               {:>10} UF·UL, {:.1e} of it not stored",
-                number(Some(record.work)),
-                record.work - record.stored_energy
+                number(Some(record.work())),
+                record.work() - record.stored_energy
             )
         }));
         table.extend(undetermined.iter().map(|Undetermined { body, motions }| {
@@ -185,8 +190,13 @@ impl Summary {
             repeated_attempts: history.map_or(0, repeated_attempts),
             energy: last.map(|record| record.energy),
             stored_energy: last.map(|record| record.stored_energy),
-            work: last.map(|record| record.work),
-            unstored_work: last.map(|record| record.work - record.stored_energy),
+            work: last.map(StepRecord::work),
+            unstored_work: last.map(|record| record.work() - record.stored_energy),
+            works: last.map_or(Vec::new(), |record| {
+                let scene = problem.scene();
+                let value = |record| worked(record, scene.names(), scene.obstacle_names());
+                record.works.iter().map(value).collect()
+            }),
             reaction,
             reactions: last.map_or(Vec::new(), |record| lists(&record.reactions)),
             obstacles: problem.scene().obstacle_names().to_vec(),
@@ -267,6 +277,11 @@ fn planned(plan: &ScenePlan, bodies: &[String]) -> Value {
         "groups": plan.groups.iter().map(names).collect::<Vec<_>>(), "held": names(&plan.held),
         "linear": names(&plan.linear), "prescribed": names(&plan.prescribed),
     })
+}
+
+fn worked(record: &WorkRecord, bodies: &[String], obstacles: &[String]) -> Value {
+    let [of, boundary] = source_name(&record.source, bodies, obstacles);
+    json!({"kind": record.source.kind(), "of": of, "boundary": boundary, "work": record.work})
 }
 
 fn pair<const D: usize>(pair: &PairRecord<D>, bodies: &[String], obstacles: &[String]) -> Value {
