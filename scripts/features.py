@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Measures what cargo features cost to compile: processor seconds and crates of a clean release build.
 
-scripts/features.py [NAME ...] builds the cases with these names, or all, each in an empty folder, and puts their lines into the table of
-docs/needs.md. Processor seconds are those of cargo and all it starts.
+scripts/features.py [--before CHECKOUT] [NAME ...] builds the cases with these names, or all, each in an empty folder, and puts each result
+into the table of docs/needs.md once it is known. Processor seconds are those of cargo and all it starts. With --before, another checkout
+is built, and what it took goes into the columns "before".
 """
 
 import os
@@ -43,6 +44,8 @@ CASES = [
     ("default", "everything below: `bindgen` and `record`", None, ["-p", "ipopt-contact"]),
     ("none", "`--no-default-features`: scenes and solvers, no files", None, ["-p", "ipopt-contact", "--no-default-features"]),
     ("record", "files, progress, Ctrl-C; kept bindings", None, ["-p", "ipopt-contact", "--no-default-features", "--features", "record"]),
+    ("all", "`--all-features`", None, ["-p", "ipopt-contact", "--all-features"]),
+    ("fem", "`contact-fem` without features: meshes, scenes, the library's own solvers", None, ["-p", "contact-fem"]),
     ("vtk", "`.vtu` files alone", None, ["-p", "contact-fem", "--features", "vtk"]),
     ("csv", "tables alone", None, ["-p", "contact-fem", "--features", "csv"]),
     ("plot", "pictures alone", None, ["-p", "contact-fem", "--features", "plot"]),
@@ -57,18 +60,18 @@ def children():
     return used.ru_utime + used.ru_stime
 
 
-def built(case, folder):
+def built(case, checkout, folder):
     """Processor seconds and the number of crates."""
-    arguments, where = case[3], ROOT
+    arguments, where = case[3], checkout
     if isinstance(arguments, str):
         where = Path(folder) / "program"
         (where / "src").mkdir(parents=True)
         (where / "src" / "main.rs").write_text(arguments)
         (where / "Cargo.toml").write_text(
             "[package]\nname = \"program\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[dependencies]\n"
-            f"contact-fem = {{ path = \"{ROOT}/contact-fem\" }}\n\n[workspace]\n"
+            f"contact-fem = {{ path = \"{checkout}/contact-fem\" }}\n\n[workspace]\n"
         )
-        (where / "Cargo.lock").write_text((ROOT / "Cargo.lock").read_text())
+        (where / "Cargo.lock").write_text((checkout / "Cargo.lock").read_text())
         arguments = []
     # what profiles say elsewhere does not count
     kept = {k: v for k, v in os.environ.items() if not k.startswith(("CARGO_PROFILE", "CARGO_INCREMENTAL", "RUSTFLAGS"))}
@@ -87,33 +90,41 @@ def built(case, folder):
 
 def main():
     wanted = sys.argv[1:]
+    is_before = wanted[:1] == ["--before"]
+    checkout = Path(wanted[1]).resolve() if is_before else ROOT
+    wanted = wanted[2:] if is_before else wanted
     unknown = set(wanted) - {case[0] for case in CASES}
     if unknown:
         sys.exit(f"no case {', '.join(sorted(unknown))}; there are {', '.join(case[0] for case in CASES)}")
     for case in CASES:
-        name, what, goal, _ = case
-        if wanted and name not in wanted:
+        if wanted and case[0] not in wanted:
             continue
         with tempfile.TemporaryDirectory() as folder:
-            seconds, crates = built(case, folder)
-        goal = "" if goal is None else f"{goal}"
-        line = f"| {name} | {what} | {seconds:.0f} | {goal} | {crates} |"
-        print(line, flush=True)
-        note(name, line)
+            seconds, crates = built(case, checkout, folder)
+        print(f"{case[0]}: {seconds:.0f} s, {crates} crates", flush=True)
+        note(case, [f"{seconds:.0f}", f"{crates}"], is_before)
 
 
-def note(name, line):
-    """Puts the line of a case into the table."""
+def note(case, measured, is_before):
+    """Puts what was measured of a case into the table."""
     page = PAGE.read_text()
     if BEGIN not in page or END not in page:
         sys.exit(f"{PAGE} has no place for the table: {BEGIN} and {END}")
     head, rest = page.split(BEGIN)
     table, tail = rest.split(END)
-    lines = {m[1]: m[0] for m in re.finditer(r"^\| ([a-z-]+) \|.*$", table, re.M)}
-    lines[name] = line
-    names = [case[0] for case in CASES if case[0] in lines]
-    heading = "| case | what | s | goal | crates |\n|---|---|---:|---:|---:|"
-    PAGE.write_text("\n".join([head + BEGIN, heading, *(lines[n] for n in names), END + tail]))
+    known = {}
+    for line in table.splitlines()[3:]:
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        known[cells[0]] = cells[2:4] + cells[5:7]
+    cells = known.setdefault(case[0], [""] * 4)
+    known[case[0]] = cells[:2] + measured if is_before else measured + cells[2:]
+    lines = []
+    for name, what, goal, _ in CASES:
+        if name in known:
+            now, then = known[name][:2], known[name][2:]
+            lines.append("| " + " | ".join([name, what, *now, "" if goal is None else f"{goal}", *then]) + " |")
+    heading = "| case | what | s | crates | goal s | before s | crates |\n|---|---|---:|---:|---:|---:|---:|"
+    PAGE.write_text("\n".join([head + BEGIN, heading, *lines, END + tail]))
 
 
 main()

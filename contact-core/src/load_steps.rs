@@ -22,6 +22,13 @@ pub trait LoadStepped: ContactProblem {
         None
     }
 
+    /// What acts at `u` although solvers were told that it cannot, such as rows between bodies planned as out of reach; found
+    /// without the plan. Nothing is left out for this reason any more then, and the load step is solved again from the same
+    /// start: `Some` may come once for each assumption. The default leaves nothing out.
+    fn unplanned(&self, _u: &[f64]) -> Option<String> {
+        None
+    }
+
     /// The start for the present load, from `u` converged at load factor `from`, with the free
     /// unknowns moved along with the prescribed ones. The default returns `u`.
     fn lift(&self, u: &[f64], _from: f64) -> Vec<f64> {
@@ -501,11 +508,9 @@ impl Path<'_> {
             is_lifted,
             stop: &self.stop,
         };
-        let solved = solver.solve(&*problem, start, &context);
+        let solved = self.planned(&*problem, solver, start, &context);
         problem.watch(None);
-        let mut solution = solved?.checked();
-        let dofs = problem.energy().dofs();
-        Error::check_length("the solver's u", &solution.state.u, dofs)?;
+        let mut solution = solved?;
         if solution.outcome == Outcome::Converged {
             let last = &self.last;
             if let Some(Passage { depth, place }) =
@@ -532,6 +537,42 @@ impl Path<'_> {
             },
         });
         Ok(solution)
+    }
+
+    /// Solves at the present load, and again where something acts that was left out by plan.
+    fn planned<P: LoadStepped>(
+        &self,
+        problem: &P,
+        solver: &mut dyn Equilibrium,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let mut refuted: Option<Solution> = None;
+        loop {
+            let solution = solver.solve(problem, start.clone(), context)?.checked();
+            let dofs = problem.energy().dofs();
+            Error::check_length("the solver's u", &solution.state.u, dofs)?;
+            let solution = match refuted.take() {
+                None => solution,
+                Some(first) => {
+                    let last = first.history.last();
+                    let name = last.map_or(solver.choice(problem).solver, |last| last.solver);
+                    solution.after(first, name, None)
+                }
+            };
+            let what = match solution.outcome {
+                Outcome::Converged => problem.unplanned(&solution.state.u),
+                _ => None,
+            };
+            let Some(what) = what else {
+                return Ok(solution);
+            };
+            log::warn!("{what}, which was left out by plan: the load step is solved again");
+            refuted = Some(Solution {
+                outcome: Outcome::Unplanned(what),
+                ..solution
+            });
+        }
     }
 
     /// The linear extrapolation of the last two converged states, unless it takes a domain function

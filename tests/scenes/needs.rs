@@ -6,6 +6,7 @@ use contact_fem::model::Problem;
 use contact_fem::simulation::{DefaultSolver, History};
 use contact_fem::{LeftOut, Simulation};
 use ipopt_contact_scenes::needs::floor::{self, Floor};
+use ipopt_contact_scenes::needs::kept::{self, Keep};
 use ipopt_contact_scenes::needs::{Build, Case, Way, all, blocks_alone};
 
 use crate::common::relative;
@@ -81,6 +82,37 @@ fn results_are_those_of_the_floors() {
         match &case.scene {
             Build::Plane(scene) => agrees(&case, scene().expect("a scene")),
             Build::Space(scene) => agrees(&case, scene().expect("a scene")),
+        }
+    }
+}
+
+fn is_that_of_the_whole<const D: usize>(
+    case: &Case,
+    scene: &dyn Fn() -> Result<contact_fem::Scene<D>, contact_fem::Error>,
+) {
+    let run = compared(case, scene().expect("a scene"));
+    let mut whole = scene().expect("a scene");
+    Keep::ALL.prepare(&mut whole);
+    let mut whole = whole.problem().expect("a problem");
+    let history = Keep::ALL.simulation(case.increments).run(&mut whole);
+    let history = history.expect("no misuse");
+    let name = case.name;
+    assert!(history.is_complete(), "{name}: {}", history.run.ending);
+    assert_eq!(LeftOut::new(&whole, &history).factorizations, 0, "{name}");
+    assert_eq!(whole.unsearched_passes(), 0, "{name}");
+    let steps = [&run.history, &history].map(|history| history.last().expect("a step"));
+    let (energy, reactions) = kept::apart(&run.problem, steps);
+    assert!(energy <= 1e-9, "{name}: {energy:e} in energy");
+    assert!(reactions < 1e-7, "{name}: {reactions:e} in reactions");
+}
+
+/// Runs that keep all passes, groups, starts and factorisations have the same results.
+#[test]
+fn nothing_is_lost_by_leaving_out() {
+    for case in all(COARSE) {
+        match &case.scene {
+            Build::Plane(scene) => is_that_of_the_whole(&case, scene),
+            Build::Space(scene) => is_that_of_the_whole(&case, scene),
         }
     }
 }

@@ -291,7 +291,12 @@ impl Solution {
     }
 
     /// This solution after `first` by `solver`, which failed for this cause.
-    fn after(mut self, first: Solution, solver: &'static str, cause: Option<String>) -> Self {
+    pub(crate) fn after(
+        mut self,
+        first: Solution,
+        solver: &'static str,
+        cause: Option<String>,
+    ) -> Self {
         self.history.splice(..0, first.history);
         let own = Failed {
             solver,

@@ -19,6 +19,8 @@ struct Line {
     /// The longest step that does not tunnel, and the calls (u, last u, from).
     longest: f64,
     asked: RefCell<Vec<[f64; 3]>>,
+    /// What was left out by plan, and acts at the load 1.
+    left_out: RefCell<Vec<&'static str>>,
     pattern: SymmetricPattern,
     bounds: Bounds,
 }
@@ -32,6 +34,7 @@ impl Default for Line {
             lift: Cell::new(0.0),
             longest: f64::INFINITY,
             asked: RefCell::default(),
+            left_out: RefCell::default(),
             pattern: SymmetricPattern::diagonal(1),
             bounds: Bounds::free(1),
         }
@@ -88,6 +91,15 @@ impl LoadStepped for Line {
             depth: 7.0,
             place: "here".into(),
         })
+    }
+    fn unplanned(&self, _: &[f64]) -> Option<String> {
+        let mut left_out = self.left_out.borrow_mut();
+        let what = if self.load == 1.0 {
+            left_out.pop()
+        } else {
+            None
+        };
+        what.map(String::from)
     }
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
         vec![u[0] + self.lift.get() * (self.load - from)]
@@ -340,6 +352,34 @@ fn steps_that_tunnel_are_cut() {
         .map(|(from, to, _)| [2.0 * to, 2.0 * from, from])
         .into();
     assert_eq!(*problem.asked.borrow(), asked);
+}
+
+/// Two assumptions do not hold, one after the other: the last step is solved three times from the same start.
+#[test]
+fn steps_with_a_wrong_plan_are_solved_again() {
+    let mut problem = Line::default();
+    problem.left_out.borrow_mut().extend(["one", "the other"]);
+    let mut solver = Follows::new(|t| 2.0 * t, |_| [0.0; 2], |_, _| Outcome::Converged);
+    let run = run(&in_increments(2), &mut problem, &mut solver);
+    assert_eq!(run.ending, Ending::Complete);
+    assert_eq!(attempts(&run), [(0.0, 0.5, true), (0.5, 1.0, true)]);
+    let asked: Vec<_> = solver
+        .asked
+        .iter()
+        .map(|(u, _, loads)| (*u, *loads))
+        .collect();
+    let last = (2.0, [0.5, 1.0]);
+    assert_eq!(asked[1..], [last; 3]);
+    assert!(run.attempts[0].failed.is_empty());
+    let failed: Vec<_> = run.attempts[1]
+        .failed
+        .iter()
+        .map(|f| f.outcome.clone())
+        .collect();
+    let unplanned = ["the other", "one"].map(|what| Outcome::Unplanned(what.into()));
+    assert_eq!(failed, unplanned);
+    // what acts is looked at before bodies that went through each other
+    assert_eq!(problem.asked.borrow().len(), 2);
 }
 
 /// Steps beyond half the load fail. The problem is left where it converged, and all halvings are

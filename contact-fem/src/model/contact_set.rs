@@ -1,7 +1,7 @@
 //! The contact surfaces and passes of a scene, and the search between them.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use contact_core::gaps::{LinearGaps, RowKey, Sampling};
@@ -26,6 +26,9 @@ const REACH: f64 = 0.1;
 /// that exceed 1.
 const WAY: f64 = 8.0;
 
+/// Rows closed by more than this share of the scene's diagonal were not to be left out.
+const TOUCHES: f64 = 1e-12;
+
 /// The contact surfaces and passes of a scene.
 pub(super) struct ContactSet<const D: usize> {
     pub surfaces: Vec<Arc<Surface<D>>>,
@@ -45,6 +48,10 @@ pub(super) struct ContactSet<const D: usize> {
     is_reach_free: bool,
     /// The box of the nodes of each surface at X (UL).
     boxes: Vec<[Vector<D>; 2]>,
+    /// [`WAY`], but for tests that plan wrongly.
+    pub way: f64,
+    /// Whether [`ContactSet::unplanned`] has found that the plan does not hold.
+    is_refuted: AtomicBool,
     initial_gaps: InitialGaps,
     initial_overlaps: InitialOverlaps,
     /// The surfaces at the most recent positions, and how many sets of positions there have been.
@@ -145,6 +152,8 @@ impl<const D: usize> ContactSet<D> {
                 (None, Geometry::Reference) => kinematics.diagonal(),
                 (None, Geometry::Current) => REACH * kinematics.diagonal(),
             },
+            way: WAY,
+            is_refuted: AtomicBool::new(false),
             initial_gaps: scene.initial_gaps,
             initial_overlaps: InitialOverlaps::default(),
             located: Mutex::new(None),
@@ -280,20 +289,54 @@ impl<const D: usize> ContactSet<D> {
         }
     }
 
-    /// Whether displacements of at most `moved` (UL) can close a row of this pass. In the reference geometry they cannot where
-    /// the boxes of both surfaces are further apart than points move, curved facets and averages over nodes allowed for.
+    /// Whether displacements of at most `moved` (UL) can close a row of this pass, as it is planned.
     pub fn is_near(&self, pass: Pass, moved: f64) -> bool {
+        !(moved < self.open_below(pass))
+    }
+
+    /// Displacements below this (UL) close no row of this pass. In the reference geometry such are those by which points move
+    /// less than the boxes of both surfaces are apart, curved facets and averages over nodes allowed for; elsewhere none.
+    pub fn open_below(&self, pass: Pass) -> f64 {
         let refuses = self.initial_gaps == InitialGaps::Refuse;
         let may_be_far = self.geometry == Geometry::Reference && self.is_reach_free && refuses;
+        let may_be_far = may_be_far && !self.is_refuted.load(Ordering::Relaxed);
         let [first, second] = self.bodies_of(pass);
         if !may_be_far || first == second || self.obstacle_of(pass).is_some() {
-            return true;
+            return 0.0;
         }
         let [slave, master] = [pass.slave, pass.master].map(|k| &self.surfaces[k]);
         let [[low, high], [below, above]] = [pass.slave, pass.master].map(|k| self.boxes[k]);
         let apart = (below - high).sup(&(low - above)).sup(&Vector::zeros());
         let curved = slave.facet_size().max(master.facet_size());
-        !(apart.norm() - curved > WAY * moved)
+        ((apart.norm() - curved) / self.way).max(0.0)
+    }
+
+    /// A pass with a closed row at `u` that was left out by plan: it is then left out no more, and neither is any other. What
+    /// is looked at are the ways of the nodes themselves, and then the rows.
+    pub fn unplanned(&self, kinematics: &Kinematics<D>, u: &[f64]) -> Option<Pass> {
+        let moved = kinematics.largest(u);
+        let left_out = self.passes.iter().copied().enumerate();
+        let left_out = left_out.filter(|(_, pass)| !self.is_near(*pass, moved));
+        let left_out: Vec<_> = left_out.collect();
+        if left_out.is_empty() {
+            return None;
+        }
+        let U = kinematics.displacements(u);
+        let extents: Vec<_> = self
+            .surfaces
+            .iter()
+            .map(|surface| Extent::of(surface, &kinematics.X, &U))
+            .collect();
+        let may_meet =
+            |(_, pass): &(usize, Pass)| !extents[pass.slave].is_apart(&extents[pass.master]);
+        let doubtful = left_out.into_iter().filter(may_meet);
+        let rows = self.rows(doubtful, kinematics, u, Sampling::Nodes, None)?;
+        let mut c = vec![0.0; rows.len()];
+        rows.value(u, &mut c);
+        let least = -TOUCHES * kinematics.diagonal();
+        let closed = (0..c.len()).find(|&row| !(c[row] >= least))?;
+        self.is_refuted.store(true, Ordering::Relaxed);
+        self.passes.get(rows.keys()[closed].pass as usize).copied()
     }
 
     /// Whether a pass is between surfaces of these two bodies.
@@ -640,6 +683,47 @@ impl<const D: usize> ContactSet<D> {
             }
         };
         self.passes.iter().filter_map(through).reduce(f64::max)
+    }
+}
+
+/// Where a surface is, and how far it moves (UL).
+struct Extent<const D: usize> {
+    low: Vector<D>,
+    high: Vector<D>,
+    /// The largest displacement of a node in each direction.
+    way: Vector<D>,
+    /// How far curved facets are beyond their nodes.
+    beyond: f64,
+}
+
+impl<const D: usize> Extent<D> {
+    /// Shape functions take displacements between nodes beyond those at nodes, and test functions that are not positive weigh
+    /// them beyond their values: together by less than this factor.
+    const BEYOND: f64 = 2.0;
+
+    fn of(surface: &Surface<D>, X: &[Vector<D>], U: &[Vector<D>]) -> Self {
+        let mut low = Vector::<D>::repeat(f64::INFINITY);
+        let mut high = -low;
+        let mut way = Vector::<D>::zeros();
+        for &node in surface.nodes() {
+            low = low.inf(&X[node]);
+            high = high.sup(&X[node]);
+            way = way.sup(&U[node].abs());
+        }
+        let beyond = surface.facet_size();
+        Extent {
+            low,
+            high,
+            way,
+            beyond,
+        }
+    }
+
+    /// Whether no point of one comes to the other.
+    fn is_apart(&self, other: &Self) -> bool {
+        let between = (other.low - self.high).sup(&(self.low - other.high));
+        let between = between.sup(&Vector::zeros()).norm() - self.beyond.max(other.beyond);
+        between > Self::BEYOND * (self.way + other.way).norm()
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is known of a scene before its run.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use contact_core::{Energy, Separable};
@@ -11,19 +12,26 @@ use super::{BodyId, Problem};
 /// | part | what relies on it | how it is checked |
 /// |---|---|---|
 /// | `groups` | no row acts between two of them, so that they are solved by themselves | the audit of every state looks at all bodies |
+/// | `apart` | no contact is searched between them while displacements are smaller | the ways of their surfaces after each load step, and rows where these may meet; the step is solved again if one is closed |
 /// | `held` | within a group, such bodies are solved by themselves as long as no common row acts on them | rows between them after each solve, which is repeated for both together where one overlaps |
 /// | `linear` | their stiffness is assembled and factored once | the values are compared before they are factored |
 /// | `prescribed` | they have no unknowns | – |
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// | `at_rest` | they take no solve: nothing moves or loads them, and nothing can touch them | their forces, in each load step |
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScenePlan {
     /// The bodies that contact can join, group by group; a body that no pair names is one by itself.
     pub groups: Vec<Vec<BodyId>>,
+    /// Pairs of bodies, and the displacement (UL) below which no row between them closes. It is known at small strains without
+    /// an own [`Scene::reach`](crate::Scene::reach).
+    pub apart: Vec<([BodyId; 2], f64)>,
     /// The bodies that supports alone hold.
     pub held: Vec<BodyId>,
     /// The bodies with a law for small strains.
     pub linear: Vec<BodyId>,
     /// The bodies whose nodes are all prescribed.
     pub prescribed: Vec<BodyId>,
+    /// The bodies that stay as they are: supports hold them in place, and neither loads nor contact act on them.
+    pub at_rest: Vec<BodyId>,
 }
 
 impl<const D: usize> Problem<D> {
@@ -44,12 +52,33 @@ impl<const D: usize> Problem<D> {
                 joined.for_each(|first| *first = kept);
             }
         }
+        let mut open = BTreeMap::<[usize; 2], f64>::new();
+        let mut touched = vec![false; energies.len()];
+        for pass in self.passes() {
+            let bodies = self.bodies_of(*pass);
+            for body in bodies {
+                touched.get_mut(body).into_iter().for_each(|t| *t = true);
+            }
+            let [a, b] = bodies;
+            let least = open.entry([a.min(b), a.max(b)]).or_insert(f64::INFINITY);
+            *least = least.min(self.contact.open_below(*pass));
+        }
+        let apart = open.into_iter().filter(|(_, below)| *below > 0.0);
+        let is_at_rest = |b: usize| {
+            let body = &self.scene.bodies()[b];
+            let is_still = !body.has_program() && body.largest() == (0.0, 0.0);
+            is_still && self.is_held(b) && !touched[b]
+        };
         let groups = (0..energies.len()).filter(|&b| first[b] == b && moves(b));
         ScenePlan {
             groups: groups.map(|g| of(&|b| first[b] == g && moves(b))).collect(),
+            apart: apart
+                .map(|(bodies, below)| (bodies.map(BodyId::from), below))
+                .collect(),
             held: of(&|b| self.is_held(b)),
             linear: of(&|b| energies[b].is_quadratic()),
             prescribed: of(&|b| !moves(b)),
+            at_rest: of(&is_at_rest),
         }
     }
 }
@@ -66,13 +95,28 @@ impl fmt::Display for ScenePlan {
             self.prescribed.len(),
             self.held.len(),
             self.groups.len(),
-        )
+        )?;
+        if !self.at_rest.is_empty() {
+            write!(f, "; {} stay as they are", self.at_rest.len())?;
+        }
+        match self.apart.iter().map(|(_, below)| *below).reduce(f64::min) {
+            Some(below) => write!(
+                f,
+                "; {} pairs of bodies stay open up to displacements of {below:.1e} or more",
+                self.apart.len()
+            ),
+            None => Ok(()),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use contact_core::{Equilibrium, LoadStepped, Outcome, State};
+
+    use super::*;
     use crate::mesh::generators::{Diagonals, linspace, rectangle};
+    use crate::simulation::{DefaultSolver, Simulation};
     use crate::{Body, LinearElastic, NeoHookean, Scene};
 
     /// A held linear block, a loose neo-Hookean one on it, a tool above, and a second block under the tool.
@@ -112,5 +156,94 @@ mod tests {
         assert_eq!(plan.prescribed, [tool]);
         let told = "4 bodies: 1 linear, 1 prescribed, 3 held by supports; contact may join 3 to 2 groups of at most 2";
         assert_eq!(plan.to_string(), told);
+    }
+
+    /// Three linear blocks of ten by ten cells: one above the other with a gap of 0.2, pushed down by `push`, and one aside.
+    fn blocks(push: f64) -> Problem<2> {
+        let block = |x: f64, y: f64, side: &str, push: f64| {
+            let [xs, ys] = [x, y].map(|low| linspace(low, low + 1.0, 10));
+            let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("a mesh");
+            let mut block = Body::new(mesh, LinearElastic::new(1.0, 0.3).expect("a law"));
+            let pushed = [Some(0.0), Some(-push)];
+            block.prescribe(side, pushed).expect("a support");
+            block
+        };
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", block(0.0, 0.0, "bottom", 0.0));
+        let upper = scene.add("upper", block(0.0, 1.2, "top", push));
+        scene.add("aside", block(3.0, 0.0, "bottom", 0.0));
+        let pair = scene.contact(lower.on("top"), upper.on("bottom"));
+        pair.expect("a pair");
+        scene.problem().expect("a problem")
+    }
+
+    #[test]
+    fn plans_tell_how_far_bodies_may_move() {
+        let plan = blocks(0.01).plan();
+        assert_eq!(plan.at_rest, [BodyId::from(2)]);
+        let [(pair, below)] = plan.apart[..] else {
+            panic!("{plan}");
+        };
+        assert_eq!(pair, [0, 1].map(BodyId::from));
+        // a gap of 0.2 between facets of 0.1
+        assert!((below - 0.1 / 8.0).abs() < 1e-12, "{below}");
+        let told =
+            "1 stay as they are; 1 pairs of bodies stay open up to displacements of 1.2e-2 or more";
+        assert!(plan.to_string().ends_with(told), "{plan}");
+    }
+
+    /// Blocks that are planned as out of reach of each other are pushed together.
+    #[test]
+    fn plans_that_do_not_hold_are_given_up() {
+        let sound = Simulation::with_increments(2).run(&mut blocks(0.25));
+        let sound = sound.expect("no misuse");
+        let mut problem = blocks(0.25);
+        problem.contact.way = 1e-3;
+        assert!(problem.plan().apart[0].1 > 99.0);
+        // a solver that believes it leaves one block within the other
+        problem.set_load(1.0).expect("a load");
+        let start = State {
+            u: vec![0.0; problem.dofs().free()],
+            ..State::default()
+        };
+        let believed = DefaultSolver::default().solve_from(&problem, start);
+        let believed = believed.expect("no misuse");
+        assert_eq!(believed.outcome, Outcome::Converged);
+        assert!(believed.gaps.is_empty());
+        let depth = problem.audit(&believed.state.u).expect("a state").overlaps[0].depth;
+        assert!((depth - 0.05).abs() < 1e-9, "{depth}");
+
+        let run = Simulation::with_increments(2).run(&mut problem);
+        let run = run.expect("no misuse");
+        assert!(run.is_complete(), "{}", run.run.ending);
+        // at half of the load there is still a gap
+        let refuted: Vec<usize> = run.run.attempts.iter().map(|a| a.failed.len()).collect();
+        assert_eq!(refuted, [0, 1]);
+        let failed = &run.run.attempts[1].failed[0];
+        assert!(matches!(failed.outcome, Outcome::Unplanned(_)), "{failed}");
+        let told =
+            "condensed: body `lower` and body `upper` came together, which was left out by plan";
+        assert_eq!(failed.to_string(), told);
+        let [a, b] = [&run, &sound].map(|run| run.last().expect("a step"));
+        assert!((a.energy - b.energy).abs() < 1e-12 * b.energy);
+        assert!(
+            a.certificate.holds(&Default::default()),
+            "{}",
+            a.certificate
+        );
+        assert!(b.contact_force(0usize)[1] < -0.01);
+        assert!(problem.plan().apart.is_empty());
+    }
+
+    /// Bodies that come closer than planned without touching are no fault.
+    #[test]
+    fn plans_hold_as_long_as_nothing_touches() {
+        let mut problem = blocks(0.18);
+        problem.contact.way = 1e-3;
+        let run = Simulation::with_increments(1).run(&mut problem);
+        let run = run.expect("no misuse");
+        assert!(run.is_complete());
+        assert!(run.run.attempts[0].failed.is_empty());
+        assert_eq!(problem.plan().apart.len(), 1);
     }
 }

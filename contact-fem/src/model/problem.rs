@@ -522,6 +522,12 @@ impl<const D: usize> LoadStepped for Problem<D> {
         Some(Passage { depth, place })
     }
 
+    fn unplanned(&self, u: &[f64]) -> Option<String> {
+        let pass = self.contact.unplanned(&self.kinematics, u)?;
+        let [first, second] = self.bodies_of(pass).map(|body| self.scene.called(body));
+        Some(format!("{first} and {second} came together"))
+    }
+
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
         let mut lifted = u.to_vec();
         let bodies = self.scene.bodies().iter().zip(self.energy.parts());

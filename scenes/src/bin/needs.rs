@@ -1,4 +1,4 @@
-//! Runs the scenes of [`needs`] and their floors in turn, and compares their cost.
+//! Runs the scenes of [`needs`], once more with the work that is left out, and their floors in turn, and compares their cost.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -10,6 +10,7 @@ use contact_fem::output::record::exit;
 use contact_fem::simulation::{DefaultSolver, History};
 use contact_fem::{Scene, Simulation};
 use ipopt_contact_scenes::needs::floor::{self, Floor};
+use ipopt_contact_scenes::needs::kept::{self, Keep};
 use ipopt_contact_scenes::needs::{self, Build, Case, Way};
 use ipopt_contact_scenes::{Failure, files};
 use nix::time::{ClockId, clock_gettime};
@@ -30,7 +31,10 @@ struct Arguments {
     /// Divides the cells in each direction
     #[arg(long, default_value_t = 1)]
     coarseness: usize,
-    /// Only the library, for profiles
+    /// What the other run of each scene keeps: starts, rows, groups, blocks, factors, or all
+    #[arg(long, value_delimiter = ',', default_value = "all")]
+    keep: Vec<String>,
+    /// Only one run by the library, for profiles
     #[arg(long)]
     no_floor: bool,
 }
@@ -52,11 +56,18 @@ struct Entry {
     projections: usize,
     energy: f64,
     floor_energy: f64,
+    /// The same run with the work that is left out: its seconds, their ratio to `seconds`, its energy, and how far energies and
+    /// reactions are apart, relative to it.
+    kept_seconds: f64,
+    kept_ratio: f64,
+    kept_energy: f64,
+    kept_energy_apart: f64,
+    kept_reactions_apart: f64,
 }
 
 const HEADER: &str = "\
-case   unknowns  rows  seconds    floor  ratio  must  factor-  floor's  problems  projec-  energy              floor's
-                                                       isations                     tions";
+case   unknowns  rows  seconds    floor  ratio  must     kept  ratio  factor-  floor's  problems  projec-  energy              floor's             kept: energy, reactions
+                                                      seconds        isations                     tions                                          apart";
 
 fn main() -> ExitCode {
     exit(run(&Arguments::parse()))
@@ -83,8 +94,9 @@ fn measure<const D: usize>(
     scene: &dyn Fn() -> Result<Scene<D>, contact_fem::Error>,
     arguments: &Arguments,
 ) -> Result<Vec<Entry>, Failure> {
-    let (mut seconds, mut floors) = (Vec::new(), Vec::new());
-    let (mut last, mut lowest) = (None, None);
+    let keep = Keep::named(&arguments.keep)?;
+    let (mut seconds, mut floors, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut last, mut lowest, mut whole) = (None, None, None);
     let mut again = None;
     for _ in 0..arguments.runs.max(1) {
         let mut problem = scene()?.problem()?;
@@ -103,12 +115,26 @@ fn measure<const D: usize>(
             let (floor, lasted) = floor(case, &mut problem, arguments.coarseness)?;
             floors.push(lasted);
             lowest = Some(floor);
+            let mut scene = scene()?;
+            keep.prepare(&mut scene);
+            let mut problem = scene.problem()?;
+            let clock = processor()?;
+            let history = keep.simulation(case.increments).run(&mut problem)?;
+            kept.push(processor()? - clock);
+            if !history.is_complete() {
+                return Err(format!("{}, kept: {}", case.name, history.run.ending).into());
+            }
+            whole = history.steps.into_iter().last();
         }
     }
     let (history, problem) = last.ok_or("no run")?;
     let record = history.last().ok_or("no step")?;
     let cost = history.run.cost();
-    let (seconds, floor_seconds) = (median(seconds), median(floors));
+    let (seconds, floor_seconds, kept_seconds) = (median(seconds), median(floors), median(kept));
+    let apart = whole
+        .as_ref()
+        .map(|whole| kept::apart(&problem, [record, whole]));
+    let apart = apart.unwrap_or((f64::NAN, f64::NAN));
     let entry = Entry {
         name: case.name.into(),
         what: case.what.into(),
@@ -124,6 +150,11 @@ fn measure<const D: usize>(
         projections: problem.searches_built(),
         energy: record.energy,
         floor_energy: lowest.as_ref().map_or(f64::NAN, |floor| floor.energy),
+        kept_seconds,
+        kept_ratio: kept_seconds / seconds,
+        kept_energy: whole.as_ref().map_or(f64::NAN, |whole| whole.energy),
+        kept_energy_apart: apart.0,
+        kept_reactions_apart: apart.1,
     };
     let mut entries = vec![entry];
     if let Some(((seconds, factorisations, solves, energy), start)) = again {
@@ -142,6 +173,11 @@ fn measure<const D: usize>(
             floor_factorisations: 0,
             solves,
             energy,
+            kept_seconds: f64::NAN,
+            kept_ratio: f64::NAN,
+            kept_energy: f64::NAN,
+            kept_energy_apart: f64::NAN,
+            kept_reactions_apart: f64::NAN,
             ..entries_like(&entries[0])
         });
     }
@@ -159,7 +195,7 @@ fn entries_like(entry: &Entry) -> Entry {
 
 fn print(entry: &Entry) {
     println!(
-        "{:<9} {:>6} {:>5} {:>8.4} {:>8.4} {:>6.2} {:>5.1} {:>8} {:>8} {:>9} {:>8}  {:<18.12e}  {:.12e}",
+        "{:<9} {:>6} {:>5} {:>8.4} {:>8.4} {:>6.2} {:>5.1} {:>8.4} {:>6.2} {:>8} {:>8} {:>9} {:>8}  {:<18.12e}  {:<18.12e}  {:.1e}, {:.1e}",
         entry.name,
         entry.unknowns,
         entry.rows,
@@ -167,12 +203,16 @@ fn print(entry: &Entry) {
         entry.floor_seconds,
         entry.ratio,
         entry.must,
+        entry.kept_seconds,
+        entry.kept_ratio,
         entry.factorisations,
         entry.floor_factorisations,
         entry.solves,
         entry.projections,
         entry.energy,
-        entry.floor_energy
+        entry.floor_energy,
+        entry.kept_energy_apart,
+        entry.kept_reactions_apart,
     );
 }
 

@@ -1,6 +1,7 @@
 //! What a run costs beside what its scene needs: scenes in which little has to be computed, each with its [`floor`].
 
 pub mod floor;
+pub mod kept;
 
 use contact_fem::mesh::generators::{
     Diagonals, annulus, cuboid, disc, graded, linspace, quarter_disc, rectangle,

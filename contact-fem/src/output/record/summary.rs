@@ -273,9 +273,13 @@ impl Summary {
 fn planned(plan: &ScenePlan, bodies: &[String]) -> Value {
     let names =
         |ids: &Vec<BodyId>| -> Vec<&String> { ids.iter().map(|id| &bodies[id.index()]).collect() };
+    let apart = |(pair, below): &([BodyId; 2], f64)| -> Value {
+        json!({"bodies": pair.map(|id| &bodies[id.index()]), "open_below": below})
+    };
     json!({
         "groups": plan.groups.iter().map(names).collect::<Vec<_>>(), "held": names(&plan.held),
-        "linear": names(&plan.linear), "prescribed": names(&plan.prescribed),
+        "linear": names(&plan.linear), "prescribed": names(&plan.prescribed), "at_rest": names(&plan.at_rest),
+        "apart": plan.apart.iter().map(apart).collect::<Vec<_>>(),
     })
 }
 
