@@ -28,14 +28,10 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     fn set_external(&mut self, prescribed: Vec<f64>, forces: Vec<f64>);
     /// The prescribed unknowns at the present load (UL), in the order of [`DofMap`].
     fn prescribed(&self) -> &[f64];
-    /// E(u) (UF·UL) from the strains of the cells. [`Energy::value`] may take it from a stiffness, which costs less and loses the
-    /// digits that a rigid motion has more than the strains.
-    fn energy(&self, u: &[f64]) -> f64 {
-        self.value(u)
-    }
-    /// Adds ∂E/∂U, internal minus external forces, at all dofs, free and prescribed, to `forces`
-    /// (UF).
-    fn add_residual(&self, u: &[f64], forces: &mut [f64]);
+    /// Adds ∂E/∂U, internal minus external forces, at all dofs, free and prescribed, to `forces` (UF), and returns E(u) (UF·UL)
+    /// from the strains of the cells. [`Energy::value`] may take it from a stiffness, which costs less and loses the digits that
+    /// a rigid motion has more than the strains.
+    fn add_residual(&self, u: &[f64], forces: &mut [f64]) -> f64;
     /// The harmonic extension to all dofs of `increments` (UL) at the dofs that `supports`
     /// prescribe: Δv = 0 in the reference configuration, component by component.
     fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64>;

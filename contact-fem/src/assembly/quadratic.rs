@@ -113,15 +113,10 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticE
         self.elastic.prescribed()
     }
 
-    fn energy(&self, u: &[f64]) -> f64 {
-        let energy = self.elastic.value(u);
+    fn add_residual(&self, u: &[f64], forces: &mut [f64]) -> f64 {
+        let energy = self.elastic.add_residual(u, forces);
         self.elastic.forget();
         energy
-    }
-
-    fn add_residual(&self, u: &[f64], forces: &mut [f64]) {
-        self.elastic.add_residual(u, forces);
-        self.elastic.forget();
     }
 
     fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64> {

@@ -335,11 +335,12 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
         &self.prescribed
     }
 
-    fn add_residual(&self, u: &[f64], forces: &mut [f64]) {
+    fn add_residual(&self, u: &[f64], forces: &mut [f64]) -> f64 {
         for (r, f) in forces.iter_mut().zip(&self.full_forces) {
             *r -= self.factor * f;
         }
         self.internal_forces(u, |dof, force| forces[dof] += force);
+        self.value(u)
     }
 
     fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64> {

@@ -47,9 +47,9 @@ pub(super) struct Topology<const D: usize> {
     pub body_of: Vec<usize>,
     /// Twice the largest face (UL): a larger thickness is not measured.
     pub thick: f64,
-    /// For each node, where its neighbours (itself included) start in the list after it.
+    /// For each node, where the cells around it start in the list after it.
     starts: Vec<usize>,
-    neighbours: Vec<usize>,
+    cells_around: Vec<usize>,
     /// For each node, mean size of the faces around it and the least thickness there.
     around: Vec<(f64, f64)>,
 }
@@ -94,7 +94,7 @@ impl<const D: usize> Topology<D> {
             face.size = lengths.fold(0.0, f64::max);
         }
         thickness::measure(&mut faces, X);
-        let (starts, neighbours) = neighbours::<D>(&cells, X.len());
+        let (starts, cells_around) = cells_around::<D>(&cells, X.len());
         let mut around = vec![(0.0, f64::INFINITY, 0_usize); X.len()];
         let (mut exterior_nodes, mut edges) = (BTreeSet::new(), BTreeSet::new());
         for face in &faces {
@@ -117,15 +117,20 @@ impl<const D: usize> Topology<D> {
             exterior_nodes: exterior_nodes.into_iter().collect(),
             body_of,
             starts,
-            neighbours,
+            cells_around,
             around: around.into_iter().map(mean).collect(),
         }
     }
 
     /// Whether a node is one of `nodes` or shares a cell with one of them.
     pub fn is_near(&self, node: usize, nodes: &[usize]) -> bool {
-        let near = &self.neighbours[self.starts[node]..self.starts[node + 1]];
-        nodes.iter().any(|a| near.binary_search(a).is_ok())
+        let around = &self.cells_around[self.starts[node]..self.starts[node + 1]];
+        let own = |cell: &usize| &self.cells[*cell].nodes[..=D];
+        nodes.contains(&node)
+            || around
+                .iter()
+                .map(own)
+                .any(|own| own.iter().any(|a| nodes.contains(a)))
     }
 
     /// The mean size of the faces around an exterior node, and the least thickness behind them (UL).
@@ -140,19 +145,20 @@ impl<const D: usize> Topology<D> {
     }
 }
 
-/// The nodes that share a cell with each node, itself included, ascending.
-fn neighbours<const D: usize>(cells: &[Cell], nodes: usize) -> (Vec<usize>, Vec<usize>) {
-    let pairs = cells.iter().flat_map(|cell| {
-        let nodes = cell.nodes;
-        (0..=D).flat_map(move |i| (0..=D).map(move |j| (nodes[i], nodes[j])))
-    });
-    let mut pairs: Vec<_> = pairs.collect();
-    pairs.sort_unstable();
-    pairs.dedup();
+/// For each node, where the cells around it start in the list after it.
+fn cells_around<const D: usize>(cells: &[Cell], nodes: usize) -> (Vec<usize>, Vec<usize>) {
     let mut starts = vec![0; nodes + 1];
-    pairs.iter().for_each(|(a, _)| starts[a + 1] += 1);
+    let of = |cell: &Cell| cell.nodes.into_iter().take(D + 1);
+    cells.iter().flat_map(of).for_each(|a| starts[a + 1] += 1);
     (0..nodes).for_each(|a| starts[a + 1] += starts[a]);
-    (starts, pairs.into_iter().map(|(_, b)| b).collect())
+    let (mut next, mut around) = (starts.clone(), vec![0; starts[nodes]]);
+    for (k, cell) in cells.iter().enumerate() {
+        for a in of(cell) {
+            around[next[a]] = k;
+            next[a] += 1;
+        }
+    }
+    (starts, around)
 }
 
 /// The simplices of a cell, by the cell's own nodes; in the plane the last entry repeats the first.

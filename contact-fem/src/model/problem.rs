@@ -44,11 +44,12 @@ pub struct Problem<const D: usize> {
     pub(super) residuals: Mutex<Option<Residuals>>,
 }
 
-/// ∂E/∂U of all bodies at a load factor and a state.
+/// ∂E/∂U of all bodies, and E, at a load factor and a state.
 pub(super) struct Residuals {
     pub load: f64,
     pub u: Vec<f64>,
     pub forces: Arc<Vec<Vec<f64>>>,
+    pub energy: f64,
 }
 
 impl<const D: usize> Problem<D> {

@@ -62,13 +62,10 @@ impl<const D: usize> Problem<D> {
         (!is_none).then(|| self.contact_forces(gaps, &own))
     }
 
-    /// E(u) (UF·UL) from the strains of the cells, see [`BodyEnergy::energy`](crate::assembly::BodyEnergy::energy); NaN where `u`
-    /// is [no state](Problem::is_state).
+    /// E(u) (UF·UL) from the strains of the cells, see [`BodyEnergy::add_residual`](crate::assembly::BodyEnergy::add_residual);
+    /// NaN where `u` is [no state](Problem::is_state).
     pub fn energy_at(&self, u: &[f64]) -> f64 {
-        let state = self.state(u);
-        let bodies = self.energy.parts().iter().enumerate();
-        let energies = bodies.map(|(body, energy)| energy.energy(&state[self.energy.range(body)]));
-        energies.sum()
+        self.residuals_and_energy(u).1
     }
 
     /// ∂E/∂U of a body (UF) for all its dofs, free and prescribed; NaN where it depends on a `u` that is
@@ -79,18 +76,23 @@ impl<const D: usize> Problem<D> {
 
     /// The same of all bodies, computed once for successive queries at one state.
     pub(crate) fn residuals(&self, u: &[f64]) -> Arc<Vec<Vec<f64>>> {
+        self.residuals_and_energy(u).0
+    }
+
+    fn residuals_and_energy(&self, u: &[f64]) -> (Arc<Vec<Vec<f64>>>, f64) {
         let mut last = self
             .residuals
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = last.as_ref().filter(|l| l.load == self.load() && l.u == u) {
-            return Arc::clone(&known.forces);
+            return (Arc::clone(&known.forces), known.energy);
         }
         let state = self.state(u);
         let bodies = self.energy.parts().iter().enumerate();
+        let mut sum = 0.0;
         let forces = bodies.map(|(body, energy)| {
             let mut residual = vec![0.0; D * self.kinematics.nodes(body).len()];
-            energy.add_residual(&state[self.energy.range(body)], &mut residual);
+            sum += energy.add_residual(&state[self.energy.range(body)], &mut residual);
             residual
         });
         let forces = Arc::new(forces.collect::<Vec<_>>());
@@ -98,8 +100,9 @@ impl<const D: usize> Problem<D> {
             load: self.load(),
             u: u.to_vec(),
             forces: Arc::clone(&forces),
+            energy: sum,
         });
-        forces
+        (forces, sum)
     }
 
     /// The reactions (UF) of the supports on each body: ∂E/∂U − Cᵀλ summed over its prescribed

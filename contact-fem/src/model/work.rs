@@ -1,10 +1,7 @@
 //! What supports and loads do to bodies, to be compared with the energy that these store.
 
-use std::ops::Range;
-
 use super::courses::Origin;
 use super::{BodyId, Geometry, Obstacle, ObstacleId, Problem, Side};
-use crate::assembly::Dof;
 use crate::program::Pose;
 use crate::tensor::{Matrix, Vector};
 
@@ -58,26 +55,23 @@ pub struct WorkRecord {
 pub(crate) struct External<const D: usize> {
     /// The displacements of all dofs (UL).
     displacements: Vec<f64>,
-    /// The forces on all dofs (UF) of each support: 0 where it holds nothing.
+    /// The forces of supports, and those of dead loads.
     supports: Vec<Force>,
-    /// Dead loads.
     loads: Vec<Force>,
     obstacles: Vec<Push<D>>,
 }
 
-/// Forces (UF) on these dofs.
+/// Forces (UF) on some of the dofs of all bodies.
 #[derive(Clone, Debug)]
 struct Force {
     source: WorkSource,
-    dofs: Range<usize>,
-    forces: Vec<f64>,
+    forces: Vec<(usize, f64)>,
 }
 
 impl Force {
-    /// Σ f·way, with one way (UL) for each dof of all bodies.
+    /// Σ f·way, with one way (UL) for each dof.
     fn along(&self, ways: &[f64]) -> f64 {
-        let own = self.forces.iter().zip(&ways[self.dofs.clone()]);
-        own.map(|(f, way)| f * way).sum()
+        self.forces.iter().map(|(dof, f)| f * ways[*dof]).sum()
     }
 }
 
@@ -93,11 +87,6 @@ struct Push<const D: usize> {
 impl<const D: usize> External<D> {
     /// Before the first step: nothing is displaced, and nothing pushes.
     pub fn at_rest(problem: &Problem<D>) -> Self {
-        let nothing = |source, dofs: Range<usize>| Force {
-            source,
-            forces: vec![0.0; dofs.len()],
-            dofs,
-        };
         let push = |obstacle: &Obstacle<D>| Push {
             pose: obstacle.pose(0.0),
             force: Vector::zeros(),
@@ -105,9 +94,7 @@ impl<const D: usize> External<D> {
         };
         External {
             displacements: vec![0.0; D * problem.reference().len()],
-            supports: sources_of_supports(problem)
-                .map(|(source, dofs, _)| nothing(source, dofs))
-                .collect(),
+            supports: forces_of_supports(problem, |_| 0.0),
             loads: forces_of_loads(problem, 0.0),
             obstacles: problem.scene().obstacles().iter().map(push).collect(),
         }
@@ -119,24 +106,9 @@ impl<const D: usize> External<D> {
         u: &[f64],
         (contact, of_obstacles): (&[Vector<D>], &[Vec<Vector<D>>]),
     ) -> Self {
-        let displacements = problem.displacements(u);
         let residuals = problem.residuals(u);
-        let mut reactions = Vec::with_capacity(D * displacements.len());
-        for residual in residuals.iter().flatten() {
-            let dof = reactions.len();
-            reactions.push(match problem.dofs().get(dof) {
-                Dof::Prescribed(_) => residual - contact[dof / D][dof % D],
-                Dof::Free(_) => 0.0,
-            });
-        }
-        let support = |(source, dofs, is_own): (WorkSource, Range<usize>, Vec<bool>)| {
-            let own = is_own.into_iter().zip(&reactions[dofs.clone()]);
-            Force {
-                source,
-                dofs,
-                forces: own.map(|(is, r)| if is { *r } else { 0.0 }).collect(),
-            }
-        };
+        let residuals: Vec<&[f64]> = residuals.iter().map(Vec::as_slice).collect();
+        let residuals = residuals.concat();
         let places = match problem.geometry() {
             Geometry::Reference => problem.reference().to_vec(),
             Geometry::Current => problem.positions(u),
@@ -152,10 +124,10 @@ impl<const D: usize> External<D> {
                 .sum(),
         };
         External {
-            supports: sources_of_supports(problem).map(support).collect(),
+            supports: forces_of_supports(problem, |dof| residuals[dof] - contact[dof / D][dof % D]),
             loads: forces_of_loads(problem, problem.load()),
             obstacles: obstacles.map(push).collect(),
-            displacements: displacements.iter().flatten().copied().collect(),
+            displacements: problem.displacements(u).iter().flatten().copied().collect(),
         }
     }
 
@@ -171,8 +143,8 @@ impl<const D: usize> External<D> {
     /// The reaction of each support (UF), with the boundary that it names.
     pub fn reactions(&self) -> impl Iterator<Item = (Side, Vector<D>)> {
         self.supports.iter().filter_map(|support| {
-            let nodes = support.forces.chunks_exact(D);
-            let sum = nodes.map(Vector::<D>::from_column_slice).sum();
+            let mut sum = Vector::zeros();
+            support.forces.iter().for_each(|(dof, f)| sum[dof % D] += f);
             match &support.source {
                 WorkSource::Support(side) => Some((side.clone(), sum)),
                 _ => None,
@@ -200,40 +172,48 @@ impl<const D: usize> External<D> {
     }
 }
 
-/// The supports of all bodies by the boundary that they name, with the dofs of the body and which of these are theirs.
-fn sources_of_supports<const D: usize>(
+/// The supports of all bodies by the boundary that they name, with their reaction (UF) at each dof.
+fn forces_of_supports<const D: usize>(
     problem: &Problem<D>,
-) -> impl Iterator<Item = (WorkSource, Range<usize>, Vec<bool>)> {
-    let bodies = problem.scene().ids().zip(problem.scene().bodies());
-    bodies.flat_map(move |(id, body)| {
-        let nodes = problem.nodes(id);
-        let dofs = D * nodes.start..D * nodes.end;
+    reaction: impl Fn(usize) -> f64,
+) -> Vec<Force> {
+    let mut supports = Vec::new();
+    for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
         let (names, of_dofs) = body.support_names();
-        names.iter().enumerate().map(move |(k, name)| {
-            let is_own = of_dofs.iter().map(|support| *support == Some(k)).collect();
-            (WorkSource::Support(id.on(name)), dofs.clone(), is_own)
-        })
-    })
+        let own = supports.len();
+        supports.extend(names.iter().map(|name| Force {
+            source: WorkSource::Support(id.on(name)),
+            forces: Vec::new(),
+        }));
+        let first = D * problem.nodes(id).start;
+        for (dof, support) in of_dofs.iter().enumerate() {
+            if let Some(support) = support {
+                let forces = &mut supports[own + support].forces;
+                forces.push((first + dof, reaction(first + dof)));
+            }
+        }
+    }
+    supports
 }
 
 /// The loads of all bodies at a load factor; those of one kind on one boundary together.
 fn forces_of_loads<const D: usize>(problem: &Problem<D>, factor: f64) -> Vec<Force> {
     let mut loads = Vec::<Force>::new();
     for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
-        let nodes = problem.nodes(id);
+        let first = D * problem.nodes(id).start;
         for (origin, forces) in body.loads_at(factor) {
             let source = WorkSource::of(id, origin);
-            match loads.iter_mut().find(|known| known.source == source) {
-                Some(known) => {
-                    let sums = known.forces.iter_mut().zip(forces);
-                    sums.for_each(|(sum, force)| *sum += force);
-                }
-                None => loads.push(Force {
+            let known = loads.iter().position(|known| known.source == source);
+            let place = known.unwrap_or_else(|| {
+                loads.push(Force {
                     source,
-                    dofs: D * nodes.start..D * nodes.end,
-                    forces,
-                }),
-            }
+                    forces: Vec::new(),
+                });
+                loads.len() - 1
+            });
+            let some = forces.iter().enumerate().filter(|(_, f)| **f != 0.0);
+            let some = some.map(|(dof, f)| (first + dof, *f));
+            loads[place].forces.extend(some);
         }
     }
     loads
