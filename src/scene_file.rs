@@ -38,13 +38,13 @@ use std::path::{Path, PathBuf};
 
 use contact_core::equilibrium::Departures;
 use contact_core::{
-    Automatic, Condensed, CondensedNewton, Equilibrium, InteriorPoint, Literal, Retry,
+    Automatic, Condensed, CondensedNewton, Equilibrium, InteriorPoint, Literal, Phase, Retry,
 };
 use contact_fem::element::{Element, P1, P2};
 use contact_fem::model::{Geometry, Integration, Passes, Side};
 use contact_fem::{
-    Body, LinearElastic, Mesh, MeshFile, MooneyRivlin, NeoHookean, Obstacle, Scene, Simulation,
-    StVenantKirchhoff,
+    Amplitude, Body, LinearElastic, Mesh, MeshFile, MooneyRivlin, Motion, NeoHookean, Obstacle,
+    Scene, Simulation, StVenantKirchhoff,
 };
 use serde::Deserialize;
 
@@ -101,6 +101,8 @@ pub struct SceneFile {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct Keys {
     increments: Option<usize>,
+    #[serde(default)]
+    phase: Vec<PhaseKeys>,
     solver: Option<Solver>,
     tolerance: Option<f64>,
     departures: Option<Vec<Departure>>,
@@ -174,6 +176,37 @@ enum Where {
     Current,
 }
 
+/// A phase of the run, and bounds of adaptive steps in it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct PhaseKeys {
+    name: String,
+    until: f64,
+    increments: usize,
+    least_step: Option<f64>,
+    largest_step: Option<f64>,
+}
+
+/// A constant, or pairs of time and value with straight lines between them.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+enum AmplitudeKeys {
+    Constant(f64),
+    Table(Vec<(f64, f64)>),
+}
+
+/// One motion; several follow one another.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MotionKeys {
+    translation: Option<Vec<f64>>,
+    rotation: Option<f64>,
+    centre: Option<Vec<f64>>,
+    #[serde(default)]
+    axis: Vec<f64>,
+    amplitude: Option<AmplitudeKeys>,
+}
+
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct BodyKeys {
@@ -187,10 +220,13 @@ struct BodyKeys {
     poisson: f64,
     share: Option<f64>,
     #[serde(default)]
+    symmetry: Vec<Name>,
+    #[serde(default)]
     supports: Vec<SupportKeys>,
     #[serde(default)]
     tractions: Vec<TractionKeys>,
     body_force: Option<Vec<f64>>,
+    body_force_amplitude: Option<AmplitudeKeys>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -217,6 +253,9 @@ struct SupportKeys {
     x: Option<f64>,
     y: Option<f64>,
     z: Option<f64>,
+    #[serde(default)]
+    motion: Vec<MotionKeys>,
+    amplitude: Option<AmplitudeKeys>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -224,6 +263,7 @@ struct SupportKeys {
 struct TractionKeys {
     on: Name,
     force: Vec<f64>,
+    amplitude: Option<AmplitudeKeys>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -248,6 +288,10 @@ struct ObstacleKeys {
     name: String,
     half_space: Option<HalfSpace>,
     ball: Option<Ball>,
+    cavity: Option<Ball>,
+    cuboid: Option<Cuboid>,
+    #[serde(default)]
+    motion: Vec<MotionKeys>,
     on: Vec<SideKeys>,
 }
 
@@ -284,6 +328,13 @@ struct Ball {
     radius: f64,
 }
 
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Cuboid {
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
 /// What may be otherwise in another program's scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -296,7 +347,7 @@ pub enum Change {
     Geometry(Geometry),
     /// The solver's tolerance.
     Tolerance(f64),
-    /// Load increments.
+    /// Load increments, of each phase where there are some.
     Increments(usize),
     /// Sides of quadratic elements that are straight, as in FreeFEM.
     Straight,
@@ -340,6 +391,46 @@ fn vector<const D: usize>(part: &str, key: &str, values: &[f64]) -> Result<[f64;
         part: part.into(),
         what: format!("`{key}` has {} components and needs {D}", values.len()),
     })
+}
+
+fn amplitude(part: &str, keys: Option<&AmplitudeKeys>) -> Result<Amplitude, Error> {
+    match keys {
+        None => Ok(Amplitude::proportional()),
+        Some(AmplitudeKeys::Constant(value)) => Ok(Amplitude::constant(*value)),
+        Some(AmplitudeKeys::Table(pairs)) => of(part, Amplitude::table(pairs)),
+    }
+}
+
+/// The motions one after the other; `None` without any.
+fn motion<const D: usize>(part: &str, all: &[MotionKeys]) -> Result<Option<Motion<D>>, Error> {
+    let mut whole: Option<Motion<D>> = None;
+    for keys in all {
+        let wrong = |what: &str| Error::Part {
+            part: part.into(),
+            what: format!("its motion {what}"),
+        };
+        let one = match (&keys.translation, keys.rotation, &keys.centre) {
+            (Some(by), None, None) if keys.axis.is_empty() => {
+                of(part, Motion::translation(vector(part, "translation", by)?))?
+            }
+            (None, Some(angle), Some(centre)) => {
+                let centre = vector(part, "centre", centre)?;
+                of(part, Motion::rotation_along(&keys.axis, centre, angle))?
+            }
+            (None, Some(_), None) => return Err(wrong("turns about no point: give it a `centre`")),
+            _ => {
+                return Err(wrong(
+                    "is a `translation`, or a `rotation` (radians) with a `centre`, and in space an `axis`",
+                ));
+            }
+        };
+        let one = one.driven_by(amplitude(part, keys.amplitude.as_ref())?);
+        whole = Some(match whole {
+            Some(before) => before.then(one),
+            None => one,
+        });
+    }
+    Ok(whole)
 }
 
 impl SceneFile {
@@ -402,7 +493,13 @@ impl SceneFile {
             Change::Geometry(Geometry::Reference) => keys.geometry = Some(Where::Reference),
             Change::Geometry(Geometry::Current) => keys.geometry = Some(Where::Current),
             Change::Tolerance(tolerance) => keys.tolerance = Some(tolerance),
-            Change::Increments(increments) => keys.increments = Some(increments),
+            Change::Increments(increments) => match keys.phase.is_empty() {
+                true => keys.increments = Some(increments),
+                false => keys
+                    .phase
+                    .iter_mut()
+                    .for_each(|p| p.increments = increments),
+            },
             Change::Straight => file.is_straight = true,
         }
         file
@@ -496,22 +593,35 @@ impl SceneFile {
         }
         for keys in &self.keys.obstacle {
             let part = format!("obstacle {}", keys.name);
-            let shape = match (&keys.half_space, &keys.ball) {
-                (Some(HalfSpace { point, normal }), None) => {
+            let shape = match (&keys.half_space, &keys.ball, &keys.cavity, &keys.cuboid) {
+                (Some(HalfSpace { point, normal }), None, None, None) => {
                     let (point, normal) = (
                         vector(&part, "point", point)?,
                         vector(&part, "normal", normal)?,
                     );
                     of(&part, Obstacle::half_space(point, normal))?
                 }
-                (None, Some(Ball { centre, radius })) => {
+                (None, Some(Ball { centre, radius }), None, None) => {
                     let centre = vector(&part, "centre", centre)?;
                     of(&part, Obstacle::ball(centre, *radius))?
                 }
+                (None, None, Some(Ball { centre, radius }), None) => {
+                    let centre = vector(&part, "centre", centre)?;
+                    of(&part, Obstacle::cavity(centre, *radius))?
+                }
+                (None, None, None, Some(Cuboid { low, high })) => {
+                    let (low, high) = (vector(&part, "low", low)?, vector(&part, "high", high)?);
+                    of(&part, Obstacle::cuboid(low, high))?
+                }
                 _ => {
-                    let what = "give it one shape: `half-space` or `ball`".into();
+                    let what =
+                        "give it one shape: `half-space`, `ball`, `cavity` or `cuboid`".into();
                     return Err(Error::Part { part, what });
                 }
+            };
+            let shape = match motion(&part, &keys.motion)? {
+                Some(motion) => shape.moving(motion),
+                None => shape,
             };
             let Some((first, others)) = keys.on.split_first() else {
                 let what = "`on` is empty: name the boundaries that may touch it".into();
@@ -600,32 +710,76 @@ impl SceneFile {
                 Body::new(mesh, of(&part, StVenantKirchhoff::new(young, poisson))?)
             }
         };
-        for SupportKeys { on, x, y, z } in &keys.supports {
+        for name in &keys.symmetry {
+            of(&part, body.symmetry(&name.to_string()))?;
+        }
+        for SupportKeys {
+            on,
+            x,
+            y,
+            z,
+            motion: moves,
+            amplitude: course,
+        } in &keys.supports
+        {
             if D == 2 && z.is_some() {
                 let what = "a support in the plane has no `z`".into();
                 return Err(Error::Part { part, what });
             }
             let all = [*x, *y, *z];
-            if all.iter().all(Option::is_none) {
-                let place = match on {
-                    Some(name) => format!("on {name}"),
-                    None => "without `on`".into(),
-                };
-                let what = format!("its support {place} holds nothing: give it x, y or z");
+            let place = match on {
+                Some(name) => format!("on {name}"),
+                None => "without `on`".into(),
+            };
+            let components = std::array::from_fn(|i| all[i]);
+            let moves = motion(&part, moves)?;
+            let has_values = all.iter().any(Option::is_some);
+            let what = match (has_values, &moves, course, on) {
+                (false, None, ..) => "holds nothing: give it x, y, z or `motion`",
+                (true, Some(_), ..) => "has components and a motion: give it one of them",
+                (_, Some(_), Some(_), _) => {
+                    "has a motion, which has amplitudes of its own: leave `amplitude` out"
+                }
+                (true, None, Some(_), None) => "has an amplitude: name its boundary by `on`",
+                _ => "",
+            };
+            if !what.is_empty() {
+                let what = format!("its support {place} {what}");
                 return Err(Error::Part { part, what });
             }
-            let components = std::array::from_fn(|i| all[i]);
-            match on {
-                Some(name) => of(&part, body.prescribe(&name.to_string(), components))?,
-                None => of(&part, body.prescribe_all(components))?,
+            let name = on.as_ref().map(ToString::to_string);
+            let held = match (name, moves) {
+                (Some(name), Some(moves)) => body.prescribe_motion(&name, moves),
+                (None, Some(moves)) => body.prescribe_motion_of_all(moves),
+                (Some(name), None) => {
+                    let course = amplitude(&part, course.as_ref())?;
+                    body.prescribe_in_time(&name, components, course)
+                }
+                (None, None) => body.prescribe_all(components),
             };
+            of(&part, held)?;
         }
-        for TractionKeys { on, force } in &keys.tractions {
+        for TractionKeys {
+            on,
+            force,
+            amplitude: course,
+        } in &keys.tractions
+        {
             let force = vector(&part, "force", force)?;
-            of(&part, body.traction(&on.to_string(), force))?;
+            let course = amplitude(&part, course.as_ref())?;
+            of(&part, body.traction_in_time(&on.to_string(), force, course))?;
         }
-        if let Some(force) = &keys.body_force {
-            of(&part, body.body_force(vector(&part, "body-force", force)?))?;
+        let course = amplitude(&part, keys.body_force_amplitude.as_ref())?;
+        match &keys.body_force {
+            Some(force) => {
+                let force = vector(&part, "body-force", force)?;
+                of(&part, body.body_force_in_time(force, course))?;
+            }
+            None if keys.body_force_amplitude.is_some() => {
+                let what = "`body-force-amplitude` has no effect without `body-force`".into();
+                return Err(Error::Part { part, what });
+            }
+            None => {}
         }
         Ok(body)
     }
@@ -716,6 +870,7 @@ impl SceneFile {
             },
         };
         let mut simulation = Simulation::solved_by(boxed, self.keys.increments.unwrap_or(1));
+        simulation.load_steps.phases = self.phases()?;
         if solver == Solver::Literal {
             simulation.load_steps.predictor = departures.contains(&Departure::Predictor);
             simulation.load_steps.max_halvings = 0;
@@ -728,5 +883,29 @@ impl SceneFile {
                 what: why.to_string(),
             })?;
         Ok(simulation)
+    }
+
+    fn phases(&self) -> Result<Vec<Phase>, Error> {
+        if let (Some(increments), false) = (self.keys.increments, self.keys.phase.is_empty()) {
+            let what = format!(
+                "`increments = {increments}` has no effect where there are phases: give each its own"
+            );
+            return Err(Error::Part {
+                part: "the scene".into(),
+                what,
+            });
+        }
+        let phase = |keys: &PhaseKeys| {
+            let phase = Phase::new(&keys.name, keys.until, keys.increments);
+            match (keys.least_step, keys.largest_step) {
+                (None, None) => Ok(phase),
+                (Some(least), Some(largest)) => Ok(phase.adaptive(least, largest)),
+                _ => Err(Error::Part {
+                    part: format!("phase {}", keys.name),
+                    what: "adaptive steps need `least-step` and `largest-step`".into(),
+                }),
+            }
+        };
+        self.keys.phase.iter().map(phase).collect()
     }
 }

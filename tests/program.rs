@@ -403,6 +403,167 @@ fn matrices_of_a_script_are_solved() {
     assert!(compared.contains(&Quantity::ContactForce), "{compared:?}");
 }
 
+/// Press, then slide and turn, from a file and by hand: the same states to the last bit.
+#[test]
+fn a_program_from_a_file() {
+    let folder = fresh("phases");
+    let text = r#"
+        [[phase]]
+        name = "press"
+        until = 1
+        increments = 2
+
+        [[phase]]
+        name = "slide"
+        until = 2
+        increments = 4
+        least-step = 0.05
+        largest-step = 0.5
+
+        [[body]]
+        name = "upper"
+        mesh = "upper.msh"
+        law = "neo-hookean"
+        young = 100
+        poisson = 0.3
+        supports = [
+            { on = 4, y = -0.02, amplitude = [[0, 0], [1, 1]] },
+            { on = 4, x = 0.3, amplitude = [[1, 0], [2, 1]] },
+        ]
+        tractions = [{ on = 3, force = [0.1, 0], amplitude = 1 }]
+        body-force = [0, -0.2]
+        body-force-amplitude = 1
+
+        [[obstacle]]
+        name = "tool"
+        cuboid = { low = [-2, 0], high = [4, 1] }
+        on = [["upper", 1]]
+        motion = [
+            { translation = [0, 0.01], amplitude = [[0, 0], [1, 1]] },
+            { rotation = 0.01, centre = [1, 1], amplitude = [[1, 0], [2, 1]] },
+        ]
+    "#;
+    let path = two_bodies(&folder, text);
+    let file = SceneFile::read(&path).expect("a file");
+    let mut problem = file
+        .scene::<2>()
+        .expect("a scene")
+        .problem()
+        .expect("sound");
+    let mut simulation = file.simulation().expect("settings");
+    let from_file = simulation.run(&mut problem).expect("a run");
+    assert!(from_file.is_complete(), "{}", from_file.run.ending);
+
+    let mesh = MeshFile::read(folder.join("upper.msh")).expect("a mesh");
+    let mut bodies = mesh.bodies::<2>().expect("bodies");
+    let law = NeoHookean::new(100.0, 0.3).expect("a law");
+    let mut upper = Body::new(bodies.remove(0).1, law);
+    let [first, then] = [[(0.0, 0.0), (1.0, 1.0)], [(1.0, 0.0), (2.0, 1.0)]]
+        .map(|table| Amplitude::table(&table).expect("a table"));
+    let held = upper.prescribe_in_time("4", [None, Some(-0.02)], first.clone());
+    held.expect("a support");
+    let held = upper.prescribe_in_time("4", [Some(0.3), None], then.clone());
+    held.expect("a support");
+    upper
+        .traction_in_time("3", [0.1, 0.0], 1.0)
+        .expect("a traction")
+        .body_force_in_time([0.0, -0.2], 1.0)
+        .expect("a weight");
+    let up = Motion::translation([0.0, 0.01]).expect("a motion");
+    let turn = Motion::<2>::rotation([1.0, 1.0], 0.01).expect("a motion");
+    let motion = up.driven_by(first).then(turn.driven_by(then));
+    let tool = Obstacle::cuboid([-2.0, 0.0], [4.0, 1.0]).expect("a tool");
+    let mut scene = Scene::new();
+    let upper = scene.add("upper", upper);
+    let placed = scene.obstacle("tool", upper.on("1"), tool.moving(motion));
+    placed.expect("an obstacle");
+    let phases = [
+        Phase::new("press", 1.0, 2),
+        Phase::new("slide", 2.0, 4).adaptive(0.05, 0.5),
+    ];
+    let mut problem = scene.problem().expect("sound");
+    let by_hand = Simulation::in_phases(phases).run(&mut problem);
+    let by_hand = by_hand.expect("a run");
+    let states = |history: &History<2>| -> Vec<(f64, String, f64)> {
+        let steps = history.steps.iter();
+        steps
+            .map(|s| (s.factor, s.phase().to_string(), s.energy))
+            .collect()
+    };
+    assert_eq!(states(&from_file), states(&by_hand));
+    assert_eq!(from_file.run.state.u, by_hand.run.state.u);
+    let last = from_file.last().expect("a step");
+    assert!(last.factor == 2.0 && last.pairs[0].area > 0.5, "{last:?}");
+    // the weight, and what presses
+    let tool = last.contact_forces[0][1];
+    assert!(tool > 0.2, "{tool}");
+
+    let cases = [
+        (
+            "name = \"press\"",
+            "name = \"press\"\nleast-step = 0.1",
+            "largest-step",
+        ),
+        ("until = 1\n", "until = 3\n", "phase until"),
+        (
+            "[[phase]]\n        name = \"press\"",
+            "increments = 2\n[[phase]]\nname = \"press\"",
+            "no effect where there are phases",
+        ),
+        ("least-step = 0.05", "least-step = 0.6", "phase least step"),
+        (
+            "amplitude = [[0, 0], [1, 1]] },\n            { on = 4, x",
+            "amplitude = [[1, 0], [1, 1]] },\n            { on = 4, x",
+            "ascend",
+        ),
+        (
+            "body-force = [0, -0.2]\n",
+            "",
+            "no effect without `body-force`",
+        ),
+        ("centre = [1, 1], ", "", "turns about no point"),
+        (
+            "rotation = 0.01, centre = [1, 1]",
+            "centre = [1, 1]",
+            "is a `translation`, or a `rotation`",
+        ),
+        (
+            "centre = [1, 1], ",
+            "centre = [1, 1], axis = [0, 0, 1], ",
+            "leave it out in the plane",
+        ),
+        (
+            "low = [-2, 0]",
+            "low = [-2]",
+            "`low` has 1 components and needs 2",
+        ),
+        (
+            "{ on = 4, x = 0.3, amp",
+            "{ on = 4, x = 0.3, motion = [{ translation = [1, 0] }], amp",
+            "give it one of them",
+        ),
+        (
+            "{ on = 4, x = 0.3, amp",
+            "{ on = 4, motion = [{ translation = [1, 0] }], amp",
+            "has amplitudes of its own",
+        ),
+        (
+            "{ on = 4, x = 0.3, amp",
+            "{ x = 0.3, amp",
+            "name its boundary by `on`",
+        ),
+    ];
+    for (sound, wrong, named) in cases {
+        let text = text.replacen(sound, wrong, 1);
+        let file = SceneFile::parse(&text, &folder).expect("TOML");
+        let why = match (file.scene::<2>(), file.simulation()) {
+            (Err(why), _) | (_, Err(why)) => why.to_string(),
+            _ => panic!("{wrong} is taken"),
+        };
+        assert!(why.contains(named), "{wrong}: {why}");
+    }
+}
+
 #[test]
 fn what_files_lack_is_named() {
     let folder = fresh("damaged");

@@ -8,6 +8,9 @@ use crate::equilibrium::{Equilibrium, Failed, Iteration, Solution, StepContext};
 use crate::{
     Budget, ContactProblem, Cost, Ending, Energy, Error, Interruption, Outcome, State, Stop,
 };
+use pace::Pace;
+
+mod pace;
 
 /// A contact problem whose loads and prescribed displacements are functions of one factor, a pseudo-time.
 pub trait LoadStepped: ContactProblem {
@@ -53,8 +56,25 @@ pub struct Phase {
     pub name: String,
     /// The load factor, or pseudo-time, at its end. The first phase begins at 0, each other one where the one before ends.
     pub until: f64,
-    /// The number of equal increments.
+    /// The number of equal increments; of adaptive steps the first one is as long.
     pub increments: usize,
+    /// The bounds of steps whose lengths follow from what the last ones took; `None`, the default, for equal increments.
+    pub adaptive: Option<Adaptive>,
+}
+
+/// Bounds of adaptive load steps. After a step of n iterations the next one is √(8/n) times as long, at least half and at most
+/// twice as long. A step that fails is halved. Each step counts as an increment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adaptive {
+    /// The least step (load factor): a run that would need a shorter one ends as not converged.
+    pub least: f64,
+    /// The largest step.
+    pub largest: f64,
+}
+
+impl Adaptive {
+    /// The iterations that a step should take.
+    const ITERATIONS: f64 = 8.0;
 }
 
 impl Phase {
@@ -64,6 +84,15 @@ impl Phase {
             name: name.into(),
             until,
             increments,
+            adaptive: None,
+        }
+    }
+
+    /// With steps between these two lengths (load factor), see [`Adaptive`].
+    pub fn adaptive(self, least: f64, largest: f64) -> Self {
+        Phase {
+            adaptive: Some(Adaptive { least, largest }),
+            ..self
         }
     }
 }
@@ -239,6 +268,24 @@ impl LoadSteps {
                     remedy: "let each phase end at a finite load factor beyond the end of the one before; the first begins at 0",
                 });
             }
+            let length = phase.until - began;
+            if let Some(Adaptive { least, largest }) = phase.adaptive {
+                let shortest = length / Self::MOST_INCREMENTS as f64;
+                if !(least >= shortest && least <= largest) {
+                    return Err(Error::Setting {
+                        name: "phase least step",
+                        value: least.to_string(),
+                        remedy: "choose at least a millionth of the phase, and no more than the largest step",
+                    });
+                }
+                if !largest.is_finite() {
+                    return Err(Error::Setting {
+                        name: "phase largest step",
+                        value: largest.to_string(),
+                        remedy: "choose a number, such as the length of the phase",
+                    });
+                }
+            }
             began = phase.until;
         }
         if self.max_halvings > Self::MOST_HALVINGS {
@@ -251,7 +298,7 @@ impl LoadSteps {
         self.budget.validate()
     }
 
-    /// The number of increments over all phases.
+    /// The number of increments over all phases; with adaptive steps, how many there are as long as the first.
     pub fn all_increments(&self) -> usize {
         match self.phases.is_empty() {
             true => self.increments,
@@ -330,13 +377,6 @@ struct Path<'a> {
     attempts: Vec<Attempt>,
 }
 
-/// A phase of a run, with the load factor and the number of increments before it.
-struct Stage<'a> {
-    phase: &'a Phase,
-    began: f64,
-    before: usize,
-}
-
 impl Path<'_> {
     fn walk<P: LoadStepped>(
         &mut self,
@@ -351,18 +391,14 @@ impl Path<'_> {
         };
         let (mut began, mut before) = (0.0, 0);
         for phase in phases {
-            let stage = Stage {
-                phase,
-                began,
-                before,
-            };
+            let mut pace = Pace::new(phase, (began, before), self.settings.max_halvings);
             // loads may change their course here
             self.before = None;
-            if let Some(ending) = self.walk_phase(problem, solver, &stage, observe)? {
+            if let Some(ending) = self.walk_phase(problem, solver, (phase, &mut pace), observe)? {
                 return Ok(ending);
             }
             began = phase.until;
-            before += phase.increments;
+            before = pace.increments();
         }
         Ok(Ending::Complete)
     }
@@ -372,73 +408,53 @@ impl Path<'_> {
         &mut self,
         problem: &mut P,
         solver: &mut dyn Equilibrium,
-        stage: &Stage<'_>,
+        (phase, pace): (&Phase, &mut Pace<'_>),
         observe: &mut impl FnMut(&Step<'_, P>) -> ControlFlow<()>,
     ) -> Result<Option<Ending>, Error> {
-        let Stage {
-            phase,
-            began,
-            before,
-        } = *stage;
-        let whole = (phase.until - began) / phase.increments as f64;
-        let close = LoadSteps::CLOSE * (phase.until - began);
-        let mut halvings = 0_usize;
-        for increment in 1..=phase.increments {
-            let goal = match increment == phase.increments {
-                true => phase.until,
-                false => began + increment as f64 * whole,
-            };
-            while self.last.factor < goal - close {
-                if self.stop.is_requested() {
+        while let Some(target) = pace.next(self.last.factor) {
+            if self.stop.is_requested() {
+                return Ok(Some(self.interrupted()));
+            }
+            let solution = match self.attempt(problem, solver, phase, target.factor) {
+                Err(Error::Interrupted) if self.stop.is_requested() => {
                     return Ok(Some(self.interrupted()));
                 }
-                let cut = self.last.factor + whole * 0.5f64.powi(halvings as i32);
-                let arrives = cut > goal - close;
-                let target = if arrives { goal } else { cut };
-                let solution = match self.attempt(problem, solver, phase, target) {
-                    Err(Error::Interrupted) if self.stop.is_requested() => {
-                        return Ok(Some(self.interrupted()));
+                solution => solution?,
+            };
+            match solution.outcome {
+                Outcome::Converged => pace.succeeded(target, solution.history.len()),
+                Outcome::Interrupted => return Ok(Some(self.interrupted())),
+                _ => {
+                    let is_stuck = self.is_stuck();
+                    if !is_stuck && pace.cut() {
+                        continue;
                     }
-                    solution => solution?,
-                };
-                match solution.outcome {
-                    Outcome::Converged => {
-                        halvings = halvings.saturating_sub(1); // after success the step doubles
-                    }
-                    Outcome::Interrupted => return Ok(Some(self.interrupted())),
-                    _ => {
-                        let is_stuck = self.is_stuck();
-                        if halvings < self.settings.max_halvings && !is_stuck {
-                            halvings += 1;
-                            continue;
-                        }
-                        let stuck = is_stuck.then(|| "smaller steps do not reduce it".into());
-                        let causes = stuck.into_iter().chain(problem.diagnose(&solution));
-                        let before = solution.failed.iter().filter(|f| f.cause.is_some());
-                        let causes = causes.chain(before.map(|failed| failed.to_string()));
-                        let causes: Vec<String> = causes.collect();
-                        return Ok(Some(Ending::NotConverged {
-                            at: self.last.factor,
-                            cause: (!causes.is_empty()).then(|| causes.join("; ")),
-                            why: solution.outcome,
-                        }));
-                    }
-                }
-                let step = Step {
-                    problem: &*problem,
-                    factor: target,
-                    increment: arrives.then_some(before + increment),
-                    solution: &solution,
-                    attempt: &self.attempts[self.attempts.len() - 1],
-                };
-                let flow = observe(&step);
-                self.advance(target, solution);
-                if flow.is_break() && self.last.factor < self.settings.end() - close {
-                    return Ok(Some(Ending::Interrupted {
-                        at: target,
-                        why: Interruption::Observer,
+                    let stuck = is_stuck.then(|| "smaller steps do not reduce it".into());
+                    let causes = stuck.into_iter().chain(problem.diagnose(&solution));
+                    let before = solution.failed.iter().filter(|f| f.cause.is_some());
+                    let causes = causes.chain(before.map(|failed| failed.to_string()));
+                    let causes: Vec<String> = causes.collect();
+                    return Ok(Some(Ending::NotConverged {
+                        at: self.last.factor,
+                        cause: (!causes.is_empty()).then(|| causes.join("; ")),
+                        why: solution.outcome,
                     }));
                 }
+            }
+            let step = Step {
+                problem: &*problem,
+                factor: target.factor,
+                increment: target.increment,
+                solution: &solution,
+                attempt: &self.attempts[self.attempts.len() - 1],
+            };
+            let flow = observe(&step);
+            self.advance(target.factor, solution);
+            if flow.is_break() && self.last.factor < self.settings.end() - pace.close() {
+                return Ok(Some(Ending::Interrupted {
+                    at: target.factor,
+                    why: Interruption::Observer,
+                }));
             }
         }
         Ok(None)

@@ -150,6 +150,34 @@ impl<const D: usize> Motion<D> {
         Ok(Self::new(Part::Translation(by.into())))
     }
 
+    /// A rotation as [`Motion::<2>::rotation`](Motion#method.rotation) and [`Motion::<3>::rotation`](Motion#method.rotation-1),
+    /// in either: `axis` has no components in the plane, and three in space.
+    ///
+    /// # Errors
+    /// As these, and an axis of another length.
+    pub fn rotation_along(axis: &[f64], centre: [f64; D], angle: f64) -> Result<Self, Error> {
+        Error::check_finite("the rotation", centre.iter().chain([&angle]))?;
+        let axis = match (D, axis) {
+            (2, []) => Vector::zeros(),
+            (3, &[x, y, z]) => {
+                let axis = direction("rotation's axis", [x, y, z])?;
+                Vector::from_fn(|i, _| axis[i])
+            }
+            _ => {
+                return Err(Error::Setting {
+                    name: "components of the rotation's axis",
+                    value: axis.len() as f64,
+                    remedy: "give the axis three components in space, and leave it out in the plane",
+                });
+            }
+        };
+        Ok(Self::new(Part::Rotation {
+            centre: centre.into(),
+            axis,
+            angle,
+        }))
+    }
+
     fn new(part: Part<D>) -> Self {
         Motion(vec![(part, Amplitude::default())])
     }
@@ -196,12 +224,7 @@ impl Motion<2> {
     /// # Errors
     /// Values that are not finite.
     pub fn rotation(centre: [f64; 2], angle: f64) -> Result<Self, Error> {
-        Error::check_finite("the rotation", centre.iter().chain([&angle]))?;
-        Ok(Self::new(Part::Rotation {
-            centre: centre.into(),
-            axis: Vector::zeros(),
-            angle,
-        }))
+        Self::rotation_along(&[], centre, angle)
     }
 }
 
@@ -212,12 +235,7 @@ impl Motion<3> {
     /// # Errors
     /// Values that are not finite, and an axis of length 0.
     pub fn rotation(axis: [f64; 3], centre: [f64; 3], angle: f64) -> Result<Self, Error> {
-        Error::check_finite("the rotation", centre.iter().chain([&angle]))?;
-        Ok(Self::new(Part::Rotation {
-            centre: centre.into(),
-            axis: direction("rotation's axis", axis)?,
-            angle,
-        }))
+        Self::rotation_along(&axis, centre, angle)
     }
 }
 

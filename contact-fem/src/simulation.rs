@@ -249,10 +249,16 @@ impl<const D: usize> StepRecord<D> {
         let states = problem.pair_states(u, &solution.gaps, &solution.lambda);
         let states = states.unwrap_or_default();
         let surfaces = problem.surface_pressures(&states);
-        let range = surfaces.iter().flatten().copied();
-        let range = range.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
-            [low.min(p), high.max(p)]
-        });
+        let all = || surfaces.iter().flatten().copied();
+        let range = match (all().next(), all().any(f64::is_nan)) {
+            (None, _) => [0.0; 2],
+            // a pressure that is no number is not hidden by others
+            (_, true) => [f64::NAN; 2],
+            _ => [
+                all().fold(f64::INFINITY, f64::min),
+                all().fold(f64::NEG_INFINITY, f64::max),
+            ],
+        };
         let of_obstacles = problem.forces_of_obstacles(&solution.gaps, &solution.lambda);
         let external = External::new(problem, u, (&forces, &of_obstacles));
         let mut works = external.work_since(&done.0);
@@ -273,10 +279,7 @@ impl<const D: usize> StepRecord<D> {
             reactions: problem.reactions(u, &forces),
             support_reactions,
             pairs: states.into_iter().map(|state| state.record).collect(),
-            pressures: match range[0] <= range[1] {
-                true => range,
-                false => [0.0; 2],
-            },
+            pressures: range,
             contact_forces: bodies
                 .map(|body| problem.nodes(body).map(|a| forces[a]).sum())
                 .collect(),

@@ -68,7 +68,26 @@ fn steps_that_newton_does_not_solve_are_solved_by_ipopt() {
     assert_eq!(summary["steps_by_solver"]["ipopt"], increments);
     let failures = history.steps.iter().map(|step| step.attempt.failed.len());
     assert_eq!(summary["repeated_attempts"], failures.sum::<usize>());
-    assert!(summary["cpu_seconds"].as_f64().is_some_and(|s| s > 0.0));
+    let number = |key: &str| summary[key].as_f64().unwrap_or(f64::NAN);
+    assert!(number("cpu_seconds") > 0.0);
+    // the certified run has them, too
+    let last = history.last().expect("a step");
+    assert_eq!(number("pressure_min"), 0.0);
+    assert!(relative(number("pressure_max"), last.pairs[0].pressure_max) < 1e-12);
+    let area = number("contact_area");
+    assert!(
+        relative(area, last.pairs[0].area) < 1e-12 && (0.5..3.77).contains(&area),
+        "a part of the disc's 2π 0.6: {area}"
+    );
+    let (work, stored) = (number("work"), number("stored_energy"));
+    assert!(relative(work, stored) < 0.05, "{work} {stored}");
+    assert!((number("unstored_work") - (work - stored)).abs() < 1e-9 * work);
+    let works = summary["works"].as_array().expect("a list");
+    let sum: f64 = works
+        .iter()
+        .map(|own| own["work"].as_f64().unwrap_or(f64::NAN))
+        .sum();
+    assert!((sum - work).abs() < 1e-9 * work, "{works:?}");
 }
 
 #[test]

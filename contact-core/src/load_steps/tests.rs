@@ -354,6 +354,58 @@ fn steps_that_tunnel_are_cut() {
     assert_eq!(*problem.asked.borrow(), asked);
 }
 
+/// Adaptive steps double as long as they converge, and are halved where they are longer than 0.25.
+#[test]
+fn adaptive_steps() {
+    let mut problem = Line::default();
+    let mut solver = Follows::new(|t| t, |_| [0.0; 2], at_most(0.25));
+    let settings = LoadSteps {
+        phases: vec![Phase::new("all", 1.0, 10).adaptive(0.01, 0.4)],
+        max_halvings: 0,
+        ..LoadSteps::default()
+    };
+    let all = run(&settings, &mut problem, &mut solver);
+    assert_eq!(all.ending, Ending::Complete);
+    let expected = [
+        (0.0, 0.1, true),
+        (0.1, 0.3, true),
+        (0.3, 0.7, false),
+        (0.3, 0.5, true),
+        (0.5, 0.9, false),
+        (0.5, 0.7, true),
+        (0.7, 1.0, false),
+        (0.7, 0.9, true),
+        (0.9, 1.0, true),
+    ];
+    let found = attempts(&all);
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        let off = (found.0 - expected.0).abs() + (found.1 - expected.1).abs();
+        assert!(off < 1e-12 && found.2 == expected.2, "{found:?}");
+    }
+
+    // none that may be tried converges
+    let mut solver = Follows::new(|t| t, |_| [0.0; 2], at_most(0.005));
+    let none = run(&settings, &mut problem, &mut solver);
+    assert!(matches!(none.ending, Ending::NotConverged { .. }));
+    assert_eq!(none.attempts.len(), 4, "0.1, 0.05, 0.025, 0.0125");
+
+    for (least, largest, name) in [
+        (0.0, 0.1, "phase least step"),
+        (f64::NAN, 0.1, "phase least step"),
+        (0.2, 0.1, "phase least step"),
+        (0.1, f64::NAN, "phase least step"),
+        (0.1, f64::INFINITY, "phase largest step"),
+    ] {
+        let settings = LoadSteps {
+            phases: vec![Phase::new("all", 1.0, 10).adaptive(least, largest)],
+            ..LoadSteps::default()
+        };
+        let refused = settings.validate().expect_err("a wrong step").to_string();
+        assert!(refused.contains(name), "{refused}");
+    }
+}
+
 /// Two assumptions do not hold, one after the other: the last step is solved three times from the same start.
 #[test]
 fn steps_with_a_wrong_plan_are_solved_again() {

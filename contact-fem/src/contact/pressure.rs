@@ -47,6 +47,8 @@ const UNLOADED: f64 = 1e-6;
 /// Rigid motions that move the loaded nodes along their normals by less than this share of what others do leave no trace in the
 /// pressure.
 const TANGENTIAL: f64 = 1e-2;
+/// Below this share of the sum of all forces the resultants balance nothing.
+const BALANCED: f64 = 1e-3;
 /// What forces have more than their components along the normals is borne along each motion up to this share of those.
 const OBLIQUE: f64 = 0.25;
 /// Iterations for the resultants; most take one or two.
@@ -59,17 +61,19 @@ type Motion = SVector<f64, 6>;
 
 impl<const D: usize> Pressed<'_, D> {
     /// The pressure at the nodes (UF/UL or UF/UL² of reference area). It is nowhere negative, and zero at nodes without a
-    /// contact force. If the forces are those of a constant pressure and the surfaces touch, it is that one. Its own nodal
-    /// forces, p_a ∫ N_a n ds, have the resultant and the moment of the forces, except where only tangential forces could: a shallow cap
-    /// bears nothing in its plane, and an arc no moment about its centre. The resultant is also that of the field interpolated by
-    /// the facets' shape functions N. A node whose force or gap is no number has a pressure that is none.
+    /// contact force. If the forces are those of a constant pressure on a smooth surface and the surfaces touch, it is that one. Its
+    /// own nodal forces, p_a ∫ N_a n ds, have the resultant and the moment of the forces' components along the normals, and of what
+    /// forces have beside these up to a quarter more along each motion: a shallow cap bears nothing in its plane, and an arc no
+    /// moment about its centre. Where the forces cancel, as around a pin, the sum of their normal components is kept. The resultant
+    /// is also that of the field interpolated by the facets' shape functions N. A node whose force or gap is no number has a
+    /// pressure that is none.
     ///
     /// p = max(0, p̄ − r g + m): p̄ is the mean of the pressure with each test function, r g what the gap of the node is worth, and m
     /// the normal component of one rigid motion of the whole surface, chosen for resultant and moment.
     pub fn pressures(&self) -> Vec<f64> {
         let weights = Weights::new(self);
-        let means = weights.means(self, self.forces);
-        let own = weights.means(self, self.own);
+        let (means, loaded) = weights.means(self, self.forces);
+        let (own, _) = weights.means(self, self.own);
         let finite = means.iter().filter(|mean| mean.is_finite());
         let largest = finite.fold(0.0, |m: f64, t| m.max(t.abs()));
         let sizes = self.surface.node_sizes();
@@ -78,9 +82,9 @@ impl<const D: usize> Pressed<'_, D> {
             .map(|a| {
                 let mean = means[a];
                 if !mean.is_finite() {
-                    return Some(f64::NAN);
+                    return loaded[a].then_some(f64::NAN);
                 }
-                if mean.abs() <= UNLOADED * largest {
+                if !loaded[a] || mean.abs() <= UNLOADED * largest {
                     return None;
                 }
                 let gap = self.gaps[a].filter(|_| self.modulus.is_finite());
@@ -185,8 +189,9 @@ impl<const D: usize> Weights<D> {
         }
     }
 
-    /// At every node the mean of the pressure with the test functions, from nodal `forces`.
-    fn means(&self, of: &Pressed<'_, D>, forces: &[Vector<D>]) -> Vec<f64> {
+    /// At every node the mean of the pressure with the test functions, from nodal `forces`, and whether the node is loaded: a
+    /// test function there has a force, and the node itself if it has no test function.
+    fn means(&self, of: &Pressed<'_, D>, forces: &[Vector<D>]) -> (Vec<f64>, Vec<bool>) {
         let count = self.tests.iter().flatten().count();
         let [mut force, mut area] = [0, 1].map(|_| vec![Vector::<D>::zeros(); count]);
         for (a, (f, A)) in forces.iter().zip(&self.areas).enumerate() {
@@ -203,6 +208,18 @@ impl<const D: usize> Weights<D> {
                 means[row] = -force[row].dot(n) / area[row].dot(n);
             }
         }
+        let largest = |all: &mut dyn Iterator<Item = f64>| {
+            let finite = all.filter(|value| value.is_finite());
+            UNLOADED * finite.fold(0.0, |m: f64, value| m.max(value.abs()))
+        };
+        let least = largest(&mut means.iter().copied());
+        let has_force: Vec<bool> = means.iter().map(|mean| !(mean.abs() <= least)).collect();
+        let least = largest(&mut forces.iter().map(Vector::norm));
+        let is_loaded = |a: usize| {
+            let own = self.tests[a].is_some() || !(forces[a].norm() <= least);
+            own && shares(&self.tests, &self.ends, a).any(|(row, _)| has_force[row])
+        };
+        let loaded = (0..of.x.len()).map(is_loaded).collect();
         if count < self.tests.len() {
             self.sharpen(of.surface, &mut means);
         }
@@ -210,7 +227,7 @@ impl<const D: usize> Weights<D> {
             let shares = shares(&self.tests, &self.ends, a);
             shares.map(|(row, share)| share * means[row]).sum()
         };
-        (0..of.x.len()).map(at_node).collect()
+        ((0..of.x.len()).map(at_node).collect(), loaded)
     }
 
     /// Takes from the mean at each test function a part of what a further mean would add: p̄ + α (p̄ − M p̄).
@@ -223,7 +240,8 @@ impl<const D: usize> Weights<D> {
             for (w, lambda) in rule.points() {
                 let w = w * reference.normal(lambda).norm();
                 let tests = || rows.iter().zip(surface.test_functions(lambda));
-                let mean: f64 = tests().map(|(&row, phi)| means[row] * phi).sum();
+                let finite = tests().filter(|(row, _)| means[**row].is_finite());
+                let mean: f64 = finite.map(|(&row, phi)| means[row] * phi).sum();
                 for (&row, phi) in tests() {
                     sums[row] += w * phi * mean;
                     sizes[row] += w * phi;
@@ -298,13 +316,26 @@ impl<const D: usize> Weights<D> {
                     change += V.row(k).transpose() * (component / value);
                 }
             }
-            if !(reachable.norm() > 1e-12 * whole.norm()) {
+            if !(reachable.norm() > 1e-12 * total) {
                 break;
             }
             // a cycle of nodes that are loaded in turn is broken by shorter steps
             shift += change * if iteration < ITERATIONS / 3 { 1.0 } else { 0.5 };
         }
-        at(&shift)
+        let mut pressures = at(&shift);
+        // around a pin or in a fold, forces cancel: what is kept is the sum of their normal components
+        if whole.norm() < BALANCED * total {
+            let nodes = || self.normals.iter().enumerate();
+            let wanted: f64 = nodes().map(|(a, n)| -forces[a].dot(n)).sum();
+            let own = nodes().map(|(a, n)| (a, self.areas[a].dot(n)));
+            let own = own.filter(|(a, _)| pressures[*a].is_finite());
+            let sum: f64 = own.map(|(a, area)| pressures[a] * area).sum();
+            let factor = wanted / sum;
+            if factor > 0.0 && factor.is_finite() {
+                pressures.iter_mut().for_each(|p| *p *= factor);
+            }
+        }
+        pressures
     }
 }
 
@@ -571,6 +602,95 @@ mod tests {
         }
         let wanted: Vector<2> = forces.iter().sum();
         assert!((resultant - wanted).norm() < 1e-9, "{resultant} {wanted}");
+    }
+
+    /// A ring under an alternating pressure of mean 1.25: some of it is taken away by gaps, and given back as a whole.
+    #[test]
+    fn a_closed_surface_keeps_the_sum_of_its_forces() {
+        let x: Vec<Vector<2>> = (0..16)
+            .map(|k| f64::from(k) * std::f64::consts::PI / 8.0)
+            .map(|t| Vector::<2>::new(t.cos(), t.sin()))
+            .collect();
+        let facets: Vec<[usize; 2]> = (0..16).map(|k| [k, (k + 1) % 16]).collect();
+        let surface = Surface::new(0, Order::Linear, facets.iter().map(|f| &f[..]), &x);
+        let push = |a: usize| if a % 2 == 0 { 1.0 } else { 1.5 };
+        let normals = surface.reference_normals();
+        let forces: Vec<_> = (0..16).map(|a| normals[a] * -push(a)).collect();
+        let gaps: Vec<_> = (0..16)
+            .map(|a| Some(if a % 2 == 0 { 0.4 } else { -0.4 }))
+            .collect();
+        let p = recovered(&surface, &forces, &gaps);
+        assert!(p[0] < 0.9 * p[1], "{p:?}");
+        // half of the normals times the lengths of the segments beside each node, along its own
+        let area = 2.0 * (std::f64::consts::PI / 16.0).sin() * (std::f64::consts::PI / 16.0).cos();
+        let sum: f64 = p.iter().map(|p| p * area).sum();
+        assert!((sum - 16.0 * 1.25).abs() < 1e-9, "{sum}");
+    }
+
+    /// Linear multipliers on quadratic triangles: corners and middles of edges without a force have no pressure.
+    #[test]
+    fn quadratic_triangles_are_open_where_nothing_presses() {
+        let n = 8;
+        let at = |i: usize, j: usize| i * (2 * n + 1) + j;
+        let x: Vec<Vector<3>> = (0..=2 * n)
+            .flat_map(|i| (0..=2 * n).map(move |j| Vector::<3>::new(i as f64, j as f64, 0.0)))
+            .collect();
+        let mut facets = Vec::new();
+        for i in (0..2 * n).step_by(2) {
+            for j in (0..2 * n).step_by(2) {
+                let corners = |k: [[usize; 2]; 3]| k.map(|[a, b]| [i + 2 * a, j + 2 * b]);
+                for [a, b, c] in [
+                    corners([[0, 0], [1, 0], [1, 1]]),
+                    corners([[0, 0], [1, 1], [0, 1]]),
+                ] {
+                    let middle =
+                        |p: [usize; 2], q: [usize; 2]| at((p[0] + q[0]) / 2, (p[1] + q[1]) / 2);
+                    let [p, q, r] = [a, b, c].map(|[i, j]| at(i, j));
+                    facets.push([p, q, r, middle(a, b), middle(b, c), middle(c, a)]);
+                }
+            }
+        }
+        let surface = Surface::new(0, Order::Quadratic, facets.iter().map(|f| &f[..]), &x);
+        // a multiplier of 1 at corners within 5 of the middle
+        let centre = Vector::<3>::new(n as f64, n as f64, 0.0);
+        let lambda = |a: usize| {
+            if (x[a] - centre).norm() < 5.0 {
+                1.0
+            } else {
+                0.0
+            }
+        };
+        let mut forces = vec![Vector::<3>::zeros(); x.len()];
+        for facet in &facets {
+            for (w, l) in FacetRule::<3>::gauss(4).points() {
+                let p: f64 = (0..3).map(|k| lambda(facet[k]) * l[k]).sum();
+                let shapes = facet_shapes(Order::Quadratic, l);
+                for (&a, N) in facet.iter().zip(shapes) {
+                    forces[a][2] += 2.0 * w * p * N;
+                }
+            }
+        }
+        let normals: Vec<_> = vec![Vector::<3>::new(0.0, 0.0, -1.0); x.len()];
+        let facing = [(centre, 4.0)];
+        for facing in [&facing[..0], &facing[..]] {
+            let pressed = Pressed {
+                surface: &surface,
+                x: &x,
+                normals: &normals,
+                forces: &forces,
+                own: &forces,
+                gaps: &vec![None; x.len()],
+                facing,
+                modulus: 1.0,
+            };
+            for (a, p) in pressed.pressures().iter().enumerate() {
+                let is_corner = (x[a][0] as usize % 2, x[a][1] as usize % 2) == (0, 0);
+                // the multiplier of a corner reaches to the next ones
+                let is_open =
+                    is_corner && lambda(a) == 0.0 || forces[a].norm() < 1e-12 && !is_corner;
+                assert!(!is_open || *p == 0.0, "{p} at {:?}", x[a]);
+            }
+        }
     }
 
     /// Forces whose sums overflow end the search for balance.

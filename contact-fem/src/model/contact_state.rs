@@ -78,7 +78,8 @@ pub struct PairRecord<const D: usize> {
     pub first: Side,
     /// The other one, or the obstacle.
     pub second: Opposite,
-    /// The reference area around pressing nodes (UL in the plane, UL² in space), on the surface with more of them.
+    /// The reference area around pressing nodes (UL in the plane, UL² in space), on the surface with more nodes; in self-contact,
+    /// of both sides.
     pub area: f64,
     /// The contact force on the first surface (UF); zero in self-contact.
     pub resultant: Vector<D>,
@@ -204,19 +205,16 @@ impl<const D: usize> Problem<D> {
         if a != b && b < self.surfaces().len() {
             sides.push(self.pair_side([b, a], modulus, u, (gaps, lambda)));
         }
-        let area = |side: &PairSide<D>| {
+        let finest = sides.iter().max_by_key(|side| side.pressures.len());
+        let area = finest.map_or(0.0, |side| {
             let areas = self.surfaces()[side.surface].node_areas();
             let nodes = side.pressures.iter().zip(areas);
-            let pressing = nodes.filter(|(p, _)| **p > 0.0).map(|(_, area)| area);
-            pressing.fold((0, 0.0), |(count, sum), area| (count + 1, sum + area))
-        };
-        let areas = sides.iter().map(area);
-        let (_, area) = areas.fold(
-            (0, 0.0),
-            |most, next| if next.0 > most.0 { next } else { most },
-        );
+            nodes.filter(|(p, _)| **p > 0.0).map(|(_, area)| area).sum()
+        });
         let pressures = sides.iter().flat_map(|side| &side.pressures);
-        let pressure_max = pressures.copied().fold(0.0, f64::max);
+        // a pressure that is no number is not hidden by others
+        let larger = |m: f64, p: f64| if p > m || p.is_nan() { p } else { m };
+        let pressure_max = pressures.copied().fold(0.0, larger);
         let positions = self.positions(u);
         let places = self.surfaces()[a]
             .nodes()

@@ -261,7 +261,10 @@ fn point_fields<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) ->
     let gaps = snapshot.gaps.iter();
     // not ∞, which spoils the scale of colours
     let finite = gaps.clone().filter(|gap| gap.is_finite());
-    let widest = finite.copied().fold(0.0, f64::max);
+    let widest = match finite.copied().fold(0.0, f64::max) {
+        widest if widest > 0.0 => widest,
+        _ => problem.scale().length,
+    };
     let gaps = gaps.map(|gap| gap.min(widest));
     let statuses = snapshot.statuses.iter().map(|status| *status as i32);
     let von_mises = snapshot.averages.iter().map(CellState::von_mises);

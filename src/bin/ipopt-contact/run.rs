@@ -55,6 +55,10 @@ where
     if let Some(text) = words.option("increments") {
         let number = text.parse().ok().filter(|number| *number > 0);
         let needed = || format!("--increments needs a whole number from 1, not `{text}`");
+        if !simulation.load_steps.phases.is_empty() {
+            let what = "its phases have increments of their own: leave --increments out";
+            return Err(in_file(&what));
+        }
         simulation.load_steps.increments = number.ok_or_else(needed)?;
     }
     let scene = file.scene::<D>().map_err(|why| in_file(&why))?;

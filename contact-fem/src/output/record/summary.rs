@@ -138,7 +138,7 @@ impl Summary {
         ];
         table.extend(last.map(|record| {
             format!(
-                "work               {:>10} UF·UL, {:.1e} of it not stored",
+                "work               {:>10} UF·UL, {:.1e} UF·UL of them not stored",
                 number(Some(record.work())),
                 record.work() - record.stored_energy
             )

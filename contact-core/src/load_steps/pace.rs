@@ -1,0 +1,168 @@
+//! How far the next load step of a phase goes.
+
+use super::{Adaptive, LoadSteps, Phase};
+
+/// The steps of one phase: equal increments that are halved where they fail, or lengths that follow from what steps took.
+pub(super) struct Pace<'a> {
+    phase: &'a Phase,
+    began: f64,
+    /// The number of increments before the phase, and those of it that are complete.
+    before: usize,
+    done: usize,
+    /// The length of an increment, or of the next adaptive step.
+    step: f64,
+    /// How often the present step is halved; no more often than the last number.
+    halvings: usize,
+    most: usize,
+}
+
+/// The end of the next step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Target {
+    pub factor: f64,
+    /// The number of the increment that it completes.
+    pub increment: Option<usize>,
+}
+
+impl<'a> Pace<'a> {
+    pub fn new(phase: &'a Phase, (began, before): (f64, usize), most: usize) -> Self {
+        let increment = (phase.until - began) / phase.increments as f64;
+        let step = match phase.adaptive {
+            Some(Adaptive { least, largest }) => increment.min(largest).max(least),
+            None => increment,
+        };
+        Pace {
+            phase,
+            began,
+            before,
+            done: 0,
+            step,
+            halvings: 0,
+            most,
+        }
+    }
+
+    /// Load factors that differ by less are equal.
+    pub fn close(&self) -> f64 {
+        LoadSteps::CLOSE * (self.phase.until - self.began)
+    }
+
+    /// The end of the next step from `last`; `None` at the end of the phase.
+    pub fn next(&self, last: f64) -> Option<Target> {
+        let (until, close) = (self.phase.until, self.close());
+        if last >= until - close {
+            return None;
+        }
+        let whole = self.step * 0.5f64.powi(self.halvings as i32);
+        let increment = self.before + self.done + 1;
+        let goal = match self.phase.adaptive {
+            // what would be left over is no step of its own
+            Some(Adaptive { least, .. }) if last + whole > until - least => until,
+            Some(_) => last + whole,
+            None if self.done + 1 >= self.phase.increments => until,
+            None => self.began + (self.done + 1) as f64 * self.step,
+        };
+        let cut = last + whole;
+        let arrives = self.phase.adaptive.is_some() || cut > goal - close;
+        Some(Target {
+            factor: if arrives { goal } else { cut },
+            increment: arrives.then_some(increment),
+        })
+    }
+
+    /// The step to `target` converged in so many iterations.
+    pub fn succeeded(&mut self, target: Target, iterations: usize) {
+        self.done += usize::from(target.increment.is_some());
+        match self.phase.adaptive {
+            Some(Adaptive { least, largest }) => {
+                let share = Adaptive::ITERATIONS / iterations.max(1) as f64;
+                let length = self.step * 0.5f64.powi(self.halvings as i32);
+                let next = length * share.sqrt().clamp(0.5, 2.0);
+                (self.step, self.halvings) = (next.min(largest).max(least), 0);
+            }
+            // after success the step doubles
+            None => self.halvings = self.halvings.saturating_sub(1),
+        }
+    }
+
+    /// Halves the step, or tells that it may not be shorter.
+    pub fn cut(&mut self) -> bool {
+        let shorter = self.step * 0.5f64.powi(self.halvings as i32 + 1);
+        let may = match self.phase.adaptive {
+            Some(Adaptive { least, .. }) => shorter >= least,
+            None => self.halvings < self.most,
+        };
+        self.halvings += usize::from(may);
+        may
+    }
+
+    /// The number of increments so far, over all phases.
+    pub fn increments(&self) -> usize {
+        self.before + self.done
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The ends of the steps of a phase from 1 to 2 that take these iterations, one after the other.
+    fn ends(phase: &Phase, iterations: &[usize]) -> Vec<f64> {
+        let mut pace = Pace::new(phase, (1.0, 5), 0);
+        let (mut last, mut ends) = (1.0, Vec::new());
+        let mut iterations = iterations.iter().copied().cycle();
+        while let Some(target) = pace.next(last) {
+            assert_eq!(target.increment, Some(6 + ends.len()));
+            pace.succeeded(target, iterations.next().expect("a cycle"));
+            last = target.factor;
+            ends.push(last);
+        }
+        assert_eq!(pace.increments(), 5 + ends.len());
+        ends
+    }
+
+    /// By hand: 8 iterations keep the length, 2 double it, 32 halve it, and more or less do no more than that.
+    #[test]
+    fn lengths_follow_from_iterations() {
+        let phase = |least: f64, largest: f64| Phase::new("", 2.0, 8).adaptive(least, largest);
+        let cases = [
+            (phase(0.01, 1.0), vec![8], 8, 0.125),
+            (phase(0.01, 1.0), vec![2], 4, 0.125),
+            (phase(0.01, 1.0), vec![1], 4, 0.125),
+            (phase(0.01, 0.25), vec![2], 5, 0.125),
+            (phase(0.25, 0.5), vec![1000], 4, 0.25),
+            (phase(0.0625, 0.5), vec![1000], 15, 0.125),
+            (phase(0.01, 0.0625), vec![8], 16, 0.0625),
+        ];
+        for (phase, iterations, count, first) in cases {
+            let ends = ends(&phase, &iterations);
+            assert_eq!(ends.len(), count, "{phase:?}: {ends:?}");
+            assert_eq!(ends[0], 1.0 + first, "{phase:?}");
+            assert_eq!(ends.last(), Some(&2.0));
+        }
+        assert_eq!(ends(&phase(0.01, 1.0), &[2]), [1.125, 1.375, 1.875, 2.0]);
+        // what is left over, 0.02, would be shorter than the least step
+        let first = Phase::new("", 2.0, 1).adaptive(0.03, 0.49);
+        assert_eq!(ends(&first, &[8]), [1.49, 2.0]);
+    }
+
+    #[test]
+    fn equal_increments() {
+        let phase = Phase::new("", 2.0, 4);
+        assert_eq!(ends(&phase, &[100]), [1.25, 1.5, 1.75, 2.0]);
+    }
+
+    /// Adaptive steps are halved down to the least one, others as often as they may be.
+    #[test]
+    fn steps_are_halved_as_far_as_they_may_be() {
+        let phase = Phase::new("", 2.0, 8).adaptive(0.03, 1.0);
+        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        assert!(pace.cut() && pace.cut() && !pace.cut());
+        assert_eq!(pace.next(1.0).expect("a step").factor, 1.03125);
+        let phase = Phase::new("", 2.0, 8);
+        let mut pace = Pace::new(&phase, (1.0, 0), 1);
+        assert!(pace.cut() && !pace.cut());
+        let half = pace.next(1.0).expect("a step");
+        assert_eq!((half.factor, half.increment), (1.0625, None));
+    }
+}
