@@ -133,7 +133,7 @@ pub fn family() -> Family {
             Claim {
                 quantity: "p0, recovered",
                 degree: 2,
-                bound: Bound::Finest(2e-2),
+                bound: Bound::Finest(5e-2),
             },
             Claim {
                 quantity: "pressure",
