@@ -229,6 +229,8 @@ impl LoadSteps {
     const USELESS_CUTS: usize = 3;
     /// The largest number of increments accepted.
     const MOST_INCREMENTS: usize = 1_000_000;
+    /// The largest number of solves of a load step by plans that do not hold.
+    const MOST_PLANS: usize = 100;
     /// The largest number of halvings accepted: smaller steps are lost in round-off.
     const MOST_HALVINGS: usize = 16;
 
@@ -564,7 +566,9 @@ impl Path<'_> {
         context: &StepContext<'_>,
     ) -> Result<Solution, Error> {
         let mut refuted: Option<Solution> = None;
+        let mut plans = 0;
         loop {
+            plans += 1;
             let solution = solver.solve(problem, start.clone(), context)?.checked();
             let dofs = problem.energy().dofs();
             Error::check_length("the solver's u", &solution.state.u, dofs)?;
@@ -583,11 +587,15 @@ impl Path<'_> {
             let Some(what) = what else {
                 return Ok(solution);
             };
-            log::warn!("{what}, which was left out by plan: the load step is solved again");
-            refuted = Some(Solution {
-                outcome: Outcome::Unplanned(what),
+            let solution = Solution {
+                outcome: Outcome::Unplanned(what.clone()),
                 ..solution
-            });
+            };
+            if plans >= LoadSteps::MOST_PLANS {
+                return Ok(solution);
+            }
+            log::warn!("{what}, which was left out by plan: the load step is solved again");
+            refuted = Some(solution);
         }
     }
 

@@ -434,6 +434,22 @@ fn steps_with_a_wrong_plan_are_solved_again() {
     assert_eq!(problem.asked.borrow().len(), 2);
 }
 
+/// A problem that always finds something left out: the step has failed, and its halves do as well.
+#[test]
+fn plans_that_never_hold_end() {
+    let mut problem = Line::default();
+    problem.left_out.borrow_mut().extend(["this"; 1000]);
+    let mut solver = Follows::new(|t| t, |_| [0.0; 2], |_, _| Outcome::Converged);
+    let settings = LoadSteps {
+        max_halvings: 0,
+        ..in_increments(1)
+    };
+    let run = run(&settings, &mut problem, &mut solver);
+    let why = Outcome::Unplanned("this".into());
+    assert!(matches!(run.ending, Ending::NotConverged { why: found, .. } if found == why));
+    assert_eq!(solver.asked.len(), 100);
+}
+
 /// Steps beyond half the load fail. The problem is left where it converged, and all halvings are
 /// taken, but no more.
 #[test]
