@@ -346,6 +346,35 @@ impl Cholesky {
         }
     }
 
+    /// At failure the first step whose pivot is zero to working precision.
+    ///
+    /// The pivot l_ii² = a_ii − Σ_k<i l_ik² carries the round-off of a_ii.
+    fn are_sound(&self, values: &[f64]) -> Result<Inertia, usize> {
+        let pattern = &self.analysis.pattern;
+        let n = pattern.dim();
+        let roundoff = n as f64 * f64::EPSILON;
+        let is_sound = |step: usize, l: f64| {
+            let unknown = self.analysis.unknown(step);
+            let entries = pattern
+                .column(unknown)
+                .map(|slot| (pattern.rows()[slot], values[slot]));
+            let diagonal = entries.take_while(|(row, _)| *row == unknown);
+            l * l > roundoff * diagonal.map(|(_, a)| a).sum::<f64>()
+        };
+        for panel in self.panels() {
+            let height = panel.size + panel.below.len();
+            let diagonal = panel.values.iter().step_by(height + 1).take(panel.size);
+            let mut steps = (panel.start..).zip(diagonal);
+            if let Some((step, _)) = steps.find(|(step, l)| !is_sound(*step, **l)) {
+                return Err(step);
+            }
+        }
+        Ok(Inertia {
+            positive: n,
+            negative: 0,
+        })
+    }
+
     /// The signs of the pivots; at failure the first step whose pivot is zero to working precision.
     ///
     /// The pivot d_i = a_ii − Σ_k<i l_ik² d_k carries the round-off of its terms. Where they are so large that the
@@ -364,10 +393,7 @@ impl Cholesky {
             for j in 0..panel.size {
                 let mut column = panel.column(j);
                 let (step, diagonal) = column.next().unwrap_or_default();
-                let (pivot, weight) = match self.kind {
-                    Kind::Llt => (diagonal * diagonal, 1.0),
-                    Kind::Ldlt => (diagonal, diagonal.abs()),
-                };
+                let (pivot, weight) = (diagonal, diagonal.abs());
                 let scale = scales[step] + pivot.abs();
                 let is_sound = pivot.abs() > roundoff * scale && scale < growth;
                 bad = bad.or((!is_sound).then_some(step));
@@ -419,7 +445,10 @@ impl Factor for Cholesky {
             return Err(FactorError::NotFinite { row, col, value });
         }
         let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        let inertia = self.factor(values).and_then(|()| self.inertia(largest));
+        let inertia = self.factor(values).and_then(|()| match self.kind {
+            Kind::Llt => self.are_sound(values),
+            Kind::Ldlt => self.inertia(largest),
+        });
         self.is_factored = inertia.is_ok();
         inertia.map_err(|step| {
             let unknown = self.analysis.unknown(step);

@@ -263,8 +263,8 @@ impl SymmetricPattern {
         let rows = self.rows();
         for j in 0..self.dim() {
             let mut sum = 0.0;
-            for slot in self.column(j) {
-                let (i, a) = (rows[slot], values[slot]);
+            let column = self.column(j);
+            for (&i, a) in rows[column.clone()].iter().zip(&values[column]) {
                 sum += a * x[i];
                 if i != j {
                     y[i] += a * x[j];

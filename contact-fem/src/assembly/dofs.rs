@@ -73,7 +73,10 @@ impl DofMap {
 
     /// The values of all dofs.
     pub fn expand(&self, free: &[f64], prescribed: &[f64]) -> Vec<f64> {
-        let all = 0..self.dofs.len();
-        all.map(|d| self.value(d, free, prescribed)).collect()
+        let value = |dof: &Dof| match *dof {
+            Dof::Free(i) => free[i],
+            Dof::Prescribed(i) => prescribed[i],
+        };
+        self.dofs.iter().map(value).collect()
     }
 }

@@ -64,15 +64,21 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for QuadraticEnergy<D
         self.elastic.dofs()
     }
 
-    // E₀ + g₀·u + ½ Σ_ij K_ij u_i u_j; an off-diagonal entry counts twice
+    // E₀ + g₀·u + ½ uᵀK u
     fn value(&self, u: &[f64]) -> f64 {
-        let entries = self.elastic.hessian_pattern().iter().zip(&self.K);
-        let double = entries.map(|((i, j), k)| if i == j { 1.0 } else { 2.0 } * k * u[i] * u[j]);
-        let work: f64 = self.g_0.iter().zip(u).map(|(g, u)| g * u).sum();
-        self.E_0 + work + 0.5 * double.sum::<f64>()
+        let mut forces = vec![0.0; u.len()];
+        self.elastic
+            .hessian_pattern()
+            .product(&self.K, u, &mut forces);
+        let terms = forces.iter().zip(&self.g_0).zip(u);
+        let work: f64 = terms.map(|((Ku, g), u)| (0.5 * Ku + g) * u).sum();
+        self.E_0 + work
     }
 
     fn gradient(&self, u: &[f64], g: &mut [f64]) {
+        if u.iter().all(|u| *u == 0.0) {
+            return g.copy_from_slice(&self.g_0);
+        }
         self.elastic.hessian_pattern().product(&self.K, u, g);
         g.iter_mut().zip(&self.g_0).for_each(|(g, g_0)| *g += g_0);
     }
@@ -114,9 +120,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticE
     }
 
     fn add_residual(&self, u: &[f64], forces: &mut [f64]) -> f64 {
-        let energy = self.elastic.add_residual(u, forces);
-        self.elastic.forget();
-        energy
+        self.elastic.add_quadratic_residual(u, forces)
     }
 
     fn extend(&self, supports: &DofMap, increments: &[f64]) -> Vec<f64> {

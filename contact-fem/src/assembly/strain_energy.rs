@@ -153,6 +153,54 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         *lock(&self.trial) = Trial::default();
     }
 
+    /// [`BodyEnergy::add_residual`] of a quadratic law: cell by cell, and nothing is stored.
+    pub(super) fn add_quadratic_residual(&self, u: &[f64], forces: &mut [f64]) -> f64 {
+        self.add_loads(forces);
+        let size = E::QUADRATURE.len();
+        let U = self.dofs.expand(u, &self.prescribed);
+        let shares = |k: usize| {
+            let mut local = E::per_node(Vector::<D>::zeros());
+            for (v, &a) in local.as_mut().iter_mut().zip(self.cells[k].as_ref()) {
+                v.copy_from_slice(&U[D * a..D * (a + 1)]);
+            }
+            let (mut energy, mut forces) = (0.0, E::per_node(Vector::zeros()));
+            for point in &self.points[k * size..(k + 1) * size] {
+                let at = Deformation::of_quadratic_law(point.deformation(&local));
+                energy += point.weight * self.material.energy_density(&at);
+                let P = self.material.stress(&at) * point.weight;
+                let nodes = forces.as_mut().iter_mut().zip(point.gradients.as_ref());
+                nodes.for_each(|(force, dN)| *force += P * dN);
+            }
+            (energy, forces)
+        };
+        let mut sum = 0.0;
+        parallel::in_order(self.cells.len(), shares, |k, (energy, own)| {
+            sum += energy;
+            for (&a, force) in self.cells[k].as_ref().iter().zip(own.as_ref()) {
+                (0..D).for_each(|i| forces[D * a + i] += force[i]);
+            }
+        });
+        self.with_potential(sum, u)
+    }
+
+    /// Adds the loads to a residual.
+    fn add_loads(&self, forces: &mut [f64]) {
+        for (r, f) in forces.iter_mut().zip(&self.full_forces) {
+            *r -= self.factor * f;
+        }
+    }
+
+    /// E of this strain energy, `+∞` if that is not finite.
+    fn with_potential(&self, strain_energy: f64, u: &[f64]) -> f64 {
+        if !strain_energy.is_finite() {
+            return f64::INFINITY;
+        }
+        let forces = self.full_forces.iter().enumerate();
+        let forces = forces.filter(|(_, f)| **f != 0.0);
+        let work = forces.map(|(d, f)| f * self.dofs.value(d, u, &self.prescribed));
+        strain_energy - self.factor * work.sum::<f64>()
+    }
+
     /// Calls `add(dof, force)` with the internal forces ∫ P ∇N_a dX, cell by cell.
     fn internal_forces(&self, u: &[f64], mut add: impl FnMut(usize, f64) + Send) {
         self.evaluate(u, |at| {
@@ -232,16 +280,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
             let share = |q: usize| self.points[q].weight * self.material.energy_density(&at[q]);
             parallel::in_order(at.len(), share, |_, share| energy += share);
         });
-        if !energy.is_finite() {
-            return f64::INFINITY;
-        }
-        let forces = self
-            .full_forces
-            .iter()
-            .enumerate()
-            .filter(|(_, f)| **f != 0.0);
-        let work = forces.map(|(d, f)| f * self.dofs.value(d, u, &self.prescribed));
-        energy - self.factor * work.sum::<f64>()
+        self.with_potential(energy, u)
     }
 
     // ∂E/∂u_a = Σ_q w_q P ∇N_a − f_a
@@ -336,9 +375,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
     }
 
     fn add_residual(&self, u: &[f64], forces: &mut [f64]) -> f64 {
-        for (r, f) in forces.iter_mut().zip(&self.full_forces) {
-            *r -= self.factor * f;
-        }
+        self.add_loads(forces);
         self.internal_forces(u, |dof, force| forces[dof] += force);
         self.value(u)
     }

@@ -34,21 +34,23 @@ impl<const D: usize> Bins<D> {
             marked: vec![false; Self::SIDE.pow(D as u32)],
         };
         for b in &boxes {
-            bins.visit(b, |marked| {
-                *marked = true;
+            let mut marked = std::mem::take(&mut bins.marked);
+            bins.visit(b, |place| {
+                marked[place] = true;
                 false
             });
+            bins.marked = marked;
         }
         bins
     }
 
     /// Whether a box is in a bin with one of the boxes. It is not if it meets none of them.
-    pub fn meet(&mut self, envelope: &AABB<[f64; D]>) -> bool {
-        self.visit(envelope, |marked| *marked)
+    pub fn meet(&self, envelope: &AABB<[f64; D]>) -> bool {
+        self.visit(envelope, |place| self.marked[place])
     }
 
     /// Visits the bins that a box meets until `found` is true, and tells whether it was.
-    fn visit(&mut self, envelope: &AABB<[f64; D]>, found: impl Fn(&mut bool) -> bool) -> bool {
+    fn visit(&self, envelope: &AABB<[f64; D]>, mut found: impl FnMut(usize) -> bool) -> bool {
         let bin = |x: [f64; D]| -> [usize; D] {
             std::array::from_fn(|i| {
                 let place = (x[i] - self.low[i]) * self.scale[i];
@@ -59,7 +61,7 @@ impl<const D: usize> Bins<D> {
         let mut at = first;
         loop {
             let place = at.iter().fold(0, |place, k| place * Self::SIDE + k);
-            if found(&mut self.marked[place]) {
+            if found(place) {
                 return true;
             }
             let Some(axis) = (0..D).rev().find(|&i| at[i] < last[i]) else {
@@ -80,7 +82,7 @@ mod tests {
     fn what_is_away_is_told() {
         let corner = AABB::from_corners([0.0, 0.0], [0.1, 0.1]);
         let side = AABB::from_corners([1.0, 0.0], [1.0, 1.0]);
-        let mut bins = Bins::new([corner, side].into_iter());
+        let bins = Bins::new([corner, side].into_iter());
         let around =
             |x: f64, y: f64| AABB::from_corners([x - 0.02, y - 0.02], [x + 0.02, y + 0.02]);
         for (x, y, meets) in [
@@ -100,12 +102,12 @@ mod tests {
     #[test]
     fn degenerate_boxes_are_kept() {
         let point = AABB::from_corners([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]);
-        let mut bins = Bins::new(std::iter::once(point));
+        let bins = Bins::new(std::iter::once(point));
         assert!(bins.meet(&point));
-        let mut none = Bins::<3>::new(std::iter::empty());
+        let none = Bins::<3>::new(std::iter::empty());
         assert!(!none.meet(&point));
         let endless = AABB::from_corners([0.0; 3], [f64::INFINITY; 3]);
-        let mut bins = Bins::new(std::iter::once(endless));
+        let bins = Bins::new(std::iter::once(endless));
         assert!(bins.meet(&point));
     }
 }

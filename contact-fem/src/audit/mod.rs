@@ -11,11 +11,11 @@
 //! bodies that have a side on it.
 
 mod bins;
+mod measures;
 mod obstacles;
 mod simplex;
 mod thickness;
 mod topology;
-mod volume;
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -27,16 +27,19 @@ use crate::element::Order;
 use crate::model::Scene;
 use crate::tensor::{Matrix, Vector};
 use bins::Bins;
+pub use measures::LeastVolume;
+use measures::Measures;
 use obstacles::Blocks;
 use simplex::{distance, pierced};
-use topology::Topology;
-pub use volume::LeastVolume;
+use topology::{Cell, Topology};
 
 /// The audit of a scene: the topology of its bodies in simplices.
 pub struct Audit<const D: usize> {
     topology: Topology<D>,
     /// X (UL).
     reference: Vec<Vector<D>>,
+    /// The inverse of each simplex's edges in the reference configuration (1/UL).
+    inverses: Vec<Matrix<D>>,
     /// Whether a body's law is for small strains.
     is_linear: Vec<bool>,
     /// The order of each body's cells.
@@ -45,13 +48,18 @@ pub struct Audit<const D: usize> {
     /// The positions that were asked for last: a state is audited when it is accepted, and again by its certificate and its
     /// record.
     last: Mutex<Option<State<D>>>,
+    /// The last positions of all nodes at which no boxes met (UL), even those larger by [`Audit::margin`] on all sides. Nor do they
+    /// where no coordinate has changed by more than half of that.
+    clear: Mutex<Option<Vec<Vector<D>>>>,
+    /// A share of the smallest face (UL).
+    margin: f64,
 }
 
 /// Positions of all nodes (UL), and what was found there so far.
 struct State<const D: usize> {
     x: Vec<Vector<D>>,
     overlaps: Option<Vec<Overlap<D>>>,
-    volumes: Option<(Option<LeastVolume<D>>, usize)>,
+    measures: Option<Measures<D>>,
 }
 
 /// The findings of an audit at one state.
@@ -108,8 +116,13 @@ type Boxes<const D: usize> = RTree<GeomWithData<Rectangle<[f64; D]>, usize>>;
 impl<const D: usize> Audit<D> {
     /// The audit of `scene` with reference positions `X` of all its nodes (UL), body by body.
     pub fn new(scene: &Scene<D>, X: &[Vector<D>]) -> Self {
+        let topology = Topology::new(scene, X);
+        let inverse = |cell: &Cell| crate::tensor::inverse_transpose(&edges(cell, X)).transpose();
+        let sizes = topology.faces.iter().map(|face| face.size);
+        let margin = Self::MARGIN * sizes.fold(f64::INFINITY, f64::min);
         Audit {
-            topology: Topology::new(scene, X),
+            inverses: topology.cells.iter().map(inverse).collect(),
+            topology,
             reference: X.to_vec(),
             is_linear: scene.bodies().iter().map(|b| b.is_small_strain()).collect(),
             orders: scene.bodies().iter().map(|b| b.mesh().order()).collect(),
@@ -129,6 +142,8 @@ impl<const D: usize> Audit<D> {
                 })
                 .collect(),
             last: Mutex::new(None),
+            clear: Mutex::new(None),
+            margin,
         }
     }
 
@@ -159,37 +174,31 @@ impl<const D: usize> Audit<D> {
 
     /// All findings at positions `x` of all nodes (UL).
     pub fn at(&self, x: &[Vector<D>]) -> Findings<D> {
-        let mut findings = Findings {
+        let measures = self.measures(x);
+        Findings {
             overlaps: self.worst_overlaps(x),
-            ..Findings::default()
-        };
-        for (k, cell) in self.topology.cells.iter().enumerate() {
-            let F = self.deformation(k, x);
-            let ratio = crate::tensor::determinant(&F);
-            // NaN is no volume either
-            findings.inverted += usize::from(ratio.is_nan() || ratio <= 0.0);
-            if self.is_linear[cell.body] {
-                let H = F - Matrix::identity();
-                let strain = (H + H.transpose()).norm() / 2.0;
-                let rotation = (H - H.transpose()).norm() / 8f64.sqrt();
-                findings.strain = findings.strain.max(strain);
-                findings.rotation = findings.rotation.max(rotation);
-            }
+            inverted: measures.inverted,
+            least_volume: measures.least_volume,
+            strain: measures.strain,
+            rotation: measures.rotation,
         }
-        let (least, inverted) = self.volumes(x);
-        findings.inverted = findings.inverted.max(inverted);
-        findings.least_volume = least;
-        findings
+    }
+
+    /// The smallest volume ratio at positions `x` of all nodes (UL).
+    pub(crate) fn least_volume(&self, x: &[Vector<D>]) -> Option<LeastVolume<D>> {
+        self.measures(x).least_volume
+    }
+
+    /// The measures at positions `x` of all nodes (UL), which are kept.
+    fn measures(&self, x: &[Vector<D>]) -> Measures<D> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let measures = &mut Self::state(&mut last, x).measures;
+        *measures.get_or_insert_with(|| self.measure(x))
     }
 
     /// F of a simplex: the gradient of x by X.
     fn deformation(&self, cell: usize, x: &[Vector<D>]) -> Matrix<D> {
-        let nodes = &self.topology.cells[cell].nodes;
-        let edges = |x: &[Vector<D>]| {
-            let columns: [_; D] = std::array::from_fn(|i| x[nodes[i + 1]] - x[nodes[0]]);
-            Matrix::from_columns(&columns)
-        };
-        edges(x) * crate::tensor::inverse_transpose(&edges(&self.reference)).transpose()
+        edges(&self.topology.cells[cell], x) * self.inverses[cell]
     }
 
     /// The overlap at positions `x` of all nodes (UL) that exceeds [`Overlap::LIMIT`] most, with what is `granted` to the two
@@ -250,7 +259,7 @@ impl<const D: usize> Audit<D> {
         last.insert(known.unwrap_or_else(|| State {
             x: x.to_vec(),
             overlaps: None,
-            volumes: None,
+            measures: None,
         }))
     }
 
@@ -282,24 +291,84 @@ impl<const D: usize> Audit<D> {
 
     /// All overlaps of bodies at positions `x` of all nodes (UL).
     fn find_overlaps(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
+        let mut clear = self.clear.lock().unwrap_or_else(PoisonError::into_inner);
+        if clear.as_ref().is_some_and(|clear| self.is_near(clear, x)) {
+            return Vec::new();
+        }
+        let trees = self.trees(x);
+        *clear = self.is_clear(x, &trees).then(|| x.to_vec());
+        if clear.is_some() {
+            return Vec::new();
+        }
+        drop(clear);
+        let mut overlaps = self.nodes_inside(x, &trees);
+        overlaps.extend(self.edges_inside(x, &trees));
+        overlaps
+    }
+
+    /// Whether no coordinate differs by more than half of the margin.
+    fn is_near(&self, clear: &[Vector<D>], x: &[Vector<D>]) -> bool {
+        let is_near = |(a, b): (&Vector<D>, &Vector<D>)| {
+            (0..D).all(|i| (b[i] - a[i]).abs() <= 0.5 * self.margin)
+        };
+        clear.iter().zip(x).all(is_near)
+    }
+
+    /// Whether no exterior edge or node comes within the margin of a cell or face outside its neighbourhood: whether none of their
+    /// boxes meet.
+    fn is_clear(&self, x: &[Vector<D>], trees: &Trees<D>) -> bool {
+        let Topology { cells, faces, .. } = &self.topology;
+        let edges = self.topology.edges.iter().all(|edge| {
+            let mut near = trees
+                .faces
+                .locate_in_envelope_intersecting(self.around(edge, x));
+            near.all(|leaf| self.is_own(edge, faces[leaf.data].body, &faces[leaf.data].nodes))
+        });
+        edges
+            && self.topology.exterior_nodes.iter().all(|&a| {
+                let mut near = trees
+                    .cells
+                    .locate_in_envelope_intersecting(self.around(&[a], x));
+                near.all(|leaf| {
+                    let cell = &cells[leaf.data];
+                    self.is_own(&[a], cell.body, &cell.nodes[..=D])
+                })
+            })
+    }
+
+    /// The box of these nodes, larger by the margin on all sides.
+    fn around(&self, nodes: &[usize], x: &[Vector<D>]) -> AABB<[f64; D]> {
+        let own = aabb(nodes, x);
+        let corner = |corner: [f64; D], by: f64| corner.map(|x| x + by);
+        AABB::from_corners(
+            corner(own.lower(), -self.margin),
+            corner(own.upper(), self.margin),
+        )
+    }
+
+    /// The search trees of the cells near exterior edges, and of all faces.
+    fn trees(&self, x: &[Vector<D>]) -> Trees<D> {
         let Topology {
             cells,
+            blocks,
             faces,
             edges,
             ..
         } = &self.topology;
         // all points that are looked for lie on exterior edges, and most cells lie away from them
-        let mut bins = Bins::new(edges.iter().map(|edge| aabb(edge, x)));
-        let cells = cells.iter().map(|cell| aabb(&cell.nodes[..=D], x));
-        let cells = cells.enumerate().filter(|(_, cell)| bins.meet(cell));
+        let bins = Bins::new(edges.iter().map(|edge| self.around(edge, x)));
+        let blocks = blocks
+            .iter()
+            .filter(|block| bins.meet(&aabb(&block.nodes, x)));
+        let cells = blocks
+            .flat_map(|block| &block.cells)
+            .map(|&k| (k, aabb(&cells[k].nodes[..=D], x)))
+            .filter(|(_, cell)| bins.meet(cell));
         let faces = faces.iter().map(|face| aabb(&face.nodes, x));
-        let trees = Trees {
+        Trees {
             cells: tree(cells),
             faces: tree(faces.enumerate()),
-        };
-        let mut overlaps = self.nodes_inside(x, &trees);
-        overlaps.extend(self.edges_inside(x, &trees));
-        overlaps
+        }
     }
 
     /// An overlap on the straight way of all nodes from `before` to `after` (UL) that is deeper than
@@ -332,6 +401,9 @@ impl<const D: usize> Audit<D> {
 
     /// The relative depth of bodies that touch, from round-off.
     const TOUCHES: f64 = 1e-9;
+    /// The margin within which boxes are looked for, as a share of the smallest face. In regular meshes, cells outside the
+    /// neighbourhood of a node are a face away.
+    const MARGIN: f64 = 0.75;
     /// The way between two stops, as a share of the smallest thickness. An edge that crosses a body of thickness 1 is at
     /// most ½ deep, and deeper than [`Overlap::LIMIT`] for 0.4 of its way.
     const STRIDE: f64 = 0.3;
@@ -441,6 +513,12 @@ impl<const D: usize> Audit<D> {
         }
         nearest
     }
+}
+
+/// The edges of a simplex from its first node, as columns (UL).
+fn edges<const D: usize>(cell: &Cell, x: &[Vector<D>]) -> Matrix<D> {
+    let columns: [_; D] = std::array::from_fn(|i| x[cell.nodes[i + 1]] - x[cell.nodes[0]]);
+    Matrix::from_columns(&columns)
 }
 
 fn tree<const D: usize>(boxes: impl Iterator<Item = (usize, AABB<[f64; D]>)>) -> Boxes<D> {

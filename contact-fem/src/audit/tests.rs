@@ -187,3 +187,52 @@ fn strain_rotation_and_volume() {
     assert!((least.bound + 0.2 + 0.03).abs() < 1e-14);
     assert_eq!(found.inverted, 8);
 }
+
+/// What an audit knows of earlier states changes nothing: a block comes down on another in steps of several lengths, passes into it
+/// and goes back, and a bar is bent until its ends meet.
+#[test]
+fn earlier_states_do_not_matter() {
+    let (two, X) = scene(vec![
+        block([0.0, 0.0], [1.0, 1.0], [6, 6]),
+        block([0.2, 1.3], [0.5, 0.5], [5, 5]),
+    ]);
+    let (bar, line) = scene(vec![block([0.0, 0.0], [6.0, 0.3], [60, 2])]);
+    let down = |by: f64| -> Vec<Vector<2>> {
+        let moved = |(a, X): (usize, &Vector<2>)| match two.bodies()[0].mesh().nodes().len() {
+            lower if a < lower => *X,
+            _ => X - Vector::<2>::new(0.0, by),
+        };
+        X.iter().enumerate().map(moved).collect()
+    };
+    let bent = |angle: f64| -> Vec<Vector<2>> {
+        let curve = |X: &Vector<2>| {
+            let (r, phi) = (6.0 / angle - X[1], angle * X[0] / 6.0);
+            Vector::<2>::new(r * phi.sin(), -r * phi.cos())
+        };
+        line.iter().map(curve).collect()
+    };
+    let audits = [Audit::new(&two, &X), Audit::new(&bar, &line)];
+    let mut counts = [0; 2];
+    let mut check = |k: usize, x: Vec<Vector<2>>| {
+        let scene = [&two, &bar][k];
+        let fresh = Audit::new(scene, [&X, &line][k]);
+        let (trees, found) = (fresh.trees(&x), audits[k].at(&x));
+        let mut expected = fresh.nodes_inside(&x, &trees);
+        expected.extend(fresh.edges_inside(&x, &trees));
+        assert_eq!(audits[k].overlaps(&x), expected);
+        assert_eq!(found.overlaps.is_empty(), expected.is_empty());
+        counts[usize::from(expected.is_empty())] += 1;
+    };
+    let mut by = 0.0;
+    for step in [1e-3, 7e-3, 0.03, 0.11, -0.02, -0.2] {
+        for _ in 0..(0.4_f64 / f64::abs(step)).min(60.0) as usize {
+            by = (by + step).max(0.0);
+            check(0, down(by));
+        }
+    }
+    for k in 1..=70 {
+        check(1, bent(0.1 * f64::from(k)));
+    }
+    let [overlapping, clear] = counts;
+    assert!(overlapping > 20 && clear > 80, "{overlapping} {clear}");
+}

@@ -37,8 +37,17 @@ pub(super) struct Face<const D: usize> {
     pub opposite: Option<usize>,
 }
 
+/// Neighbouring simplices of a body.
+pub(super) struct Block {
+    /// Their nodes, each once.
+    pub nodes: Vec<usize>,
+    pub cells: Vec<usize>,
+}
+
 pub(super) struct Topology<const D: usize> {
     pub cells: Vec<Cell>,
+    /// All of them again, by neighbourhood.
+    pub blocks: Vec<Block>,
     pub quadratic: Vec<Quadratic>,
     pub faces: Vec<Face<D>>,
     /// The edges of all faces, each once.
@@ -47,9 +56,8 @@ pub(super) struct Topology<const D: usize> {
     pub body_of: Vec<usize>,
     /// Twice the largest face (UL): a larger thickness is not measured.
     pub thick: f64,
-    /// For each node, where the cells around it start in the list after it.
-    starts: Vec<usize>,
-    cells_around: Vec<usize>,
+    /// For each exterior node, it and those that share a cell with it.
+    neighbours: Vec<Vec<usize>>,
     /// For each node, mean size of the faces around it and the least thickness there.
     around: Vec<(f64, f64)>,
 }
@@ -94,7 +102,6 @@ impl<const D: usize> Topology<D> {
             face.size = lengths.fold(0.0, f64::max);
         }
         thickness::measure(&mut faces, X);
-        let (starts, cells_around) = cells_around::<D>(&cells, X.len());
         let mut around = vec![(0.0, f64::INFINITY, 0_usize); X.len()];
         let (mut exterior_nodes, mut edges) = (BTreeSet::new(), BTreeSet::new());
         for face in &faces {
@@ -106,31 +113,36 @@ impl<const D: usize> Topology<D> {
                 edges.insert([a.min(b), a.max(b)]);
             }
         }
+        let mut neighbours = vec![Vec::new(); X.len()];
+        for cell in &cells {
+            let nodes = &cell.nodes[..=D];
+            let exterior = nodes.iter().filter(|a| around[**a].2 > 0);
+            exterior.for_each(|&a| neighbours[a].extend(nodes));
+        }
+        for nodes in &mut neighbours {
+            nodes.sort_unstable();
+            nodes.dedup();
+        }
         let mean =
             |(size, thickness, count): (f64, f64, usize)| (size / count.max(1) as f64, thickness);
         Topology {
             thick: thickness::far(&faces),
+            blocks: blocks(&cells, X),
             cells,
             quadratic,
+            neighbours,
             faces,
             edges: edges.into_iter().collect(),
             exterior_nodes: exterior_nodes.into_iter().collect(),
             body_of,
-            starts,
-            cells_around,
             around: around.into_iter().map(mean).collect(),
         }
     }
 
-    /// Whether a node is one of `nodes` or shares a cell with one of them.
+    /// Whether an exterior node is one of `nodes` or shares a cell with one of them.
     pub fn is_near(&self, node: usize, nodes: &[usize]) -> bool {
-        let around = &self.cells_around[self.starts[node]..self.starts[node + 1]];
-        let own = |cell: &usize| &self.cells[*cell].nodes[..=D];
-        nodes.contains(&node)
-            || around
-                .iter()
-                .map(own)
-                .any(|own| own.iter().any(|a| nodes.contains(a)))
+        let neighbours = &self.neighbours[node];
+        nodes.iter().any(|a| neighbours.contains(a))
     }
 
     /// The mean size of the faces around an exterior node, and the least thickness behind them (UL).
@@ -145,21 +157,37 @@ impl<const D: usize> Topology<D> {
     }
 }
 
-/// For each node, where the cells around it start in the list after it.
-fn cells_around<const D: usize>(cells: &[Cell], nodes: usize) -> (Vec<usize>, Vec<usize>) {
-    let mut starts = vec![0; nodes + 1];
-    let of = |cell: &Cell| cell.nodes.into_iter().take(D + 1);
-    cells.iter().flat_map(of).for_each(|a| starts[a + 1] += 1);
-    (0..nodes).for_each(|a| starts[a + 1] += starts[a]);
-    let (mut next, mut around) = (starts.clone(), vec![0; starts[nodes]]);
-    for (k, cell) in cells.iter().enumerate() {
-        for a in of(cell) {
-            around[next[a]] = k;
-            next[a] += 1;
-        }
-    }
-    (starts, around)
+/// The simplices in blocks of [`BLOCK`] at most, body by body along a curve that stays near.
+fn blocks<const D: usize>(cells: &[Cell], X: &[Vector<D>]) -> Vec<Block> {
+    let endless = Vector::<D>::repeat(f64::INFINITY);
+    let low = X.iter().fold(endless, |low, x| low.inf(x));
+    let high = X.iter().fold(-endless, |high, x| high.sup(x));
+    let side = (high - low).max();
+    // Morton's curve: the bits of the coordinates in turn
+    let place = |cell: &Cell| -> u64 {
+        let x = (X[cell.nodes[0]] - low) * (f64::from(1 << BITS) / side);
+        let bit = |b: u32| x.iter().fold(0, |bits, x| bits << 1 | (*x as u64 >> b & 1));
+        (0..BITS).rev().fold(0, |place, b| place << D | bit(b))
+    };
+    let mut order: Vec<usize> = (0..cells.len()).collect();
+    order.sort_by_cached_key(|&k| (cells[k].body, place(&cells[k])));
+    let of_bodies = order.chunk_by(|&a, &b| cells[a].body == cells[b].body);
+    let parts = of_bodies.flat_map(|own| own.chunks(BLOCK));
+    let block = |own: &[usize]| {
+        let nodes = own.iter().flat_map(|&k| &cells[k].nodes[..=D]);
+        let mut nodes: Vec<usize> = nodes.copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let cells = own.to_vec();
+        Block { nodes, cells }
+    };
+    parts.map(block).collect()
 }
+
+/// The largest number of simplices in a block.
+const BLOCK: usize = 32;
+/// The bits of each coordinate along Morton's curve.
+const BITS: u32 = 16;
 
 /// The simplices of a cell, by the cell's own nodes; in the plane the last entry repeats the first.
 fn cell_pieces<const D: usize>(order: Order) -> Vec<[usize; 4]> {

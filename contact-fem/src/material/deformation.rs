@@ -17,6 +17,17 @@ pub struct Deformation<const D: usize> {
 }
 
 impl<const D: usize> Deformation<D> {
+    /// The deformation with gradient F for a [quadratic](super::Material::QUADRATIC) law, which needs no logarithm and no inverse:
+    /// they are not computed, and NaN.
+    pub(crate) fn of_quadratic_law(F: Matrix<D>) -> Self {
+        Deformation {
+            F,
+            J: determinant(&F),
+            ln_J: f64::NAN,
+            F_inv_T: Matrix::repeat(f64::NAN),
+        }
+    }
+
     /// The deformation with gradient F.
     pub fn new(F: Matrix<D>) -> Self {
         let J = determinant(&F);

@@ -82,7 +82,8 @@ pub trait Material<const D: usize>: Clone + Send + Sync + 'static {
     fn stress(&self, at: &Deformation<D>) -> Matrix<D>;
     /// The map (a, b) ↦ M with M_ik = A_iJkL a_J b_L (UF/UL² times the units of a and b).
     fn contraction(&self, at: &Deformation<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D>;
-    /// Whether ψ is quadratic in ∇u, so that A does not depend on F.
+    /// Whether ψ is quadratic in ∇u, so that A does not depend on F. Such a law must not use [`Deformation::ln_J`] and
+    /// [`Deformation::F_inv_T`] for its energy and stress, where they may be NaN.
     const QUADRATIC: bool;
     /// Whether ψ = +∞ for J ≤ 0.
     const NEEDS_POSITIVE_J: bool;

@@ -116,13 +116,11 @@ impl<const D: usize> Problem<D> {
         let residuals = self.residuals(u);
         let reaction = |(id, body): (BodyId, &super::Body<D>)| {
             let residual = &residuals[id.index()];
-            let contact = contact_forces[self.nodes(id)].iter().flatten();
-            let rest = residual.iter().zip(contact).zip(body.prescribed());
+            let contact = &contact_forces[self.nodes(id)];
             let mut sum = Vector::zeros();
-            for (dof, ((residual, contact), prescribed)) in rest.enumerate() {
-                if prescribed.is_some() {
-                    sum[dof % D] += residual - contact;
-                }
+            let held = body.prescribed().iter().enumerate();
+            for (dof, _) in held.filter(|(_, prescribed)| prescribed.is_some()) {
+                sum[dof % D] += residual[dof] - contact[dof / D][dof % D];
             }
             sum
         };
@@ -163,7 +161,7 @@ impl<const D: usize> Problem<D> {
     /// The smallest volume ratio J within all cells at `u`, bounded from below; `None` without cells. The bound is −∞ in cells whose
     /// nodes depend on a `u` that is [no state](Problem::is_state).
     pub fn least_volume(&self, u: &[f64]) -> Option<LeastVolume<D>> {
-        self.audit.volumes(&self.positions(u)).0
+        self.audit.least_volume(&self.positions(u))
     }
 
     /// The rigid motions, to first order, that neither supports nor contact forces of `solution` oppose, as where a block

@@ -55,6 +55,8 @@ use crate::{
 #[derive(Default)]
 pub struct Condensed {
     kept: Option<Kept>,
+    /// Memory for a Hessian.
+    values: Vec<f64>,
 }
 
 /// What the next solve can use again.
@@ -85,15 +87,21 @@ impl Condensed {
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<&mut Kept, Halt> {
-        let mut values = vec![0.0; energy.hessian_pattern().len()];
+        let mut values = std::mem::take(&mut self.values);
+        values.resize(energy.hessian_pattern().len(), 0.0);
         let clock = Instant::now();
         energy.hessian(&vec![0.0; energy.dofs()], &mut values);
         cost.callbacks += clock.elapsed().as_secs_f64();
         cost.hessians += 1;
         let kept = self.kept.take();
         let kept = match kept.filter(|kept| kept.stiffness.is_of(energy, &values)) {
-            Some(kept) if kept.rows.are_of(gaps) => kept,
-            Some(kept) => Kept::new(kept.stiffness, gaps),
+            Some(kept) => {
+                self.values = values;
+                match kept.rows.are_of(gaps) {
+                    true => kept,
+                    false => Kept::new(kept.stiffness, gaps),
+                }
+            }
             None => {
                 let stiffness = Stiffness::new(energy, values, stop, cost)?;
                 Kept::new(stiffness, gaps)
@@ -140,14 +148,13 @@ impl Equilibrium for Condensed {
         let clock = Instant::now();
         let energy = problem.energy();
         check_start(problem, &start)?;
-        let value = energy.value(&start.u);
-        if !value.is_finite() {
-            return Ok(unchanged(start, value, Outcome::InadmissibleStart));
-        }
         let mut moved = AHEAD * largest_displacement(problem, &start.u);
         let mut gaps = match near(problem, &start.u, moved, context.stop) {
             Ok(gaps) => gaps,
-            Err(halt) => return Ok(unchanged(start, value, halt.outcome()?)),
+            Err(halt) => {
+                let value = energy.value(&start.u);
+                return Ok(unchanged(start, value, halt.outcome()?));
+            }
         };
         check_gaps(&gaps)?;
         let mut cost = Cost {
@@ -191,6 +198,13 @@ impl Equilibrium for Condensed {
             at.u.clone_from(&start.u);
             at.lambda.clear();
         }
+        let value = energy.value(&at.u);
+        if !value.is_finite() {
+            let value = energy.value(&start.u);
+            if !value.is_finite() {
+                return Ok(unchanged(start, value, Outcome::InadmissibleStart));
+            }
+        }
         let lambda = match &self.kept {
             Some(kept) if !at.lambda.is_empty() => {
                 kept.rows
@@ -214,7 +228,7 @@ impl Equilibrium for Condensed {
         cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
         let solution = Solution {
             outcome,
-            energy: energy.value(&at.u),
+            energy: value,
             state: State {
                 multipliers: Multipliers::new(&gaps, &lambda),
                 u: at.u,

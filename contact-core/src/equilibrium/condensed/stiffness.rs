@@ -119,15 +119,22 @@ impl Stiffness {
     pub fn product(&self, u: &[f64], forces: &mut [f64], sizes: &mut [f64]) {
         forces.fill(0.0);
         sizes.fill(0.0);
-        for ((i, j), &k) in self.pattern.iter().zip(&self.values) {
-            let force = k * u[j];
-            forces[i] += force;
-            sizes[i] += force.abs();
-            if i != j {
+        let rows = self.pattern.rows();
+        for (j, u_j) in u.iter().enumerate() {
+            let (mut sum, mut size) = (0.0, 0.0);
+            let column = self.pattern.column(j);
+            for (&i, k) in rows[column.clone()].iter().zip(&self.values[column]) {
                 let force = k * u[i];
-                forces[j] += force;
-                sizes[j] += force.abs();
+                sum += force;
+                size += force.abs();
+                if i != j {
+                    let force = k * u_j;
+                    forces[i] += force;
+                    sizes[i] += force.abs();
+                }
             }
+            forces[j] += sum;
+            sizes[j] += size;
         }
     }
 }

@@ -1,12 +1,11 @@
-//! The smallest volume ratio J of a state, between the nodes of quadratic cells, too.
-
-use std::sync::PoisonError;
+//! The smallest volume ratio J of a state, between the nodes of quadratic cells, too, and the largest strains and rotations of
+//! laws for small ones.
 
 use super::Audit;
 use super::topology::Quadratic;
 use crate::element::Order;
 use crate::element::volume::{CellNodes, LeastRatio, least_ratio};
-use crate::tensor::{Vector, determinant};
+use crate::tensor::{Matrix, Vector, determinant};
 
 /// The smallest volume ratio J = det F of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,16 +21,21 @@ pub struct LeastVolume<const D: usize> {
     pub at: Vector<D>,
 }
 
-impl<const D: usize> Audit<D> {
-    /// The smallest volume ratio at positions `x` of all nodes (UL), and the number of quadratic cells in which it is not
-    /// positive everywhere. They are kept.
-    pub(crate) fn volumes(&self, x: &[Vector<D>]) -> (Option<LeastVolume<D>>, usize) {
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        let volumes = &mut Self::state(&mut last, x).volumes;
-        *volumes.get_or_insert_with(|| self.find_volumes(x))
-    }
+/// What one pass over all simplices and cells tells of a state: see [`Findings`](super::Findings).
+#[derive(Clone, Copy)]
+pub(super) struct Measures<const D: usize> {
+    pub inverted: usize,
+    pub least_volume: Option<LeastVolume<D>>,
+    pub strain: f64,
+    pub rotation: f64,
+}
 
-    fn find_volumes(&self, x: &[Vector<D>]) -> (Option<LeastVolume<D>>, usize) {
+impl<const D: usize> Audit<D> {
+    /// The measures at positions `x` of all nodes (UL).
+    pub(super) fn measure(&self, x: &[Vector<D>]) -> Measures<D> {
+        let mut inverted_simplices = 0;
+        // the squares of |H + Hᵀ| and |H − Hᵀ|
+        let (mut strain, mut rotation) = (0.0, 0.0);
         let mut least: Option<LeastVolume<D>> = None;
         let mut take = |bound: f64, body: usize, cell: usize, at: Vector<D>| {
             // NaN is less than any number
@@ -46,17 +50,25 @@ impl<const D: usize> Audit<D> {
         };
         let mut goal = f64::INFINITY;
         for (k, cell) in self.topology.cells.iter().enumerate() {
-            if self.orders[cell.body] == Order::Linear {
-                let ratio = determinant(&self.deformation(k, x));
-                let ratio = if ratio.is_nan() {
-                    f64::NEG_INFINITY
-                } else {
-                    ratio
-                };
+            let F = self.deformation(k, x);
+            let ratio = determinant(&F);
+            // NaN is no volume either
+            let ratio = if ratio.is_nan() {
+                f64::NEG_INFINITY
+            } else {
+                ratio
+            };
+            inverted_simplices += usize::from(ratio <= 0.0);
+            if self.is_linear[cell.body] {
+                let H = F - Matrix::identity();
+                strain = (H + H.transpose()).norm_squared().max(strain);
+                rotation = (H - H.transpose()).norm_squared().max(rotation);
+            }
+            if ratio < goal && self.orders[cell.body] == Order::Linear {
                 let corners = &cell.nodes[..=D];
                 let centre = corners.iter().map(|&a| x[a]).sum::<Vector<D>>() / (D + 1) as f64;
                 take(ratio, cell.body, cell.of, centre);
-                goal = goal.min(ratio);
+                goal = ratio;
             }
         }
         let at_rest = |cell: &Quadratic| cell.nodes.map(|a| self.reference[a]);
@@ -79,6 +91,11 @@ impl<const D: usize> Audit<D> {
             }
             take(ratio.bound, cell.body, cell.of, ratio.place(&now));
         }
-        (least, inverted)
+        Measures {
+            inverted: inverted.max(inverted_simplices),
+            least_volume: least,
+            strain: strain.sqrt() / 2.0,
+            rotation: (rotation / 8.0).sqrt(),
+        }
     }
 }
