@@ -266,9 +266,9 @@ fn group_left(groups: &str, root: &Path, read: &dyn Fn(&Path) -> Option<String>)
 const ENTRY: u64 = 100;
 #[cfg(feature = "linear")]
 const UNKNOWN: u64 = 1000;
-/// Stacks, tables and what the allocator keeps.
+/// Stacks, tables, the text of a file and what the allocator keeps.
 #[cfg(feature = "linear")]
-const LEAST: u64 = 8 << 20;
+const LEAST: u64 = 16 << 20;
 /// Of what MUMPS estimates for Ipopt's system, without a share that is added: a factor of K, so many times, and bytes for
 /// each entry.
 #[cfg(feature = "linear")]

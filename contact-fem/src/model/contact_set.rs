@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use contact_core::gaps::{LinearGaps, RowKey, Sampling};
 use contact_core::{Error, GapVariation, Stop};
 
+use super::extent::Extent;
 use super::initial_gaps::{Depths, InitialOverlaps};
 use super::kinematics::Kinematics;
 use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
@@ -24,7 +25,10 @@ use crate::tensor::Vector;
 const REACH: f64 = 0.1;
 /// How much closer two points come at most, in units of the largest displacement: components, two bodies, and shape functions
 /// that exceed 1.
-const WAY: f64 = 8.0;
+pub(super) const WAY: f64 = 8.0;
+/// Shape functions take displacements between nodes beyond those at nodes, and test functions that are not positive weigh
+/// them beyond their values: together by less than this factor.
+const BEYOND: f64 = 2.0;
 
 /// Rows closed by more than this share of the scene's diagonal were not to be left out.
 const TOUCHES: f64 = 1e-12;
@@ -46,8 +50,8 @@ pub(super) struct ContactSet<const D: usize> {
     pub reach: f64,
     /// Whether the radius is the default.
     is_reach_free: bool,
-    /// The box of the nodes of each surface at X (UL).
-    boxes: Vec<[Vector<D>; 2]>,
+    /// The extent of each surface at X.
+    extents: Vec<Extent<D>>,
     /// [`WAY`], but for tests that plan wrongly.
     pub way: f64,
     /// Whether [`ContactSet::unplanned`] has found that the plan does not hold.
@@ -126,11 +130,7 @@ impl<const D: usize> ContactSet<D> {
             Arc::new(surface)
         };
         let surfaces: Vec<_> = sides.iter().map(surface).collect();
-        let corners = |surface: &Arc<Surface<D>>| {
-            let mut nodes = surface.nodes().iter().map(|&a| kinematics.X[a]);
-            let first = nodes.next().unwrap_or_else(Vector::zeros);
-            nodes.fold([first; 2], |[low, high], X| [low.inf(&X), high.sup(&X)])
-        };
+        let extent = |surface: &Arc<Surface<D>>| Extent::of(surface, &kinematics.X);
         let placed = |(index, obstacle)| {
             let own = on_obstacles.iter().filter(|(_, other)| *other == index);
             let sizes = own.map(|(slave, _): &(usize, usize)| surfaces[*slave].facet_size());
@@ -140,7 +140,7 @@ impl<const D: usize> ContactSet<D> {
             obstacles: scene.obstacles().iter().enumerate().map(placed).collect(),
             bodies: scene.bodies().len(),
             obstacle_points: scene.obstacle_points(),
-            boxes: surfaces.iter().map(corners).collect(),
+            extents: surfaces.iter().map(extent).collect(),
             surfaces,
             is_reach_free: scene.reach.is_none(),
             passes,
@@ -304,11 +304,8 @@ impl<const D: usize> ContactSet<D> {
         if !may_be_far || first == second || self.obstacle_of(pass).is_some() {
             return 0.0;
         }
-        let [slave, master] = [pass.slave, pass.master].map(|k| &self.surfaces[k]);
-        let [[low, high], [below, above]] = [pass.slave, pass.master].map(|k| self.boxes[k]);
-        let apart = (below - high).sup(&(low - above)).sup(&Vector::zeros());
-        let curved = slave.facet_size().max(master.facet_size());
-        ((apart.norm() - curved) / self.way).max(0.0)
+        let apart = self.extents[pass.slave].apart(&self.extents[pass.master]);
+        (apart / self.way).max(0.0)
     }
 
     /// A pass with a closed row at `u` that was left out by plan: it is then left out no more, and neither is any other. What
@@ -322,13 +319,16 @@ impl<const D: usize> ContactSet<D> {
             return None;
         }
         let U = kinematics.displacements(u);
-        let extents: Vec<_> = self
-            .surfaces
-            .iter()
-            .map(|surface| Extent::of(surface, &kinematics.X, &U))
-            .collect();
-        let may_meet =
-            |(_, pass): &(usize, Pass)| !extents[pass.slave].is_apart(&extents[pass.master]);
+        let ways = |surface: &Arc<Surface<D>>| {
+            let own = surface.nodes().iter().map(|&node| U[node].abs());
+            own.fold(Vector::<D>::zeros(), |way, u| way.sup(&u))
+        };
+        let ways: Vec<_> = self.surfaces.iter().map(ways).collect();
+        let may_meet = |(_, pass): &(usize, Pass)| {
+            let [a, b] = [pass.slave, pass.master];
+            let apart = self.extents[a].apart(&self.extents[b]);
+            !(apart > BEYOND * (ways[a] + ways[b]).norm())
+        };
         let doubtful = left_out.into_iter().filter(may_meet);
         let rows = self.rows(doubtful, kinematics, u, Sampling::Nodes, None)?;
         let mut c = vec![0.0; rows.len()];
@@ -683,47 +683,6 @@ impl<const D: usize> ContactSet<D> {
             }
         };
         self.passes.iter().filter_map(through).reduce(f64::max)
-    }
-}
-
-/// Where a surface is, and how far it moves (UL).
-struct Extent<const D: usize> {
-    low: Vector<D>,
-    high: Vector<D>,
-    /// The largest displacement of a node in each direction.
-    way: Vector<D>,
-    /// How far curved facets are beyond their nodes.
-    beyond: f64,
-}
-
-impl<const D: usize> Extent<D> {
-    /// Shape functions take displacements between nodes beyond those at nodes, and test functions that are not positive weigh
-    /// them beyond their values: together by less than this factor.
-    const BEYOND: f64 = 2.0;
-
-    fn of(surface: &Surface<D>, X: &[Vector<D>], U: &[Vector<D>]) -> Self {
-        let mut low = Vector::<D>::repeat(f64::INFINITY);
-        let mut high = -low;
-        let mut way = Vector::<D>::zeros();
-        for &node in surface.nodes() {
-            low = low.inf(&X[node]);
-            high = high.sup(&X[node]);
-            way = way.sup(&U[node].abs());
-        }
-        let beyond = surface.facet_size();
-        Extent {
-            low,
-            high,
-            way,
-            beyond,
-        }
-    }
-
-    /// Whether no point of one comes to the other.
-    fn is_apart(&self, other: &Self) -> bool {
-        let between = (other.low - self.high).sup(&(self.low - other.high));
-        let between = between.sup(&Vector::zeros()).norm() - self.beyond.max(other.beyond);
-        between > Self::BEYOND * (self.way + other.way).norm()
     }
 }
 

@@ -6,6 +6,7 @@ mod contact_set;
 mod contact_state;
 mod courses;
 mod diagnosis;
+mod extent;
 mod handle;
 mod initial_gaps;
 mod kinematics;

@@ -116,7 +116,9 @@ mod tests {
 
     use super::*;
     use crate::mesh::generators::{Diagonals, linspace, rectangle};
+    use crate::model::contact_set::WAY;
     use crate::simulation::{DefaultSolver, Simulation};
+    use crate::tensor::Vector;
     use crate::{Body, LinearElastic, NeoHookean, Scene};
 
     /// A held linear block, a loose neo-Hookean one on it, a tool above, and a second block under the tool.
@@ -245,5 +247,56 @@ mod tests {
         assert!(run.is_complete());
         assert!(run.run.attempts[0].failed.is_empty());
         assert_eq!(problem.plan().apart.len(), 1);
+    }
+
+    /// A quadratic facet that is fifty times as long as the others, and curved so that it is above all nodes by 0.09, comes to a
+    /// block above it that no node comes to: what the plan leaves out changes nothing.
+    #[test]
+    fn curved_facets_beyond_their_nodes_are_met() {
+        let problem = |way: f64| {
+            let law = || LinearElastic::new(1.0, 0.3).expect("a law");
+            let mut xs = vec![0.0];
+            xs.extend(linspace(1.0, 3.0, 100));
+            let mesh = rectangle(&xs, &linspace(0.0, 1.0, 2), Diagonals::Rising);
+            let high = |x: f64| {
+                if x <= 1.0 {
+                    1.0 + 2.8 * x - 1.8 * x * x
+                } else {
+                    2.0
+                }
+            };
+            let curved = |X: &Vector<2>| Vector::<2>::new(X[0], X[1] * high(X[0]));
+            let mesh = mesh.expect("a mesh").quadratic().mapped(curved);
+            let mut lower = Body::new(mesh.expect("a mesh"), law());
+            lower
+                .prescribe("bottom", [Some(0.0); 2])
+                .expect("a support");
+            let (xs, ys) = (linspace(0.5, 1.1, 30), linspace(2.0899, 2.2899, 10));
+            let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("a mesh");
+            let mut upper = Body::new(mesh.quadratic(), law());
+            let pushed = [Some(0.0), Some(-0.005)];
+            upper.prescribe("top", pushed).expect("a support");
+            let mut scene = Scene::new();
+            let lower = scene.add("lower", lower);
+            let upper = scene.add("upper", upper);
+            let pair = scene.contact(lower.on("top"), upper.on("bottom"));
+            pair.expect("a pair");
+            let mut problem = scene.problem().expect("a problem");
+            problem.contact.way = way;
+            problem
+        };
+        // planned, planned wrongly, and all searched
+        let [planned, wrongly, all] = [WAY, 1e-3, 1e9].map(|way| {
+            let run = Simulation::with_increments(1).run(&mut problem(way));
+            run.expect("no misuse").last().expect("a step").clone()
+        });
+        assert!(all.contact_force(0usize)[1] < -1e-3);
+        for some in [planned, wrongly] {
+            assert!(
+                (some.energy / all.energy - 1.0).abs() < 1e-9,
+                "{}",
+                some.energy
+            );
+        }
     }
 }

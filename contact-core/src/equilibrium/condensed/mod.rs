@@ -159,7 +159,7 @@ impl Equilibrium for Condensed {
         check_gaps(&gaps)?;
         let mut cost = Cost {
             outer_iterations: 1,
-            values: 2,
+            values: 1,
             projection: clock.elapsed().as_secs_f64(),
             ..Cost::default()
         };
@@ -198,13 +198,6 @@ impl Equilibrium for Condensed {
             at.u.clone_from(&start.u);
             at.lambda.clear();
         }
-        let value = energy.value(&at.u);
-        if !value.is_finite() {
-            let value = energy.value(&start.u);
-            if !value.is_finite() {
-                return Ok(unchanged(start, value, Outcome::InadmissibleStart));
-            }
-        }
         let lambda = match &self.kept {
             Some(kept) if !at.lambda.is_empty() => {
                 kept.rows
@@ -219,6 +212,10 @@ impl Equilibrium for Condensed {
                 halt.outcome()?
             }
         };
+        let value = energy.value(&at.u);
+        if outcome == Outcome::Converged && !value.is_finite() {
+            return Ok(unchanged(start, value, Outcome::InadmissibleStart));
+        }
         let least = least_displacement(problem, scale.length);
         let error = match outcome {
             Outcome::Converged => relative_change(&at.u, &start.u, least),
