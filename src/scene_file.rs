@@ -289,10 +289,51 @@ struct ObstacleKeys {
     half_space: Option<HalfSpace>,
     ball: Option<Ball>,
     cavity: Option<Ball>,
+    cylinder: Option<Cylinder>,
+    bore: Option<Cylinder>,
     cuboid: Option<Cuboid>,
     #[serde(default)]
     motion: Vec<MotionKeys>,
     on: Vec<SideKeys>,
+}
+
+impl ObstacleKeys {
+    /// The one shape that is given.
+    fn shape<const D: usize>(&self, part: &str) -> Result<Obstacle<D>, Error> {
+        let mut shapes = Vec::new();
+        if let Some(HalfSpace { point, normal }) = &self.half_space {
+            let (point, normal) = (
+                vector(part, "point", point)?,
+                vector(part, "normal", normal)?,
+            );
+            shapes.push(Obstacle::half_space(point, normal));
+        }
+        if let Some(Ball { centre, radius }) = &self.ball {
+            shapes.push(Obstacle::ball(vector(part, "centre", centre)?, *radius));
+        }
+        if let Some(Ball { centre, radius }) = &self.cavity {
+            shapes.push(Obstacle::cavity(vector(part, "centre", centre)?, *radius));
+        }
+        if let Some(round) = &self.cylinder {
+            let point = vector(part, "point", &round.point)?;
+            shapes.push(Obstacle::cylinder_along(&round.axis, point, round.radius));
+        }
+        if let Some(round) = &self.bore {
+            let point = vector(part, "point", &round.point)?;
+            shapes.push(Obstacle::bore_along(&round.axis, point, round.radius));
+        }
+        if let Some(Cuboid { low, high }) = &self.cuboid {
+            let (low, high) = (vector(part, "low", low)?, vector(part, "high", high)?);
+            shapes.push(Obstacle::cuboid(low, high));
+        }
+        match (shapes.pop(), shapes.is_empty()) {
+            (Some(shape), true) => of(part, shape),
+            _ => Err(Error::Part {
+                part: part.into(),
+                what: "give it one shape: `half-space`, `ball`, `cavity`, `cylinder`, `bore` or `cuboid`".into(),
+            }),
+        }
+    }
 }
 
 /// A body and one of its boundaries.
@@ -325,6 +366,15 @@ struct HalfSpace {
 #[serde(deny_unknown_fields)]
 struct Ball {
     centre: Vec<f64>,
+    radius: f64,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Cylinder {
+    point: Vec<f64>,
+    #[serde(default)]
+    axis: Vec<f64>,
     radius: f64,
 }
 
@@ -593,32 +643,7 @@ impl SceneFile {
         }
         for keys in &self.keys.obstacle {
             let part = format!("obstacle {}", keys.name);
-            let shape = match (&keys.half_space, &keys.ball, &keys.cavity, &keys.cuboid) {
-                (Some(HalfSpace { point, normal }), None, None, None) => {
-                    let (point, normal) = (
-                        vector(&part, "point", point)?,
-                        vector(&part, "normal", normal)?,
-                    );
-                    of(&part, Obstacle::half_space(point, normal))?
-                }
-                (None, Some(Ball { centre, radius }), None, None) => {
-                    let centre = vector(&part, "centre", centre)?;
-                    of(&part, Obstacle::ball(centre, *radius))?
-                }
-                (None, None, Some(Ball { centre, radius }), None) => {
-                    let centre = vector(&part, "centre", centre)?;
-                    of(&part, Obstacle::cavity(centre, *radius))?
-                }
-                (None, None, None, Some(Cuboid { low, high })) => {
-                    let (low, high) = (vector(&part, "low", low)?, vector(&part, "high", high)?);
-                    of(&part, Obstacle::cuboid(low, high))?
-                }
-                _ => {
-                    let what =
-                        "give it one shape: `half-space`, `ball`, `cavity` or `cuboid`".into();
-                    return Err(Error::Part { part, what });
-                }
-            };
+            let shape = keys.shape(&part)?;
             let shape = match motion(&part, &keys.motion)? {
                 Some(motion) => shape.moving(motion),
                 None => shape,

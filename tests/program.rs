@@ -404,6 +404,62 @@ fn matrices_of_a_script_are_solved() {
 }
 
 /// Press, then slide and turn, from a file and by hand: the same states to the last bit.
+/// A cuboid of weight 1 on a cylinder, and the same pulled up into a bore: either carries the weight.
+#[test]
+fn cylinders_from_a_file() {
+    let folder = fresh("cylinders");
+    let text = r#"
+        increments = 1
+
+        [[body]]
+        name = "block"
+        mesh = "block.mesh"
+        law = "linear-elastic"
+        young = 100
+        poisson = 0.3
+        supports = [{ on = "left", x = 0 }, { on = "front", y = 0 }]
+        body-force = [0, 0, -1]
+
+        [[obstacle]]
+        name = "roll"
+        cylinder = { point = [0.5, 7, -1], axis = [0, 3, 0], radius = 1 }
+        on = [["block", "bottom"]]
+
+        [[obstacle]]
+        name = "pipe"
+        bore = { point = [0.5, 0, -2], axis = [0, 1, 0], radius = 3.05 }
+        on = [["block", "top"]]
+    "#;
+    let mesh = cuboid([0.0; 3], [1.0; 3], [4, 2, 2]).expect("a mesh");
+    let path = folder.join("scene.toml");
+    mesh.save_freefem(folder.join("block.mesh"))
+        .expect("written");
+    let labels: Vec<&str> = mesh.boundary_names().collect();
+    let label = |name: &str| 1 + labels.iter().position(|l| *l == name).expect("a name");
+    let text = ["left", "front", "bottom", "top"]
+        .iter()
+        .fold(text.to_string(), |text, name| {
+            text.replace(&format!("\"{name}\""), &label(name).to_string())
+        });
+    for (weight, expected) in [(-1.0, [-1.0, 0.0]), (1.0, [0.0, 1.0])] {
+        let text = text.replace("[0, 0, -1]", &format!("[0, 0, {weight}]"));
+        fs::write(&path, text).expect("written");
+        let file = SceneFile::read(&path).expect("a file");
+        let mut problem = file
+            .scene::<3>()
+            .expect("a scene")
+            .problem()
+            .expect("sound");
+        let run = file.simulation().expect("settings").run(&mut problem);
+        let run = run.expect("a run");
+        assert!(run.is_complete(), "{}", run.run.ending);
+        let last = run.last().expect("a step");
+        for (force, expected) in last.obstacle_forces.iter().zip(expected) {
+            assert!((force[2] - expected).abs() < 1e-9, "{force} {expected}");
+        }
+    }
+}
+
 #[test]
 fn a_program_from_a_file() {
     let folder = fresh("phases");
@@ -499,6 +555,11 @@ fn a_program_from_a_file() {
     assert!(tool > 0.2, "{tool}");
 
     let cases = [
+        (
+            "cuboid = { low = [-2, 0], high = [4, 1] }",
+            "cylinder = { point = [0, 0], axis = [1, 0], radius = 1 }",
+            "leave it out in the plane",
+        ),
         (
             "name = \"press\"",
             "name = \"press\"\nleast-step = 0.1",

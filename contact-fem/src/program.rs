@@ -157,23 +157,9 @@ impl<const D: usize> Motion<D> {
     /// As these, and an axis of another length.
     pub fn rotation_along(axis: &[f64], centre: [f64; D], angle: f64) -> Result<Self, Error> {
         Error::check_finite("the rotation", centre.iter().chain([&angle]))?;
-        let axis = match (D, axis) {
-            (2, []) => Vector::zeros(),
-            (3, &[x, y, z]) => {
-                let axis = direction("rotation's axis", [x, y, z])?;
-                Vector::from_fn(|i, _| axis[i])
-            }
-            _ => {
-                return Err(Error::Setting {
-                    name: "components of the rotation's axis",
-                    value: axis.len() as f64,
-                    remedy: "give the axis three components in space, and leave it out in the plane",
-                });
-            }
-        };
         Ok(Self::new(Part::Rotation {
             centre: centre.into(),
-            axis,
+            axis: axis_of("components of the rotation's axis", "rotation's axis", axis)?,
             angle,
         }))
     }
@@ -298,6 +284,26 @@ impl<const D: usize> Pose<D> {
 
     pub fn is_finite(&self) -> bool {
         self.R.iter().chain(&self.c).all(|value| value.is_finite())
+    }
+}
+
+/// The unit vector along an axis that has no components in the plane, where it is zero, and three in space.
+pub(crate) fn axis_of<const D: usize>(
+    components: &'static str,
+    name: &'static str,
+    axis: &[f64],
+) -> Result<Vector<D>, Error> {
+    match (D, axis) {
+        (2, []) => Ok(Vector::zeros()),
+        (3, &[x, y, z]) => {
+            let axis = direction(name, [x, y, z])?;
+            Ok(Vector::from_fn(|i, _| axis[i]))
+        }
+        _ => Err(Error::Setting {
+            name: components,
+            value: axis.len() as f64,
+            remedy: "give the axis three components in space, and leave it out in the plane",
+        }),
     }
 }
 

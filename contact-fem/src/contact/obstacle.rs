@@ -7,7 +7,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::error::Error;
-use crate::program::{Motion, Pose, direction};
+use crate::program::{Motion, Pose, axis_of, direction};
 use crate::tensor::{Matrix, Vector};
 
 /// A signed distance (UL) by position (UL).
@@ -112,6 +112,28 @@ impl<const D: usize> Obstacle<D> {
     /// As [`Obstacle::ball`].
     pub fn cavity(centre: [f64; D], radius: f64) -> Result<Self, Error> {
         Self::round(centre, Vector::zeros(), radius, -1.0)
+    }
+
+    /// A cylinder as [`Obstacle::cylinder`] in space, a [disc](Obstacle::ball) in the plane: `axis` has no components in the plane,
+    /// and three in space.
+    ///
+    /// # Errors
+    /// As these, and an axis of another length.
+    pub fn cylinder_along(axis: &[f64], point: [f64; D], radius: f64) -> Result<Self, Error> {
+        Self::round(point, Self::axis(axis)?, radius, 1.0)
+    }
+
+    /// A bore as [`Obstacle::bore`] in space, a [hole](Obstacle::cavity) in the plane, with an axis as of
+    /// [`Obstacle::cylinder_along`].
+    ///
+    /// # Errors
+    /// As [`Obstacle::cylinder_along`].
+    pub fn bore_along(axis: &[f64], point: [f64; D], radius: f64) -> Result<Self, Error> {
+        Self::round(point, Self::axis(axis)?, radius, -1.0)
+    }
+
+    fn axis(axis: &[f64]) -> Result<Vector<D>, Error> {
+        axis_of("components of the obstacle's axis", "obstacle's axis", axis)
     }
 
     /// The box between two corners (UL), with bodies outside. For a box with bodies inside, take a half-space for each
