@@ -367,18 +367,9 @@ fn differences_for_a_jacobian_without_entries() {
                 let structure = Structure::new(variables, constraints, none, hessian).unwrap();
                 let name = "jacobian_approximation";
                 let options = Options::new().with(name, "finite-difference-values");
-                let mut solver = match Solver::new(structure, &options) {
-                    Ok(solver) => solver,
-                    Err(why) => {
-                        assert!(m > 0 && why.to_string().contains(name), "{why}");
-                        continue;
-                    }
-                };
-                assert_eq!(m, 0);
-                let solution = solver
-                    .solve(&mut { FIXED }, &Start::at(&[1.0, 1.0]))
-                    .unwrap();
-                assert_eq!(solution.status, Status::Solved, "{m}");
+                // also without constraints: bounds may fix variables later
+                let refused = Solver::new(structure, &options).unwrap_err();
+                assert!(refused.to_string().contains(name), "{refused}");
             }
         }
         let variables = Bounds {
@@ -395,6 +386,22 @@ fn differences_for_a_jacobian_without_entries() {
             refused.to_string().contains("jacobian_approximation"),
             "{refused}"
         );
+    });
+}
+
+/// PORD ends the process, with a message of its own, where all unknowns of the linear system have the same neighbours.
+#[test]
+fn an_order_by_pord_for_few_variables() {
+    in_a_child("an_order_by_pord_for_few_variables", || {
+        let structure = Structure::new(
+            Bounds::nonnegative(1),
+            Bounds::default(),
+            Pattern::empty(),
+            Some(Pattern::diagonal(1)),
+        );
+        let options = Options::new().with("mumps_pivot_order", 4);
+        let refused = Solver::new(structure.unwrap(), &options).unwrap_err();
+        assert!(refused.to_string().contains("PORD"), "{refused}");
     });
 }
 

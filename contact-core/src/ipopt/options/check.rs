@@ -1,7 +1,7 @@
 //! Checks of option names and values that Ipopt would accept but misread.
 
 use super::{KnownOption, OptionError, OptionValue};
-use crate::nlp::{Bounds, Structure};
+use crate::nlp::Structure;
 
 /// The prefix of options for the restoration phase; Ipopt knows no other prefix.
 const RESTORATION: &str = "resto.";
@@ -59,11 +59,8 @@ pub(super) fn unusable(name: &str, number: f64) -> Option<String> {
     }
 }
 
-/// Whether a variable is fixed.
-fn has_fixed(structure: &Structure) -> bool {
-    let Bounds { lower, upper } = structure.variable_bounds();
-    lower.iter().zip(upper).any(|(lower, upper)| lower == upper)
-}
+/// PORD is refused for fewer variables.
+const FEW: usize = 1000;
 
 /// Rejects values that conflict with the structure, which Ipopt would accept silently or crash with.
 pub(super) fn fits(
@@ -80,11 +77,20 @@ pub(super) fn fits(
         "derivative_test" if structure.hessian().is_none() => {
             (&["none", "first-order"], "the structure has no Hessian")
         }
-        // Ipopt would write to an array that it does not have, also where fixed variables become constraints.
-        "jacobian_approximation"
-            if jacobian.is_empty() && (structure.constraints() > 0 || has_fixed(structure)) =>
-        {
+        // Ipopt would write to an array that it does not have: where there are constraints, and where fixed variables become
+        // some, now or after a change of bounds.
+        "jacobian_approximation" if jacobian.is_empty() => {
             (&["exact"], "the structure's Jacobian has no entries")
+        }
+        // PORD, which ends the process where all unknowns have the same neighbours, and is of use in large problems
+        "mumps_pivot_order" if structure.variables() < FEW && *value == 4.into() => {
+            return Err(OptionError::Invalid {
+                name: name.to_owned(),
+                value: value.clone(),
+                expected: format!(
+                    "another order where there are fewer than {FEW} variables: PORD ends the process in some problems"
+                ),
+            });
         }
         "jacobian_approximation" if *value != "exact".into() => {
             return match structure.repeated_jacobian_entry() {

@@ -13,7 +13,7 @@ struct Refusal {
     remedy: &'static str,
 }
 
-const REFUSALS: [Refusal; 14] = [
+const REFUSALS: [Refusal; 16] = [
     Refusal {
         name: "max_soc",
         restoration_only: false,
@@ -62,6 +62,20 @@ const REFUSALS: [Refusal; 14] = [
         is_refused: is_zero,
         why: "Ipopt then crashes in its restoration phase",
         remedy: "remember at least 1 iteration",
+    },
+    Refusal {
+        name: "limited_memory_max_history",
+        restoration_only: false,
+        is_refused: is_endless,
+        why: "Ipopt then takes memory for so many iterations at once, and may take for ever",
+        remedy: "choose at most 1000; Ipopt's own default is 6",
+    },
+    Refusal {
+        name: "slack_move",
+        restoration_only: false,
+        is_refused: is_zero,
+        why: "slacks may then be 0, by which Ipopt divides, and MUMPS writes beyond its memory where values are infinite",
+        remedy: "choose a positive number; Ipopt's own default is 1.8e-12",
     },
     Refusal {
         name: "mehrotra_algorithm",
@@ -150,13 +164,24 @@ pub(super) fn check(name: &str, value: &OptionValue) -> Result<(), OptionError> 
 mod tests {
     use super::*;
 
-    /// Found by the fuzzer: `max_soc` 1038577779, and back solves without end.
+    /// Found by the fuzzer: `slack_move` 0, and invalid accesses in the matching of MUMPS, seen by valgrind.
+    #[test]
+    fn slacks_of_zero_are_not_asked_for() {
+        for name in ["slack_move", "resto.slack_move"] {
+            check(name, &OptionValue::Number(1e-300)).expect("allowed");
+            let refused = check(name, &OptionValue::Number(0.0)).expect_err("refused");
+            assert!(refused.to_string().contains("slack"), "{refused}");
+        }
+    }
+
+    /// Found by the fuzzer: `max_soc` 1038577779, and back solves without end; `limited_memory_max_history` 408788544.
     #[test]
     fn loops_between_iterates_are_bounded() {
         for name in [
             "max_soc",
             "min_refinement_steps",
             "resto.max_refinement_steps",
+            "limited_memory_max_history",
         ] {
             check(name, &OptionValue::Integer(1000)).expect("allowed");
             for many in [1001, 1_038_577_779] {
