@@ -317,12 +317,6 @@ impl Structure {
         &self.jacobian
     }
 
-    /// A Jacobian entry with the same row and column as an earlier one, if there is one.
-    #[cfg(feature = "ipopt")]
-    pub(crate) fn repeated_jacobian_entry(&self) -> Option<usize> {
-        self.jacobian.repeated(self.constraints(), self.variables())
-    }
-
     /// Pattern of the lower triangle of ∂²L/∂x², n × n; `None` if it is to be approximated.
     pub fn hessian(&self) -> Option<&Pattern> {
         self.hessian.as_ref()

@@ -1,10 +1,7 @@
 //! The table of options against the Ipopt that is installed, and the presets.
 #![cfg(feature = "ipopt")]
 
-use contact_core::{
-    ipopt::*,
-    nlp::{Bounds, Pattern, Structure},
-};
+use contact_core::{ipopt::*, nlp::Structure};
 use problems::*;
 
 fn set(name: &str, value: impl Into<OptionValue>) -> Result<Solver, Error> {
@@ -293,51 +290,4 @@ fn options_that_are_refused_leave_the_others_as_they_were() {
     assert_eq!(solution.status, Status::IterationLimit);
     assert_eq!(solution.statistics.iterations, 3);
     assert_eq!(solution.derivative_check, None);
-}
-
-fn with_jacobian(jacobian: Pattern) -> Structure {
-    let hessian = Some(Pattern::diagonal(2));
-    let constraints = Bounds::uniform(1, -1.0, 1.0);
-    Structure::new(Bounds::free(2), constraints, jacobian, hessian).unwrap()
-}
-
-#[test]
-fn differences_need_a_jacobian_with_each_place_once() {
-    let differences =
-        Options::new().jacobian_approximation(JacobianApproximation::FiniteDifferences);
-    let error = Solver::new(with_jacobian(Pattern::empty()), &differences).unwrap_err();
-    let expected = "takes [\"exact\"], as the structure's Jacobian has no entries";
-    assert!(error.to_string().contains(expected), "{error}");
-
-    let repeating = Pattern::new(vec![0, 0, 0], vec![1, 0, 1]);
-    let error = Solver::new(with_jacobian(repeating.clone()), &differences).unwrap_err();
-    let Error::Option(OptionError::RepeatedEntry {
-        name,
-        entry,
-        row,
-        col,
-        ..
-    }) = &error
-    else {
-        panic!("{error}");
-    };
-    assert_eq!(name, "jacobian_approximation");
-    assert_eq!((*entry, *row, *col), (2, 0, 1));
-    assert!(error.to_string().contains("repeats (0, 1)"), "{error}");
-
-    // Neither matters to exact derivatives.
-    for jacobian in [Pattern::empty(), repeating] {
-        let exact = Options::new().jacobian_approximation(JacobianApproximation::Exact);
-        Solver::new(with_jacobian(jacobian), &exact).unwrap();
-    }
-    let free = Separable::structure(Bounds::free(2));
-    // Without constraints there is nothing to approximate, and variables may be fixed later.
-    let error = Solver::new(free, &differences).unwrap_err();
-    assert!(error.to_string().contains(expected), "{error}");
-    let solution = Solver::new(hs071_structure(), &differences)
-        .unwrap()
-        .solve(&mut Hs071, &Start::at(&HS071_START))
-        .unwrap();
-    assert_eq!(solution.statistics.jacobian.calls, 0);
-    assert_close(&solution.x, &HS071_X, 1e-5);
 }

@@ -169,6 +169,7 @@ impl Solver {
             Err(Refused::Stopped) => return Ok(Solution::not_begun(point)),
         };
         self.prepare_warm_start(start)?;
+        self.prepare_order()?;
         self.prepare_log()?;
         nlp.begin(start.x);
         if fixed::are_all_fixed(&self.structure) {
@@ -280,6 +281,14 @@ impl Solver {
             0
         };
         self.apply_one("print_level", &level.into())
+    }
+
+    /// Bounds may have fixed other variables since the last solve.
+    fn prepare_order(&mut self) -> Result<(), Error> {
+        for (name, order) in options::orders(&self.structure, &self.options) {
+            self.apply_one(name, &order)?;
+        }
+        Ok(())
     }
 
     fn prepare_warm_start(&mut self, start: &Start<'_>) -> Result<(), Error> {

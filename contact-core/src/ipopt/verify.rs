@@ -163,9 +163,7 @@ pub(super) fn contradiction(
         return Some(Contradiction::Variable { index, value });
     }
 
-    let differences = "finite-difference-values".into();
-    let by_differences = solver.options.get("jacobian_approximation") == Some(&differences);
-    let here = Evaluation::at(nlp, structure, x, !by_differences, &mut solution.statistics);
+    let here = Evaluation::at(nlp, structure, x, &mut solution.statistics);
     let moves: Vec<f64> = x
         .iter()
         .map(|x| allowed.relaxation * x.abs().max(1.0))
@@ -202,9 +200,7 @@ pub(super) fn contradiction(
             });
         }
     }
-    let known = solution.multipliers.as_ref();
-    let multipliers = known.filter(|_| !by_differences)?;
-    here.stationarity(structure, multipliers, &allowed)
+    here.stationarity(structure, solution.multipliers.as_ref()?, &allowed)
 }
 
 /// Values and first derivatives at a point.
@@ -212,7 +208,6 @@ struct Evaluation {
     f: f64,
     gradient: Vec<f64>,
     g: Vec<f64>,
-    /// Zeros if it is left to differences.
     jacobian: Vec<f64>,
 }
 
@@ -221,7 +216,6 @@ impl Evaluation {
         nlp: &mut dyn Nlp,
         structure: &Structure,
         x: &[f64],
-        has_jacobian: bool,
         statistics: &mut super::Statistics,
     ) -> Self {
         let f = timed(&mut statistics.objective, || nlp.objective(x, true));
@@ -236,7 +230,7 @@ impl Evaluation {
             });
         }
         let mut jacobian = vec![0.0; structure.jacobian().len()];
-        if has_jacobian && !jacobian.is_empty() {
+        if !jacobian.is_empty() {
             timed(&mut statistics.jacobian, || {
                 nlp.jacobian(x, false, &mut jacobian);
             });

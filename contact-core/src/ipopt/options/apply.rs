@@ -4,26 +4,12 @@ use std::ffi::{CStr, CString};
 
 use ipopt_sys as sys;
 
-use super::super::Ordering;
 use super::{
     Available, KnownOption, OptionError, OptionValue, Options,
     check::{bare, fits, has_other_prefix, unusable},
-    refused,
+    order, refused,
 };
 use crate::nlp::Structure;
-
-/// The number of variables above which the driver chooses MUMPS' ordering.
-const LARGE: usize = 10_000;
-
-/// The number of entries per variable in the Hessian's lower triangle from which a problem is treated as spatial:
-/// elasticity has 7 on triangles, 22 and more on tetrahedra.
-const DENSE: usize = 15;
-
-/// As [`DENSE`], to tell quadratic tetrahedra (40 entries per variable and more) from linear ones.
-const DENSER: usize = 32;
-
-/// The number of variables above which PORD is slower than METIS on linear tetrahedra.
-const LARGER: usize = 20_000;
 
 /// The driver's defaults for a problem.
 fn defaults(structure: &Structure) -> Options {
@@ -43,25 +29,10 @@ fn defaults(structure: &Structure) -> Options {
         options.set("hessian_approximation", "limited-memory");
         options.set("hessian_constant", false);
     }
-    if structure.variables() > LARGE {
-        options.set("mumps_pivot_order", ordering(structure).code());
+    if let Some(order) = order::default_for(structure) {
+        options.set("mumps_pivot_order", order.code());
     }
     options
-}
-
-/// The default ordering of MUMPS for a large problem.
-///
-/// In space PORD, since the factors of minimum fill are far larger there. On large meshes of linear tetrahedra METIS,
-/// which shortens solves by a fifth; MUMPS takes SCOTCH where it lacks METIS. Elsewhere minimum fill: its factors are
-/// as small as others and its analysis is the fastest; that of SCOTCH takes several times as long, in waiting threads.
-fn ordering(structure: &Structure) -> Ordering {
-    let variables = structure.variables();
-    let entries = structure.hessian().map_or(0, |hessian| hessian.len());
-    match entries / variables {
-        0..DENSE => Ordering::Amf,
-        DENSE..DENSER if variables > LARGER => Ordering::Metis,
-        _ => Ordering::Pord,
-    }
 }
 
 /// Sets the defaults Ipopt knows, then `options`, from a clean slate.

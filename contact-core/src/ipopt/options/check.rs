@@ -59,16 +59,12 @@ pub(super) fn unusable(name: &str, number: f64) -> Option<String> {
     }
 }
 
-/// PORD is refused for fewer variables.
-const FEW: usize = 1000;
-
 /// Rejects values that conflict with the structure, which Ipopt would accept silently or crash with.
 pub(super) fn fits(
     structure: &Structure,
     name: &str,
     value: &OptionValue,
 ) -> Result<(), OptionError> {
-    let jacobian = structure.jacobian();
     let (fitting, reason): (&[&str], _) = match bare(name) {
         // Ipopt would take the Hessian for zero, in the solve and in its derivative checker.
         "hessian_approximation" if structure.hessian().is_none() => {
@@ -76,33 +72,6 @@ pub(super) fn fits(
         }
         "derivative_test" if structure.hessian().is_none() => {
             (&["none", "first-order"], "the structure has no Hessian")
-        }
-        // Ipopt would write to an array that it does not have: where there are constraints, and where fixed variables become
-        // some, now or after a change of bounds.
-        "jacobian_approximation" if jacobian.is_empty() => {
-            (&["exact"], "the structure's Jacobian has no entries")
-        }
-        // PORD, which ends the process where all unknowns have the same neighbours, and is of use in large problems
-        "mumps_pivot_order" if structure.variables() < FEW && *value == 4.into() => {
-            return Err(OptionError::Invalid {
-                name: name.to_owned(),
-                value: value.clone(),
-                expected: format!(
-                    "another order where there are fewer than {FEW} variables: PORD ends the process in some problems"
-                ),
-            });
-        }
-        "jacobian_approximation" if *value != "exact".into() => {
-            return match structure.repeated_jacobian_entry() {
-                Some(entry) => Err(OptionError::RepeatedEntry {
-                    name: name.to_owned(),
-                    value: value.clone(),
-                    entry,
-                    row: jacobian.rows()[entry],
-                    col: jacobian.cols()[entry],
-                }),
-                None => Ok(()),
-            };
         }
         _ => return Ok(()),
     };

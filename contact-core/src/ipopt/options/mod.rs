@@ -5,12 +5,16 @@ mod check;
 mod file;
 mod hint;
 mod known;
+mod order;
 mod refused;
 mod table;
 mod value;
 mod words;
 
-pub(super) use self::apply::{apply, apply_one, default_of, names};
+pub(super) use self::{
+    apply::{apply, apply_one, default_of, names},
+    order::orders,
+};
 pub use self::{
     known::{DefaultValue, KnownOption},
     table::KNOWN_OPTIONS,
@@ -44,7 +48,7 @@ use crate::nlp::Structure;
 /// | `bound_relax_factor` | 0 | Ipopt's default of 1e-8 would be a real penetration |
 /// | `honor_original_bounds` | `no` | x, f and g belong together; before 3.14 Ipopt moves x alone |
 /// | `mumps_mem_percent` | 200 | 1000 (Ipopt's) estimates eleven times the workspace, 50 too little: factorisations are repeated |
-/// | `mumps_pivot_order` | above 10 000 variables: 4 (PORD) if the Hessian has 15 entries a variable, else 2 (AMF); above 20 000 with 15 to 31 entries a variable: 5 (METIS) | small factors in space; fast analysis in the plane |
+/// | `mumps_pivot_order` | above 10 000 variables: 4 (PORD) if the Hessian has 15 entries a variable, else 2 (AMF); above 20 000 with 15 to 31 entries a variable: 5 (METIS). 2 in place of 3, 4 and 5, also where they are set, if nearly every free variable is linked with every other | small factors in space; fast analysis in the plane; PORD ends the process where all unknowns have the same neighbours |
 /// | `hessian_approximation` | `limited-memory` without a Hessian | |
 /// | `hessian_constant`, `jac_c_constant`, `jac_d_constant` | as [`Structure`] promises | evaluated once |
 /// | `warm_start_init_point` | `yes` for a start with multipliers | they would be ignored |
@@ -54,8 +58,8 @@ use crate::nlp::Structure;
 /// What would make Ipopt end the process, or return something else than a solution, is refused:
 /// [`OptionError::Refused`] says why. That is `option_file_name`, `skip_finalize_solution_call`,
 /// `check_derivatives_for_naninf` (every value of every function is checked before Ipopt sees it),
-/// `dependency_detector`, `nlp_scaling_constr_target_gradient`, `warm_start_target_mu`, a `bound_mult_init_method` of
-/// "mu-based", a `slack_move` of 0, and a `limited_memory_max_history` of 0 or above 1000.
+/// `dependency_detector`, `jacobian_approximation`, `nlp_scaling_constr_target_gradient`, `warm_start_target_mu`, a
+/// `bound_mult_init_method` of "mu-based", a `slack_move` of 0, and a `limited_memory_max_history` of 0 or above 1000.
 ///
 /// With the prefix `resto.`, as in `resto.max_iter`, an option is for the restoration phase alone. There is no other
 /// prefix.

@@ -13,7 +13,7 @@ struct Refusal {
     remedy: &'static str,
 }
 
-const REFUSALS: [Refusal; 16] = [
+const REFUSALS: [Refusal; 17] = [
     Refusal {
         name: "max_soc",
         restoration_only: false,
@@ -69,6 +69,14 @@ const REFUSALS: [Refusal; 16] = [
         is_refused: is_endless,
         why: "Ipopt then takes memory for so many iterations at once, and may take for ever",
         remedy: "choose at most 1000; Ipopt's own default is 6",
+    },
+    Refusal {
+        name: "jacobian_approximation",
+        restoration_only: false,
+        is_refused: |value| !is_word(value, "exact"),
+        why: "Ipopt then takes the differences of one variable for those of another where a variable is in no constraint, \
+              calls solved what is not, and reads values that were never written where one is fixed",
+        remedy: "leave the option out, and take differences of g in `Nlp::jacobian`",
     },
     Refusal {
         name: "slack_move",

@@ -301,8 +301,4 @@ options! {
     derivative_test_first_index: i32 = Integer(-2);
     /// The test is made at a random point up to this far from the start, within the bounds; 0 for the start itself.
     point_perturbation_radius: f64 = Number(10.0);
-    /// How ∂g/∂x is found.
-    jacobian_approximation: JacobianApproximation = Text("exact");
-    /// Relative step of `FiniteDifferences`.
-    findiff_perturbation: f64 = Number(1e-7);
 }

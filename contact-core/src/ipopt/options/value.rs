@@ -139,23 +139,6 @@ pub enum OptionError {
         /// What is there, or its beginning.
         line: String,
     },
-    /// Finite differences for a Jacobian whose pattern repeats an entry.
-    #[error(
-        "Ipopt's option `{name}` was set to {value}, which needs a Jacobian with each place once: its entry {entry} \
-         repeats ({row}, {col}); add the values up in one entry, or leave the option out"
-    )]
-    RepeatedEntry {
-        /// The name.
-        name: String,
-        /// The value refused.
-        value: OptionValue,
-        /// The second entry.
-        entry: usize,
-        /// Its row.
-        row: usize,
-        /// Its column.
-        col: usize,
-    },
 }
 
 fn version() -> String {

@@ -179,14 +179,6 @@ words! {
         /// `limited_memory_init_val`.
         Constant = "constant",
     }
-    /// How derivatives of g are found.
-    JacobianApproximation {
-        /// From [`Nlp::jacobian`](crate::nlp::Nlp::jacobian).
-        Exact = "exact",
-        /// By finite differences of g at the places of the pattern, n evaluations each. There must be some, unless
-        /// there are no constraints, and each once.
-        FiniteDifferences = "finite-difference-values",
-    }
     /// What becomes of variables with equal bounds.
     FixedVariableTreatment {
         /// They are taken out of the problem, and their multipliers found afterwards (since 3.14.0).
