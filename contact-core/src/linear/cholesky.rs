@@ -346,10 +346,10 @@ impl Cholesky {
         }
     }
 
-    /// At failure the first step whose pivot is zero to working precision.
+    /// L·Lᵀ has positive pivots only; at failure the first step whose pivot is zero to working precision.
     ///
     /// The pivot l_ii² = a_ii − Σ_k<i l_ik² carries the round-off of a_ii.
-    fn are_sound(&self, values: &[f64]) -> Result<Inertia, usize> {
+    fn inertia_of_llt(&self, values: &[f64]) -> Result<Inertia, usize> {
         let pattern = &self.analysis.pattern;
         let n = pattern.dim();
         let roundoff = n as f64 * f64::EPSILON;
@@ -375,11 +375,11 @@ impl Cholesky {
         })
     }
 
-    /// The signs of the pivots; at failure the first step whose pivot is zero to working precision.
+    /// The signs of the pivots of L·D·Lᵀ; at failure the first step whose pivot is zero to working precision.
     ///
     /// The pivot d_i = a_ii − Σ_k<i l_ik² d_k carries the round-off of its terms. Where they are so large that the
     /// entries of A drown in it, the factor is of no use either.
-    fn inertia(&mut self, largest: f64) -> Result<Inertia, usize> {
+    fn inertia_of_ldlt(&mut self, largest: f64) -> Result<Inertia, usize> {
         let n = self.scales.len();
         let mut inertia = Inertia {
             positive: 0,
@@ -392,12 +392,11 @@ impl Cholesky {
         for panel in self.panels() {
             for j in 0..panel.size {
                 let mut column = panel.column(j);
-                let (step, diagonal) = column.next().unwrap_or_default();
-                let (pivot, weight) = (diagonal, diagonal.abs());
+                let (step, pivot) = column.next().unwrap_or_default();
                 let scale = scales[step] + pivot.abs();
                 let is_sound = pivot.abs() > roundoff * scale && scale < growth;
                 bad = bad.or((!is_sound).then_some(step));
-                column.for_each(|(row, l)| scales[row] += l * l * weight);
+                column.for_each(|(row, l)| scales[row] += l * l * pivot.abs());
                 match pivot > 0.0 {
                     true => inertia.positive += 1,
                     false => inertia.negative += 1,
@@ -446,8 +445,8 @@ impl Factor for Cholesky {
         }
         let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let inertia = self.factor(values).and_then(|()| match self.kind {
-            Kind::Llt => self.are_sound(values),
-            Kind::Ldlt => self.inertia(largest),
+            Kind::Llt => self.inertia_of_llt(values),
+            Kind::Ldlt => self.inertia_of_ldlt(largest),
         });
         self.is_factored = inertia.is_ok();
         inertia.map_err(|step| {

@@ -9,6 +9,16 @@ pub enum Dof {
     Prescribed(usize),
 }
 
+impl Dof {
+    /// Its value among the free and the prescribed ones.
+    fn of(self, free: &[f64], prescribed: &[f64]) -> f64 {
+        match self {
+            Dof::Free(i) => free[i],
+            Dof::Prescribed(i) => prescribed[i],
+        }
+    }
+}
+
 /// Free and prescribed dofs, interleaved per node: dof = D · node + component.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DofMap {
@@ -65,18 +75,12 @@ impl DofMap {
 
     /// The value of one dof, given the free and the prescribed values.
     pub fn value(&self, dof: usize, free: &[f64], prescribed: &[f64]) -> f64 {
-        match self.dofs[dof] {
-            Dof::Free(i) => free[i],
-            Dof::Prescribed(i) => prescribed[i],
-        }
+        self.dofs[dof].of(free, prescribed)
     }
 
     /// The values of all dofs.
     pub fn expand(&self, free: &[f64], prescribed: &[f64]) -> Vec<f64> {
-        let value = |dof: &Dof| match *dof {
-            Dof::Free(i) => free[i],
-            Dof::Prescribed(i) => prescribed[i],
-        };
+        let value = |dof: &Dof| dof.of(free, prescribed);
         self.dofs.iter().map(value).collect()
     }
 }

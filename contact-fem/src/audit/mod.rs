@@ -48,8 +48,8 @@ pub struct Audit<const D: usize> {
     /// The positions that were asked for last: a state is audited when it is accepted, and again by its certificate and its
     /// record.
     last: Mutex<Option<State<D>>>,
-    /// The last positions of all nodes at which no boxes met (UL), even those larger by [`Audit::margin`] on all sides. Nor do they
-    /// where no coordinate has changed by more than half of that.
+    /// The last positions of all nodes (UL) at which no boxes met that were larger by [`Audit::margin`] on all sides. Where no
+    /// coordinate has changed by more than half of the margin since, the boxes themselves cannot meet.
     clear: Mutex<Option<Vec<Vector<D>>>>,
     /// A share of the smallest face (UL).
     margin: f64,
@@ -402,7 +402,8 @@ impl<const D: usize> Audit<D> {
     /// The relative depth of bodies that touch, from round-off.
     const TOUCHES: f64 = 1e-9;
     /// The margin within which boxes are looked for, as a share of the smallest face. In regular meshes, cells outside the
-    /// neighbourhood of a node are a face away.
+    /// neighbourhood of a node are a face away. Its value changes how often is searched, not what is found; it was chosen by
+    /// the time of one scene, a block in a hundred increments.
     const MARGIN: f64 = 0.75;
     /// The way between two stops, as a share of the smallest thickness. An edge that crosses a body of thickness 1 is at
     /// most ½ deep, and deeper than [`Overlap::LIMIT`] for 0.4 of its way.

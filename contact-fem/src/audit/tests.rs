@@ -216,7 +216,22 @@ fn earlier_states_do_not_matter() {
     let mut check = |k: usize, x: Vec<Vector<2>>| {
         let scene = [&two, &bar][k];
         let fresh = Audit::new(scene, [&X, &line][k]);
-        let (trees, found) = (fresh.trees(&x), audits[k].at(&x));
+        // of all cells, near an exterior edge or not
+        let cells = fresh
+            .topology
+            .cells
+            .iter()
+            .map(|cell| aabb(&cell.nodes[..=2], &x));
+        let faces = fresh
+            .topology
+            .faces
+            .iter()
+            .map(|face| aabb(&face.nodes, &x));
+        let trees = Trees {
+            cells: tree(cells.enumerate()),
+            faces: tree(faces.enumerate()),
+        };
+        let found = audits[k].at(&x);
         let mut expected = fresh.nodes_inside(&x, &trees);
         expected.extend(fresh.edges_inside(&x, &trees));
         assert_eq!(audits[k].overlaps(&x), expected);

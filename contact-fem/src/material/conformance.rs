@@ -26,7 +26,7 @@ pub enum Property {
     Objectivity,
     /// σ = σᵀ, and σ = P Fᵀ / J unless the law is quadratic.
     CauchyStress,
-    /// A changes with F if and only if [`Material::QUADRATIC`] is not set.
+    /// A changes with F if and only if [`Material::QUADRATIC`] is not set; where it is, ψ and P use neither ln J nor F⁻ᵀ.
     QuadraticFlag,
     /// The share of states with J ≤ 0 at which ψ contradicts [`Material::NEEDS_POSITIVE_J`]: ψ must
     /// be +∞ there if the flag is set, and finite if it is not.
@@ -149,7 +149,7 @@ pub fn check_at<const D: usize>(
         see(&mut cauchy, cauchy_error(law, &at));
         see(
             &mut change,
-            largest_of(D, |i, J, k, L| A[J][L][(i, k)] - A_rest[J][L][(i, k)]),
+            largest_of(D, |i, J, k, L| A[J][L][(i, k)] - A_rest[J][L][(i, k)]) + misuse(law, F),
         );
     }
     let mut at_rest = Worst::new();
@@ -260,6 +260,15 @@ fn differences<const D: usize>(
     errors
 }
 
+/// NaN if a quadratic law uses what such laws must not, ln J or F⁻ᵀ; else 0.
+fn misuse<const D: usize, M: Material<D>>(law: &M, F: &Matrix<D>) -> f64 {
+    if !M::QUADRATIC {
+        return 0.0;
+    }
+    let at = Deformation::of_quadratic_law(*F);
+    0.0 * (law.energy_density(&at) + law.stress(&at).sum())
+}
+
 /// The violation of objectivity.
 fn spin<const D: usize, M: Material<D>>(law: &M, at: &Deformation<D>) -> f64 {
     let planes = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
@@ -267,13 +276,8 @@ fn spin<const D: usize, M: Material<D>>(law: &M, at: &Deformation<D>) -> f64 {
         if M::QUADRATIC {
             let mut F = Matrix::identity();
             (F[(i, j)], F[(j, i)]) = (0.1, -0.1);
-            // NaN where the law uses what such laws must not
-            let turned = Deformation::of_quadratic_law(F);
-            let energy = 0.0 * law.energy_density(&turned);
-            let stress = law.stress(&turned);
-            return stress
-                .iter()
-                .fold(energy, |worst, x| nan_max(worst, x.abs()));
+            let stress = law.stress(&Deformation::new(F));
+            return stress.iter().fold(0.0, |worst, x| nan_max(worst, x.abs()));
         }
         let mut R = Matrix::identity();
         let (s, c) = 0.7_f64.sin_cos();
@@ -412,6 +416,37 @@ mod tests {
                 _ => (sigma, 0.0),
             }
         }
+    }
+
+    /// The linear law, whose stress has what a quadratic law must not use.
+    #[derive(Clone)]
+    struct Inverse(LinearElastic);
+
+    impl<const D: usize> Material<D> for Inverse {
+        const QUADRATIC: bool = true;
+        const NEEDS_POSITIVE_J: bool = false;
+
+        fn energy_density(&self, at: &Deformation<D>) -> f64 {
+            self.0.energy_density(at)
+        }
+        fn stress(&self, at: &Deformation<D>) -> Matrix<D> {
+            self.0.stress(at) + 0.0 * at.F_inv_T
+        }
+        fn contraction(&self, at: &Deformation<D>) -> impl Fn(&Vector<D>, &Vector<D>) -> Matrix<D> {
+            self.0.contraction(at)
+        }
+        fn cauchy_stress(&self, at: &Deformation<D>) -> (Matrix<D>, f64) {
+            self.0.cauchy_stress(at)
+        }
+    }
+
+    #[test]
+    fn a_quadratic_law_with_an_inverse_is_found() {
+        let law = LinearElastic::new(1000.0, 0.3).expect("valid");
+        let sound: Vec<Property> = violated::<3>(&law);
+        let planted = violated::<3>(&Inverse(law));
+        assert_eq!(sound, []);
+        assert_eq!(planted, [Property::QuadraticFlag]);
     }
 
     fn violated<const D: usize>(law: &impl Material<D>) -> Vec<Property> {

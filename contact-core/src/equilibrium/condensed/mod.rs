@@ -214,7 +214,10 @@ impl Equilibrium for Condensed {
         };
         let value = energy.value(&at.u);
         if outcome == Outcome::Converged && !value.is_finite() {
-            return Ok(unchanged(start, value, Outcome::InadmissibleStart));
+            let first = energy.value(&start.u);
+            if !first.is_finite() {
+                return Ok(unchanged(start, first, Outcome::InadmissibleStart));
+            }
         }
         let least = least_displacement(problem, scale.length);
         let error = match outcome {
