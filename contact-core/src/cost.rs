@@ -6,6 +6,7 @@ use std::ops::AddAssign;
 /// Counts, and wall time by phase (s). Costs are additive: that of a load step is the sum over its subproblems, that of
 /// a run the sum over its load steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cost {
     /// Iterations of the fixed point or of Newton's method.
     pub outer_iterations: usize,
@@ -39,11 +40,19 @@ pub struct Cost {
     pub factor: Option<FactorSize>,
 }
 
+/// A name that programs have as a constant. Under its own name, serde does not ask for it to be borrowed from what is read.
+pub(crate) type Name = &'static str;
+
 /// The size of a factor of the optimiser's linear system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct FactorSize {
     /// The elimination order that the linear solver used, or chose from.
-    pub ordering: &'static str,
+    #[cfg_attr(
+        feature = "resume",
+        serde(deserialize_with = "crate::equilibrium::resumable::name")
+    )]
+    pub ordering: Name,
     /// The size of the factor (bytes).
     pub bytes: u64,
     /// The workspace that the linear solver allocated from its estimate (bytes), where the system reports it.

@@ -91,6 +91,16 @@ pub enum Error {
     /// A run or a solve has too little memory.
     #[error(transparent)]
     Memory(#[from] crate::MemoryError),
+    /// The file of a run that is to go on does not belong to it, or cannot be used, see
+    /// [`Resumable`](crate::equilibrium::Resumable).
+    #[cfg(feature = "resume")]
+    #[error("the file {file} {why}; remove it, or name another one, to begin the run anew")]
+    Resume {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        why: String,
+    },
     /// A computation was left because a stop was requested, see [`ContactProblem::watch`](crate::ContactProblem::watch).
     #[error("a stop was requested, or the run's budget is spent")]
     Interrupted,

@@ -2,6 +2,7 @@
 
 /// The part of a surface that a row of gaps stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub enum Sampling {
     /// A contact node: its mean gap, weighted with the node's test function.
     Nodes,
@@ -12,6 +13,7 @@ pub enum Sampling {
 /// Identifies a constraint. A key denotes the same contact node in the same role in every fixed-point
 /// iteration and load step, so that multipliers can be carried over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct RowKey {
     /// The pass: one for each ordered pair (slave surface, master surface).
     pub pass: u32,
@@ -47,6 +49,7 @@ impl Default for Row {
 
 /// A sparse matrix in compressed rows.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct SparseRows {
     starts: Vec<usize>,
     columns: Vec<usize>,
@@ -68,6 +71,17 @@ impl SparseRows {
         self.columns.extend(entries.iter().map(|e| e.0));
         self.values.extend(entries.iter().map(|e| e.1));
         self.starts.push(self.columns.len());
+    }
+
+    /// Whether these are `m` rows.
+    #[cfg(feature = "resume")]
+    fn is_whole(&self, m: usize) -> bool {
+        let entries = self.columns.len();
+        let ends = [self.starts.first(), self.starts.last()];
+        self.starts.len() == m + 1
+            && ends == [Some(&0), Some(&entries)]
+            && self.starts.is_sorted()
+            && self.values.len() == entries
     }
 
     /// The number of rows.
@@ -130,6 +144,7 @@ impl Default for SparseRows {
 ///
 /// Each row is divided by its a_i, so c is a length (UL) and its multiplier a force (UF).
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct LinearGaps {
     keys: Vec<RowKey>,
     free: SparseRows,
@@ -209,6 +224,17 @@ impl LinearGaps {
         self.prescribed.push(&row.prescribed);
         self.constant.push(row.constant);
         self.weights.push(row.weight);
+    }
+
+    /// Whether these are rows over `dofs` free unknowns, as those that were pushed are.
+    #[cfg(feature = "resume")]
+    pub(crate) fn is_whole(&self, dofs: usize) -> bool {
+        let m = self.keys.len();
+        let lengths = [self.constant.len(), self.weights.len()];
+        let matrices = [&self.free, &self.prescribed];
+        lengths == [m; 2]
+            && matrices.iter().all(|rows| rows.is_whole(m))
+            && self.free.columns() <= dofs
     }
 
     /// m, the number of rows.

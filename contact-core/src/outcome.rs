@@ -18,6 +18,7 @@ pub enum Solved {
 
 /// The status of the search for equilibrium at one load.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Outcome {
     /// The relative change fell below the tolerance, and every subproblem on the way was solved.

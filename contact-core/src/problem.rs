@@ -104,6 +104,7 @@ impl Scale {
 
 /// Multipliers by row key, so that they can be carried over to other rows.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct Multipliers(Vec<(RowKey, f64)>);
 
 impl Multipliers {
@@ -147,6 +148,7 @@ impl Multipliers {
 
 /// The primal and dual unknowns: the start of a solve, and its result.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
     /// The free unknowns (n, UL).
     pub u: Vec<f64>,

@@ -11,6 +11,7 @@
 //! | `literal` | the fixed point as a straightforward script has it, with the feature `ipopt` |
 //! | `automatic` | the solver that fits a problem, with the feature `linear` |
 //! | `retry` | further attempts where the fixed point does not converge |
+//! | `resumable` | answers kept in a file, so that a run goes on where it ended, with the feature `resume` |
 //! | `newton` | Newton's method with contact condensed onto its rows, with the feature `linear` |
 //! | `condensed` | convex quadratic programs condensed onto their rows, with the feature `linear` |
 
@@ -27,6 +28,8 @@ mod journal;
 mod literal;
 #[cfg(feature = "linear")]
 mod newton;
+#[cfg(feature = "resume")]
+pub(crate) mod resumable;
 mod retry;
 
 pub use anderson::Acceleration;
@@ -39,12 +42,15 @@ pub use fixed_point::{FixedPoint, relative_change};
 pub use literal::{Departures, Literal};
 #[cfg(feature = "linear")]
 pub use newton::CondensedNewton;
+#[cfg(feature = "resume")]
+pub use resumable::Resumable;
 pub use retry::Retry;
 
 use std::fmt;
 
 #[cfg(feature = "linear")]
 use self::condensed::halt::Halt;
+use crate::cost::Name;
 #[cfg(feature = "linear")]
 use crate::{Bounds, gaps::Sampling, method::check_bounds};
 use crate::{ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Outcome, RowKey, State, Stop};
@@ -215,9 +221,14 @@ impl<'a> StepContext<'a> {
 
 /// One iteration of the fixed point or of Newton's method.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct Iteration {
     /// The solver, see [`Choice::solver`].
-    pub solver: &'static str,
+    #[cfg_attr(
+        feature = "resume",
+        serde(deserialize_with = "crate::equilibrium::resumable::name")
+    )]
+    pub solver: Name,
     /// The relative change of u, see [`relative_change`]; infinite if the subproblem was not solved.
     pub error: f64,
     /// The number of rows.
@@ -228,6 +239,7 @@ pub struct Iteration {
 
 /// The last iterate of the search for equilibrium, its outcome and the history.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct Solution {
     /// The outcome. The other fields describe an equilibrium only if it is [`Outcome::Converged`].
     pub outcome: Outcome,
@@ -252,9 +264,14 @@ pub struct Solution {
 
 /// An attempt at a load step after which another solver, or another setting, was tried.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct Failed {
     /// The solver, see [`Choice::solver`].
-    pub solver: &'static str,
+    #[cfg_attr(
+        feature = "resume",
+        serde(deserialize_with = "crate::equilibrium::resumable::name")
+    )]
+    pub solver: Name,
     /// How it ended.
     pub outcome: Outcome,
     /// The cause that its last iterate shows, see [`ContactProblem::diagnose`].

@@ -1,0 +1,423 @@
+//! Runs that go on where they ended: the answers of a solver, kept in a file.
+
+use std::collections::VecDeque;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::{Choice, Equilibrium, Solution, StepContext};
+use crate::gaps::Sampling;
+use crate::{ContactProblem, Error, LinearGaps, MemoryNeed, Outcome, State};
+
+/// A solver whose answers are kept in a file, so that a run which was ended at any moment goes on.
+///
+/// Do the same run again, with the same file: the solver gives the answers that are there again, without solving, and goes on
+/// behind them. Observers, records and files see all load steps again. Energies, states and forces are those of a run that
+/// was not ended, to the last bit; times are not.
+///
+/// Answers are written in groups of [`Resumable::every`], and at the end of each phase; each time the file is synchronised. A
+/// run that is killed loses the answers of one group at most. **The solver begins anew after each group**, in any run:
+/// that is how a resumed run continues alike. Factors and starts of inner solvers that last over load steps are computed again
+/// then.
+///
+/// The file tells whether it belongs to the run. It has a checksum of the energy's gradient and of the rows at the first
+/// start, of the gradient at each answer, and of the rows at the end of each group; answers that disagree are
+/// [`Error::Resume`], before the run sees them or, where rows change in the midst of a group, after that group. It takes some
+/// 8 bytes for each unknown and load step, and 24 for each entry of a row. One run uses it at a time.
+///
+/// ```
+/// use contact_core::equilibrium::Resumable;
+/// use contact_core::{Automatic, LoadSteps};
+/// # fn example(mut problem: impl contact_core::LoadStepped, start: contact_core::State) -> Result<(), contact_core::Error> {
+/// let mut solver = Resumable::new("press.resume", Automatic::default).every(20);
+/// let run = LoadSteps::default().run(&mut problem, &mut solver, start, |_| std::ops::ControlFlow::Continue(()))?;
+/// # Ok(())
+/// # }
+/// ```
+pub struct Resumable<F, E> {
+    make: F,
+    solver: E,
+    file: PathBuf,
+    settings: String,
+    every: usize,
+    /// The file, once there was a question.
+    journal: Option<Journal>,
+}
+
+impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
+    /// Solvers that `make` makes, all alike, and the file of their answers, which need not be there yet.
+    pub fn new(file: impl Into<PathBuf>, make: F) -> Self {
+        Resumable {
+            solver: make(),
+            make,
+            file: file.into(),
+            settings: String::new(),
+            every: 10,
+            journal: None,
+        }
+    }
+
+    /// Answers in a group; 10 by default, and at least 1.
+    pub fn every(self, answers: usize) -> Self {
+        Resumable {
+            every: answers,
+            ..self
+        }
+    }
+
+    /// A text on which answers depend beside the problem, such as the settings of the solver: a file with another one is
+    /// refused.
+    pub fn with_settings(self, settings: impl Into<String>) -> Self {
+        Resumable {
+            settings: settings.into(),
+            ..self
+        }
+    }
+
+    /// The kept answer to this question; `None` if there is none.
+    fn kept(
+        &mut self,
+        problem: &dyn ContactProblem,
+        question: &Question,
+        start: &State,
+    ) -> Result<Option<Solution>, Error> {
+        if self.journal.is_none() {
+            let header = Header {
+                version: VERSION,
+                library: env!("CARGO_PKG_VERSION").to_string(),
+                settings: self.settings.clone(),
+                every: self.every,
+                print: print_of_rows(problem, &start.u)?,
+            };
+            self.journal = Some(Journal::open(&self.file, &header)?);
+        }
+        let Some(journal) = &mut self.journal else {
+            return Ok(None);
+        };
+        let fault = |why: &str| Err(fault(&self.file, why));
+        let Some(answer) = journal.next(&self.file)? else {
+            return Ok(None);
+        };
+        if answer.question != *question {
+            return fault("asks for other load steps than the run does, or from other starts");
+        }
+        if answer.solution.state.u.len() != problem.energy().dofs()
+            || answer.print != print_of_gradient(problem, &answer.solution.state.u)
+        {
+            return fault("has answers of another problem");
+        }
+        if let Some(rows) = answer.rows {
+            if rows != print_of_rows(problem, &answer.solution.state.u)? {
+                return fault("has answers of a problem with other contacts");
+            }
+            self.solver = (self.make)();
+        }
+        Ok(Some(answer.solution))
+    }
+
+    /// Keeps an answer, and writes the group that it completes.
+    fn keep(
+        &mut self,
+        problem: &dyn ContactProblem,
+        question: Question,
+        solution: &Solution,
+    ) -> Result<(), Error> {
+        let Some(journal) = &mut self.journal else {
+            return Ok(());
+        };
+        let u = &solution.state.u;
+        let at_end = question.is_end && solution.outcome == Outcome::Converged;
+        let is_last = at_end || journal.group.len() + 1 >= self.every;
+        journal.group.push(Answer {
+            question,
+            print: print_of_gradient(problem, u),
+            rows: match is_last {
+                true => Some(print_of_rows(problem, u)?),
+                false => None,
+            },
+            solution: solution.clone(),
+        });
+        if is_last {
+            journal.write(&self.file)?;
+            self.solver = (self.make)();
+        }
+        Ok(())
+    }
+}
+
+impl<F: Fn() -> E, E: Equilibrium> Equilibrium for Resumable<F, E> {
+    fn solve(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let question = Question {
+            from: context.from.to_bits(),
+            to: context.to.to_bits(),
+            is_end: context.is_end,
+            start: print_of_numbers(crc32fast::Hasher::new(), &start.u),
+        };
+        if let Some(solution) = self.kept(problem, &question, &start)? {
+            return Ok(solution);
+        }
+        let solution = self.solver.solve(problem, start, context)?;
+        let dofs = problem.energy().dofs();
+        Error::check_length("the solver's u", &solution.state.u, dofs)?;
+        // where a request or a limit of time came is no answer
+        if solution.outcome != Outcome::Interrupted {
+            self.keep(problem, question, &solution)?;
+        }
+        Ok(solution)
+    }
+
+    fn choice(&self, problem: &dyn ContactProblem) -> Choice {
+        self.solver.choice(problem)
+    }
+
+    fn lifts_starts(&self, problem: &dyn ContactProblem) -> bool {
+        self.solver.lifts_starts(problem)
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        if self.every == 0 {
+            return Err(Error::Setting {
+                name: "every",
+                value: "0".into(),
+                remedy: "a group has at least one answer",
+            });
+        }
+        self.solver.validate()
+    }
+
+    fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
+        self.solver.memory(problem)
+    }
+}
+
+/// What a solver was asked.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Question {
+    /// The bits of both load factors.
+    from: u64,
+    to: u64,
+    is_end: bool,
+    /// The checksum of the start.
+    start: u32,
+}
+
+/// What it answered.
+#[derive(Serialize, Deserialize)]
+struct Answer {
+    question: Question,
+    /// The checksum of ∇E at the answer.
+    print: u32,
+    /// That of the rows there, at the end of a group.
+    rows: Option<u32>,
+    solution: Solution,
+}
+
+/// The first record.
+#[derive(PartialEq, Serialize, Deserialize)]
+struct Header {
+    version: u32,
+    library: String,
+    settings: String,
+    every: usize,
+    /// The checksum of the rows at the first start.
+    print: u32,
+}
+
+const VERSION: u32 = 1;
+const MAGIC: &[u8; 8] = b"contact\n";
+
+/// The file: records, each with its length and its checksum. The first one is the header, all others are groups of answers.
+struct Journal {
+    file: File,
+    /// Answers of a group that were read, and not given yet.
+    read: VecDeque<Answer>,
+    /// Whether all groups were read.
+    is_at_end: bool,
+    /// Answers that are not written yet.
+    group: Vec<Answer>,
+}
+
+impl Journal {
+    /// Opens the file behind its header, which it gets if it is new.
+    fn open(path: &Path, header: &Header) -> Result<Self, Error> {
+        let failed = |error: io::Error| fault(path, &format!("cannot be used: {error}"));
+        let mut options = OpenOptions::new();
+        let options = options.read(true).write(true).create(true).truncate(false);
+        let mut file = options.open(path).map_err(failed)?;
+        let mut magic = Vec::new();
+        let read = Read::by_ref(&mut file).take(8).read_to_end(&mut magic);
+        read.map_err(failed)?;
+        let known: Option<Header> = match magic == MAGIC {
+            true => record(&mut file).map_err(failed)?,
+            // a run that was killed as it began
+            false if MAGIC.starts_with(&magic) => None,
+            false => return Err(fault(path, "is no file of a run to resume")),
+        };
+        let is_new = known.is_none();
+        match known {
+            Some(known) if known == *header => {}
+            Some(known) => return Err(fault(path, known.otherwise(header))),
+            None => {
+                let mut bytes = MAGIC.to_vec();
+                bytes.extend(to_record(header).map_err(failed)?);
+                rewritten(&mut file, 0, &bytes).map_err(failed)?;
+            }
+        }
+        Ok(Journal {
+            file,
+            read: VecDeque::new(),
+            is_at_end: is_new,
+            group: Vec::new(),
+        })
+    }
+
+    /// The next answer; `None` behind the last one.
+    fn next(&mut self, path: &Path) -> Result<Option<Answer>, Error> {
+        let failed = |error: io::Error| fault(path, &format!("cannot be read: {error}"));
+        if self.read.is_empty() && !self.is_at_end {
+            let place = self.file.stream_position().map_err(failed)?;
+            let group: Option<VecDeque<Answer>> = record(&mut self.file).map_err(failed)?;
+            match group.filter(|group| group.iter().all(|answer| answer.is_whole())) {
+                Some(group) => self.read = group,
+                None => {
+                    // a group that was being written when the run ended
+                    self.is_at_end = true;
+                    rewritten(&mut self.file, place, &[]).map_err(failed)?;
+                }
+            }
+        }
+        Ok(self.read.pop_front())
+    }
+
+    /// Appends the group.
+    fn write(&mut self, path: &Path) -> Result<(), Error> {
+        let failed = |error: io::Error| fault(path, &format!("cannot be written: {error}"));
+        let bytes = to_record(&self.group).map_err(failed)?;
+        self.file.write_all(&bytes).map_err(failed)?;
+        self.file.sync_data().map_err(failed)?;
+        self.group.clear();
+        Ok(())
+    }
+}
+
+impl Header {
+    /// The first difference.
+    fn otherwise(&self, asked: &Header) -> &'static str {
+        if self.version != asked.version || self.library != asked.library {
+            "was written by another version of the library"
+        } else if self.settings != asked.settings {
+            "belongs to a run with other settings"
+        } else if self.every != asked.every {
+            "has groups of another length"
+        } else {
+            "belongs to a problem with other contacts"
+        }
+    }
+}
+
+impl Answer {
+    /// Whether its rows are rows.
+    fn is_whole(&self) -> bool {
+        let Solution { gaps, lambda, .. } = &self.solution;
+        gaps.is_whole(self.solution.state.u.len()) && lambda.len() == gaps.len()
+    }
+}
+
+/// The next record; `None` where the file ends or has something else.
+fn record<T: DeserializeOwned>(file: &mut File) -> io::Result<Option<T>> {
+    let place = file.stream_position()?;
+    let left = file.metadata()?.len().saturating_sub(place);
+    let mut head = [0; 12];
+    if left < head.len() as u64 {
+        return Ok(None);
+    }
+    file.read_exact(&mut head)?;
+    let [length, sum] = [&head[..8], &head[8..]].map(|bytes| {
+        let digits = bytes.iter().rev();
+        digits.fold(0, |number, &byte| number << 8 | u64::from(byte))
+    });
+    if length > left - head.len() as u64 {
+        return Ok(None);
+    }
+    let mut bytes = Vec::new();
+    Read::by_ref(file).take(length).read_to_end(&mut bytes)?;
+    let is_sound = u64::from(crc32fast::hash(&bytes)) == sum;
+    Ok(postcard::from_bytes(&bytes).ok().filter(|_| is_sound))
+}
+
+fn to_record(content: &impl Serialize) -> io::Result<Vec<u8>> {
+    let content = postcard::to_stdvec(content).map_err(io::Error::other)?;
+    let mut bytes = (content.len() as u64).to_le_bytes().to_vec();
+    bytes.extend(crc32fast::hash(&content).to_le_bytes());
+    bytes.extend(content);
+    Ok(bytes)
+}
+
+/// Cuts the file at `place` and writes there.
+fn rewritten(file: &mut File, place: u64, bytes: &[u8]) -> io::Result<()> {
+    file.set_len(place)?;
+    file.seek(SeekFrom::Start(place))?;
+    file.write_all(bytes)?;
+    file.sync_data()
+}
+
+fn fault(path: &Path, why: &str) -> Error {
+    Error::Resume {
+        file: path.display().to_string(),
+        why: why.to_string(),
+    }
+}
+
+fn print_of_numbers(mut sum: crc32fast::Hasher, numbers: &[f64]) -> u32 {
+    for number in numbers {
+        sum.update(&number.to_bits().to_le_bytes());
+    }
+    sum.finalize()
+}
+
+fn print_of_gradient(problem: &dyn ContactProblem, u: &[f64]) -> u32 {
+    let energy = problem.energy();
+    let mut gradient = vec![0.0; energy.dofs()];
+    if energy.value(u).is_finite() {
+        energy.gradient(u, &mut gradient);
+    }
+    print_of_numbers(crc32fast::Hasher::new(), &gradient)
+}
+
+fn print_of_rows(problem: &dyn ContactProblem, u: &[f64]) -> Result<u32, Error> {
+    let forward: LinearGaps = problem.linearize_gaps(u, Sampling::Nodes)?;
+    let rows = forward.and(problem.linearize_reversed(u, Sampling::Nodes)?);
+    let mut sum = crc32fast::Hasher::new();
+    for (row, unknown, _) in rows.entries() {
+        sum.update(&(row as u64).to_le_bytes());
+        sum.update(&(unknown as u64).to_le_bytes());
+    }
+    let values = rows.entries().map(|(_, _, value)| value);
+    let numbers: Vec<f64> = rows.constant().iter().copied().chain(values).collect();
+    Ok(print_of_numbers(sum, &numbers))
+}
+
+/// Reads a name that programs have as a constant. Each is kept for the life of the process, once.
+pub(crate) fn name<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
+    use std::sync::{Mutex, PoisonError};
+    static NAMES: Mutex<Vec<&'static str>> = Mutex::new(Vec::new());
+    let name = String::deserialize(from)?;
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = names.iter().find(|known| **known == name) {
+        return Ok(known);
+    }
+    let new: &'static str = name.leak();
+    names.push(new);
+    Ok(new)
+}
+
+#[cfg(test)]
+mod tests;
