@@ -101,7 +101,8 @@
 //! # Features
 //! `vtk`, `csv` and `plot` are the output formats of [`contact_fem::output`], `record` makes all of them while a run
 //! goes on: `simulation.record("out/disc")`. All are on by default. `threads` shares assembly, contact search and the
-//! factors of separate bodies among threads; `metis` orders large factors by nested dissection.
+//! factors of separate bodies among threads; `resume` has runs that go on where they ended
+//! ([`Resumable`](contact_core::equilibrium::Resumable)), and is part of `record`; `metis` orders large factors by nested dissection.
 
 #[cfg(feature = "record")]
 pub mod scene_file;

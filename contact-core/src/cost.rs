@@ -40,6 +40,20 @@ pub struct Cost {
     pub factor: Option<FactorSize>,
 }
 
+#[cfg(feature = "resume")]
+impl Cost {
+    /// The counts alone.
+    pub(crate) fn without_times(self) -> Self {
+        Cost {
+            projection: 0.0,
+            callbacks: 0.0,
+            optimizer: 0.0,
+            wall: 0.0,
+            ..self
+        }
+    }
+}
+
 /// A name that programs have as a constant. Under its own name, serde does not ask for it to be borrowed from what is read.
 pub(crate) type Name = &'static str;
 

@@ -15,8 +15,8 @@ use crate::{ContactProblem, Error, LinearGaps, MemoryNeed, Outcome, State};
 /// A solver whose answers are kept in a file, so that a run which was ended at any moment goes on.
 ///
 /// Do the same run again, with the same file: the solver gives the answers that are there again, without solving, and goes on
-/// behind them. Observers, records and files see all load steps again. Energies, states and forces are those of a run that
-/// was not ended, to the last bit; times are not.
+/// behind them. Observers, records and files see all load steps again. Energies, states, forces and
+/// counts are those of a run that was not ended, to the last bit. Times are those of this run: kept answers take none.
 ///
 /// Answers are written in groups of [`Resumable::every`], and at the end of each phase; each time the file is synchronised. A
 /// run that is killed loses the answers of one group at most. **The solver begins anew after each group**, in any run:
@@ -115,7 +115,11 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
             }
             self.solver = (self.make)();
         }
-        Ok(Some(answer.solution))
+        let mut solution = answer.solution;
+        for iteration in &mut solution.history {
+            iteration.cost = iteration.cost.without_times();
+        }
+        Ok(Some(solution))
     }
 
     /// Keeps an answer, and writes the group that it completes.

@@ -15,7 +15,9 @@ Contact problems from files, without a line of Rust (docs/freefem.md)
 
 usage:
   ipopt-contact run SCENE.toml --out DIR [--solver NAME] [--literal] [--increments N] [--start DIR]
+                    [--resume]
       Solves the scene in a file and records the run in a folder. It starts from rest, or from the result in a folder.
+      --resume keeps the solver's answers in DIR/run.resume, and goes on where an earlier run with it ended.
       --literal does what the paper's script does: its points, stopping rule and settings of Ipopt, and nothing else.
   ipopt-contact solve DIR --out DIR
       Solves the matrices that a script of FreeFEM has left in a folder.

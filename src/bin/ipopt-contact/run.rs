@@ -15,7 +15,7 @@ use crate::Words;
 /// Solves the scene in a file and records the run.
 pub fn command(words: &[String]) -> Result<ExitCode, String> {
     let known = ["out", "solver", "increments", "start"];
-    let words = Words::parse(words, &known, &["literal"])?;
+    let words = Words::parse(words, &known, &["literal", "resume"])?;
     let path = words.only("one scene file")?;
     words.needed("out")?;
     let file = SceneFile::read(path).map_err(|why| match why {
@@ -47,9 +47,11 @@ where
 {
     let in_file = |why: &dyn std::fmt::Display| format!("{path}: {why}");
     let solver = words.option("solver").map(solver).transpose()?;
-    let simulation = match solver {
-        Some(solver) => file.simulation_by(solver),
-        None => file.simulation(),
+    let out = words.needed("out")?;
+    let simulation = match (words.option("resume"), solver) {
+        (Some(_), solver) => file.resumable(solver, Path::new(out).join("run.resume")),
+        (None, Some(solver)) => file.simulation_by(solver),
+        (None, None) => file.simulation(),
     };
     let mut simulation = simulation.map_err(|why| in_file(&why))?;
     if let Some(text) = words.option("increments") {
@@ -66,7 +68,7 @@ where
     if let Some(folder) = words.option("start") {
         simulation.load_steps.guess = Some(guess(&problem, Path::new(folder))?);
     }
-    let recording = simulation.record(words.needed("out")?);
+    let recording = simulation.record(out);
     let recorded = recording.run(&mut problem).map_err(|why| why.to_string())?;
     Ok(recorded.report())
 }
