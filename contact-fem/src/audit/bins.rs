@@ -7,31 +7,37 @@ pub(super) struct Bins<const D: usize> {
     low: [f64; D],
     /// Bins per length (1/UL).
     scale: [f64; D],
+    /// The number of bins along each axis.
+    side: usize,
     marked: Vec<bool>,
 }
 
 impl<const D: usize> Bins<D> {
-    /// The number of bins along each axis.
-    const SIDE: usize = match D {
+    /// The largest number of bins along each axis.
+    const MOST: usize = match D {
         3 => 48,
         _ => 160,
     };
 
     pub fn new(boxes: impl Iterator<Item = AABB<[f64; D]>>) -> Self {
         let boxes: Vec<_> = boxes.collect();
+        // as many as there are boxes along a side, if they cover a surface
+        let along = (boxes.len() as f64).powf(1.0 / (D as f64 - 1.0));
+        let side = (along.ceil() as usize).clamp(1, Self::MOST);
         let least = |of: &dyn Fn(&AABB<[f64; D]>) -> f64| {
             boxes.iter().map(of).fold(f64::INFINITY, f64::min)
         };
         let low: [f64; D] = std::array::from_fn(|i| least(&|b| b.lower()[i]));
         let scale = std::array::from_fn(|i| {
-            let scale = Self::SIDE as f64 / (-least(&|b| -b.upper()[i]) - low[i]);
+            let scale = side as f64 / (-least(&|b| -b.upper()[i]) - low[i]);
             // what has no extent is in one bin
             if scale.is_finite() { scale } else { 0.0 }
         });
         let mut bins = Bins {
             low,
             scale,
-            marked: vec![false; Self::SIDE.pow(D as u32)],
+            side,
+            marked: vec![false; side.pow(D as u32)],
         };
         for b in &boxes {
             let mut marked = std::mem::take(&mut bins.marked);
@@ -54,13 +60,13 @@ impl<const D: usize> Bins<D> {
         let bin = |x: [f64; D]| -> [usize; D] {
             std::array::from_fn(|i| {
                 let place = (x[i] - self.low[i]) * self.scale[i];
-                (place.max(0.0) as usize).min(Self::SIDE - 1)
+                (place.max(0.0) as usize).min(self.side - 1)
             })
         };
         let (first, last) = (bin(envelope.lower()), bin(envelope.upper()));
         let mut at = first;
         loop {
-            let place = at.iter().fold(0, |place, k| place * Self::SIDE + k);
+            let place = at.iter().fold(0, |place, k| place * self.side + k);
             if found(place) {
                 return true;
             }
@@ -82,7 +88,8 @@ mod tests {
     fn what_is_away_is_told() {
         let corner = AABB::from_corners([0.0, 0.0], [0.1, 0.1]);
         let side = AABB::from_corners([1.0, 0.0], [1.0, 1.0]);
-        let bins = Bins::new([corner, side].into_iter());
+        let corners = std::iter::repeat_n(corner, 100);
+        let bins = Bins::new(corners.chain([side]));
         let around =
             |x: f64, y: f64| AABB::from_corners([x - 0.02, y - 0.02], [x + 0.02, y + 0.02]);
         for (x, y, meets) in [
