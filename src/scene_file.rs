@@ -42,7 +42,7 @@ use contact_fem::element::{Element, P1, P2};
 use contact_fem::model::{Geometry, Integration, Passes, Side};
 use contact_fem::{
     Amplitude, Body, LinearElastic, Mesh, MeshFile, MooneyRivlin, Motion, NeoHookean, Obstacle,
-    Scene, StVenantKirchhoff,
+    Scene, StVenantKirchhoff, material::Volumetric,
 };
 use serde::Deserialize;
 
@@ -165,6 +165,8 @@ struct BodyKeys {
     region: Option<Name>,
     #[serde(default)]
     quadratic: bool,
+    #[serde(default)]
+    averaged_volumes: bool,
     law: Law,
     young: f64,
     poisson: f64,
@@ -433,6 +435,22 @@ fn motion<const D: usize>(part: &str, all: &[MotionKeys]) -> Result<Option<Motio
     Ok(whole)
 }
 
+/// A body, with averaged changes of volume or without.
+fn elastic<const D: usize>(
+    mesh: Mesh<D>,
+    law: impl Volumetric<D>,
+    averaged: bool,
+) -> Result<Body<D>, contact_fem::Error>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    match averaged {
+        true => Body::with_averaged_volumes(mesh, law),
+        false => Ok(Body::new(mesh, law)),
+    }
+}
+
 impl SceneFile {
     /// Reads the file at `path`.
     ///
@@ -665,9 +683,11 @@ impl SceneFile {
         }
         let mesh = self.mesh(keys)?;
         let (young, poisson) = (keys.young, keys.poisson);
+        let averaged = keys.averaged_volumes;
         let mut body = match (keys.law, keys.share) {
             (Law::MooneyRivlin, Some(share)) => {
-                Body::new(mesh, of(&part, MooneyRivlin::new(young, poisson, share))?)
+                let law = of(&part, MooneyRivlin::new(young, poisson, share))?;
+                of(&part, elastic(mesh, law, averaged))?
             }
             (Law::MooneyRivlin, None) => {
                 let what = "the law mooney-rivlin needs `share`".into();
@@ -678,9 +698,21 @@ impl SceneFile {
                 return Err(Error::Part { part, what });
             }
             (Law::LinearElastic, None) => {
-                Body::new(mesh, of(&part, LinearElastic::new(young, poisson))?)
+                let law = of(&part, LinearElastic::new(young, poisson))?;
+                of(&part, elastic(mesh, law, averaged))?
             }
-            (Law::NeoHookean, None) => Body::new(mesh, of(&part, NeoHookean::new(young, poisson))?),
+            (Law::NeoHookean, None) => {
+                let law = of(&part, NeoHookean::new(young, poisson))?;
+                of(&part, elastic(mesh, law, averaged))?
+            }
+            (Law::StVenantKirchhoff, None) if averaged => {
+                let what = "`averaged-volumes` is not for st-venant-kirchhoff, whose energy has no part of the volume \
+                            alone: leave it out, or take another law";
+                return Err(Error::Part {
+                    part,
+                    what: what.into(),
+                });
+            }
             (Law::StVenantKirchhoff, None) => {
                 Body::new(mesh, of(&part, StVenantKirchhoff::new(young, poisson))?)
             }

@@ -460,6 +460,42 @@ fn cylinders_from_a_file() {
     }
 }
 
+/// Averaged changes of volume make linear cells softer; quadratic ones and a law without a part of the volume alone are refused.
+#[test]
+fn averaged_volumes_from_a_file() {
+    let folder = fresh("averaged");
+    let linear = TWO_BODIES.replace("quadratic = true\n", "");
+    let averaged = TWO_BODIES.replace("quadratic = true", "averaged-volumes = true");
+    let energy = |text: &str| -> Result<f64, String> {
+        let path = two_bodies(&folder, text);
+        let file = SceneFile::read(&path).map_err(|why| why.to_string())?;
+        let scene = file.scene::<2>().map_err(|why| why.to_string())?;
+        let mut problem = scene.problem().map_err(|why| why.to_string())?;
+        let mut simulation = file.simulation().map_err(|why| why.to_string())?;
+        let history = simulation.run(&mut problem).expect("a run");
+        Ok(history.last().expect("a step").energy)
+    };
+    let [plain, averaged] = [linear, averaged.clone()].map(|text| energy(&text).expect("a run"));
+    assert!(
+        averaged < plain && averaged > 0.8 * plain,
+        "{averaged} {plain}"
+    );
+    let both = TWO_BODIES.replace(
+        "quadratic = true",
+        "quadratic = true\naveraged-volumes = true",
+    );
+    let refused = energy(&both).expect_err("quadratic");
+    assert!(
+        refused.contains("body lower") && refused.contains("quadratic"),
+        "{refused}"
+    );
+    let other = both
+        .replace("quadratic = true\n", "")
+        .replace("linear-elastic", "st-venant-kirchhoff");
+    let refused = energy(&other).expect_err("a law without that part");
+    assert!(refused.contains("averaged-volumes"), "{refused}");
+}
+
 #[test]
 fn a_program_from_a_file() {
     let folder = fresh("phases");

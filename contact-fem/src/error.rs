@@ -20,6 +20,11 @@ pub enum Error {
         /// Its signed area or volume (UL²/UL³).
         volume: f64,
     },
+    /// Averaged changes of volume for quadratic cells.
+    #[error(
+        "`Body::with_averaged_volumes` is for linear cells, and the mesh is quadratic: take `Body::new`, which does not lock there"
+    )]
+    AveragedQuadratic,
     /// A cell without volume.
     #[error(
         "cell {cell} is degenerate (volume {volume:.3e} at size {size:.3e}): merge or move its nodes"

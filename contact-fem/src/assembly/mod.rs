@@ -1,5 +1,6 @@
 //! The assembly of a body's energy: E, ∇E, ∇²E over its free unknowns.
 
+mod averaged;
 mod dofs;
 mod extension;
 mod loads;
@@ -10,6 +11,7 @@ mod strain_energy;
 mod tests;
 mod trial;
 
+pub use averaged::AveragedVolume;
 pub use dofs::{Dof, DofMap};
 pub use loads::{add_body_force, add_traction};
 pub use quadratic::QuadraticEnergy;

@@ -18,7 +18,7 @@ use crate::tensor::{Matrix, Vector, inverse_transpose, unit_vector};
 
 /// One quadrature point: its weight times reference volume, and ∂N_a/∂X.
 #[derive(Clone, Copy)]
-struct Point<const D: usize, E: Element<D>> {
+pub(super) struct Point<const D: usize, E: Element<D>> {
     pub weight: f64,
     pub gradients: E::PerNode<Vector<D>>,
 }
@@ -75,23 +75,18 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             dofs,
             typical_stiffness: 0.0,
         };
-        energy.typical_stiffness = energy.median_diagonal();
+        energy.typical_stiffness = median_diagonal(&energy);
         energy
     }
 
-    /// The median of the Hessian's diagonal at u = 0 and the present load; 0 if there are no free dofs.
-    fn median_diagonal(&self) -> f64 {
-        let mut values = vec![0.0; self.pattern.len()];
-        self.hessian(&vec![0.0; self.dofs.free()], &mut values);
-        let entries = self.pattern.iter().zip(values);
-        let mut diagonal: Vec<f64> = entries
-            .filter_map(|((r, c), v)| (r == c).then_some(v))
-            .collect();
-        let middle = diagonal.len() / 2;
-        if diagonal.is_empty() {
-            return 0.0;
-        }
-        *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1
+    /// Free, or prescribed.
+    pub(super) fn dof(&self, dof: usize) -> Dof {
+        self.dofs.get(dof)
+    }
+
+    /// The displacements of all nodes, component by component.
+    pub(super) fn expanded(&self, u: &[f64]) -> Vec<f64> {
+        self.dofs.expand(u, &self.prescribed)
     }
 
     /// The assembled cells with their quadrature points.
@@ -222,6 +217,21 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
     }
 }
 
+/// The median of the Hessian's diagonal at u = 0 and the present load; 0 if there are no free dofs.
+pub(super) fn median_diagonal(energy: &dyn Energy) -> f64 {
+    let mut values = vec![0.0; energy.hessian_pattern().len()];
+    energy.hessian(&vec![0.0; energy.dofs()], &mut values);
+    let entries = energy.hessian_pattern().iter().zip(values);
+    let mut diagonal: Vec<f64> = entries
+        .filter_map(|((r, c), v)| (r == c).then_some(v))
+        .collect();
+    let middle = diagonal.len() / 2;
+    if diagonal.is_empty() {
+        return 0.0;
+    }
+    *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
 /// The contents of the lock, also after a panic: the data are marked valid only once they are
 /// complete.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -230,7 +240,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl<const D: usize, E: Element<D>> Point<D, E> {
     /// F = I + Σ_a u_a ⊗ ∇N_a.
-    fn deformation(&self, local: &E::PerNode<Vector<D>>) -> Matrix<D> {
+    pub(super) fn deformation(&self, local: &E::PerNode<Vector<D>>) -> Matrix<D> {
         let mut F = Matrix::<D>::identity();
         for (v, dN) in local.as_ref().iter().zip(self.gradients.as_ref()) {
             F.ger(1.0, v, dN, 1.0);
@@ -239,14 +249,14 @@ impl<const D: usize, E: Element<D>> Point<D, E> {
     }
 }
 
-fn nodes_of<const D: usize, E: Element<D>>(cell: &[usize]) -> E::PerNode<usize> {
+pub(super) fn nodes_of<const D: usize, E: Element<D>>(cell: &[usize]) -> E::PerNode<usize> {
     let mut nodes = E::per_node(0);
     nodes.as_mut().copy_from_slice(cell);
     nodes
 }
 
 /// The quadrature points of one cell: ∂N/∂X = (∂X/∂ξ)⁻ᵀ ∂N/∂ξ.
-fn points_of<const D: usize, E: Element<D>>(
+pub(super) fn points_of<const D: usize, E: Element<D>>(
     mesh: &Mesh<D>,
     cell: &E::PerNode<usize>,
 ) -> impl Iterator<Item = Point<D, E>> {

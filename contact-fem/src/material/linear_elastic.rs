@@ -1,6 +1,6 @@
 //! Hooke's law for small strains.
 
-use super::{Deformation, Lame, Material};
+use super::{Deformation, Lame, Material, Volumetric};
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector};
 
@@ -54,5 +54,13 @@ impl<const D: usize> Material<D> for LinearElastic {
     fn cauchy_stress(&self, at: &Deformation<D>) -> (Matrix<D>, f64) {
         let out_of_plane = self.lame.lambda * strain(&at.F).trace();
         (self.stress(at), if D == 2 { out_of_plane } else { 0.0 })
+    }
+}
+
+impl<const D: usize> Volumetric<D> for LinearElastic {
+    fn split(&self) -> (Self, f64) {
+        let Lame { lambda, mu } = self.lame;
+        let lame = Lame { lambda: 0.0, mu };
+        (LinearElastic { lame }, lambda)
     }
 }

@@ -92,6 +92,12 @@ pub trait Material<const D: usize>: Clone + Send + Sync + 'static {
     fn cauchy_stress(&self, at: &Deformation<D>) -> (Matrix<D>, f64);
 }
 
+/// A law ψ = ψ₀ + k/2 θ² with a part that depends on the change of volume alone: θ = ln J, or tr ∇u if the law is quadratic.
+pub trait Volumetric<const D: usize>: Material<D> {
+    /// ψ₀, and k (UF/UL²).
+    fn split(&self) -> (Self, f64);
+}
+
 /// Lamé's constants (UF/UL²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lame {

@@ -1,6 +1,6 @@
 //! Compressible Mooney–Rivlin law for large strains of rubber.
 
-use super::{Deformation, Lame, Material};
+use super::{Deformation, Lame, Material, Volumetric};
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector};
 
@@ -97,5 +97,11 @@ impl<const D: usize> Material<D> for MooneyRivlin {
         let out_of_plane =
             2.0 * c_1 + 2.0 * c_2 * (first_invariant(&at.F) - 1.0) + self.volumetric(at.ln_J);
         (sigma, if D == 2 { out_of_plane / at.J } else { 0.0 })
+    }
+}
+
+impl<const D: usize> Volumetric<D> for MooneyRivlin {
+    fn split(&self) -> (Self, f64) {
+        (MooneyRivlin { k: 0.0, ..*self }, self.k)
     }
 }

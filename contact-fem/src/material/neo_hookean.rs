@@ -1,6 +1,6 @@
 //! Compressible neo-Hookean law for large strains.
 
-use super::{Deformation, Lame, Material};
+use super::{Deformation, Lame, Material, Volumetric};
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector};
 
@@ -58,5 +58,13 @@ impl<const D: usize> Material<D> for NeoHookean {
         let sigma = self.stress(at) * at.F.transpose() / at.J;
         let out_of_plane = self.lame.lambda * at.ln_J / at.J;
         (sigma, if D == 2 { out_of_plane } else { 0.0 })
+    }
+}
+
+impl<const D: usize> Volumetric<D> for NeoHookean {
+    fn split(&self) -> (Self, f64) {
+        let Lame { lambda, mu } = self.lame;
+        let lame = Lame { lambda: 0.0, mu };
+        (NeoHookean { lame }, lambda)
     }
 }

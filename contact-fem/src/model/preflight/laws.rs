@@ -5,7 +5,6 @@ use nalgebra::{Matrix3, Vector3};
 use super::limits::{AT_LIMIT, BEYOND_FACET, LOCKING, ROTATION};
 use super::surfaces::one_pass_a_pair;
 use super::{Finding, FindingKind, Report, Setup, Severity};
-use crate::element::Order;
 use crate::model::{Body, Geometry};
 use crate::tensor::Vector;
 
@@ -26,11 +25,11 @@ fn locking<const D: usize>(body: &Body<D>, name: &String, report: &mut Report) {
     let is_rigid = body.prescribed().iter().all(Option::is_some);
     let (shear, longitudinal) = body.rest_moduli();
     let nu = (longitudinal - 2.0 * shear) / (2.0 * (longitudinal - shear));
-    if body.mesh().order() == Order::Linear && !is_rigid && nu > LOCKING * (1.0 + AT_LIMIT) {
+    if body.locks() && !is_rigid && nu > LOCKING * (1.0 + AT_LIMIT) {
         let finding = Finding::new(Severity::Warning, FindingKind::Locking, &[name]);
         report.add(finding.measured(nu, LOCKING).says(
             format!("body `{name}` has linear elements and a Poisson's ratio of {nu:.4}: it is too stiff"),
-            "take quadratic elements, as by `Mesh::quadratic`",
+            "take quadratic elements, as by `Mesh::quadratic`, or `Body::with_averaged_volumes`",
         ));
     }
 }
