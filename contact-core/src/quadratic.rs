@@ -467,9 +467,8 @@ impl ContactProblem for QuadraticProgram {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check;
     #[cfg(feature = "linear")]
-    use crate::{Condensed, Equilibrium};
+    use crate::{Condensed, Equilibrium, check};
 
     fn matrix(rows: usize, columns: usize, values: &[(usize, usize, f64)]) -> Entries {
         Entries {
@@ -495,6 +494,7 @@ mod tests {
         matrix(3, 3, &entries)
     }
 
+    #[cfg(feature = "linear")]
     fn held(at: f64) -> Bounds {
         let mut bounds = Bounds::uniform(3, -1e19, 1e19);
         (bounds.lower[0], bounds.upper[0]) = (at, at);

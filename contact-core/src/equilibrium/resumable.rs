@@ -26,7 +26,7 @@ use crate::{ContactProblem, Error, LinearGaps, MemoryNeed, Outcome, State};
 /// The file tells whether it belongs to the run. It has a checksum of the energy's gradient and of the rows at the first
 /// start, of the gradient at each answer, and of the rows at the end of each group; answers that disagree are
 /// [`Error::Resume`], before the run sees them or, where rows change in the midst of a group, after that group. It takes some
-/// 8 bytes for each unknown and load step, and 24 for each entry of a row. One run uses it at a time.
+/// 8 bytes for each unknown and load step, and some 10 for each entry of a row. One run uses it at a time.
 ///
 /// ```
 /// use contact_core::equilibrium::Resumable;
@@ -45,6 +45,8 @@ pub struct Resumable<F, E> {
     every: usize,
     /// The file, once there was a question.
     journal: Option<Journal>,
+    /// The load factor from which the last question went on.
+    from: f64,
 }
 
 impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
@@ -57,6 +59,7 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
             settings: String::new(),
             every: 10,
             journal: None,
+            from: 0.0,
         }
     }
 
@@ -159,6 +162,12 @@ impl<F: Fn() -> E, E: Equilibrium> Equilibrium for Resumable<F, E> {
         start: State,
         context: &StepContext<'_>,
     ) -> Result<Solution, Error> {
+        if context.from < self.from {
+            // another run, which reads the file from its beginning
+            self.journal = None;
+            self.solver = (self.make)();
+        }
+        self.from = context.from;
         let question = Question {
             from: context.from.to_bits(),
             to: context.to.to_bits(),

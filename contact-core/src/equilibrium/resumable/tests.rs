@@ -309,3 +309,31 @@ fn a_request_to_stop_is_no_answer() {
     assert_eq!(resumed, whole);
     std::fs::remove_file(&path).expect("a file");
 }
+
+/// The second of two runs by one value reads what the first has kept.
+#[test]
+fn a_value_serves_one_run_after_the_other() {
+    let path = file("twice");
+    let all = Rc::new(Cell::new(0));
+    let make = || Drifting {
+        asked: 0,
+        all: Rc::clone(&all),
+    };
+    let mut solver = Resumable::new(&path, make).every(2);
+    let mut energies = Vec::new();
+    for _ in 0..2 {
+        let start = State {
+            u: vec![0.0],
+            ..State::default()
+        };
+        let run = steps().run(&mut Spring::new(), &mut solver, start, |_| {
+            ControlFlow::Continue(())
+        });
+        let run = run.expect("a run");
+        assert!(run.error.is_none());
+        energies.push(run.attempts.iter().map(|a| a.energy).collect::<Vec<_>>());
+    }
+    assert_eq!(energies[0], energies[1]);
+    assert_eq!(all.get(), energies[0].len());
+    std::fs::remove_file(&path).expect("a file");
+}
