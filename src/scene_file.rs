@@ -38,7 +38,7 @@ mod run;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use contact_fem::element::{Element, P1, P2};
+use contact_fem::element::{Element, Order, P1, P2};
 use contact_fem::model::{Geometry, Integration, Passes, Side};
 use contact_fem::{
     Amplitude, Body, LinearElastic, Mesh, MeshFile, MooneyRivlin, Motion, NeoHookean, Obstacle,
@@ -684,6 +684,14 @@ impl SceneFile {
         let mesh = self.mesh(keys)?;
         let (young, poisson) = (keys.young, keys.poisson);
         let averaged = keys.averaged_volumes;
+        if averaged && mesh.order() == Order::Quadratic {
+            let what = "`averaged-volumes` is for linear cells, and these are quadratic, which do not lock: leave it or \
+                        `quadratic` out";
+            return Err(Error::Part {
+                part,
+                what: what.into(),
+            });
+        }
         let mut body = match (keys.law, keys.share) {
             (Law::MooneyRivlin, Some(share)) => {
                 let law = of(&part, MooneyRivlin::new(young, poisson, share))?;

@@ -94,11 +94,11 @@ pub enum Error {
     /// The file of a run that is to go on does not belong to it, or cannot be used, see
     /// [`Resumable`](crate::equilibrium::Resumable).
     #[cfg(feature = "resume")]
-    #[error("the file {file} {why}; remove it, or name another one, to begin the run anew")]
+    #[error("the file {file} {why}")]
     Resume {
         /// The file.
         file: String,
-        /// What is wrong with it.
+        /// What is wrong with it, and the remedy.
         why: String,
     },
     /// A computation was left because a stop was requested, see [`ContactProblem::watch`](crate::ContactProblem::watch).

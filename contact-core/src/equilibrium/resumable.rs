@@ -1,5 +1,6 @@
 //! Runs that go on where they ended: the answers of a solver, kept in a file.
 
+use std::cell::Cell;
 use std::collections::VecDeque;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -23,9 +24,8 @@ use crate::{ContactProblem, Error, LinearGaps, MemoryNeed, Outcome, State};
 /// that is how a resumed run continues alike. Factors and starts of inner solvers that last over load steps are computed again
 /// then.
 ///
-/// The file tells whether it belongs to the run. It has a checksum of the energy's gradient and of the rows at the first
-/// start, of the gradient at each answer, and of the rows at the end of each group; answers that disagree are
-/// [`Error::Resume`], before the run sees them or, where rows change in the midst of a group, after that group. It takes some
+/// The file tells whether it belongs to the run: it has a checksum of the rows at the first start, and of rows and energy gradient
+/// at each answer, which take one linearisation each. An answer that disagrees is [`Error::Resume`], before the run sees it. The file takes some
 /// 8 bytes for each unknown and load step, and some 10 for each entry of a row. One run uses it at a time.
 ///
 /// ```
@@ -45,8 +45,8 @@ pub struct Resumable<F, E> {
     every: usize,
     /// The file, once there was a question.
     journal: Option<Journal>,
-    /// The load factor from which the last question went on.
-    from: f64,
+    /// Whether a run has begun since the last question, which reads the file from its beginning.
+    is_new: Cell<bool>,
 }
 
 impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
@@ -59,7 +59,7 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
             settings: String::new(),
             every: 10,
             journal: None,
-            from: 0.0,
+            is_new: Cell::new(true),
         }
     }
 
@@ -100,22 +100,21 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
         let Some(journal) = &mut self.journal else {
             return Ok(None);
         };
-        let fault = |why: &str| Err(fault(&self.file, why));
+        let fault = |why: &str| Err(foreign(&self.file, why));
         let Some(answer) = journal.next(&self.file)? else {
             return Ok(None);
         };
         if answer.question != *question {
-            return fault("asks for other load steps than the run does, or from other starts");
+            return fault("has answers for other load steps, or from other starts");
         }
-        if answer.solution.state.u.len() != problem.energy().dofs()
-            || answer.print != print_of_gradient(problem, &answer.solution.state.u)
-        {
+        let u = &answer.solution.state.u;
+        if u.len() != problem.energy().dofs() || answer.gradient != print_of_gradient(problem, u) {
             return fault("has answers of another problem");
         }
-        if let Some(rows) = answer.rows {
-            if rows != print_of_rows(problem, &answer.solution.state.u)? {
-                return fault("has answers of a problem with other contacts");
-            }
+        if answer.rows != print_of_rows(problem, u)? {
+            return fault("has answers of a problem with other contacts, supports or motions");
+        }
+        if answer.is_last {
             self.solver = (self.make)();
         }
         let mut solution = answer.solution;
@@ -140,11 +139,9 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
         let is_last = at_end || journal.group.len() + 1 >= self.every;
         journal.group.push(Answer {
             question,
-            print: print_of_gradient(problem, u),
-            rows: match is_last {
-                true => Some(print_of_rows(problem, u)?),
-                false => None,
-            },
+            gradient: print_of_gradient(problem, u),
+            rows: print_of_rows(problem, u)?,
+            is_last,
             solution: solution.clone(),
         });
         if is_last {
@@ -162,12 +159,9 @@ impl<F: Fn() -> E, E: Equilibrium> Equilibrium for Resumable<F, E> {
         start: State,
         context: &StepContext<'_>,
     ) -> Result<Solution, Error> {
-        if context.from < self.from {
-            // another run, which reads the file from its beginning
-            self.journal = None;
+        if self.is_new.take() && self.journal.take().is_some() {
             self.solver = (self.make)();
         }
-        self.from = context.from;
         let question = Question {
             from: context.from.to_bits(),
             to: context.to.to_bits(),
@@ -203,6 +197,7 @@ impl<F: Fn() -> E, E: Equilibrium> Equilibrium for Resumable<F, E> {
                 remedy: "a group has at least one answer",
             });
         }
+        self.is_new.set(true); // this is called before each run
         self.solver.validate()
     }
 
@@ -226,10 +221,11 @@ struct Question {
 #[derive(Serialize, Deserialize)]
 struct Answer {
     question: Question,
-    /// The checksum of ∇E at the answer.
-    print: u32,
-    /// That of the rows there, at the end of a group.
-    rows: Option<u32>,
+    /// The checksums of ∇E and of the rows at the answer.
+    gradient: u32,
+    rows: u32,
+    /// Whether it completes a group.
+    is_last: bool,
     solution: Solution,
 }
 
@@ -261,28 +257,29 @@ struct Journal {
 impl Journal {
     /// Opens the file behind its header, which it gets if it is new.
     fn open(path: &Path, header: &Header) -> Result<Self, Error> {
-        let failed = |error: io::Error| fault(path, &format!("cannot be used: {error}"));
+        let failed = |error| failed(path, "used", error);
         let mut options = OpenOptions::new();
         let options = options.read(true).write(true).create(true).truncate(false);
         let mut file = options.open(path).map_err(failed)?;
-        let mut magic = Vec::new();
-        let read = Read::by_ref(&mut file).take(8).read_to_end(&mut magic);
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(to_record(header).map_err(failed)?);
+        let mut beginning = Vec::new();
+        let most = Read::by_ref(&mut file).take(bytes.len() as u64);
+        let read = { most }.read_to_end(&mut beginning);
         read.map_err(failed)?;
-        let known: Option<Header> = match magic == MAGIC {
-            true => record(&mut file).map_err(failed)?,
-            // a run that was killed as it began
-            false if MAGIC.starts_with(&magic) => None,
-            false => return Err(fault(path, "is no file of a run to resume")),
-        };
-        let is_new = known.is_none();
-        match known {
-            Some(known) if known == *header => {}
-            Some(known) => return Err(fault(path, known.otherwise(header))),
-            None => {
-                let mut bytes = MAGIC.to_vec();
-                bytes.extend(to_record(header).map_err(failed)?);
-                rewritten(&mut file, 0, &bytes).map_err(failed)?;
+        let is_new = beginning.len() < bytes.len() && bytes.starts_with(&beginning);
+        if is_new {
+            // or of a run that was killed as it began
+            rewritten(&mut file, 0, &bytes).map_err(failed)?;
+        } else if beginning != bytes {
+            if !beginning.starts_with(MAGIC) {
+                return Err(foreign(path, "is no file of a run to resume"));
             }
+            file.seek(SeekFrom::Start(MAGIC.len() as u64))
+                .map_err(failed)?;
+            let known: Option<Header> = record(&mut file).map_err(failed)?;
+            let why = known.map_or("has a damaged beginning", |known| known.otherwise(header));
+            return Err(foreign(path, why));
         }
         Ok(Journal {
             file,
@@ -294,15 +291,22 @@ impl Journal {
 
     /// The next answer; `None` behind the last one.
     fn next(&mut self, path: &Path) -> Result<Option<Answer>, Error> {
-        let failed = |error: io::Error| fault(path, &format!("cannot be read: {error}"));
+        let failed = |error| failed(path, "read", error);
         if self.read.is_empty() && !self.is_at_end {
             let place = self.file.stream_position().map_err(failed)?;
             let group: Option<VecDeque<Answer>> = record(&mut self.file).map_err(failed)?;
             match group.filter(|group| group.iter().all(|answer| answer.is_whole())) {
                 Some(group) => self.read = group,
                 None => {
-                    // a group that was being written when the run ended
+                    // the end, or a group that was being written when the run ended
                     self.is_at_end = true;
+                    let lost = self.file.metadata().map_err(failed)?.len() - place;
+                    if lost > 0 {
+                        log::warn!(
+                            "the last {lost} bytes of {} are no answers: those load steps are solved again",
+                            path.display()
+                        );
+                    }
                     rewritten(&mut self.file, place, &[]).map_err(failed)?;
                 }
             }
@@ -312,7 +316,7 @@ impl Journal {
 
     /// Appends the group.
     fn write(&mut self, path: &Path) -> Result<(), Error> {
-        let failed = |error: io::Error| fault(path, &format!("cannot be written: {error}"));
+        let failed = |error| failed(path, "written", error);
         let bytes = to_record(&self.group).map_err(failed)?;
         self.file.write_all(&bytes).map_err(failed)?;
         self.file.sync_data().map_err(failed)?;
@@ -331,7 +335,7 @@ impl Header {
         } else if self.every != asked.every {
             "has groups of another length"
         } else {
-            "belongs to a problem with other contacts"
+            "belongs to a problem with other contacts, supports or first load step"
         }
     }
 }
@@ -382,10 +386,21 @@ fn rewritten(file: &mut File, place: u64, bytes: &[u8]) -> io::Result<()> {
     file.sync_data()
 }
 
-fn fault(path: &Path, why: &str) -> Error {
+/// The file is of something else.
+fn foreign(path: &Path, why: &str) -> Error {
     Error::Resume {
         file: path.display().to_string(),
-        why: why.to_string(),
+        why: format!("{why}; do the run that it belongs to, or remove it to begin anew"),
+    }
+}
+
+/// The system refuses.
+fn failed(path: &Path, what: &str, error: io::Error) -> Error {
+    Error::Resume {
+        file: path.display().to_string(),
+        why: format!(
+            "cannot be {what}: {error}; mend that and do the run again, and what the file has is kept"
+        ),
     }
 }
 

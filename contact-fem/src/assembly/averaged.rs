@@ -14,7 +14,8 @@ use crate::tensor::{Matrix, Vector};
 /// J̄_a = Σ_c V_c J_c / ((D + 1) V_a) over its cells, and V_a = Σ_c V_c / (D + 1). The law is ψ = ψ₀ + k/2 θ(J)², see
 /// [`Volumetric`].
 ///
-/// There are as many changes of volume as nodes, a fraction of the unknowns, so that cells do not lock where k is large. After J. Bonet and A. J.
+/// A plain mesh has more cells than nodes, and with a large k each of them holds its volume: too few motions are left. Here only one change of volume
+/// a node is held. Where k is negative, at ν < 0, averaging makes a body stiffer. After J. Bonet and A. J.
 /// Burton, A simple average nodal pressure tetrahedral element for incompressible and nearly incompressible dynamic
 /// explicit applications, Commun. Numer. Meth. Engng 14 (1998) 437–449. Each node is coupled with the neighbours of its
 /// neighbours.
@@ -211,23 +212,31 @@ where
         0.5 * self.modulus * sum
     }
 
-    /// ∂E/∂v_c of each cell: Σ_a k V_a θ_a θ_a′ ∂v̄_a/∂v_c (UF·UL).
-    fn pressures<'a>(&'a self, at: &'a Volumes<D>) -> impl Iterator<Item = f64> + 'a {
-        self.cells.iter().map(|cell| {
+    /// ∂E/∂v_c of each cell: Σ_a k V_a θ_a θ_a′ ∂v̄_a/∂v_c (UF·UL), over the nodes that `counts`.
+    fn pressures<'a>(
+        &'a self,
+        at: &'a Volumes<D>,
+        counts: impl Fn(usize) -> bool + 'a,
+    ) -> impl Iterator<Item = f64> + 'a {
+        self.cells.iter().map(move |cell| {
             let of_node = |&a: &usize| {
                 let [theta, slope, _] = at.nodes[a];
-                match self.patches[a].cells.is_empty() {
-                    true => 0.0,
-                    false => self.modulus * self.volumes[a] * theta * slope * self.share(cell, a),
-                }
+                self.modulus * self.volumes[a] * theta * slope * self.share(cell, a)
             };
-            cell.nodes.as_ref().iter().map(of_node).sum()
+            let nodes = cell.nodes.as_ref().iter().filter(|a| counts(**a));
+            nodes.map(of_node).sum()
         })
+    }
+
+    /// Whether the change of volume around a node varies with the unknowns.
+    fn is_assembled(&self, node: usize) -> bool {
+        !self.patches[node].cells.is_empty()
     }
 
     /// Calls `add(dof, force)` with the forces of the changes of volume: ∂v_c/∂u_a = J F⁻ᵀ∇N_a, or ∇N_a.
     fn forces(&self, at: &Volumes<D>, mut add: impl FnMut(usize, f64)) {
-        for (cell, (pressure, own)) in self.cells.iter().zip(self.pressures(at).zip(&at.cells)) {
+        let pressures = self.pressures(at, |a| self.is_assembled(a));
+        for (cell, (pressure, own)) in self.cells.iter().zip(pressures.zip(&at.cells)) {
             let gradients = cell.point.gradients.as_ref();
             for (&a, dN) in cell.nodes.as_ref().iter().zip(gradients) {
                 let force = Self::slope(own, dN) * pressure;
@@ -252,9 +261,8 @@ where
 
     /// Adds Σ_c p_c ∂²v_c/∂u² with ∂²J/∂u_a∂u_b = J (m_a ⊗ m_b − m_b ⊗ m_a), m = F⁻ᵀ∇N.
     fn add_curvature(&self, at: &Volumes<D>, values: &mut [f64]) {
-        for (cell, (pressure, (J, F_inv_T))) in
-            self.cells.iter().zip(self.pressures(at).zip(&at.cells))
-        {
+        let pressures = self.pressures(at, |a| self.is_assembled(a));
+        for (cell, (pressure, (J, F_inv_T))) in self.cells.iter().zip(pressures.zip(&at.cells)) {
             let nodes = cell.nodes.as_ref();
             let m = cell.point.gradients.as_ref().iter().map(|dN| F_inv_T * dN);
             let m: Vec<Vector<D>> = m.collect();
@@ -398,7 +406,7 @@ where
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
         let at = self.volumes(U);
         let mut states = self.elastic.cell_states(mesh, U);
-        let own = self.cells.iter().zip(self.pressures(&at));
+        let own = self.cells.iter().zip(self.pressures(&at, |_| true));
         for (state, (cell, pressure)) in states.iter_mut().zip(own) {
             let mean = pressure / cell.point.weight;
             state.sigma += Matrix::identity() * mean;

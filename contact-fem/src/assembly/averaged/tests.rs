@@ -120,3 +120,19 @@ fn homogeneous_states_are_those_of_plain_cells() {
     homogeneous::<3, _>(&cube(), LinearElastic::new(2.0, 0.4).expect("a law"));
     homogeneous::<3, _>(&cube(), mooney);
 }
+
+/// Cells whose nodes are all held have stresses, too.
+#[test]
+fn stresses_of_held_cells() {
+    let mesh = square();
+    let law = NeoHookean::new(10.0, 0.4).expect("a law");
+    let dofs = DofMap::new(&vec![true; 2 * mesh.nodes().len()]);
+    let none = vec![0.0; dofs.len()];
+    let averaged = AveragedVolume::new(&mesh, &law, dofs.clone(), none.clone(), none.clone());
+    let plain = StrainEnergy::<2, P1, _>::new(&mesh, law, dofs, none.clone(), none);
+    let U: Vec<Vector<2>> = mesh.nodes().iter().map(|X| X * -0.1).collect();
+    let states = averaged.cell_states(&mesh, &U);
+    for (a, b) in states.iter().zip(plain.cell_states(&mesh, &U)) {
+        assert!((a.sigma - b.sigma).norm() < 1e-12 * b.sigma.norm());
+    }
+}
