@@ -103,6 +103,7 @@
 //! goes on: `simulation.record("out/disc")`. All are on by default. `threads` shares assembly, contact search and the
 //! factors of separate bodies among threads; `resume` has runs that go on where they ended
 //! ([`Resumable`](contact_core::equilibrium::Resumable)), and is part of `record`; `metis` orders large factors by nested dissection.
+#![forbid(unsafe_code)]
 
 #[cfg(feature = "record")]
 pub mod scene_file;

@@ -10,6 +10,7 @@
 //! same options. Counted is processor time from the problem's data to its solution: set-up, solve and release. The
 //! exit status is not 0 unless all three take as many iterations to the same objective, and the driver adds less than
 //! 5 % to the fastest runs of its rivals.
+#![allow(unsafe_code)] // raw bindings
 
 use std::{
     env,

@@ -42,6 +42,7 @@ pub mod equilibrium;
 pub mod error;
 pub mod gaps;
 #[cfg(feature = "ipopt")]
+#[allow(unsafe_code)] // the calls of Ipopt
 pub mod ipopt;
 pub mod linear;
 pub mod load_steps;

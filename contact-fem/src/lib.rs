@@ -8,6 +8,7 @@
 //! The names follow the paper: `X` reference and `x = X + u` current position, `F = I + ∇u`,
 //! `J = det F`, `P = ∂ψ/∂F`. *Slave* and *master* are roles within one pass only, since every pair
 //! has one pass for each assignment of the roles.
+#![forbid(unsafe_code)]
 #![allow(non_snake_case)]
 
 pub mod assembly;

@@ -37,6 +37,7 @@
 //! | `DEP_IPOPT_VERSION_MAJOR`, `_MINOR`, `_RELEASE` | its numbers |
 //! | `DEP_IPOPT_LIBS` | the libraries Ipopt says it needs, separated by commas |
 //! | `DEP_IPOPT_HAS_WALL_TIME_LIMIT` and so on | 1 or 0: each of the `bool` constants below, under its name |
+#![allow(unsafe_code)] // raw bindings
 
 #[allow(
     missing_docs,

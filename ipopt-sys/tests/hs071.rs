@@ -1,4 +1,5 @@
 //! Hock and Schittkowski 71 through Ipopt's own C interface and through the shim: the published solution from both.
+#![allow(unsafe_code)] // raw bindings
 
 use std::{
     ffi::{CStr, c_int, c_void},

@@ -1,4 +1,5 @@
 //! What is said about the version holds for the Ipopt at hand.
+#![allow(unsafe_code)] // raw bindings
 
 use std::{
     ffi::{CStr, c_char, c_int, c_void},

@@ -7,6 +7,7 @@
 //!
 //! Every run has a process of its own, one at a time. What is done is appended to `runs.jsonl` at once, so that an
 //! interrupted report goes on where it stopped.
+#![forbid(unsafe_code)]
 #![allow(non_snake_case)] // the symbols of the field
 
 mod campaign;

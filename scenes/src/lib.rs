@@ -11,6 +11,7 @@
 //! | [`studies`] | methods and passes side by side |
 //! | [`freefem`] | the same scenes solved by FreeFEM's scripts |
 //! | [`cli`], [`files`], [`tables`] | options of the examples, files, tables |
+#![forbid(unsafe_code)]
 #![allow(non_snake_case)] // the symbols of the field
 
 pub mod arch;

@@ -111,6 +111,7 @@ pub(super) fn nested_dissection(_: &SymmetricPattern) -> Option<Vec<usize>> {
 
 /// Nested dissection of the pattern's graph, postordered; nothing where METIS is not there or fails.
 #[cfg(feature = "metis")]
+#[allow(unsafe_code)] // the call of METIS
 pub(super) fn nested_dissection(pattern: &SymmetricPattern) -> Option<Vec<usize>> {
     use std::sync::Mutex;
 

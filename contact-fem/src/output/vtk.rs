@@ -2,10 +2,8 @@
 
 use std::path::PathBuf;
 
-use vtkio::model::{
-    Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, IOBuffer, Piece,
-    UnstructuredGridPiece, Version, VertexNumbers, Vtk,
-};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 
 use super::file;
 use super::snapshot::{self, Snapshot};
@@ -103,22 +101,12 @@ impl Series {
     ) -> Result<(), Error> {
         snapshot.check(problem)?;
         let path = self.folder.join(self.file_name(self.times.len()));
-        let grid = Vtk {
-            version: Version::new_xml(1, 0),
-            title: String::new(),
-            byte_order: ByteOrder::LittleEndian,
-            file_path: None,
-            data: DataSet::UnstructuredGrid {
-                meta: None,
-                pieces: vec![Piece::Inline(Box::new(piece(problem, snapshot)))],
-            },
-        };
-        let mut bytes = Vec::new();
-        grid.write_xml(&mut bytes)
-            .map_err(|source| file::failed(&path, source))?;
-        let names = problem.scene().names();
-        insert(&mut bytes, &metadata(names, snapshot.certificate.as_ref()));
-        file::replace(&path, &bytes)?;
+        let grid = Grid::new(problem, snapshot);
+        let text = grid.text(&metadata(
+            problem.scene().names(),
+            snapshot.certificate.as_ref(),
+        ));
+        file::replace(&path, text.as_bytes())?;
         self.times.push(time);
         file::replace(&self.collection(), self.listing().as_bytes())
     }
@@ -206,56 +194,127 @@ fn escaped(name: &str) -> String {
     special.into_iter().fold(file::in_xml(name), replace)
 }
 
-/// Inserts `text` at the beginning of the grid, which the writer does not support. Offsets of the
-/// appended binary data are relative to the start of that data, so that the insertion leaves them
-/// valid.
-fn insert(file: &mut Vec<u8>, text: &str) {
-    const GRID: &[u8] = b"<UnstructuredGrid>";
-    let at = file.windows(GRID.len()).position(|bytes| bytes == GRID);
-    if let Some(at) = at {
-        let end = at + GRID.len();
-        file.splice(end..end, text.bytes());
+/// Numbers of one of VTK's types.
+#[derive(Clone, Debug, PartialEq)]
+enum Numbers {
+    Float64(Vec<f64>),
+    Int32(Vec<i32>),
+    Int64(Vec<i64>),
+    UInt8(Vec<u8>),
+}
+
+impl Numbers {
+    fn kind(&self) -> &'static str {
+        match self {
+            Numbers::Float64(_) => "Float64",
+            Numbers::Int32(_) => "Int32",
+            Numbers::Int64(_) => "Int64",
+            Numbers::UInt8(_) => "UInt8",
+        }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        match self {
+            Numbers::Float64(all) => all.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Numbers::Int32(all) => all.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Numbers::Int64(all) => all.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Numbers::UInt8(all) => all.clone(),
+        }
     }
 }
 
-/// Mesh and fields in VTK's arrays.
-fn piece<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> UnstructuredGridPiece {
-    let (mut connectivity, mut body_of_cell) = (Vec::new(), Vec::new());
-    let (mut offsets, mut types) = (Vec::new(), Vec::new());
-    for (body, nodes) in snapshot::cells(problem) {
-        let before = connectivity.len();
-        connectivity.extend(nodes.map(|a| a as u64));
-        types.push(cell_type(D, connectivity.len() - before));
-        offsets.push(connectivity.len() as u64);
-        body_of_cell.push(body as i32);
+/// Numbers with a name; those of one point or cell follow each other.
+struct Array {
+    name: &'static str,
+    components: usize,
+    numbers: Numbers,
+}
+
+impl Array {
+    /// Its element, with the length in bytes and the data in base64.
+    fn text(&self) -> String {
+        let data = self.numbers.bytes();
+        let mut bytes = (data.len() as u64).to_le_bytes().to_vec();
+        bytes.extend(data);
+        format!(
+            "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">\n{}\n</DataArray>\n",
+            self.numbers.kind(),
+            self.name,
+            self.components,
+            STANDARD.encode(bytes)
+        )
     }
-    UnstructuredGridPiece {
-        points: in_space(problem.reference()).into(),
-        cells: Cells {
-            cell_verts: VertexNumbers::XML {
-                connectivity,
-                offsets,
-            },
-            types,
-        },
-        data: Attributes {
-            point: point_fields(problem, snapshot),
-            cell: cell_fields(&snapshot.cells, body_of_cell),
-        },
+}
+
+/// Mesh and fields.
+struct Grid {
+    points: Array,
+    cells: [Array; 3],
+    of_points: Vec<Array>,
+    of_cells: Vec<Array>,
+}
+
+impl Grid {
+    fn new<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Self {
+        let (mut connectivity, mut body_of_cell) = (Vec::new(), Vec::new());
+        let (mut offsets, mut types) = (Vec::new(), Vec::new());
+        for (body, nodes) in snapshot::cells(problem) {
+            let before = connectivity.len();
+            connectivity.extend(nodes.map(|a| a as i64));
+            types.push(cell_type(D, connectivity.len() - before));
+            offsets.push(connectivity.len() as i64);
+            body_of_cell.push(body as i32);
+        }
+        Grid {
+            points: floats("Points", 3, in_space(problem.reference())),
+            cells: [
+                array("connectivity", 1, Numbers::Int64(connectivity)),
+                array("offsets", 1, Numbers::Int64(offsets)),
+                array("types", 1, Numbers::UInt8(types)),
+            ],
+            of_points: point_fields(problem, snapshot),
+            of_cells: cell_fields(&snapshot.cells, body_of_cell),
+        }
+    }
+
+    /// The file, with data of the whole grid.
+    fn text(&self, metadata: &str) -> String {
+        let all = |arrays: &[Array]| arrays.iter().map(Array::text).collect::<String>();
+        let count = |of: &Array| match &of.numbers {
+            Numbers::Float64(all) => all.len() / of.components,
+            Numbers::UInt8(all) => all.len(),
+            Numbers::Int32(all) => all.len(),
+            Numbers::Int64(all) => all.len(),
+        };
+        format!(
+            "<?xml version=\"1.0\"?>\n\
+             <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+             <UnstructuredGrid>{metadata}\n\
+             <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n\
+             <PointData>\n{}</PointData>\n<CellData>\n{}</CellData>\n\
+             <Points>\n{}</Points>\n<Cells>\n{}</Cells>\n\
+             </Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
+            count(&self.points),
+            count(&self.cells[2]),
+            all(&self.of_points),
+            all(&self.of_cells),
+            self.points.text(),
+            all(&self.cells),
+        )
     }
 }
 
 /// VTK's type of a simplex with this number of nodes; its node order is that of the elements.
-fn cell_type(dimension: usize, nodes: usize) -> CellType {
+fn cell_type(dimension: usize, nodes: usize) -> u8 {
     match (dimension, nodes) {
-        (2, 3) => CellType::Triangle,
-        (2, _) => CellType::QuadraticTriangle,
-        (_, 4) => CellType::Tetra,
-        _ => CellType::QuadraticTetra,
+        (2, 3) => 5,
+        (2, _) => 22,
+        (_, 4) => 10,
+        _ => 24,
     }
 }
 
-fn point_fields<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Vec<Attribute> {
+fn point_fields<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Vec<Array> {
     let bodies = 0..problem.scene().bodies().len();
     let body_of_node = bodies.flat_map(|k| problem.nodes(k).map(move |_| k as i32));
     let gaps = snapshot.gaps.iter();
@@ -270,36 +329,44 @@ fn point_fields<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) ->
     let von_mises = snapshot.averages.iter().map(CellState::von_mises);
     let stress = snapshot.averages.iter().flat_map(symmetric_components);
     vec![
-        field("displacement", 3, in_space(&snapshot.displacements)),
-        field("contact_pressure", 1, snapshot.pressures.clone()),
-        field(
+        floats("displacement", 3, in_space(&snapshot.displacements)),
+        floats("contact_pressure", 1, snapshot.pressures.clone()),
+        floats(
             "contact_pressure_consistent",
             1,
             snapshot.consistent_pressures.clone(),
         ),
-        field("contact_force", 3, in_space(&snapshot.contact_forces)),
-        field("contact_normal", 3, in_space(&snapshot.contact_normals)),
-        field("gap", 1, gaps.collect::<Vec<f64>>()),
-        field("status", 1, statuses.collect::<Vec<i32>>()),
-        field("nodal_von_mises", 1, von_mises.collect::<Vec<f64>>()),
-        field("nodal_cauchy_stress", 6, stress.collect::<Vec<f64>>()),
-        field("body", 1, body_of_node.collect::<Vec<i32>>()),
+        floats("contact_force", 3, in_space(&snapshot.contact_forces)),
+        floats("contact_normal", 3, in_space(&snapshot.contact_normals)),
+        floats("gap", 1, gaps.collect()),
+        array("status", 1, Numbers::Int32(statuses.collect())),
+        floats("nodal_von_mises", 1, von_mises.collect()),
+        floats("nodal_cauchy_stress", 6, stress.collect()),
+        array("body", 1, Numbers::Int32(body_of_node.collect())),
     ]
 }
 
-fn cell_fields<const D: usize>(cells: &[CellState<D>], bodies: Vec<i32>) -> Vec<Attribute> {
+fn cell_fields<const D: usize>(cells: &[CellState<D>], bodies: Vec<i32>) -> Vec<Array> {
     let values = |of: fn(&CellState<D>) -> f64| cells.iter().map(of).collect::<Vec<f64>>();
     let stress = cells.iter().flat_map(symmetric_components);
     vec![
-        field("von_mises", 1, values(CellState::von_mises)),
-        field("J", 1, values(|cell| cell.J)),
-        field("cauchy_stress", 6, stress.collect::<Vec<f64>>()),
-        field("body", 1, bodies),
+        floats("von_mises", 1, values(CellState::von_mises)),
+        floats("J", 1, values(|cell| cell.J)),
+        floats("cauchy_stress", 6, stress.collect()),
+        array("body", 1, Numbers::Int32(bodies)),
     ]
 }
 
-fn field(name: &str, components: u32, values: impl Into<IOBuffer>) -> Attribute {
-    Attribute::generic(name, components).with_data(values)
+fn array(name: &'static str, components: usize, numbers: Numbers) -> Array {
+    Array {
+        name,
+        components,
+        numbers,
+    }
+}
+
+fn floats(name: &'static str, components: usize, values: Vec<f64>) -> Array {
+    array(name, components, Numbers::Float64(values))
 }
 
 /// Three coordinates for each vector; the third is 0 in the plane.
@@ -319,6 +386,8 @@ fn symmetric_components<const D: usize>(cell: &CellState<D>) -> [f64; 6] {
 
 #[cfg(test)]
 mod tests {
+    use vtkio::model::{Attribute, DataSet, Piece, Vtk};
+
     use super::super::snapshot::tests::{displaced, squares, tetrahedron};
     use super::*;
     use crate::certificate::Condition;
@@ -327,7 +396,16 @@ mod tests {
         std::env::temp_dir().join(format!("contact-fem-{name}-{}", std::process::id()))
     }
 
-    /// Writes two states, reads the second one back and compares it.
+    fn values(array: &Array) -> Vec<f64> {
+        match &array.numbers {
+            Numbers::Float64(all) => all.clone(),
+            Numbers::Int32(all) => all.iter().map(|&k| k.into()).collect(),
+            Numbers::Int64(all) => all.iter().map(|&k| k as f64).collect(),
+            Numbers::UInt8(all) => all.iter().map(|&k| k.into()).collect(),
+        }
+    }
+
+    /// Writes two states, reads the second one back by another library and compares it.
     fn round_trip<const D: usize>(name: &str, problem: &Problem<D>, snapshot: &Snapshot<D>) {
         let folder = folder(name);
         let mut series = Series::create(&folder, "run").expect("a series");
@@ -349,7 +427,28 @@ mod tests {
         let Some(Piece::Inline(read)) = pieces.into_iter().next() else {
             panic!("no data in the file");
         };
-        assert_eq!(*read, piece(problem, snapshot));
+        let own = Grid::new(problem, snapshot);
+        assert_eq!(read.points.cast_into(), Some(values(&own.points)));
+        for (read, own) in [
+            (&read.data.point, &own.of_points),
+            (&read.data.cell, &own.of_cells),
+        ] {
+            assert_eq!(read.len(), own.len());
+            for (read, own) in read.iter().zip(own) {
+                let Attribute::DataArray(array) = read else {
+                    panic!("{} is no array", own.name);
+                };
+                assert_eq!(array.name, own.name);
+                assert_eq!(array.elem.num_comp() as usize, own.components);
+                assert_eq!(array.data.cast_into(), Some(values(own)), "{}", own.name);
+            }
+        }
+        let types = read.cells.types.iter().map(|kind| f64::from(*kind as u8));
+        assert_eq!(types.collect::<Vec<f64>>(), values(&own.cells[2]));
+        let (connectivity, offsets) = read.cells.cell_verts.into_xml();
+        let numbers = |all: Vec<u64>| all.into_iter().map(|k| k as f64).collect::<Vec<f64>>();
+        assert_eq!(numbers(connectivity), values(&own.cells[0]));
+        assert_eq!(numbers(offsets), values(&own.cells[1]));
         std::fs::remove_dir_all(&folder).expect("removed");
     }
 
@@ -370,13 +469,12 @@ mod tests {
     fn fields_have_their_components() {
         let problem = squares();
         let snapshot = displaced(&problem);
-        let grid = piece(&problem, &snapshot);
-        assert_eq!(grid.num_points(), 8);
-        assert_eq!(grid.cells.types, [CellType::Triangle; 4]);
-        let names = |fields: &[Attribute]| -> Vec<String> {
-            fields.iter().map(|f| f.name().to_string()).collect()
-        };
-        let points = names(&grid.data.point);
+        let grid = Grid::new(&problem, &snapshot);
+        assert_eq!(values(&grid.points).len(), 3 * 8);
+        assert_eq!(grid.cells[2].numbers, Numbers::UInt8(vec![5; 4]));
+        let names =
+            |fields: &[Array]| -> Vec<&str> { fields.iter().map(|field| field.name).collect() };
+        let points = names(&grid.of_points);
         let known = [
             "displacement",
             "contact_pressure",
@@ -390,7 +488,7 @@ mod tests {
             "body",
         ];
         assert_eq!(points, known);
-        let cells = names(&grid.data.cell);
+        let cells = names(&grid.of_cells);
         assert_eq!(cells, ["von_mises", "J", "cauchy_stress", "body"]);
         let stress = symmetric_components(&snapshot.cells[1]);
         let cell = &snapshot.cells[1];

@@ -3,7 +3,7 @@
 //! sum of their own.
 //!
 //! `make fuzz-scenes SECONDS=60 SEED=1`, or with arguments: seconds, seed and, to show one case again, its number.
-
+#![forbid(unsafe_code)]
 #![allow(non_snake_case)] // the symbols of the field
 
 use std::collections::BTreeMap;

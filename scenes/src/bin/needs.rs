@@ -1,4 +1,5 @@
 //! Runs the scenes of [`needs`], once more with the work that is left out, and their floors in turn, and compares their cost.
+#![forbid(unsafe_code)]
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,4 +1,5 @@
 //! Errors of the recovered and of the consistent contact pressure against Hertz's, and the ball's meshes for other programs.
+#![forbid(unsafe_code)]
 #![allow(non_snake_case)] // the symbols of the field
 
 use std::path::PathBuf;

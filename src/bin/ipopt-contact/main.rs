@@ -1,4 +1,5 @@
 //! The program `ipopt-contact`: scenes and problems from files, and results compared.
+#![forbid(unsafe_code)]
 
 mod causes;
 mod compare;

@@ -28,6 +28,8 @@ mod parts;
 mod problem;
 #[cfg(feature = "vtk")]
 mod vtu;
+#[cfg(feature = "vtk")]
+pub(crate) mod vtu_arrays;
 
 use std::path::{Path, PathBuf};
 

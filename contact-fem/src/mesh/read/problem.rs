@@ -266,7 +266,7 @@ impl fmt::Debug for Problem {
 
 /// A problem with its position; the file's path is added later.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     pub place: Place,
     pub problem: Problem,
 }

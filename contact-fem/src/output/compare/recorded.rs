@@ -4,12 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use vtkio::model::{
-    Attribute, CellType, DataSet, Piece, UnstructuredGridPiece, VertexNumbers, Vtk,
-};
 
 use super::outcome::{AXES, Fields, Outcome, Point, finite, malformed, text};
 use super::{Error, Program};
+use crate::mesh::read::vtu_arrays::{Piece, Section, pieces};
 
 pub(super) const SUMMARY: &str = "summary.json";
 
@@ -55,7 +53,7 @@ pub(super) fn read(folder: &Path) -> Result<Outcome, Error> {
             solver: summary.solver.clone(),
         },
         dimension,
-        bodies: bodies(&grid.0, grid.1, &summary.bodies)?,
+        bodies: bodies(&grid.0, &grid.1, &summary.bodies)?,
         values: values(&summary),
         status: match summary.status == "complete" {
             true => summary.reason,
@@ -83,7 +81,7 @@ fn values(summary: &Summary) -> BTreeMap<String, f64> {
 }
 
 /// The last file of the series, which must be the state that the summary tells of.
-fn last_state(folder: &Path, summary: &Summary) -> Result<(PathBuf, UnstructuredGridPiece), Error> {
+fn last_state(folder: &Path, summary: &Summary) -> Result<(PathBuf, Piece), Error> {
     let listing = folder.join(format!("{}.pvd", summary.scene));
     let all = text(&listing)?;
     let last = all.lines().rfind(|line| line.contains("<DataSet"));
@@ -104,47 +102,45 @@ fn last_state(folder: &Path, summary: &Summary) -> Result<(PathBuf, Unstructured
         return Err(malformed(&listing, why));
     }
     let path = folder.join(file);
-    let grid = Vtk::import(&path).map_err(|why| malformed(&path, why))?;
-    let DataSet::UnstructuredGrid { pieces, .. } = grid.data else {
-        return Err(malformed(&path, "not a grid of this library"));
-    };
-    match pieces.into_iter().next() {
-        Some(Piece::Inline(piece)) => Ok((path, *piece)),
-        _ => Err(malformed(&path, "it has no data")),
+    let bytes = std::fs::read(&path).map_err(|source| Error::Unreadable {
+        path: path.clone(),
+        source,
+    })?;
+    let all = pieces(&bytes, |_, _| true)
+        .map_err(|fault| malformed(&path, format!("{}{}", fault.problem, fault.place)))?;
+    match all.into_iter().next() {
+        Some(piece) => Ok((path, piece)),
+        None => Err(malformed(&path, "it has no data")),
     }
 }
 
 /// The fields of the bodies, whose nodes follow each other.
-fn bodies(
-    path: &Path,
-    grid: UnstructuredGridPiece,
-    names: &[String],
-) -> Result<Vec<Fields>, Error> {
+fn bodies(path: &Path, grid: &Piece, names: &[String]) -> Result<Vec<Fields>, Error> {
     let missing = |what: &str| malformed(path, format!("it has no {what}"));
-    let places = grid.points.cast_into::<f64>();
-    let places = checked(path, "points", places)?.ok_or_else(|| missing("points"))?;
+    let places = checked(path, "points", grid.array(Section::Points, ""))?;
+    let places = places.ok_or_else(|| missing("points"))?;
     let nodes = places.len() / 3;
-    let field = |name: &str, components: usize| {
-        let mut fields = grid.data.point.iter();
-        let found = checked(path, name, fields.find_map(|field| values_of(field, name)))?;
-        match found {
-            Some(values) if values.len() != components * nodes => {
-                let why = format!("`{name}` has {} values at {nodes} nodes", values.len());
-                Err(malformed(path, why))
-            }
-            found => Ok(found),
+    let field = |name: &str, components: usize| match checked(
+        path,
+        name,
+        grid.array(Section::PointData, name),
+    )? {
+        Some(values) if values.len() != components * nodes => {
+            let why = format!("`{name}` has {} values at {nodes} nodes", values.len());
+            Err(malformed(path, why))
         }
+        found => Ok(found),
     };
     let required = |name, components| {
-        let found: Option<Vec<f64>> = field(name, components)?;
+        let found: Option<&[f64]> = field(name, components)?;
         found.ok_or_else(|| missing(name))
     };
-    let (places, displacements) = (in_space(&places), in_space(&required("displacement", 3)?));
+    let (places, displacements) = (in_space(places), in_space(required("displacement", 3)?));
     // scripts write the consistent one
     let pressures = required("contact_pressure_consistent", 1)?;
     let of_nodes = required("body", 1)?;
-    let forces = field("contact_force", 3)?.map(|forces| in_space(&forces));
-    let cells = cells(grid.cells.cell_verts, &grid.cells.types, nodes);
+    let forces = field("contact_force", 3)?.map(in_space);
+    let cells = cells(grid, nodes);
     let cells = cells.ok_or_else(|| missing("cells of this library"))?;
     let body = |(k, name): (usize, &String)| {
         let is_own = |&body: &f64| body == k as f64;
@@ -167,16 +163,13 @@ fn bodies(
     names.iter().enumerate().map(body).collect()
 }
 
-fn values_of(field: &Attribute, name: &str) -> Option<Vec<f64>> {
-    match field {
-        Attribute::DataArray(array) if array.name == name => array.data.cast_into(),
-        _ => None,
-    }
-}
-
 /// The values, if all are finite.
-fn checked(path: &Path, name: &str, values: Option<Vec<f64>>) -> Result<Option<Vec<f64>>, Error> {
-    for (k, &value) in values.iter().flatten().enumerate() {
+fn checked<'a>(
+    path: &Path,
+    name: &str,
+    values: Option<&'a [f64]>,
+) -> Result<Option<&'a [f64]>, Error> {
+    for (k, &value) in values.unwrap_or_default().iter().enumerate() {
         finite(path, || format!("value {k} of `{name}`"), value)?;
     }
     Ok(values)
@@ -188,23 +181,25 @@ fn in_space(components: &[f64]) -> Vec<Point> {
 }
 
 /// The nodes of each cell, if all are simplices of nodes that there are.
-fn cells(numbers: VertexNumbers, types: &[CellType], nodes: usize) -> Option<Vec<Vec<usize>>> {
-    let (connectivity, offsets) = numbers.into_xml();
+fn cells(grid: &Piece, nodes: usize) -> Option<Vec<Vec<usize>>> {
+    let array = |name| grid.array(Section::Cells, name);
+    let whole = |&value: &f64| (value.fract() == 0.0 && value >= 0.0).then_some(value as usize);
+    let (connectivity, types) = (array("connectivity")?, array("types")?);
     let mut cells = Vec::with_capacity(types.len());
     let mut begin = 0;
-    for (&end, kind) in offsets.iter().zip(types) {
-        let cell = connectivity.get(begin..usize::try_from(end).ok()?)?;
+    for (end, &kind) in array("offsets")?.iter().zip(types) {
+        let cell = connectivity.get(begin..whole(end)?)?;
+        // VTK's numbers of simplices
         let count = match kind {
-            CellType::Triangle => 3,
-            CellType::QuadraticTriangle => 6,
-            CellType::Tetra => 4,
-            CellType::QuadraticTetra => 10,
+            5.0 => 3,
+            22.0 => 6,
+            10.0 => 4,
+            24.0 => 10,
             _ => return None,
         };
-        if cell.len() != count || cell.iter().any(|&node| node >= nodes as u64) {
-            return None;
-        }
-        cells.push(cell.iter().map(|&node| node as usize).collect());
+        let cell: Option<Vec<usize>> = cell.iter().map(whole).collect();
+        let cell = cell.filter(|cell| cell.len() == count && cell.iter().all(|&a| a < nodes))?;
+        cells.push(cell);
         begin += count;
     }
     Some(cells)

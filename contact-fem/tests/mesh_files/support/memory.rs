@@ -1,4 +1,5 @@
 //! How much memory a piece of work takes.
+#![allow(unsafe_code)] // an allocator
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
