@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use contact_core::equilibrium::{Departures, Resumable};
 use contact_core::{
-    Automatic, Condensed, CondensedNewton, Equilibrium, InteriorPoint, Literal, Phase, Retry,
+    Automatic, Condensed, CondensedNewton, Equilibrium, InteriorPoint, Literal, Retry,
 };
 use contact_fem::Simulation;
 use serde::Deserialize;
 
-use super::{Error, PhaseKeys, SceneFile};
+use super::{Error, SceneFile};
 
 /// How a load is solved.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
@@ -208,29 +208,5 @@ impl SceneFile {
                 what: why.to_string(),
             })?;
         Ok(simulation)
-    }
-
-    fn phases(&self) -> Result<Vec<Phase>, Error> {
-        if let (Some(increments), false) = (self.keys.increments, self.keys.phase.is_empty()) {
-            let what = format!(
-                "`increments = {increments}` has no effect where there are phases: give each its own"
-            );
-            return Err(Error::Part {
-                part: "the scene".into(),
-                what,
-            });
-        }
-        let phase = |keys: &PhaseKeys| {
-            let phase = Phase::new(&keys.name, keys.until, keys.increments);
-            match (keys.least_step, keys.largest_step) {
-                (None, None) => Ok(phase),
-                (Some(least), Some(largest)) => Ok(phase.adaptive(least, largest)),
-                _ => Err(Error::Part {
-                    part: format!("phase {}", keys.name),
-                    what: "adaptive steps need `least-step` and `largest-step`".into(),
-                }),
-            }
-        };
-        self.keys.phase.iter().map(phase).collect()
     }
 }
