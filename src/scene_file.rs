@@ -33,18 +33,18 @@
 //! # }
 //! ```
 
+mod laws;
 mod run;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use contact_fem::element::{Element, Order, P1, P2};
+use contact_fem::element::{Element, P1, P2};
 use contact_fem::model::{Geometry, Integration, Passes, Side};
-use contact_fem::{
-    Amplitude, Body, LinearElastic, Mesh, MeshFile, MooneyRivlin, Motion, NeoHookean, Obstacle,
-    Scene, StVenantKirchhoff, material::Volumetric,
-};
+use contact_fem::{Amplitude, Body, Mesh, MeshFile, Motion, Obstacle, Scene};
 use serde::Deserialize;
+
+use laws::{Law, RegionKeys};
 
 pub use run::{Departure, Solver};
 
@@ -168,9 +168,14 @@ struct BodyKeys {
     #[serde(default)]
     averaged_volumes: bool,
     law: Law,
-    young: f64,
-    poisson: f64,
+    young: Option<f64>,
+    poisson: Option<f64>,
     share: Option<f64>,
+    terms: Option<Vec<[f64; 2]>>,
+    #[serde(default)]
+    laws: Vec<RegionKeys>,
+    #[serde(default)]
+    plane_stress: bool,
     #[serde(default)]
     symmetry: Vec<Name>,
     #[serde(default)]
@@ -179,15 +184,6 @@ struct BodyKeys {
     tractions: Vec<TractionKeys>,
     body_force: Option<Vec<f64>>,
     body_force_amplitude: Option<AmplitudeKeys>,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Law {
-    LinearElastic,
-    NeoHookean,
-    StVenantKirchhoff,
-    MooneyRivlin,
 }
 
 /// A label or a name.
@@ -435,22 +431,6 @@ fn motion<const D: usize>(part: &str, all: &[MotionKeys]) -> Result<Option<Motio
     Ok(whole)
 }
 
-/// A body, with averaged changes of volume or without.
-fn elastic<const D: usize>(
-    mesh: Mesh<D>,
-    law: impl Volumetric<D>,
-    averaged: bool,
-) -> Result<Body<D>, contact_fem::Error>
-where
-    P1: Element<D>,
-    P2: Element<D>,
-{
-    match averaged {
-        true => Body::with_averaged_volumes(mesh, law),
-        false => Ok(Body::new(mesh, law)),
-    }
-}
-
 impl SceneFile {
     /// Reads the file at `path`.
     ///
@@ -644,7 +624,12 @@ impl SceneFile {
         let part = format!("body {}", keys.name);
         let file = self.mesh_file(keys)?;
         let mesh = match &keys.region {
+            Some(_) if !keys.laws.is_empty() => {
+                let what = "its `laws` name regions of the whole mesh: leave `region` out".into();
+                return Err(Error::Part { part, what });
+            }
             Some(region) => of(&part, file.body::<D>(&region.to_string()))?,
+            None if !keys.laws.is_empty() => of(&part, file.with_regions::<D>())?,
             None => {
                 let mut all = of(&part, file.bodies::<D>())?;
                 match all.len() {
@@ -652,8 +637,9 @@ impl SceneFile {
                     _ => {
                         let names: Vec<String> = all.into_iter().map(|(name, _)| name).collect();
                         let names = names.join(", ");
-                        let what =
-                            format!("its mesh has the regions {names}: choose one by `region`");
+                        let what = format!(
+                            "its mesh has the regions {names}: choose one by `region`, or name all in `laws`"
+                        );
                         return Err(Error::Part { part, what });
                     }
                 }
@@ -682,49 +668,7 @@ impl SceneFile {
             return Err(Error::Part { part, what });
         }
         let mesh = self.mesh(keys)?;
-        let (young, poisson) = (keys.young, keys.poisson);
-        let averaged = keys.averaged_volumes;
-        if averaged && mesh.order() == Order::Quadratic {
-            let what = "`averaged-volumes` is for linear cells, and these are quadratic, which do not lock: leave it or \
-                        `quadratic` out";
-            return Err(Error::Part {
-                part,
-                what: what.into(),
-            });
-        }
-        let mut body = match (keys.law, keys.share) {
-            (Law::MooneyRivlin, Some(share)) => {
-                let law = of(&part, MooneyRivlin::new(young, poisson, share))?;
-                of(&part, elastic(mesh, law, averaged))?
-            }
-            (Law::MooneyRivlin, None) => {
-                let what = "the law mooney-rivlin needs `share`".into();
-                return Err(Error::Part { part, what });
-            }
-            (_, Some(_)) => {
-                let what = "`share` is of the law mooney-rivlin: leave it out".into();
-                return Err(Error::Part { part, what });
-            }
-            (Law::LinearElastic, None) => {
-                let law = of(&part, LinearElastic::new(young, poisson))?;
-                of(&part, elastic(mesh, law, averaged))?
-            }
-            (Law::NeoHookean, None) => {
-                let law = of(&part, NeoHookean::new(young, poisson))?;
-                of(&part, elastic(mesh, law, averaged))?
-            }
-            (Law::StVenantKirchhoff, None) if averaged => {
-                let what = "`averaged-volumes` is not for st-venant-kirchhoff, whose energy has no part of the volume \
-                            alone: leave it out, or take another law";
-                return Err(Error::Part {
-                    part,
-                    what: what.into(),
-                });
-            }
-            (Law::StVenantKirchhoff, None) => {
-                Body::new(mesh, of(&part, StVenantKirchhoff::new(young, poisson))?)
-            }
-        };
+        let mut body = laws::body(&part, keys, mesh)?;
         for name in &keys.symmetry {
             of(&part, body.symmetry(&name.to_string()))?;
         }
