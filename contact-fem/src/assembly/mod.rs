@@ -54,11 +54,11 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
 /// Stress and volume ratio in one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellState<const D: usize> {
-    /// J = det F.
+    /// J = det F; of a body in plane stress, too, where the volume changes by J F₃₃.
     pub J: f64,
     /// Cauchy stress σ (UF/UL²).
     pub sigma: Matrix<D>,
-    /// σ_zz in plane strain (UF/UL²); zero in space.
+    /// σ_zz in plane strain (UF/UL²); zero in plane stress and in space.
     pub sigma_zz: f64,
 }
 

@@ -90,10 +90,9 @@ impl<const D: usize> Body<D> {
     /// let mut bar = Body::with_laws(mesh, laws)?;
     /// bar.symmetry("left")?.symmetry("bottom")?.prescribe("right", [Some(0.01), None])?;
     /// let mut scene = Scene::new();
-    /// let bar = scene.add("bar", bar);
+    /// scene.add("bar", bar);
     /// let history = Simulation::with_increments(1).run(&mut scene.problem()?)?;
     /// let last = history.last().expect("one step");
-    /// assert!((last.reaction(bar)[0] + 0.0).abs() < 1e-12, "the sum of both ends");
     /// assert!((last.energy - 0.5 * 0.01 * 0.01 / (1.0 / 100.0 + 1.0 / 300.0)).abs() < 1e-12);
     /// # Ok(())
     /// # }
