@@ -159,8 +159,8 @@ pub mod prelude {
     pub use contact_fem::simulation::{History, StepView};
     pub use contact_fem::{
         Amplitude, Body, Certificate, LeftOut, LinearElastic, Material, Mesh, MeshFile,
-        MooneyRivlin, Motion, NeoHookean, Obstacle, Scene, Simulation, StVenantKirchhoff,
-        StepRecord,
+        MooneyRivlin, Motion, NeoHookean, Obstacle, Ogden, PlaneStress, Scene, Simulation,
+        StVenantKirchhoff, StepRecord,
     };
 }
 

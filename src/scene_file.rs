@@ -37,6 +37,7 @@ mod bodies;
 mod changes;
 mod contact;
 mod keys;
+mod laws;
 mod obstacles;
 mod program;
 mod run;

@@ -496,6 +496,112 @@ fn averaged_volumes_from_a_file() {
     assert!(refused.contains("averaged-volumes"), "{refused}");
 }
 
+/// Two layers of a file's mesh in series, as a plate in plane strain and as a sheet; and the same strip of Ogden's law, whose one term
+/// is the neo-Hookean law. Constants that a law lacks or does not have are named.
+#[test]
+fn laws_from_a_file() {
+    let folder = fresh("laws");
+    // two squares side by side, of regions 7 and 3
+    let mesh = "6 4 6  0 0 0  1 0 0  2 0 0  2 1 0  1 1 0  0 1 0  1 2 5 7  1 5 6 7  2 3 4 3  2 4 5 3 \
+                1 2 1  2 3 1  3 4 2  4 5 3  5 6 3  6 1 4";
+    fs::write(folder.join("strip.msh"), mesh).expect("written");
+    let text = r#"
+        increments = 1
+
+        [[body]]
+        name = "strip"
+        mesh = "strip.msh"
+        law = "linear-elastic"
+        plane-stress = true
+        laws = [
+            { region = 3, young = 300, poisson = 0.3 },
+            { region = 7, young = 100, poisson = 0.3 },
+        ]
+        symmetry = [1, 3, 4]
+        tractions = [{ on = 2, force = [0.5, 0] }]
+    "#;
+    let energy = |text: &str| -> Result<f64, String> {
+        let file = SceneFile::parse(text, &folder).map_err(|why| why.to_string())?;
+        let scene = file.scene::<2>().map_err(|why| why.to_string())?;
+        let mut problem = scene.problem().map_err(|why| why.to_string())?;
+        let mut simulation = file.simulation().map_err(|why| why.to_string())?;
+        let history = simulation.run(&mut problem).expect("a run");
+        Ok(history.last().expect("a step").energy)
+    };
+    // held across: E/(1 − ν²) of a sheet, E (1 − ν)/((1 + ν)(1 − 2ν)) of a plate
+    let stored = |of_one: f64| -0.5 * 0.5 * 0.5 * (1.0 / 100.0 + 1.0 / 300.0) / of_one;
+    let sheet = energy(text).expect("a run");
+    assert!((sheet / stored(1.0 / 0.91) - 1.0).abs() < 1e-10, "{sheet}");
+    let plate = energy(&text.replace("plane-stress = true", "")).expect("a run");
+    assert!(
+        (plate / stored(0.7 / (1.3 * 0.4)) - 1.0).abs() < 1e-10,
+        "{plate}"
+    );
+
+    let of_one = |law: &str| {
+        let start = text.find("law =").expect("a law");
+        let end = text.find("symmetry").expect("planes");
+        format!("{}{law}\n{}", &text[..start], &text[end..])
+            .replace("strip.msh\"", "strip.msh\"\nregion = 7")
+            .replace("on = 2", "on = 3")
+            .replace("[1, 3, 4]", "[1, 4]")
+    };
+    let twins = [
+        "law = \"ogden\"\nterms = [[100, 2]]\npoisson = 0.25",
+        "law = \"neo-hookean\"\nyoung = 250\npoisson = 0.25",
+    ];
+    let [ogden, neo_hookean] = twins.map(|law| energy(&of_one(law)).expect("a run"));
+    assert!(
+        (ogden / neo_hookean - 1.0).abs() < 1e-9,
+        "{ogden} {neo_hookean}"
+    );
+
+    for (law, named) in [
+        ("law = \"neo-hookean\"\npoisson = 0.3", "needs `young`"),
+        ("law = \"ogden\"\npoisson = 0.3", "needs `terms`"),
+        (
+            "law = \"ogden\"\nterms = [[1, 2]]\nyoung = 2\npoisson = 0.3",
+            "`young` is of laws other",
+        ),
+        (
+            "law = \"neo-hookean\"\nyoung = 2\npoisson = 0.3\nterms = [[1, 2]]",
+            "`terms` is of the law ogden",
+        ),
+        (
+            "law = \"neo-hookean\"\nyoung = 2\npoisson = 0.3\nshare = 1",
+            "`share` is of the law mooney",
+        ),
+        (
+            "law = \"ogden\"\nterms = [[-1, 2]]\npoisson = 0.3",
+            "shear modulus",
+        ),
+        (
+            "law = \"neo-hookean\"\nlaws = [{ region = 7, young = 1, poisson = 0 }]",
+            "leave `region` out",
+        ),
+    ] {
+        let refused = energy(&of_one(law)).expect_err(law);
+        assert!(refused.contains(named), "{law}: {refused}");
+    }
+    for (sound, wrong, named) in [
+        ("region = 3", "region = 4", "no region is called `4`"),
+        (
+            "{ region = 3, young = 300, poisson = 0.3 },",
+            "",
+            "in none of the regions",
+        ),
+        ("laws = [", "young = 1\nlaws = [", "constants of its own"),
+        (
+            "laws = [",
+            "averaged-volumes = true\nlaws = [",
+            "`averaged-volumes` is not for `plane-stress`",
+        ),
+    ] {
+        let refused = energy(&text.replace(sound, wrong)).expect_err(wrong);
+        assert!(refused.contains(named), "{wrong}: {refused}");
+    }
+}
+
 #[test]
 fn a_program_from_a_file() {
     let folder = fresh("phases");

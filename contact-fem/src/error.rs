@@ -129,6 +129,27 @@ pub enum Error {
         /// The names that exist.
         known: Vec<String>,
     },
+    /// A name of a region that does not exist in the mesh.
+    #[error(
+        "no region is called `{name}`; this mesh has {known:?}, and `Mesh::name_region` adds others"
+    )]
+    UnknownRegion {
+        /// The name that was given.
+        name: String,
+        /// The names that exist.
+        known: Vec<String>,
+    },
+    /// A cell without a law, or with several.
+    #[error(
+        "cell {cell} is in {} of the regions with a law: give each cell one, as by regions that do not overlap",
+        if *.several { "several" } else { "none" }
+    )]
+    LawsOfCell {
+        /// The cell's number in its mesh.
+        cell: usize,
+        /// Whether it has several laws, or none.
+        several: bool,
+    },
     /// A point with no node, or with several.
     #[error(
         "{found} nodes are within {within:.1e} of {point:?}, where there should be one: give the coordinates with all \

@@ -1,7 +1,7 @@
 //! Finite elements for frictionless contact: meshes, materials, assembly, the weak
 //! non-penetration constraints, and scenes that put them together.
 //!
-//! The space dimension `D` (2: plane strain, 3) is a const generic throughout; a scene in the
+//! The space dimension `D` (2: plane strain or plane stress, 3) is a const generic throughout; a scene in the
 //! plane instantiates no code for space. Any consistent units work: UF for force, UL for length;
 //! plane energies and forces are per unit thickness.
 //!
@@ -37,7 +37,8 @@ pub use contact_core::Phase;
 pub use error::Error;
 pub use left_out::LeftOut;
 pub use material::{
-    Deformation, LinearElastic, Material, MooneyRivlin, NeoHookean, StVenantKirchhoff,
+    Deformation, LinearElastic, Material, MooneyRivlin, NeoHookean, Ogden, PlaneStress,
+    StVenantKirchhoff,
 };
 pub use mesh::Mesh;
 pub use mesh::read::MeshFile;

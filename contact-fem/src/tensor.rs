@@ -48,6 +48,45 @@ fn cofactor3<const D: usize>(A: &Matrix<D>, i: usize, j: usize) -> f64 {
     A[(i1, j1)] * A[(i2, j2)] - A[(i1, j2)] * A[(i2, j1)]
 }
 
+/// The eigenvalues of a symmetric matrix, and its eigenvectors as columns, by Jacobi's rotations. The columns are orthonormal to
+/// round-off, whatever eigenvalues coincide.
+pub(crate) fn principal_axes<const D: usize>(mut A: Matrix<D>) -> (Vector<D>, Matrix<D>) {
+    /// Convergence is quadratic; three to five sweeps are usual.
+    const SWEEPS: usize = 12;
+    let mut axes = Matrix::identity();
+    for _ in 0..SWEEPS {
+        let mut largest = 0.0_f64;
+        for (p, q) in (0..D).flat_map(|q| (0..q).map(move |p| (p, q))) {
+            let off = A[(p, q)];
+            if off == 0.0 {
+                continue;
+            }
+            largest = largest.max(off.abs());
+            let cot = 0.5 * (A[(q, q)] - A[(p, p)]) / off;
+            let tan = cot.signum() / (cot.abs() + cot.hypot(1.0));
+            let cos = 1.0 / tan.hypot(1.0);
+            let sin = tan * cos;
+            let rotate = |M: &mut Matrix<D>| {
+                for i in 0..D {
+                    let (x, y) = (M[(i, p)], M[(i, q)]);
+                    (M[(i, p)], M[(i, q)]) = (cos * x - sin * y, sin * x + cos * y);
+                }
+            };
+            let diagonal = [A[(p, p)] - tan * off, A[(q, q)] + tan * off];
+            rotate(&mut A);
+            A.transpose_mut();
+            rotate(&mut A);
+            [A[(p, p)], A[(q, q)]] = diagonal;
+            (A[(p, q)], A[(q, p)]) = (0.0, 0.0);
+            rotate(&mut axes);
+        }
+        if largest <= f64::EPSILON * f64::EPSILON * A.amax() {
+            break;
+        }
+    }
+    (A.diagonal(), axes)
+}
+
 /// The outward normal of a facet with corners `x`; its length is the facet's measure (UL in the
 /// plane, UL² in space). The order of the corners defines the side of the body: to their left in
 /// the plane; in space, behind the side from which they run counter-clockwise.
@@ -82,6 +121,33 @@ mod tests {
         assert!((determinant(&B) - B.determinant()).abs() < 1e-14);
         let inverse = B.try_inverse().expect("invertible").transpose();
         assert!((inverse_transpose(&B) - inverse).norm() < 1e-14);
+    }
+
+    /// A = V diag(a) Vᵀ with VᵀV = I, also where eigenvalues coincide or almost do.
+    #[test]
+    fn principal_axes_of_close_and_distant_values() {
+        let turned = |a: [f64; 3]| {
+            let Q = nalgebra::Rotation3::from_euler_angles(0.3, -1.1, 2.0);
+            let A = Q.matrix() * Matrix::from_diagonal(&Vector::from(a)) * Q.matrix().transpose();
+            0.5 * (A + A.transpose())
+        };
+        for a in [
+            [1.0, 2.0, -3.0],
+            [5.0, 5.0, 5.0],
+            [1.0, 1.0, 4.0],
+            [1.0, 1.0 + 1e-14, 1.0 - 1e-9],
+            [1e-9, 1.0, 1e6],
+            [0.0; 3],
+        ] {
+            let (A, size) = (turned(a), Vector::from(a).amax());
+            let (values, V) = principal_axes(A);
+            assert!((V.transpose() * V - Matrix::identity()).norm() < 1e-14);
+            let again = V * Matrix::from_diagonal(&values) * V.transpose();
+            assert!((again - A).norm() <= 1e-14 * size, "{a:?}: {values}");
+        }
+        let (values, V) = principal_axes(Matrix::<2>::new(2.0, 1.0, 1.0, 2.0));
+        assert!((values.min() - 1.0).abs() + (values.max() - 3.0).abs() < 1e-14);
+        assert!((V[(0, 0)].abs() - 0.5_f64.sqrt()).abs() < 1e-15, "{V}");
     }
 
     #[test]

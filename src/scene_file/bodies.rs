@@ -1,31 +1,13 @@
 //! Bodies of a scene file: meshes, laws, supports and loads.
 
-use contact_fem::element::{Element, Order, P1, P2};
-use contact_fem::{
-    Body, LinearElastic, Mesh, MeshFile, MooneyRivlin, NeoHookean, Scene, StVenantKirchhoff,
-    material::Volumetric,
-};
+use contact_fem::element::{Element, P1, P2};
+use contact_fem::{Body, Mesh, MeshFile, Scene};
 
 use super::contact::Bodies;
-use super::keys::{BodyKeys, Law, SupportKeys, TractionKeys};
+use super::keys::{BodyKeys, SupportKeys, TractionKeys};
+use super::laws;
 use super::program::{amplitude, motion};
 use super::{Error, SceneFile, of, vector};
-
-/// A body, with averaged changes of volume or without.
-fn elastic<const D: usize>(
-    mesh: Mesh<D>,
-    law: impl Volumetric<D>,
-    averaged: bool,
-) -> Result<Body<D>, contact_fem::Error>
-where
-    P1: Element<D>,
-    P2: Element<D>,
-{
-    match averaged {
-        true => Body::with_averaged_volumes(mesh, law),
-        false => Ok(Body::new(mesh, law)),
-    }
-}
 
 impl SceneFile {
     /// Whether a quadratic body has a side that is curved by more than round-off of a file.
@@ -59,7 +41,12 @@ impl SceneFile {
         let part = format!("body {}", keys.name);
         let file = self.mesh_file(keys)?;
         let mesh = match &keys.region {
+            Some(_) if !keys.laws.is_empty() => {
+                let what = "its `laws` name regions of the whole mesh: leave `region` out".into();
+                return Err(Error::Part { part, what });
+            }
             Some(region) => of(&part, file.body::<D>(&region.to_string()))?,
+            None if !keys.laws.is_empty() => of(&part, file.with_regions::<D>())?,
             None => {
                 let mut all = of(&part, file.bodies::<D>())?;
                 match all.len() {
@@ -67,8 +54,9 @@ impl SceneFile {
                     _ => {
                         let names: Vec<String> = all.into_iter().map(|(name, _)| name).collect();
                         let names = names.join(", ");
-                        let what =
-                            format!("its mesh has the regions {names}: choose one by `region`");
+                        let what = format!(
+                            "its mesh has the regions {names}: choose one by `region`, or name all in `laws`"
+                        );
                         return Err(Error::Part { part, what });
                     }
                 }
@@ -113,7 +101,7 @@ impl SceneFile {
             let what = "a name has no `/` or `\\`, since files are called after it".into();
             return Err(Error::Part { part, what });
         }
-        let mut body = keys.elastic(&part, self.mesh(keys)?)?;
+        let mut body = laws::body(&part, keys, self.mesh(keys)?)?;
         for name in &keys.symmetry {
             of(&part, body.symmetry(&name.to_string()))?;
         }
@@ -126,54 +114,6 @@ impl SceneFile {
 }
 
 impl BodyKeys {
-    /// The body without supports and loads.
-    fn elastic<const D: usize>(&self, part: &str, mesh: Mesh<D>) -> Result<Body<D>, Error>
-    where
-        P1: Element<D>,
-        P2: Element<D>,
-    {
-        let wrong = |what: &str| Error::Part {
-            part: part.into(),
-            what: what.into(),
-        };
-        let (young, poisson) = (self.young, self.poisson);
-        let averaged = self.averaged_volumes;
-        if averaged && mesh.order() == Order::Quadratic {
-            return Err(wrong(
-                "`averaged-volumes` is for linear cells, and these are quadratic, which do not lock: leave it or \
-                 `quadratic` out",
-            ));
-        }
-        let body = match (self.law, self.share) {
-            (Law::MooneyRivlin, Some(share)) => elastic(
-                mesh,
-                of(part, MooneyRivlin::new(young, poisson, share))?,
-                averaged,
-            ),
-            (Law::MooneyRivlin, None) => return Err(wrong("the law mooney-rivlin needs `share`")),
-            (_, Some(_)) => return Err(wrong("`share` is of the law mooney-rivlin: leave it out")),
-            (Law::LinearElastic, None) => elastic(
-                mesh,
-                of(part, LinearElastic::new(young, poisson))?,
-                averaged,
-            ),
-            (Law::NeoHookean, None) => {
-                elastic(mesh, of(part, NeoHookean::new(young, poisson))?, averaged)
-            }
-            (Law::StVenantKirchhoff, None) if averaged => {
-                return Err(wrong(
-                    "`averaged-volumes` is not for st-venant-kirchhoff, whose energy has no part of the volume \
-                     alone: leave it out, or take another law",
-                ));
-            }
-            (Law::StVenantKirchhoff, None) => Ok(Body::new(
-                mesh,
-                of(part, StVenantKirchhoff::new(young, poisson))?,
-            )),
-        };
-        of(part, body)
-    }
-
     /// Tractions and body force.
     fn load<const D: usize>(&self, part: &str, body: &mut Body<D>) -> Result<(), Error> {
         for TractionKeys {

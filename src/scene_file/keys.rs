@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
+use super::laws::{Law, RegionKeys};
 use super::run::{Departure, Solver};
 
 #[derive(Clone, Debug, Deserialize)]
@@ -78,9 +79,14 @@ pub(super) struct BodyKeys {
     #[serde(default)]
     pub(super) averaged_volumes: bool,
     pub(super) law: Law,
-    pub(super) young: f64,
-    pub(super) poisson: f64,
+    pub(super) young: Option<f64>,
+    pub(super) poisson: Option<f64>,
     pub(super) share: Option<f64>,
+    pub(super) terms: Option<Vec<[f64; 2]>>,
+    #[serde(default)]
+    pub(super) laws: Vec<RegionKeys>,
+    #[serde(default)]
+    pub(super) plane_stress: bool,
     #[serde(default)]
     pub(super) symmetry: Vec<Name>,
     #[serde(default)]
@@ -89,15 +95,6 @@ pub(super) struct BodyKeys {
     pub(super) tractions: Vec<TractionKeys>,
     pub(super) body_force: Option<Vec<f64>>,
     pub(super) body_force_amplitude: Option<AmplitudeKeys>,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Law {
-    LinearElastic,
-    NeoHookean,
-    StVenantKirchhoff,
-    MooneyRivlin,
 }
 
 /// A label or a name.

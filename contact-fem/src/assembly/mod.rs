@@ -3,6 +3,7 @@
 mod averaged;
 mod dofs;
 mod extension;
+mod laws;
 mod loads;
 mod quadratic;
 mod scatter;
@@ -13,6 +14,7 @@ mod trial;
 
 pub use averaged::AveragedVolume;
 pub use dofs::{Dof, DofMap};
+pub use laws::Laws;
 pub use loads::{add_body_force, add_traction};
 pub use quadratic::QuadraticEnergy;
 pub use strain_energy::StrainEnergy;
@@ -44,19 +46,19 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     fn assembled_cells(&self) -> usize;
     /// The median of the Hessian's diagonal (UF/UL) at zero displacement.
     fn typical_stiffness(&self) -> f64;
-    /// E/(1 − ν²) of the law at zero strain (UF/UL²), from the stiffness to stretch and shear of its first two axes; infinite if no
-    /// cell is assembled.
+    /// E/(1 − ν²) of the law at zero strain (UF/UL²), from the stiffness to stretch and shear of its first two axes, the least of
+    /// several laws; infinite if no cell is assembled.
     fn contact_modulus(&self) -> f64;
 }
 
 /// Stress and volume ratio in one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellState<const D: usize> {
-    /// J = det F.
+    /// J = det F; of a body in plane stress, too, where the volume changes by J F₃₃.
     pub J: f64,
     /// Cauchy stress σ (UF/UL²).
     pub sigma: Matrix<D>,
-    /// σ_zz in plane strain (UF/UL²); zero in space.
+    /// σ_zz in plane strain (UF/UL²); zero in plane stress and in space.
     pub sigma_zz: f64,
 }
 

@@ -7,6 +7,7 @@ use contact_core::linear::SymmetricPattern;
 
 use super::dofs::{Dof, DofMap};
 use super::extension::Extension;
+use super::laws::Laws;
 use super::scatter::{SlotMap, pattern_and_slots};
 use super::trial::Trial;
 use super::{BodyEnergy, CellState};
@@ -25,7 +26,7 @@ pub(super) struct Point<const D: usize, E: Element<D>> {
 
 /// The total potential energy of one body (equation (2) of the paper).
 pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
-    material: M,
+    laws: Laws<M>,
     dofs: DofMap,
     /// The nodes of the assembled cells, and their quadrature points cell by cell.
     cells: Vec<E::PerNode<usize>>,
@@ -53,15 +54,28 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         prescribed: Vec<f64>,
         forces: Vec<f64>,
     ) -> Self {
+        Self::with_laws(mesh, &material.into(), dofs, prescribed, forces)
+    }
+
+    /// As [`StrainEnergy::new`], with laws that differ from cell to cell or from point to point.
+    pub fn with_laws(
+        mesh: &Mesh<D>,
+        laws: &Laws<M>,
+        dofs: DofMap,
+        prescribed: Vec<f64>,
+        forces: Vec<f64>,
+    ) -> Self {
         let is_free =
             |&node: &usize| (0..D).any(|i| matches!(dofs.get(D * node + i), Dof::Free(_)));
-        let assembled = mesh.cells().filter(|cell| cell.iter().any(is_free));
-        let cells: Vec<E::PerNode<usize>> = assembled.map(nodes_of::<D, E>).collect();
+        let assembled = (0..mesh.len()).filter(|&k| mesh.cell(k).iter().any(is_free));
+        let assembled: Vec<usize> = assembled.collect();
+        let cells = assembled.iter().map(|&k| nodes_of::<D, E>(mesh.cell(k)));
+        let cells: Vec<E::PerNode<usize>> = cells.collect();
         let points = cells.iter().flat_map(|cell| points_of::<D, E>(mesh, cell));
         let points = points.collect();
         let (pattern, slots) = pattern_and_slots(&dofs, cells.iter().map(AsRef::as_ref));
         let mut energy = StrainEnergy {
-            material,
+            laws: laws.of_assembled(&assembled, E::QUADRATURE.len()),
             cells,
             points,
             full_forces: forces,
@@ -159,10 +173,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
                 v.copy_from_slice(&U[D * a..D * (a + 1)]);
             }
             let (mut energy, mut forces) = (0.0, E::per_node(Vector::zeros()));
-            for point in &self.points[k * size..(k + 1) * size] {
+            for q in k * size..(k + 1) * size {
+                let (point, law) = (&self.points[q], self.laws.at(q));
                 let at = Deformation::of_quadratic_law(point.deformation(&local));
-                energy += point.weight * self.material.energy_density(&at);
-                let P = self.material.stress(&at) * point.weight;
+                energy += point.weight * law.energy_density(&at);
+                let P = law.stress(&at) * point.weight;
                 let nodes = forces.as_mut().iter_mut().zip(point.gradients.as_ref());
                 nodes.for_each(|(force, dN)| *force += P * dN);
             }
@@ -201,7 +216,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         self.evaluate(u, |at| {
             let forces = |q: usize| {
                 let point = &self.points[q];
-                let P = self.material.stress(&at[q]) * point.weight;
+                let P = self.laws.at(q).stress(&at[q]) * point.weight;
                 let mut forces = E::per_node(Vector::zeros());
                 let nodes = forces.as_mut().iter_mut().zip(point.gradients.as_ref());
                 nodes.for_each(|(force, dN)| *force = P * dN);
@@ -287,7 +302,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     fn value(&self, u: &[f64]) -> f64 {
         let mut energy = 0.0;
         self.evaluate(u, |at| {
-            let share = |q: usize| self.points[q].weight * self.material.energy_density(&at[q]);
+            let share = |q: usize| self.points[q].weight * self.laws.at(q).energy_density(&at[q]);
             parallel::in_order(at.len(), share, |_, share| energy += share);
         });
         self.with_potential(energy, u)
@@ -319,8 +334,9 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
             let blocks = |k: usize| {
                 let mut blocks = E::per_node(E::per_node(Matrix::<D>::zeros()));
                 let own = k * size..(k + 1) * size;
-                for (point, at) in self.points[own.clone()].iter().zip(&at[own]) {
-                    let A = self.material.contraction(at);
+                let points = self.points[own.clone()].iter().zip(&at[own.clone()]);
+                for (q, (point, at)) in own.zip(points) {
+                    let A = self.laws.at(q).contraction(at);
                     let dN = point.gradients.as_ref();
                     for (a, row) in blocks.as_mut().iter_mut().enumerate() {
                         for (b, block) in row.as_mut()[..=a].iter_mut().enumerate() {
@@ -403,7 +419,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
     }
 
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
-        let state = |cell: &[usize]| {
+        let state = |(k, cell): (usize, &[usize])| {
             let nodes = nodes_of::<D, E>(cell);
             let mut local = E::per_node(Vector::zeros());
             let displacements = local.as_mut().iter_mut().zip(cell);
@@ -415,14 +431,14 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
                 volume += point.weight;
             }
             let at = Deformation::new(mean / volume);
-            let (sigma, sigma_zz) = self.material.cauchy_stress(&at);
+            let (sigma, sigma_zz) = self.laws.at_centre(k).cauchy_stress(&at);
             CellState {
                 J: at.J,
                 sigma,
                 sigma_zz,
             }
         };
-        mesh.cells().map(state).collect()
+        mesh.cells().enumerate().map(state).collect()
     }
 
     fn contact_modulus(&self) -> f64 {
@@ -430,12 +446,19 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
             return f64::INFINITY;
         }
         let at = Deformation::new(Matrix::identity());
-        let contraction = self.material.contraction(&at);
-        let axis = |i: usize| unit_vector::<D>(i);
-        // λ + 2μ and μ, of which E/(1 − ν²) is made
-        let stretched = contraction(&axis(0), &axis(0))[(0, 0)];
-        let sheared = contraction(&axis(1), &axis(1))[(0, 0)];
-        4.0 * sheared * (stretched - sheared) / stretched
+        let modulus = |law: &M| {
+            let contraction = law.contraction(&at);
+            let axis = |i: usize| unit_vector::<D>(i);
+            // λ + 2μ and μ, of which E/(1 − ν²) is made
+            let stretched = contraction(&axis(0), &axis(0))[(0, 0)];
+            let sheared = contraction(&axis(1), &axis(1))[(0, 0)];
+            4.0 * sheared * (stretched - sheared) / stretched
+        };
+        self.laws
+            .all()
+            .iter()
+            .map(modulus)
+            .fold(f64::INFINITY, f64::min)
     }
 
     fn assembled_cells(&self) -> usize {

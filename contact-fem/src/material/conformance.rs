@@ -24,7 +24,7 @@ pub enum Property {
     /// ψ(RF) = ψ(F) and P(RF) = R P(F) for a rotation R; for a quadratic law P = 0 at F = I + W for
     /// a skew W.
     Objectivity,
-    /// σ = σᵀ, and σ = P Fᵀ / J unless the law is quadratic.
+    /// σ = σᵀ, and σ = P Fᵀ/(J F₃₃) unless the law is quadratic, with [`Material::thickness`] F₃₃.
     CauchyStress,
     /// A changes with F if and only if [`Material::QUADRATIC`] is not set; where it is, ψ and P use neither ln J nor F⁻ᵀ.
     QuadraticFlag,
@@ -292,12 +292,12 @@ fn spin<const D: usize, M: Material<D>>(law: &M, at: &Deformation<D>) -> f64 {
     planes.map(error).fold(0.0, nan_max)
 }
 
-/// The differences of σ from P Fᵀ / J and from symmetry; NaN if σ_zz is not finite.
+/// The differences of σ from P Fᵀ/(J F₃₃) and from symmetry; NaN if σ_zz is not finite.
 fn cauchy_error<const D: usize, M: Material<D>>(law: &M, at: &Deformation<D>) -> f64 {
     let (sigma, sigma_zz) = law.cauchy_stress(at);
     let expected = match M::QUADRATIC {
         true => sigma.transpose(),
-        false => law.stress(at) * at.F.transpose() / at.J,
+        false => law.stress(at) * at.F.transpose() / (at.J * law.thickness(at)),
     };
     let errors = [sigma - expected, sigma - sigma.transpose()];
     let of_plane = if sigma_zz.is_finite() { 0.0 } else { f64::NAN };

@@ -8,18 +8,22 @@ mod deformation;
 mod linear_elastic;
 mod mooney_rivlin;
 mod neo_hookean;
+mod ogden;
+mod plane_stress;
 mod st_venant_kirchhoff;
 
 pub use deformation::Deformation;
 pub use linear_elastic::LinearElastic;
 pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hookean::NeoHookean;
+pub use ogden::Ogden;
+pub use plane_stress::PlaneStress;
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 
 use crate::error::Error;
 use crate::tensor::{Matrix, Vector};
 
-/// A hyperelastic law ψ(F); in the plane, plane strain.
+/// A hyperelastic law ψ(F); in the plane, plane strain, or plane stress by [`PlaneStress`].
 ///
 /// Instead of the fourth-order tensor A = ∂²ψ/∂F², a law provides its contraction with two vectors.
 /// A pair of nodes needs only these D² numbers: K_ab = ∫ A : (∇N_a ⊗ ∇N_b). [`conformance::check`]
@@ -90,6 +94,10 @@ pub trait Material<const D: usize>: Clone + Send + Sync + 'static {
     /// Cauchy stress σ at F (UF/UL²), and in the plane its out-of-plane component σ_zz; in space
     /// the second value is zero and has no meaning.
     fn cauchy_stress(&self, at: &Deformation<D>) -> (Matrix<D>, f64);
+    /// F₃₃, by which a plane body's thickness changes: σ = P Fᵀ/(J F₃₃). It is 1 in plane strain, and in space.
+    fn thickness(&self, _at: &Deformation<D>) -> f64 {
+        1.0
+    }
 }
 
 /// A law ψ = ψ₀ + k/2 θ² with a part that depends on the change of volume alone: θ = ln J, or tr ∇u if the law is quadratic.

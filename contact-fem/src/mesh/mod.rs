@@ -1,4 +1,4 @@
-//! Simplicial meshes with named boundaries.
+//! Simplicial meshes with named boundaries and regions.
 
 mod boundary;
 pub mod generators;
@@ -38,6 +38,8 @@ pub struct Mesh<const D: usize> {
     labels: BTreeMap<String, i32>,
     /// The region in that file.
     region: Option<i32>,
+    /// Named sets of cells.
+    regions: BTreeMap<String, Vec<usize>>,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -100,6 +102,7 @@ impl<const D: usize> Mesh<D> {
             inner: BTreeMap::new(),
             labels: BTreeMap::new(),
             region: None,
+            regions: BTreeMap::new(),
         };
         mesh.check_edges()?;
         mesh.check_cells()?;
@@ -147,6 +150,20 @@ impl<const D: usize> Mesh<D> {
             .filter_map(|(f, facet)| inside(facet).then_some(f))
             .collect();
         let named = self.boundaries.entry(name.to_string()).or_default();
+        named.extend(found);
+        named.sort_unstable();
+        named.dedup();
+    }
+
+    /// Gives the region `name` those cells whose centre, the mean of the corners, satisfies `contains`; an existing region is extended.
+    /// Regions may overlap.
+    pub fn name_region(&mut self, name: &str, contains: impl Fn(&Vector<D>) -> bool) {
+        let centre = |cell: usize| {
+            let corners = self.corners(cell).iter().map(|&a| self.nodes[a]);
+            corners.sum::<Vector<D>>() / (D + 1) as f64
+        };
+        let found: Vec<usize> = (0..self.len()).filter(|&k| contains(&centre(k))).collect();
+        let named = self.regions.entry(name.to_string()).or_default();
         named.extend(found);
         named.sort_unstable();
         named.dedup();
@@ -294,6 +311,23 @@ impl<const D: usize> Mesh<D> {
     /// The region that the mesh has in its file: a label of cells, or the number of a physical group.
     pub fn region(&self) -> Option<i32> {
         self.region
+    }
+
+    /// The names of the regions, which are sets of cells.
+    pub fn region_names(&self) -> impl Iterator<Item = &str> {
+        self.regions.keys().map(String::as_str)
+    }
+
+    /// The cells of a named region, ascending.
+    ///
+    /// # Errors
+    /// [`Error::UnknownRegion`], which lists the existing names.
+    pub fn region_cells(&self, name: &str) -> Result<&[usize], Error> {
+        let cells = self.regions.get(name).map(Vec::as_slice);
+        cells.ok_or_else(|| Error::UnknownRegion {
+            name: name.to_string(),
+            known: self.regions.keys().cloned().collect(),
+        })
     }
 
     /// The nodes of a named boundary, each once, ascending.

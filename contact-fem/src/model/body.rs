@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::courses::{Course, Load, Origin, Supports};
 use crate::assembly::{
-    AveragedVolume, BodyEnergy, DofMap, QuadraticEnergy, StrainEnergy, add_body_force, add_traction,
+    AveragedVolume, BodyEnergy, DofMap, Laws, QuadraticEnergy, StrainEnergy, add_body_force,
+    add_traction,
 };
 use crate::element::{Element, Order, P1, P2};
 use crate::error::Error;
@@ -12,6 +13,9 @@ use crate::material::{Deformation, Material, Volumetric, conformance};
 use crate::mesh::Mesh;
 use crate::program::{Amplitude, Motion, samples};
 use crate::tensor::{Matrix, Vector, unit_vector};
+
+/// Of a law that varies from point to point, about so many are checked.
+const SAMPLED: usize = 1000;
 
 /// Nodes are in one plane up to this share of the mesh's size.
 const PLANE: f64 = 1e-9;
@@ -64,10 +68,70 @@ impl<const D: usize> Body<D> {
         P2: Element<D>,
     {
         let law: Arc<dyn Law<D>> = match mesh.order() {
-            Order::Linear => Arc::new(ElasticLaw(P1, material)),
-            Order::Quadratic => Arc::new(ElasticLaw(P2, material)),
+            Order::Linear => Arc::new(ElasticLaw(P1, material.into())),
+            Order::Quadratic => Arc::new(ElasticLaw(P2, material.into())),
         };
         Body::of(mesh, law)
+    }
+
+    /// A body whose regions have laws of their own. They are of one type; an enum of yours, which implements [`Material`], may be
+    /// several. Layers stick together, since they share the nodes between them.
+    ///
+    /// Two layers in series:
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Body, LinearElastic, Scene, Simulation};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let mut mesh = rectangle(&linspace(0.0, 2.0, 4), &[0.0, 1.0], Diagonals::Rising)?;
+    /// mesh.name_region("soft", |X| X[0] < 1.0);
+    /// mesh.name_region("stiff", |X| X[0] > 1.0);
+    /// let laws = [("soft", LinearElastic::new(100.0, 0.0)?), ("stiff", LinearElastic::new(300.0, 0.0)?)];
+    /// let mut bar = Body::with_laws(mesh, laws)?;
+    /// bar.symmetry("left")?.symmetry("bottom")?.prescribe("right", [Some(0.01), None])?;
+    /// let mut scene = Scene::new();
+    /// scene.add("bar", bar);
+    /// let history = Simulation::with_increments(1).run(&mut scene.problem()?)?;
+    /// let last = history.last().expect("one step");
+    /// assert!((last.energy - 0.5 * 0.01 * 0.01 / (1.0 / 100.0 + 1.0 / 300.0)).abs() < 1e-12);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A region that does not exist, and a cell in none of them or in several.
+    pub fn with_laws<M: Material<D>>(
+        mesh: Mesh<D>,
+        laws: impl IntoIterator<Item = (impl AsRef<str>, M)>,
+    ) -> Result<Self, Error>
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
+        let law: Arc<dyn Law<D>> = match mesh.order() {
+            Order::Linear => Arc::new(ElasticLaw(P1, Laws::of_regions::<D, P1>(&mesh, laws)?)),
+            Order::Quadratic => Arc::new(ElasticLaw(P2, Laws::of_regions::<D, P2>(&mesh, laws)?)),
+        };
+        Ok(Body::of(mesh, law))
+    }
+
+    /// A body whose law varies with the reference position X (UL). The law of each quadrature point is made once, here.
+    ///
+    /// # Errors
+    /// Those of `law`.
+    pub fn graded<M: Material<D>>(
+        mesh: Mesh<D>,
+        law: impl Fn(&Vector<D>) -> Result<M, Error>,
+    ) -> Result<Self, Error>
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
+        let law: Arc<dyn Law<D>> = match mesh.order() {
+            Order::Linear => Arc::new(ElasticLaw(P1, Laws::graded::<D, P1>(&mesh, law)?)),
+            Order::Quadratic => Arc::new(ElasticLaw(P2, Laws::graded::<D, P2>(&mesh, law)?)),
+        };
+        Ok(Body::of(mesh, law))
     }
 
     /// A body of linear elements that do not lock where the law is nearly incompressible: changes of volume are averaged
@@ -652,7 +716,7 @@ impl<const D: usize> Body<D> {
     }
 
     /// The shear modulus and the modulus of stretching without lateral strain (UF/UL²) at rest, along the
-    /// first two axes.
+    /// first two axes. Of several laws the least shear modulus, and it times the largest ratio of both.
     pub(crate) fn rest_moduli(&self) -> (f64, f64) {
         self.law.rest_moduli()
     }
@@ -683,7 +747,7 @@ trait Law<const D: usize>: Send + Sync {
     );
 }
 
-struct ElasticLaw<E, M>(E, M);
+struct ElasticLaw<E, M>(E, Laws<M>);
 
 /// The same with averaged changes of volume.
 struct AveragedLaw<M>(M);
@@ -709,18 +773,31 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> 
     }
 
     fn rest_moduli(&self) -> (f64, f64) {
-        rest_moduli(&self.1)
+        let mut all = self.1.all().iter().map(rest_moduli);
+        let first = all.next().unwrap_or((f64::NAN, f64::NAN));
+        all.fold(first, |(shear, longitudinal), own| {
+            let ratio = (longitudinal / shear).max(own.1 / own.0);
+            let softer = shear.min(own.0);
+            (softer, softer * ratio)
+        })
     }
 
     fn slopes(&self) -> [f64; 2] {
-        conformance::slopes(&self.1)
+        let laws = self.1.all();
+        let sampled = laws.iter().step_by(laws.len().div_ceil(SAMPLED));
+        let nan_max = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
+        sampled
+            .map(conformance::slopes)
+            .fold([0.0; 2], |worst, own| {
+                std::array::from_fn(|k| nan_max(own[k], worst[k]))
+            })
     }
 
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
         let dofs = DofMap::new(&body.is_prescribed());
         let prescribed = body.prescribed.iter().flatten().copied().collect();
-        let (law, forces) = (self.1.clone(), body.forces.clone());
-        let energy = StrainEnergy::<D, E, M>::new(&body.mesh, law, dofs, prescribed, forces);
+        let (mesh, forces) = (&body.mesh, body.forces.clone());
+        let energy = StrainEnergy::<D, E, M>::with_laws(mesh, &self.1, dofs, prescribed, forces);
         match M::QUADRATIC {
             true => Box::new(QuadraticEnergy::new(energy)),
             false => Box::new(energy),

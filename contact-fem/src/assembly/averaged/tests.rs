@@ -4,7 +4,7 @@ use contact_core::check;
 
 use super::*;
 use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
-use crate::{LinearElastic, MooneyRivlin, NeoHookean};
+use crate::{LinearElastic, MooneyRivlin, NeoHookean, Ogden};
 
 fn square() -> Mesh<2> {
     let xs = linspace(0.0, 1.0, 3);
@@ -79,6 +79,9 @@ fn derivatives_are_differences() {
     derivatives::<3, _>(&cube(), NeoHookean::new(2.0, 0.49).expect("a law"));
     derivatives::<3, _>(&cube(), LinearElastic::new(2.0, 0.49).expect("a law"));
     derivatives::<3, _>(&cube(), mooney);
+    let ogden = Ogden::new(&[[0.6, 1.3], [-0.01, -2.0]], 0.49).expect("a law");
+    derivatives::<2, _>(&square(), ogden.clone());
+    derivatives::<3, _>(&cube(), ogden);
 }
 
 /// Where all cells deform alike, means are the cells' own values: energy, forces and stresses are those of plain cells.

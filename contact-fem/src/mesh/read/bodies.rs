@@ -54,6 +54,15 @@ impl MeshFile {
         self.one_body(name).map_err(|problem| self.error(problem))
     }
 
+    /// All cells as one body, whose regions are those of [`MeshFile::bodies`]: a body of several laws. A labelled facet between two
+    /// regions is one of [`Mesh::inner_facets`].
+    ///
+    /// # Errors
+    /// As [`MeshFile::bodies`]; also if regions have cells of different orders.
+    pub fn with_regions<const D: usize>(&self) -> Result<Mesh<D>, Error> {
+        self.whole().map_err(|problem| self.error(problem))
+    }
+
     fn error(&self, problem: Problem) -> Error {
         let (path, place) = (self.path.clone(), Place::File);
         Error::MeshFile {
@@ -92,6 +101,31 @@ impl MeshFile {
         let mut labelled = self.labelled_facets(D);
         let mut body = self.body_of(&part, &mut labelled)?;
         self.name_inner(std::slice::from_mut(&mut body), &mut labelled);
+        Ok(body.mesh)
+    }
+
+    fn whole<const D: usize>(&self) -> Result<Mesh<D>, Problem> {
+        let parts = self.parts(D)?;
+        self.check_all_in_parts(D)?;
+        self.check_cells_differ(&parts)?;
+        let whole = Part {
+            name: "body",
+            region: None,
+            blocks: parts.iter().flat_map(|part| part.blocks.clone()).collect(),
+        };
+        let mut labelled = self.labelled_facets(D);
+        let mut body = self.body_of(&whole, &mut labelled)?;
+        self.name_inner(std::slice::from_mut(&mut body), &mut labelled);
+        self.check_met(&labelled)?;
+        // cells are in the order of the parts
+        let mut next = 0;
+        for part in &parts {
+            let cells = part.blocks.iter().map(|&b| self.elements[b].len());
+            let end = next + cells.sum::<usize>();
+            let regions = &mut body.mesh.regions;
+            regions.insert(part.name.to_string(), (next..end).collect());
+            next = end;
+        }
         Ok(body.mesh)
     }
 

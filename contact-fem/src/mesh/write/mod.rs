@@ -58,7 +58,8 @@ impl Section {
 /// The vertices of a body follow those of the bodies before it. Bodies share vertices that coincide
 /// exactly, as those of `Th1 + Th2` do, since FreeFEM reads no plane mesh with two vertices at a
 /// point; write bodies that may open to files of their own. The label of a body's cells is its
-/// [`Mesh::region`]; bodies without one get 1, 2, … but no region of another. Facets have the labels
+/// [`Mesh::region`]; bodies without one get 1, 2, … but no region of another. Regions within a body, those of
+/// [`Mesh::name_region`], are not written. Facets have the labels
 /// that [`boundary_labels`] tells. Those on no boundary have label 0, and are left out if a boundary
 /// has it or if they are between two bodies.
 ///
