@@ -177,6 +177,10 @@ struct BodyKeys {
     supports: Vec<SupportKeys>,
     #[serde(default)]
     tractions: Vec<TractionKeys>,
+    #[serde(default)]
+    pressures: Vec<PressureKeys>,
+    #[serde(default)]
+    foundations: Vec<FoundationKeys>,
     body_force: Option<Vec<f64>>,
     body_force_amplitude: Option<AmplitudeKeys>,
 }
@@ -216,6 +220,50 @@ struct TractionKeys {
     on: Name,
     force: Vec<f64>,
     amplitude: Option<AmplitudeKeys>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PressureKeys {
+    on: Name,
+    pressure: f64,
+    amplitude: Option<AmplitudeKeys>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct FoundationKeys {
+    on: Name,
+    stiffness: f64,
+    #[serde(default)]
+    normal_only: bool,
+}
+
+impl BodyKeys {
+    /// Adds what acts on boundaries where they are.
+    fn add_to_boundaries<const D: usize>(
+        &self,
+        part: &str,
+        body: &mut Body<D>,
+    ) -> Result<(), Error> {
+        for (k, keys) in self.pressures.iter().enumerate() {
+            let part = format!("{part}, pressures, entry {}", k + 1);
+            let course = amplitude(&part, keys.amplitude.as_ref())?;
+            of(
+                &part,
+                body.pressure_in_time(&keys.on.to_string(), keys.pressure, course),
+            )?;
+        }
+        for (k, keys) in self.foundations.iter().enumerate() {
+            let on = keys.on.to_string();
+            let springs = match keys.normal_only {
+                true => body.normal_foundation(&on, keys.stiffness),
+                false => body.foundation(&on, keys.stiffness),
+            };
+            of(&format!("{part}, foundations, entry {}", k + 1), springs)?;
+        }
+        Ok(())
+    }
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -784,6 +832,7 @@ impl SceneFile {
             let course = amplitude(&part, course.as_ref())?;
             of(&part, body.traction_in_time(&on.to_string(), force, course))?;
         }
+        keys.add_to_boundaries(&part, &mut body)?;
         let course = amplitude(&part, keys.body_force_amplitude.as_ref())?;
         match &keys.body_force {
             Some(force) => {
