@@ -602,6 +602,64 @@ fn laws_from_a_file() {
     }
 }
 
+/// Pressures and foundations of a file are those of the body; errors name their keys and entries.
+#[test]
+fn pressures_and_foundations_from_a_file() {
+    let folder = fresh("boundaries");
+    let text = r#"
+        increments = 2
+
+        [[body]]
+        name = "upper"
+        mesh = "upper.msh"
+        law = "neo-hookean"
+        young = 100
+        poisson = 0.3
+        symmetry = [2, 3]
+        pressures = [{ on = 4, pressure = 4, amplitude = [[0, 0], [1, 2]] }]
+        foundations = [{ on = 1, stiffness = 50, normal-only = true }]
+    "#;
+    let path = two_bodies(&folder, text);
+    let scene = |text: &str| SceneFile::parse(text, &folder).map(|file| file.scene::<2>());
+    let file = SceneFile::read(&path).expect("a file");
+    let mut problem = file
+        .scene::<2>()
+        .expect("a scene")
+        .problem()
+        .expect("sound");
+    let history = file.simulation().expect("settings").run(&mut problem);
+    let history = history.expect("a run");
+    let last = history.last().expect("a step");
+    // a pressure of 8 on all of its width
+    let mesh = MeshFile::read(folder.join("upper.msh")).expect("a mesh");
+    let mesh = mesh.bodies::<2>().expect("bodies").remove(0).1;
+    let (low, high) = mesh.bounding_box();
+    let carried = last
+        .support_reactions
+        .iter()
+        .find(|(side, _)| side.boundary == "1");
+    let carried = carried.expect("a foundation").1[1];
+    assert!(
+        (carried / (8.0 * (high[0] - low[0])) - 1.0).abs() < 1e-6,
+        "{carried}"
+    );
+    for (good, bad, told) in [
+        ("stiffness = 50", "stiffness = -50", "foundations, entry 1"),
+        ("stiffness = 50", "stifness = 50", "stifness"),
+        ("pressure = 4", "pressure = nan", "pressures, entry 1"),
+        ("on = 4", "on = 9", "pressures, entry 1"),
+    ] {
+        let refused = match scene(&text.replace(good, bad)) {
+            Ok(scene) => scene.err().map(|error| error.to_string()),
+            Err(error) => Some(error.to_string()),
+        };
+        assert!(
+            refused.as_ref().is_some_and(|e| e.contains(told)),
+            "{refused:?} of {told}"
+        );
+    }
+}
+
 #[test]
 fn a_program_from_a_file() {
     let folder = fresh("phases");

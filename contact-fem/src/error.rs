@@ -163,7 +163,21 @@ pub enum Error {
         /// The distance that counts (UL).
         within: f64,
     },
-    /// A support or a traction on a boundary without facets.
+    /// A pressure on a boundary whose rim is free, which has no potential.
+    #[error(
+        "the pressure on boundary `{boundary}` of body `{body}` is not conservative, since the rim of the boundary is free at \
+         {at:?}: hold the rim, let it slide in a plane perpendicular to an axis (`Body::symmetry`), name a closed \
+         boundary, or take a traction, whose direction stays"
+    )]
+    FreeRim {
+        /// The body.
+        body: String,
+        /// The boundary under pressure.
+        boundary: String,
+        /// X of a node of the rim (UL).
+        at: Vec<f64>,
+    },
+    /// A support, a foundation, a traction or a pressure on a boundary without facets.
     #[error(
         "the {what} acts on nothing, since boundary `{name}` has no facets: check the predicate that names it, \
          which must hold at all corners of a facet"
@@ -171,7 +185,7 @@ pub enum Error {
     EmptyBoundary {
         /// The name of the boundary.
         name: String,
-        /// What acts on it: a support or a traction.
+        /// What acts on it: a support, a foundation, a traction or a pressure.
         what: &'static str,
     },
     /// A boundary name that is in use.

@@ -268,7 +268,7 @@ impl<const D: usize> StepRecord<D> {
         // a law that answers otherwise than it did to the solver has no energy here
         let energy = energy.unwrap_or(solution.energy);
         let stored_energy = external.stored(energy);
-        let support_reactions = external.reactions().collect();
+        let support_reactions = external.reactions();
         *done = (external, works.clone());
         StepRecord {
             factor: step.factor,

@@ -109,11 +109,37 @@ impl SceneFile {
             support.hold(&part, &mut body)?;
         }
         keys.load(&part, &mut body)?;
+        keys.add_to_boundaries(&part, &mut body)?;
         Ok(body)
     }
 }
 
 impl BodyKeys {
+    /// Pressures and springs, which act on boundaries where they are.
+    fn add_to_boundaries<const D: usize>(
+        &self,
+        part: &str,
+        body: &mut Body<D>,
+    ) -> Result<(), Error> {
+        for (k, keys) in self.pressures.iter().enumerate() {
+            let part = format!("{part}, pressures, entry {}", k + 1);
+            let course = amplitude(&part, keys.amplitude.as_ref())?;
+            of(
+                &part,
+                body.pressure_in_time(&keys.on.to_string(), keys.pressure, course),
+            )?;
+        }
+        for (k, keys) in self.foundations.iter().enumerate() {
+            let on = keys.on.to_string();
+            let springs = match keys.normal_only {
+                true => body.normal_foundation(&on, keys.stiffness),
+                false => body.foundation(&on, keys.stiffness),
+            };
+            of(&format!("{part}, foundations, entry {}", k + 1), springs)?;
+        }
+        Ok(())
+    }
+
     /// Tractions and body force.
     fn load<const D: usize>(&self, part: &str, body: &mut Body<D>) -> Result<(), Error> {
         for TractionKeys {

@@ -93,6 +93,10 @@ pub(super) struct BodyKeys {
     pub(super) supports: Vec<SupportKeys>,
     #[serde(default)]
     pub(super) tractions: Vec<TractionKeys>,
+    #[serde(default)]
+    pub(super) pressures: Vec<PressureKeys>,
+    #[serde(default)]
+    pub(super) foundations: Vec<FoundationKeys>,
     pub(super) body_force: Option<Vec<f64>>,
     pub(super) body_force_amplitude: Option<AmplitudeKeys>,
 }
@@ -132,6 +136,23 @@ pub(super) struct TractionKeys {
     pub(super) on: Name,
     pub(super) force: Vec<f64>,
     pub(super) amplitude: Option<AmplitudeKeys>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PressureKeys {
+    pub(super) on: Name,
+    pub(super) pressure: f64,
+    pub(super) amplitude: Option<AmplitudeKeys>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct FoundationKeys {
+    pub(super) on: Name,
+    pub(super) stiffness: f64,
+    #[serde(default)]
+    pub(super) normal_only: bool,
 }
 
 #[derive(Clone, Debug, Deserialize)]

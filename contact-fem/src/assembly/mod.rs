@@ -1,6 +1,7 @@
 //! The assembly of a body's energy: E, ∇E, ∇²E over its free unknowns.
 
 mod averaged;
+mod boundary;
 mod dofs;
 mod extension;
 mod laws;
@@ -13,6 +14,7 @@ mod tests;
 mod trial;
 
 pub use averaged::AveragedVolume;
+pub(crate) use boundary::{OnBoundary, Pressed, Springs, Stretch};
 pub use dofs::{Dof, DofMap};
 pub use laws::Laws;
 pub use loads::{add_body_force, add_traction};
@@ -30,6 +32,8 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     fn set_load(&mut self, factor: f64);
     /// Sets the prescribed displacements (UL, in the order of [`DofMap`]) and the dead loads (all dofs, UF) themselves.
     fn set_external(&mut self, prescribed: Vec<f64>, forces: Vec<f64>);
+    /// Sets the pressures that follow boundaries (UF/UL in the plane, UF/UL² in space), one for each; most bodies have none.
+    fn set_pressures(&mut self, _pressures: &[f64]) {}
     /// The prescribed unknowns at the present load (UL), in the order of [`DofMap`].
     fn prescribed(&self) -> &[f64];
     /// Adds ∂E/∂U, internal minus external forces, at all dofs, free and prescribed, to `forces` (UF), and returns E(u) (UF·UL)

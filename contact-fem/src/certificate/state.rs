@@ -308,7 +308,7 @@ struct Residual {
     free: f64,
     /// For each body the largest force on a node, but at least the smallest unit of forces (UF).
     forces: Vec<f64>,
-    /// |Σ reactions + Σ loads + Σ forces of obstacles| (UF).
+    /// |Σ reactions, those of foundations included, + Σ loads + Σ forces of obstacles| (UF).
     sum: f64,
     /// The largest of all resultants of reactions, loads and contact forces on a body (UF).
     resultant: f64,
@@ -324,10 +324,10 @@ impl Residual {
         let (mut free, mut forces) = (0.0, Vec::new());
         // what the bodies do to obstacles, these do to the bodies
         let (mut sum, mut resultant) = (-of_obstacles.iter().sum::<Vector<D>>(), 0.0_f64);
-        let residuals = problem.residuals(u);
+        let (residuals, U) = (problem.residuals(u), problem.displacements(u));
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = &residuals[body];
-            let loads = owner.forces_at(problem.load());
+            let (loads, springs) = on_boundary(problem, body, &U);
             let (mut rest_free, mut largest) = (0.0, noticed);
             // of reactions, loads and contact forces
             let mut resultants = [Vector::<D>::zeros(); 3];
@@ -341,8 +341,10 @@ impl Residual {
                         None => 0.0,
                     };
                     rest_free = worse((rest - reaction).abs(), rest_free);
-                    sum[i] += load + reaction;
-                    let forces = [reaction, load, contact[node][i]];
+                    let spring = springs.get(dof).copied().unwrap_or(0.0);
+                    sum[i] += load + reaction + spring;
+                    largest = spring.abs().max(largest);
+                    let forces = [reaction + spring, load, contact[node][i]];
                     for (resultant, force) in resultants.iter_mut().zip(forces) {
                         resultant[i] += force;
                         largest = force.abs().max(largest);
@@ -361,4 +363,21 @@ impl Residual {
             resultant,
         }
     }
+}
+
+/// The loads on a body, and the forces of its foundations (UF), none if it has none, at the displacements U of all nodes.
+fn on_boundary<const D: usize>(
+    problem: &Problem<D>,
+    body: usize,
+    U: &[Vector<D>],
+) -> (Vec<f64>, Vec<f64>) {
+    let owner = &problem.scene().bodies()[body];
+    let mut loads = owner.forces_at(problem.load());
+    if !owner.acts_on_boundary() {
+        return (loads, Vec::new());
+    }
+    let own = U[problem.nodes(body)].iter().flatten();
+    let own: Vec<f64> = own.copied().collect();
+    owner.add_pressures(problem.load(), &own, &mut loads);
+    (loads, owner.foundation_forces(&own))
 }

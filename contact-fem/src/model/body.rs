@@ -1,5 +1,7 @@
 //! Bodies: mesh, material law, supports and loads.
 
+mod boundary;
+
 use std::sync::Arc;
 
 use super::courses::{Course, Load, Origin, Supports};
@@ -13,6 +15,8 @@ use crate::material::{Deformation, Material, Volumetric, conformance};
 use crate::mesh::Mesh;
 use crate::program::{Amplitude, Motion, samples};
 use crate::tensor::{Matrix, Vector, unit_vector};
+
+pub(super) use boundary::{Foundation, Pressure};
 
 /// Of a law that varies from point to point, about so many are checked.
 const SAMPLED: usize = 1000;
@@ -58,6 +62,9 @@ pub struct Body<const D: usize> {
     proportional: Vec<f64>,
     /// The sum of all of them there.
     forces: Vec<f64>,
+    /// Springs on boundaries, and pressures that follow them.
+    foundations: Vec<Foundation>,
+    pressures: Vec<Pressure<D>>,
 }
 
 impl<const D: usize> Body<D> {
@@ -166,6 +173,8 @@ impl<const D: usize> Body<D> {
             loads: Vec::new(),
             proportional: vec![0.0; dofs],
             forces: vec![0.0; dofs],
+            foundations: Vec::new(),
+            pressures: Vec::new(),
         }
     }
 
@@ -495,16 +504,22 @@ impl<const D: usize> Body<D> {
         boundary: &str,
         traction: impl Fn(&Vector<D>) -> Vector<D>,
     ) -> Result<Vec<f64>, Error> {
-        let facets = self.mesh.boundary(boundary)?;
-        if facets.is_empty() {
-            return Err(Error::EmptyBoundary {
-                name: boundary.to_string(),
-                what: "traction",
-            });
-        }
+        let facets = self.facets(boundary, "traction")?;
         let mut forces = vec![0.0; self.forces.len()];
         add_traction(&self.mesh, &facets, traction, &mut forces);
         Ok(forces)
+    }
+
+    /// The facets of a boundary on which something acts.
+    fn facets(&self, boundary: &str, what: &'static str) -> Result<Vec<&[usize]>, Error> {
+        let facets = self.mesh.boundary(boundary)?;
+        match facets.is_empty() {
+            true => Err(Error::EmptyBoundary {
+                name: boundary.to_string(),
+                what,
+            }),
+            false => Ok(facets),
+        }
     }
 
     /// Adds a dead body force (force per reference volume, UF/UL² in the plane, UF/UL³ in space).
@@ -634,12 +649,12 @@ impl<const D: usize> Body<D> {
         self.supports.at(factor)
     }
 
-    /// The nodal forces at load factor 1 (all dofs, UF).
+    /// The nodal forces of dead loads at load factor 1 (all dofs, UF).
     pub fn forces(&self) -> &[f64] {
         &self.forces
     }
 
-    /// The nodal forces at a load factor (all dofs, UF); 0 at the load factor 0, before the first step.
+    /// The nodal forces of dead loads at a load factor (all dofs, UF); 0 at the load factor 0, before the first step.
     pub fn forces_at(&self, factor: f64) -> Vec<f64> {
         let mut forces: Vec<f64> = self.proportional.iter().map(|f| factor * f).collect();
         if factor != 0.0 {
@@ -670,7 +685,10 @@ impl<const D: usize> Body<D> {
     /// Whether not all loads and prescribed displacements are proportional to the load factor.
     pub(crate) fn has_program(&self) -> bool {
         let mut loads = self.loads.iter().map(|(_, load)| load);
-        !(self.supports.is_proportional() && loads.all(Load::is_proportional))
+        let mut pressures = self.pressures.iter();
+        !(self.supports.is_proportional()
+            && loads.all(Load::is_proportional)
+            && pressures.all(Pressure::is_proportional))
     }
 
     /// The prescribed displacements, with their courses.
@@ -686,10 +704,9 @@ impl<const D: usize> Body<D> {
                 .prescribed_at(t)
                 .iter()
                 .fold(0.0, |m: f64, u| m.max(u.abs()));
-            (
-                largest,
-                self.forces_at(t).iter().map(|f| f.abs()).sum::<f64>(),
-            )
+            let forces = self.forces_at(t);
+            let dead: f64 = forces.iter().map(|f| f.abs()).sum();
+            (largest, dead + self.sum_of_pressures(t))
         };
         match self.has_program() {
             true => samples().map(of).fold((0.0, 0.0), |(u, f), (v, g)| {
@@ -728,7 +745,7 @@ impl<const D: usize> Body<D> {
 
     /// The energy over the free dofs, at load factor 0.
     pub(super) fn energy(&self) -> Box<dyn BodyEnergy<D>> {
-        self.law.energy(self)
+        self.with_boundary(self.law.energy(self))
     }
 }
 

@@ -80,6 +80,8 @@ pub(crate) enum Load<const D: usize> {
 pub(crate) enum Origin {
     /// A traction on a boundary.
     Traction(String),
+    /// A pressure on a boundary, under a law for small strains.
+    Pressure(String),
     /// Forces on cells.
     BodyForce,
     /// Forces on nodes.
@@ -91,6 +93,7 @@ impl Origin {
     pub fn kind(&self) -> &'static str {
         match self {
             Origin::Traction(_) => "traction",
+            Origin::Pressure(_) => "pressure",
             Origin::BodyForce => "body force",
             Origin::NodalForce => "nodal force",
         }
@@ -125,5 +128,6 @@ pub(crate) fn check<const D: usize>(body: &Body<D>, name: &str, t: f64) -> Resul
         return Ok(());
     }
     Error::check_finite(&what("prescribed displacements"), &body.prescribed_at(t))?;
-    Error::check_finite(&what("forces"), &body.forces_at(t))
+    Error::check_finite(&what("forces"), &body.forces_at(t))?;
+    Error::check_finite(&what("pressures"), &body.pressures_at(t))
 }

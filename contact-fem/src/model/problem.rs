@@ -490,6 +490,7 @@ impl<const D: usize> LoadStepped for Problem<D> {
                 true => energy.set_external(body.prescribed_at(factor), body.forces_at(factor)),
                 false => energy.set_load(factor),
             }
+            energy.set_pressures(&body.pressures_at(factor));
         }
         Ok(())
     }

@@ -105,15 +105,15 @@ impl<const D: usize> Problem<D> {
         (forces, sum)
     }
 
-    /// The reactions (UF) of the supports on each body: ∂E/∂U − Cᵀλ summed over its prescribed
-    /// dofs. NaN if `contact_forces` has not one force a node, and where they depend on a `u` that is
+    /// The reactions (UF) of supports and foundations on each body: ∂E/∂U − Cᵀλ summed over its prescribed
+    /// dofs, and what its springs do. NaN if `contact_forces` has not one force a node, and where they depend on a `u` that is
     /// [no state](Problem::is_state).
     pub fn reactions(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<Vector<D>> {
         let bodies = self.scene.ids().zip(self.scene.bodies());
         if contact_forces.len() != self.reference().len() {
             return bodies.map(|_| Vector::repeat(f64::NAN)).collect();
         }
-        let residuals = self.residuals(u);
+        let (residuals, U) = (self.residuals(u), self.displacements(u));
         let reaction = |(id, body): (BodyId, &super::Body<D>)| {
             let residual = &residuals[id.index()];
             let contact = &contact_forces[self.nodes(id)];
@@ -121,6 +121,12 @@ impl<const D: usize> Problem<D> {
             let held = body.prescribed().iter().enumerate();
             for (dof, _) in held.filter(|(_, prescribed)| prescribed.is_some()) {
                 sum[dof % D] += residual[dof] - contact[dof / D][dof % D];
+            }
+            if !body.foundations().is_empty() {
+                let own = &U[self.nodes(id)];
+                let U: Vec<f64> = own.iter().flatten().copied().collect();
+                let springs = body.foundation_forces(&U).into_iter().enumerate();
+                springs.for_each(|(dof, force)| sum[dof % D] += force);
             }
             sum
         };

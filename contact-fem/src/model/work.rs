@@ -10,8 +10,12 @@ use crate::tensor::{Matrix, Vector};
 pub enum WorkSource {
     /// The supports that name a boundary. Those of nodes, or of a whole body, have an empty name.
     Support(Side),
+    /// The elastic foundations of a boundary, whose springs store the work that they take.
+    Foundation(Side),
     /// The tractions on a boundary.
     Traction(Side),
+    /// The pressures on a boundary.
+    Pressure(Side),
     /// The body forces on a body.
     BodyForce(BodyId),
     /// The forces on nodes of a body.
@@ -21,11 +25,13 @@ pub enum WorkSource {
 }
 
 impl WorkSource {
-    /// What users call it: `support`, `traction`, `body force`, `nodal force` or `obstacle`.
+    /// What users call it: `support`, `foundation`, `traction`, `pressure`, `body force`, `nodal force` or `obstacle`.
     pub fn kind(&self) -> &'static str {
         match self {
             WorkSource::Support(_) => "support",
+            WorkSource::Foundation(_) => "foundation",
             WorkSource::Traction(_) => "traction",
+            WorkSource::Pressure(_) => "pressure",
             WorkSource::BodyForce(_) => "body force",
             WorkSource::NodalForce(_) => "nodal force",
             WorkSource::Obstacle(_) => "obstacle",
@@ -35,6 +41,7 @@ impl WorkSource {
     fn of(body: BodyId, origin: &Origin) -> Self {
         match origin {
             Origin::Traction(boundary) => WorkSource::Traction(body.on(boundary)),
+            Origin::Pressure(boundary) => WorkSource::Pressure(body.on(boundary)),
             Origin::BodyForce => WorkSource::BodyForce(body),
             Origin::NodalForce => WorkSource::NodalForce(body),
         }
@@ -55,9 +62,13 @@ pub struct WorkRecord {
 pub(crate) struct External<const D: usize> {
     /// The displacements of all dofs (UL).
     displacements: Vec<f64>,
-    /// The forces of supports, and those of dead loads.
+    /// The forces of supports, of foundations, of dead loads, and of pressures that follow.
     supports: Vec<Force>,
+    foundations: Vec<Force>,
     loads: Vec<Force>,
+    pressures: Vec<Force>,
+    /// The potential of these pressures (UF·UL).
+    potential: f64,
     obstacles: Vec<Push<D>>,
 }
 
@@ -92,10 +103,14 @@ impl<const D: usize> External<D> {
             force: Vector::zeros(),
             moment: Matrix::zeros(),
         };
+        let displacements = vec![0.0; D * problem.reference().len()];
         External {
-            displacements: vec![0.0; D * problem.reference().len()],
             supports: forces_of_supports(problem, |_| 0.0),
+            foundations: forces_of_foundations(problem, &displacements),
             loads: forces_of_loads(problem, 0.0),
+            pressures: forces_of_pressures(problem, 0.0, &displacements).0,
+            potential: 0.0,
+            displacements,
             obstacles: problem.scene().obstacles().iter().map(push).collect(),
         }
     }
@@ -123,33 +138,50 @@ impl<const D: usize> External<D> {
                 .map(|(f, x)| f * x.transpose())
                 .sum(),
         };
+        let displacements: Vec<f64> = problem.displacements(u).iter().flatten().copied().collect();
+        let (pressures, potential) = forces_of_pressures(problem, problem.load(), &displacements);
         External {
             supports: forces_of_supports(problem, |dof| residuals[dof] - contact[dof / D][dof % D]),
+            foundations: forces_of_foundations(problem, &displacements),
             loads: forces_of_loads(problem, problem.load()),
             obstacles: obstacles.map(push).collect(),
-            displacements: problem.displacements(u).iter().flatten().copied().collect(),
+            pressures,
+            potential,
+            displacements,
         }
     }
 
-    /// The energy that the bodies store (UF·UL) where E, which has the potential of the loads, is `energy`.
+    /// The energy that the bodies store (UF·UL) where E, which has that of springs and the potential of the loads, is `energy`.
     pub fn stored(&self, energy: f64) -> f64 {
-        let potential = self
-            .loads
-            .iter()
-            .map(|load| load.along(&self.displacements));
-        energy + potential.sum::<f64>()
+        let along = |forces: &[Force]| -> f64 {
+            let works = forces.iter().map(|own| own.along(&self.displacements));
+            works.sum()
+        };
+        energy + along(&self.loads) + 0.5 * along(&self.foundations) - self.potential
     }
 
-    /// The reaction of each support (UF), with the boundary that it names.
-    pub fn reactions(&self) -> impl Iterator<Item = (Side, Vector<D>)> {
-        self.supports.iter().filter_map(|support| {
-            let mut sum = Vector::zeros();
-            support.forces.iter().for_each(|(dof, f)| sum[dof % D] += f);
-            match &support.source {
-                WorkSource::Support(side) => Some((side.clone(), sum)),
-                _ => None,
-            }
-        })
+    /// The reaction of each boundary that supports or foundations name (UF).
+    pub fn reactions(&self) -> Vec<(Side, Vector<D>)> {
+        let mut reactions = Vec::<(Side, Vector<D>)>::new();
+        for held in self.supports.iter().chain(&self.foundations) {
+            let (WorkSource::Support(side) | WorkSource::Foundation(side)) = &held.source else {
+                continue;
+            };
+            let known = reactions.iter().position(|(known, _)| known == side);
+            let place = known.unwrap_or_else(|| {
+                reactions.push((side.clone(), Vector::zeros()));
+                reactions.len() - 1
+            });
+            let sum = &mut reactions[place].1;
+            held.forces.iter().for_each(|(dof, f)| sum[dof % D] += f);
+        }
+        reactions
+    }
+
+    /// What acts on bodies, in an order that is always the same.
+    fn on_bodies(&self) -> impl Iterator<Item = &Force> {
+        let held = self.supports.iter().chain(&self.foundations);
+        held.chain(&self.loads).chain(&self.pressures)
     }
 
     /// The work of each support, load and obstacle on the way from `before` (UF·UL), by the trapezoidal rule, in an order that is
@@ -157,9 +189,8 @@ impl<const D: usize> External<D> {
     pub fn work_since(&self, before: &Self) -> Vec<WorkRecord> {
         let ways = self.displacements.iter().zip(&before.displacements);
         let ways: Vec<f64> = ways.map(|(now, then)| 0.5 * (now - then)).collect();
-        let now = self.supports.iter().chain(&self.loads);
-        let then = before.supports.iter().chain(&before.loads);
-        let on_bodies = now.zip(then).map(|(now, then)| WorkRecord {
+        let on_bodies = self.on_bodies().zip(before.on_bodies());
+        let on_bodies = on_bodies.map(|(now, then)| WorkRecord {
             source: now.source.clone(),
             work: now.along(&ways) + then.along(&ways),
         });
@@ -196,6 +227,61 @@ fn forces_of_supports<const D: usize>(
     supports
 }
 
+/// The foundations of all bodies at the displacements U of all dofs (UL); those of one boundary together.
+fn forces_of_foundations<const D: usize>(problem: &Problem<D>, U: &[f64]) -> Vec<Force> {
+    let mut foundations = Vec::new();
+    for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
+        let first = D * problem.nodes(id).start;
+        let own = &U[first..D * problem.nodes(id).end];
+        for foundation in body.foundations() {
+            let mut forces = vec![0.0; own.len()];
+            foundation.springs.add_forces(own, &mut forces);
+            forces.iter_mut().for_each(|force| *force = -*force);
+            let source = WorkSource::Foundation(id.on(&foundation.boundary));
+            add(&mut foundations, source, (first, &forces));
+        }
+    }
+    foundations
+}
+
+/// The pressures that follow boundaries at a load factor and the displacements U of all dofs (UL), likewise, and their
+/// potential (UF·UL).
+fn forces_of_pressures<const D: usize>(
+    problem: &Problem<D>,
+    factor: f64,
+    U: &[f64],
+) -> (Vec<Force>, f64) {
+    let (mut pressures, mut potential) = (Vec::new(), 0.0);
+    for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
+        let first = D * problem.nodes(id).start;
+        let own = &U[first..D * problem.nodes(id).end];
+        let is_free = |dof: usize| body.prescribed()[dof].is_none();
+        for pressure in body.pressures() {
+            let mut forces = vec![0.0; own.len()];
+            potential += pressure.add_forces(factor, own, &mut forces, is_free);
+            let source = WorkSource::Pressure(id.on(&pressure.boundary));
+            add(&mut pressures, source, (first, &forces));
+        }
+    }
+    (pressures, potential)
+}
+
+/// Adds the forces (UF) on dofs, of which the first has the number `first`, to those that have this source already.
+fn add(all: &mut Vec<Force>, source: WorkSource, (first, forces): (usize, &[f64])) {
+    let known = all.iter().position(|known| known.source == source);
+    let place = known.unwrap_or_else(|| {
+        all.push(Force {
+            source,
+            forces: Vec::new(),
+        });
+        all.len() - 1
+    });
+    let some = forces.iter().enumerate().filter(|(_, f)| **f != 0.0);
+    all[place]
+        .forces
+        .extend(some.map(|(dof, f)| (first + dof, *f)));
+}
+
 /// The loads of all bodies at a load factor; those of one kind on one boundary together.
 fn forces_of_loads<const D: usize>(problem: &Problem<D>, factor: f64) -> Vec<Force> {
     let mut loads = Vec::<Force>::new();
@@ -203,17 +289,7 @@ fn forces_of_loads<const D: usize>(problem: &Problem<D>, factor: f64) -> Vec<For
         let first = D * problem.nodes(id).start;
         for (origin, forces) in body.loads_at(factor) {
             let source = WorkSource::of(id, origin);
-            let known = loads.iter().position(|known| known.source == source);
-            let place = known.unwrap_or_else(|| {
-                loads.push(Force {
-                    source,
-                    forces: Vec::new(),
-                });
-                loads.len() - 1
-            });
-            let some = forces.iter().enumerate().filter(|(_, f)| **f != 0.0);
-            let some = some.map(|(dof, f)| (first + dof, *f));
-            loads[place].forces.extend(some);
+            add(&mut loads, source, (first, &forces));
         }
     }
     loads

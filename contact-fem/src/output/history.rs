@@ -244,7 +244,10 @@ pub(super) fn source_name(
 ) -> [String; 2] {
     let name = |names: &[String], number: usize| names.get(number).cloned().unwrap_or_default();
     match source {
-        WorkSource::Support(side) | WorkSource::Traction(side) => side_name(side, bodies),
+        WorkSource::Support(side)
+        | WorkSource::Foundation(side)
+        | WorkSource::Traction(side)
+        | WorkSource::Pressure(side) => side_name(side, bodies),
         WorkSource::BodyForce(body) | WorkSource::NodalForce(body) => {
             [name(bodies, body.index()), String::new()]
         }

@@ -172,7 +172,7 @@ fn overlaps<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<St
     told.collect()
 }
 
-/// The rigid motions of all parts of bodies that neither supports nor rows with a force oppose.
+/// The rigid motions of all parts of bodies that neither supports nor springs nor rows with a force oppose.
 pub(super) fn undetermined<const D: usize>(
     problem: &Problem<D>,
     solution: &Solution,
@@ -218,8 +218,17 @@ pub(super) fn undetermined<const D: usize>(
                 .iter()
                 .map(of_part)
                 .filter(|row: &Vec<_>| !row.is_empty());
+            let own = body.stretches();
+            let own = own.filter(|shares| nodes.contains(&(first + shares[0].0 / D)));
+            let springs = own.map(|shares| {
+                let shares = shares.iter();
+                shares
+                    .map(|(dof, c)| (first + dof / D, dof % D, *c))
+                    .collect()
+            });
             let place = |node: usize| -> Vector<D> { x[node] };
-            let motions = unheld_motions(supports.chain(contact), &place, &nodes);
+            let held = supports.chain(springs).chain(contact);
+            let motions = unheld_motions(held, &place, &nodes);
             if !motions.is_empty() {
                 let body = problem.scene().names()[id.index()].clone();
                 found.push(Undetermined { body, motions });

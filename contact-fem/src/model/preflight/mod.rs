@@ -11,6 +11,7 @@ mod meshes;
 mod obstacles;
 mod overlap;
 mod pieces;
+mod pressures;
 mod steps;
 mod supports;
 mod surfaces;
@@ -97,6 +98,7 @@ pub(super) fn without_surfaces<const D: usize>(
     report.take(input::laws(scene));
     input::boundaries(scene, report);
     supports::check(scene, pairs, report);
+    report.take(pressures::rims(scene));
     loads::check(scene, pairs, report);
 }
 

@@ -13,10 +13,12 @@ use crate::tensor::Vector;
 /// The smallest part of a unit vector along a coordinate axis that is outside the motions it belongs to (no unit).
 const ALONG: f64 = 1e-6;
 
-/// Checks that every part of every body is supported or may touch another body or an obstacle, and that at least
+/// Checks that every part of every body is supported, has a foundation or may touch another body or an obstacle, and that at least
 /// one displacement is prescribed if there is no obstacle; names the motions that contact alone holds.
 pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &mut Report) {
-    let held = |body: &Body<D>| body.prescribed().iter().any(Option::is_some);
+    let held = |body: &Body<D>| {
+        body.prescribed().iter().any(Option::is_some) || !body.foundations().is_empty()
+    };
     if !scene.bodies().iter().any(held) && scene.obstacles().is_empty() {
         report.take::<()>(Err(Error::NoSupport));
         return;
@@ -89,8 +91,8 @@ pub(super) fn mode<const D: usize>(k: usize, arm: &Vector<D>, component: usize) 
     }
 }
 
-/// The names of independent rigid motions of a part of a body that its prescribed dofs leave free: the null space
-/// of the modes restricted to these dofs.
+/// The names of independent rigid motions of a part of a body that its prescribed dofs and its springs leave free: the null
+/// space of the modes restricted to these dofs, and to what stretches springs.
 ///
 /// Lever arms are measured from the centroid of the supported nodes in units of their extent, so
 /// that the result does not depend on position and size.
@@ -98,18 +100,33 @@ fn free_motions<const D: usize>(body: &Body<D>, part: &[usize]) -> Vec<String> {
     let is_held = |&dof: &usize| body.prescribed()[dof].is_some();
     let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
     let held: Vec<usize> = dofs.filter(is_held).collect();
+    let springs: Vec<&[(usize, f64)]> = body
+        .stretches()
+        .filter(|own| part.binary_search(&(own[0].0 / D)).is_ok())
+        .collect();
     let nodes = body.mesh().nodes();
-    let centre =
-        held.iter().map(|dof| nodes[dof / D]).sum::<Vector<D>>() / held.len().max(1) as f64;
-    let extent = held
-        .iter()
-        .map(|dof| (nodes[dof / D] - centre).norm())
-        .fold(f64::MIN_POSITIVE, f64::max);
-    let row = |dof: &usize| {
-        let arm = (nodes[dof / D] - centre) / extent;
-        (0..modes::<D>()).map(|k| mode(k, &arm, dof % D)).collect()
+    let held_nodes = || {
+        let of_springs = springs
+            .iter()
+            .flat_map(|own| own.iter().map(|(dof, _)| dof));
+        held.iter().chain(of_springs).map(|dof| nodes[dof / D])
     };
-    let free = null_space(held.iter().map(row), modes::<D>(), HOLDS);
+    let centre = held_nodes().sum::<Vector<D>>() / held_nodes().count().max(1) as f64;
+    let extent = held_nodes()
+        .map(|X| (X - centre).norm())
+        .fold(f64::MIN_POSITIVE, f64::max);
+    let row = |shares: &[(usize, f64)]| {
+        let of_mode = |k: usize| {
+            let terms = shares.iter().map(|(dof, share)| {
+                share * mode(k, &((nodes[dof / D] - centre) / extent), dof % D)
+            });
+            terms.sum()
+        };
+        (0..modes::<D>()).map(of_mode).collect()
+    };
+    let of_dofs = held.iter().map(|dof| row(&[(*dof, 1.0)]));
+    let of_springs = springs.iter().map(|own| row(own));
+    let free = null_space(of_dofs.chain(of_springs), modes::<D>(), HOLDS);
     names::<D>(&free)
 }
 
