@@ -4,7 +4,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`disc_in_disc`], [`beams`] | sections 6.1 and 6.2 of the paper |
-//! | [`hertz`], [`arch`], [`blocks`], [`hairpin`] | Hertz's contact, Signorini's problem, the patch test, self-contact |
+//! | [`hertz`], [`arch`], [`blocks`], [`hairpin`], [`ironing`] | Hertz's contact, Signorini's problem, the patch test, self-contact, a die on a slab |
 //! | [`cantilevers`] | rows of both passes that are one |
 //! | [`extremes`] | scenes at the limits, with their truths and benign twins |
 //! | [`needs`] | scenes in which little has to be computed, with the cheapest ways to their results |
@@ -26,6 +26,7 @@ pub mod files;
 pub mod freefem;
 pub mod hairpin;
 pub mod hertz;
+pub mod ironing;
 pub mod needs;
 pub mod pressure;
 pub mod studies;
