@@ -272,6 +272,7 @@ struct ContactKeys {
     first: SideKeys,
     second: SideKeys,
     passes: Option<PassKeys>,
+    during: Option<Vec<[f64; 2]>>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -294,6 +295,7 @@ struct ObstacleKeys {
     cuboid: Option<Cuboid>,
     #[serde(default)]
     motion: Vec<MotionKeys>,
+    during: Option<Vec<[f64; 2]>>,
     on: Vec<SideKeys>,
 }
 
@@ -655,7 +657,12 @@ impl SceneFile {
                 Some(PassKeys::FirstIsSlave) => Passes::FirstIsSlave,
                 Some(PassKeys::SecondIsSlave) => Passes::SecondIsSlave,
             };
+            let sides = [first.clone(), second.clone()];
             of(&part, scene.contact_in_passes(first, second, passes))?;
+            if let Some(during) = &keys.during {
+                let switched = scene.contact_during(&sides[0], &sides[1], during);
+                of(&format!("{part}, `during`"), switched)?;
+            }
         }
         for keys in &self.keys.obstacle {
             let part = format!("obstacle {}", keys.name);
@@ -672,6 +679,10 @@ impl SceneFile {
             let obstacle = of(&part, obstacle)?;
             for other in others {
                 of(&part, scene.contact_obstacle(side(&part, other)?, obstacle))?;
+            }
+            if let Some(during) = &keys.during {
+                let switched = scene.obstacle_during(obstacle, during);
+                of(&format!("{part}, `during`"), switched)?;
             }
         }
         scene.integration = self.keys.points.map(Integration::Gauss);
