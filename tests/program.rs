@@ -618,6 +618,12 @@ fn pressures_and_foundations_from_a_file() {
         symmetry = [2, 3]
         pressures = [{ on = 4, pressure = 4, amplitude = [[0, 0], [1, 2]] }]
         foundations = [{ on = 1, stiffness = 50, normal-only = true }]
+
+        [[obstacle]]
+        name = "tool"
+        cuboid = { low = [-2, 0], high = [4, 1] }
+        on = [["upper", 1]]
+        during = [[1, 2]]
     "#;
     let path = two_bodies(&folder, text);
     let scene = |text: &str| SceneFile::parse(text, &folder).map(|file| file.scene::<2>());
@@ -648,6 +654,12 @@ fn pressures_and_foundations_from_a_file() {
         ("stiffness = 50", "stifness = 50", "stifness"),
         ("pressure = 4", "pressure = nan", "pressures, entry 1"),
         ("on = 4", "on = 9", "pressures, entry 1"),
+        ("cuboid", "during = [[2, 1]]\n        cuboid", "`during`"),
+        (
+            "cuboid",
+            "during = [[1, 2], [3, 2]]\n        cuboid",
+            "`during`",
+        ),
     ] {
         let refused = match scene(&text.replace(good, bad)) {
             Ok(scene) => scene.err().map(|error| error.to_string()),

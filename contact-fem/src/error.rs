@@ -163,6 +163,14 @@ pub enum Error {
         /// The distance that counts (UL).
         within: f64,
     },
+    /// Two boundaries that were not declared for contact.
+    #[error("{first} and {second} are no contact pair: declare it by `Scene::contact` first")]
+    NoPair {
+        /// One boundary, with the number of its body.
+        first: String,
+        /// The other one.
+        second: String,
+    },
     /// A pressure on a boundary whose rim is free, which has no potential.
     #[error(
         "the pressure on boundary `{boundary}` of body `{body}` is not conservative, since the rim of the boundary is free at \

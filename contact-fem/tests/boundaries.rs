@@ -1,4 +1,5 @@
 //! Elastic foundations, and pressures that follow their boundary, against beam theory and integrated equations.
+#![allow(non_snake_case)] // the symbols of the field
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -41,7 +41,12 @@ impl SceneFile {
                 Some(PassKeys::FirstIsSlave) => Passes::FirstIsSlave,
                 Some(PassKeys::SecondIsSlave) => Passes::SecondIsSlave,
             };
+            let sides = [first.clone(), second.clone()];
             of(&part, scene.contact_in_passes(first, second, passes))?;
+            if let Some(during) = &keys.during {
+                let switched = scene.contact_during(&sides[0], &sides[1], during);
+                of(&format!("{part}, `during`"), switched)?;
+            }
         }
         Ok(())
     }

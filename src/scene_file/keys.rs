@@ -161,6 +161,7 @@ pub(super) struct ContactKeys {
     pub(super) first: SideKeys,
     pub(super) second: SideKeys,
     pub(super) passes: Option<PassKeys>,
+    pub(super) during: Option<Vec<[f64; 2]>>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -183,6 +184,7 @@ pub(super) struct ObstacleKeys {
     pub(super) cuboid: Option<Cuboid>,
     #[serde(default)]
     pub(super) motion: Vec<MotionKeys>,
+    pub(super) during: Option<Vec<[f64; 2]>>,
     pub(super) on: Vec<SideKeys>,
 }
 

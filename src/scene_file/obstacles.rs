@@ -69,6 +69,10 @@ impl SceneFile {
                 let other = bodies.side(&part, other)?;
                 of(&part, scene.contact_obstacle(other, obstacle))?;
             }
+            if let Some(during) = &keys.during {
+                let switched = scene.obstacle_during(obstacle, during);
+                of(&format!("{part}, `during`"), switched)?;
+            }
         }
         Ok(())
     }

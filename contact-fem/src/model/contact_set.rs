@@ -10,6 +10,7 @@ use contact_core::{Error, GapVariation, Stop};
 use super::extent::Extent;
 use super::initial_gaps::{Depths, InitialOverlaps};
 use super::kinematics::Kinematics;
+use super::switches::Switches;
 use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
 use crate::contact::motion::Motion;
 use crate::contact::obstacle::Placed;
@@ -44,6 +45,8 @@ pub(super) struct ContactSet<const D: usize> {
     pub passes: Vec<Pass>,
     /// For each pass, whether it exchanges the roles that its pair was declared with.
     reversed: Vec<bool>,
+    /// When passes count.
+    switches: Switches,
     pub geometry: Geometry,
     integration: Integration,
     /// The search radius of integration points (UL).
@@ -112,6 +115,7 @@ impl<const D: usize> ContactSet<D> {
             .map(|(side, obstacle)| (place_of(side, &mut sides), *obstacle))
             .collect();
         let (mut passes, mut reversed): (Vec<_>, Vec<_>) = passes.into_iter().unzip();
+        let switches = Switches::new(scene.switched(), &mut sides);
         for &(slave, obstacle) in &on_obstacles {
             let master = sides.len() + obstacle;
             passes.push(Pass { slave, master });
@@ -145,6 +149,7 @@ impl<const D: usize> ContactSet<D> {
             is_reach_free: scene.reach.is_none(),
             passes,
             reversed,
+            switches,
             geometry,
             integration: scene.integration(),
             reach: match (scene.reach, geometry) {
@@ -232,7 +237,7 @@ impl<const D: usize> ContactSet<D> {
 
     /// Places obstacles where they are at pseudo-time `t`, and forgets what was found elsewhere.
     pub fn set_load(&mut self, t: f64) {
-        let mut has_moved = false;
+        let mut has_moved = self.switches.set_time(t);
         for obstacle in &mut self.obstacles {
             has_moved |= obstacle.set_time(t);
         }
@@ -242,6 +247,24 @@ impl<const D: usize> ContactSet<D> {
                 .get_mut()
                 .unwrap_or_else(PoisonError::into_inner) = None;
         }
+    }
+
+    /// Whether a pass, or the one with exchanged roles, counts at the present load factor.
+    fn is_on(&self, pass: Pass) -> bool {
+        self.switches.is_on(pass)
+    }
+
+    /// Whether there are passes between two bodies, or a body and an obstacle, and none of them counts at load factor `t`.
+    pub fn lets_through(&self, [a, b]: [usize; 2], t: f64) -> bool {
+        if self.switches.is_empty() {
+            return false;
+        }
+        let is_own = |pass: &&Pass| {
+            let [first, second] = self.bodies_of(**pass);
+            [first, second] == [a, b] || [second, first] == [a, b]
+        };
+        let mut own = self.passes.iter().filter(is_own).peekable();
+        own.peek().is_some() && own.all(|pass| !self.switches.is_on_at(*pass, t))
     }
 
     /// The obstacle of a pass, if it has one.
@@ -289,9 +312,9 @@ impl<const D: usize> ContactSet<D> {
         }
     }
 
-    /// Whether displacements of at most `moved` (UL) can close a row of this pass, as it is planned.
+    /// Whether this pass counts now, and displacements of at most `moved` (UL) can close a row of it, as it is planned.
     pub fn is_near(&self, pass: Pass, moved: f64) -> bool {
-        !(moved < self.open_below(pass))
+        self.is_on(pass) && !(moved < self.open_below(pass))
     }
 
     /// Displacements below this (UL) close no row of this pass. In the reference geometry such are those by which points move
@@ -313,7 +336,8 @@ impl<const D: usize> ContactSet<D> {
     pub fn unplanned(&self, kinematics: &Kinematics<D>, u: &[f64]) -> Option<Pass> {
         let moved = kinematics.largest(u);
         let left_out = self.passes.iter().copied().enumerate();
-        let left_out = left_out.filter(|(_, pass)| !self.is_near(*pass, moved));
+        let left_out =
+            left_out.filter(|(_, pass)| self.is_on(*pass) && !self.is_near(*pass, moved));
         let left_out: Vec<_> = left_out.collect();
         if left_out.is_empty() {
             return None;
@@ -355,7 +379,8 @@ impl<const D: usize> ContactSet<D> {
 
     /// The number of nodes of slave surfaces that may have a row, over all passes.
     pub fn contact_nodes(&self) -> usize {
-        let slaves = self.passes.iter().map(|pass| &self.surfaces[pass.slave]);
+        let passes = self.passes.iter().filter(|pass| self.is_on(**pass));
+        let slaves = passes.map(|pass| &self.surfaces[pass.slave]);
         slaves.map(|slave| slave.test_functions_len()).sum()
     }
 
@@ -413,8 +438,8 @@ impl<const D: usize> ContactSet<D> {
         passes.filter_map(move |(pass, role)| (*role == reversed).then_some(pass))
     }
 
-    /// The rows c(u) = C u + c₀ of the numbered passes, with projections and normals frozen at `u`; `None` if `stop` was
-    /// requested meanwhile.
+    /// The rows c(u) = C u + c₀ of the numbered passes that count, with projections and normals frozen at `u`; `None` if `stop`
+    /// was requested meanwhile.
     pub fn rows(
         &self,
         passes: impl Iterator<Item = (usize, Pass)>,
@@ -424,7 +449,7 @@ impl<const D: usize> ContactSet<D> {
         stop: Option<&Stop>,
     ) -> Option<LinearGaps> {
         let mut gaps = LinearGaps::new(self.is_exact()).sampled_at(sampling);
-        let mut passes = passes.peekable();
+        let mut passes = passes.filter(|(_, pass)| self.is_on(*pass)).peekable();
         if passes.peek().is_none() {
             return Some(gaps);
         }
@@ -682,7 +707,9 @@ impl<const D: usize> ContactSet<D> {
                 None => motion.through(slave, &self.surfaces[pass.master]),
             }
         };
-        self.passes.iter().filter_map(through).reduce(f64::max)
+        let passes = self.passes.iter();
+        let both = passes.filter(|pass| self.is_on(**pass) && self.switches.is_on_at(**pass, from));
+        both.filter_map(through).reduce(f64::max)
     }
 }
 

@@ -168,7 +168,7 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    /// The state of a pair that no displacement brings together.
+    /// The state of a pair that no displacement brings together, or that does not count.
     fn pair_apart(&self, ([a, b], first, second): ([usize; 2], Side, Opposite)) -> PairState<D> {
         let side = |surface: usize| {
             let nodes = self.surfaces()[surface].nodes().len();
@@ -188,7 +188,10 @@ impl<const D: usize> Problem<D> {
                 centre: None,
                 pressure_max: 0.0,
             },
-            sides: vec![side(a), side(b)],
+            sides: match a != b && b < self.surfaces().len() {
+                true => vec![side(a), side(b)],
+                false => vec![side(a)],
+            },
         }
     }
 

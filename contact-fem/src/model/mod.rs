@@ -16,6 +16,7 @@ mod problem;
 mod results;
 mod scale;
 mod scene;
+mod switches;
 pub(crate) mod work;
 
 pub use crate::contact::{Integration, Obstacle};

@@ -253,8 +253,11 @@ impl<const D: usize> Problem<D> {
     }
 
     /// What is left at load factor `load` of the overlap with which two bodies of a pair started: its relative depth, and its
-    /// share of the thickness. 0 if initial overlaps are refused.
+    /// share of the thickness. 0 if initial overlaps are refused; no bound while their pairs do not count.
     pub(crate) fn granted(&self, [a, b]: [usize; 2], load: f64) -> [f64; 2] {
+        if self.contact.lets_through([a, b], load) {
+            return [f64::MAX; 2];
+        }
         let left = self.scene.initial_gaps.share_left(load);
         let initial = self.overlaps_at_rest.get(&[a.min(b), a.max(b)]);
         initial.map_or([0.0; 2], |depths| depths.map(|depth| left * depth))
@@ -268,7 +271,8 @@ impl<const D: usize> Problem<D> {
         self.rows_of(self.passes(), u, sampling)
     }
 
-    /// As [`Problem::rows`], for any passes over the problem's surfaces.
+    /// As [`Problem::rows`], for any passes over the problem's surfaces. Those that do not count at the present load factor have
+    /// no rows.
     ///
     /// # Errors
     /// As [`Problem::rows`], and if there is no such surface.
@@ -499,7 +503,10 @@ impl<const D: usize> LoadStepped for Problem<D> {
         let before = self.kinematics.positions_at(last, from);
         let after = self.kinematics.positions(u);
         let relative = |bodies| self.granted(bodies, self.load())[0];
-        let of_thickness = |bodies| self.granted(bodies, from)[1];
+        let of_thickness = |bodies| match self.contact.lets_through(bodies, self.load()) {
+            true => f64::MAX,
+            false => self.granted(bodies, from)[1],
+        };
         // cutting a step does not change the solution of a linear scene; its certificate tells
         let overlap = match (self.contact.geometry, self.scene.overlaps) {
             (Geometry::Current, Overlaps::Refused) => {

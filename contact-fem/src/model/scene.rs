@@ -5,6 +5,7 @@ use contact_core::memory;
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Report, Setup};
+use super::switches::{During, Switched};
 use super::{Body, BodyId, Finding, InitialGaps, Integration, Obstacle, ObstacleId, Problem, Side};
 use crate::audit::Audit;
 use crate::element::Order;
@@ -99,6 +100,8 @@ pub struct Scene<const D: usize> {
     obstacle_names: Vec<String>,
     /// The sides that an obstacle may hold, with the number of the obstacle.
     obstructed: Vec<(Side, usize)>,
+    /// The pairs and obstacles that do not count at all times.
+    switched: Vec<(Switched, During)>,
     /// The quadrature of the constraints. By default 4 Gauss points for each facet and direction;
     /// with quadratic elements, whose pressures are more sensitive to quadrature errors, 12 in the
     /// plane and 8 in space. Gauss points do not resolve the edges of the facets of the other
@@ -134,6 +137,7 @@ impl<const D: usize> Default for Scene<D> {
             obstacles: Vec::new(),
             obstacle_names: Vec::new(),
             obstructed: Vec::new(),
+            switched: Vec::new(),
             integration: None,
             geometry: None,
             reach: None,
@@ -283,18 +287,67 @@ impl<const D: usize> Scene<D> {
     /// As [`Scene::obstacle`], and if there is no such obstacle.
     pub fn contact_obstacle(&mut self, side: Side, obstacle: ObstacleId) -> Result<(), Error> {
         let side = self.checked(side)?;
-        if obstacle.0 >= self.obstacles.len() {
-            return Err(Error::Setting {
-                name: "obstacle",
-                value: obstacle.0 as f64,
-                remedy: "use a handle that this scene's `obstacle` returned",
-            });
-        }
+        self.checked_obstacle(obstacle)?;
         let declared = (side, obstacle.0);
         if !self.obstructed.contains(&declared) {
             self.obstructed.push(declared);
         }
         Ok(())
+    }
+
+    /// Lets the contact of two boundaries count at some load factors t alone, those with `from` < t ≤ `to` for one of the
+    /// `intervals`: in the phases that end at `to` and begin at `from`. End a phase where something is switched, since a load
+    /// step has one set of pairs, that of its end. `to` may be infinite.
+    ///
+    /// While a pair does not count, it has no rows, no forces and no gaps, and its bodies may overlap, which neither the
+    /// certificate nor the ending of a load step holds against them. Where it counts again, the load step must part them.
+    ///
+    /// # Errors
+    /// Boundaries that are no pair, an interval whose end is not beyond its beginning, and numbers that are not.
+    pub fn contact_during(
+        &mut self,
+        first: &Side,
+        second: &Side,
+        intervals: &[[f64; 2]],
+    ) -> Result<(), Error> {
+        let both = [first, second];
+        let is_named = |pair: &Pair| {
+            [&pair.first, &pair.second] == both || [&pair.second, &pair.first] == both
+        };
+        if !self.all_pairs()?.iter().any(is_named) {
+            let of = |side: &Side| format!("`{}` of body {}", side.boundary, side.body.index());
+            return Err(Error::NoPair {
+                first: of(first),
+                second: of(second),
+            });
+        }
+        let pair = Switched::Pair(first.clone(), second.clone());
+        self.switch(pair, intervals)
+    }
+
+    /// As [`Scene::contact_during`], for all contact with an obstacle.
+    ///
+    /// # Errors
+    /// An obstacle that there is not; else as [`Scene::contact_during`].
+    pub fn obstacle_during(
+        &mut self,
+        obstacle: ObstacleId,
+        intervals: &[[f64; 2]],
+    ) -> Result<(), Error> {
+        self.checked_obstacle(obstacle)?;
+        self.switch(Switched::Obstacle(obstacle.0), intervals)
+    }
+
+    fn switch(&mut self, what: Switched, intervals: &[[f64; 2]]) -> Result<(), Error> {
+        let during = During::new(intervals)?;
+        self.switched.retain(|(known, _)| *known != what);
+        self.switched.push((what, during));
+        Ok(())
+    }
+
+    /// The pairs and obstacles that do not count at all times, and when they do.
+    pub(super) fn switched(&self) -> &[(Switched, During)] {
+        &self.switched
     }
 
     /// The obstacles, in the order of declaration.
@@ -383,6 +436,17 @@ impl<const D: usize> Scene<D> {
             }
         }
         Ok(pairs)
+    }
+
+    fn checked_obstacle(&self, obstacle: ObstacleId) -> Result<(), Error> {
+        match obstacle.0 < self.obstacles.len() {
+            true => Ok(()),
+            false => Err(Error::Setting {
+                name: "obstacle",
+                value: obstacle.0 as f64,
+                remedy: "use a handle that this scene's `obstacle` returned",
+            }),
+        }
     }
 
     /// The side, if it exists and has facets.

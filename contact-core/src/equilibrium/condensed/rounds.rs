@@ -11,6 +11,9 @@ use crate::{Cost, Stop};
 const STATIONARITY: f64 = 1e-11;
 /// The same, in units of the round-off of K u. A backward stable solve leaves some ten of it.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
+/// The same, in units of the round-off of the round-off of the largest K u of all rounds: what is left where a body without a
+/// load comes back to rest, two solves later. With a load it is far below the others.
+const AT_REST: f64 = ROUNDOFF * ROUNDOFF;
 /// Bound on overlaps, and on gaps where forces act, relative to the largest Σ_j |C_ij u_j| of a row.
 const GAP: f64 = 1e-10;
 /// The same, relative to the smallest displacement that matters at contact; the smaller of the two counts.
@@ -69,9 +72,10 @@ impl Rounds<'_> {
     pub fn run(&mut self, at: &mut Iterate) -> Result<(), Halt> {
         let mut ratios = Vec::new();
         let mut before = f64::INFINITY;
+        let mut sizes = vec![0.0; self.stiffness.blocks().len()];
         for _ in 0..ROUNDS {
             Halt::if_requested(self.stop)?;
-            let residual = self.residual(at);
+            let residual = self.residual(at, &mut sizes);
             let gaps = self.gaps(&at.u);
             let bound = self.bound(&at.u);
             let open = self.openness(&gaps, &at.lambda, bound);
@@ -224,7 +228,8 @@ impl Rounds<'_> {
         }
     }
 
-    fn residual(&self, at: &Iterate) -> Residual {
+    /// What is left at an iterate; `most` has the largest forces on each block so far (UF).
+    fn residual(&self, at: &Iterate, most: &mut [f64]) -> Residual {
         let n = at.u.len();
         let mut forces = vec![0.0; n];
         self.rows.add_forces(&at.lambda, &mut forces);
@@ -240,7 +245,10 @@ impl Rounds<'_> {
                 forces[i] = load + contact - internal[i];
                 left = left.max(forces[i].abs());
             }
-            let bound = (STATIONARITY * largest).max(ROUNDOFF * size);
+            most[b] = most[b].max(size);
+            let bound = (STATIONARITY * largest)
+                .max(ROUNDOFF * size)
+                .max(AT_REST * most[b]);
             let block_ratio = if left > 0.0 { left / bound } else { left };
             if !(block_ratio <= ratio) {
                 (ratio, worst) = (block_ratio, b);

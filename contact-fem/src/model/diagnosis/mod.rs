@@ -147,7 +147,8 @@ fn overlaps<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<St
     for overlap in problem.audit.overlaps(&x) {
         let declared = is_declared(&overlap.face);
         let counts = if declared { Overlap::<D>::LIMIT } else { SEEN };
-        if overlap.relative > counts {
+        let is_let = problem.contact.lets_through(overlap.bodies, problem.load());
+        if overlap.relative > counts && !is_let {
             let mut pair = overlap.bodies;
             pair.sort_unstable();
             let kept = worst.entry((pair, declared)).or_insert(overlap);

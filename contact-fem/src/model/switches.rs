@@ -1,0 +1,109 @@
+//! When pairs and obstacles count.
+
+use super::Side;
+use super::contact_set::place_of;
+use crate::contact::Pass;
+use crate::error::Error;
+
+/// What may be switched on and off.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Switched {
+    /// The pairs of two boundaries, in any order.
+    Pair(Side, Side),
+    /// All contact with the obstacle of this number.
+    Obstacle(usize),
+}
+
+/// Intervals of the load factor, without their beginnings and with their ends.
+#[derive(Clone, Debug)]
+pub(super) struct During(Vec<[f64; 2]>);
+
+impl During {
+    /// # Errors
+    /// Intervals that are empty, and ends that are no numbers.
+    pub fn new(intervals: &[[f64; 2]]) -> Result<Self, Error> {
+        let is_sound = |[from, to]: &&[f64; 2]| from.is_finite() && to > from;
+        match intervals.iter().find(|interval| !is_sound(interval)) {
+            None => Ok(During(intervals.to_vec())),
+            Some([from, to]) => Err(Error::Setting {
+                name: "end of the interval in which contact counts",
+                value: if from.is_finite() { *to } else { *from },
+                remedy: "give pairs of load factors, the end of each beyond its beginning; the end may be infinite",
+            }),
+        }
+    }
+
+    /// Whether `t` is in one of them. What counts within the first step is there at rest.
+    fn has(&self, t: f64) -> bool {
+        let mut all = self.0.iter();
+        all.any(|[from, to]| (*from < t || (t == 0.0 && *from <= 0.0)) && t <= *to)
+    }
+}
+
+/// The passes of a scene that do not count at all times.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Switches {
+    all: Vec<Switch>,
+    /// The present load factor.
+    time: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Switch {
+    /// Two surfaces, or an obstacle.
+    what: Place,
+    during: During,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    Surfaces([usize; 2]),
+    /// By its number as a master.
+    Obstacle(usize),
+}
+
+impl Switches {
+    /// `sides` are all sides of pairs and obstacles, in the order of surfaces.
+    pub fn new<'a>(switched: &'a [(Switched, During)], sides: &mut Vec<&'a Side>) -> Self {
+        let surfaces = sides.len();
+        let switch = |(what, during): &'a (Switched, During)| Switch {
+            what: match what {
+                Switched::Pair(a, b) => Place::Surfaces([place_of(a, sides), place_of(b, sides)]),
+                Switched::Obstacle(index) => Place::Obstacle(surfaces + index),
+            },
+            during: during.clone(),
+        };
+        Switches {
+            all: switched.iter().map(switch).collect(),
+            time: 0.0,
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    /// Sets the load factor, and tells whether other passes count than before.
+    pub fn set_time(&mut self, t: f64) -> bool {
+        let before = std::mem::replace(&mut self.time, t);
+        let mut all = self.all.iter();
+        all.any(|switch| switch.during.has(before) != switch.during.has(t))
+    }
+
+    /// Whether a pass, in either role, counts now.
+    pub fn is_on(&self, pass: Pass) -> bool {
+        self.is_on_at(pass, self.time)
+    }
+
+    /// Whether it counts at load factor `t`.
+    pub fn is_on_at(&self, pass: Pass, t: f64) -> bool {
+        let is_own = |switch: &&Switch| match switch.what {
+            Place::Surfaces([a, b]) => {
+                [pass.slave, pass.master] == [a, b] || [pass.master, pass.slave] == [a, b]
+            }
+            Place::Obstacle(master) => pass.master == master,
+        };
+        let mut own = self.all.iter().filter(is_own);
+        own.all(|switch| switch.during.has(t))
+    }
+}
