@@ -191,3 +191,8 @@ mod tests {
         assert_eq!(shown, tested);
     }
 }
+
+/// The recipes, whose programs run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/cookbook.md")]
+struct Cookbook;

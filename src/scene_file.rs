@@ -1,7 +1,7 @@
 //! Scenes as text files, which the program `ipopt-contact run` solves.
 //!
 //! A file is TOML. Meshes are files of their own, named relative to it, in any format that [`MeshFile`] reads. Lengths and forces
-//! are in the user's units. A boundary is a label (`1`) or a name (`"top"`). docs/freefem.md lists all keys.
+//! are in the user's units. A boundary is a label (`1`) or a name (`"top"`). docs/scene_files.md lists all keys.
 //! ```
 //! use ipopt_contact::scene_file::SceneFile;
 //!
@@ -38,8 +38,11 @@ mod changes;
 mod contact;
 mod keys;
 mod laws;
+mod meshes;
 mod obstacles;
+mod place;
 mod program;
+mod record;
 mod run;
 
 use std::fmt;
@@ -47,9 +50,10 @@ use std::path::{Path, PathBuf};
 
 use contact_fem::Scene;
 use contact_fem::element::{Element, P1, P2};
-use contact_fem::model::{Geometry, Integration};
+use contact_fem::model::{Geometry, InitialGaps, Integration, Overlaps};
 
-use keys::{Keys, Where};
+use keys::{InitialGapKeys, IntegrationKeys, Keys, OverlapKeys, Where};
+use place::Place;
 
 pub use changes::Change;
 pub use run::{Departure, Solver};
@@ -72,7 +76,7 @@ pub enum Error {
     /// A part of the scene whose values do not fit together.
     #[error("{part}: {what}")]
     Part {
-        /// The body, contact or obstacle.
+        /// The body, contact or obstacle, with its line, and the key.
         part: String,
         /// What is wrong with it, and the remedy.
         what: String,
@@ -80,7 +84,7 @@ pub enum Error {
     /// What the library refuses.
     #[error("{part}: {source}")]
     Refused {
-        /// The body, contact or obstacle.
+        /// The body, contact or obstacle, with its line, and the key.
         part: String,
         /// Why.
         source: Box<contact_fem::Error>,
@@ -98,24 +102,11 @@ impl fmt::Debug for Error {
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     folder: PathBuf,
+    /// As it was read, for the lines that errors name.
+    text: String,
     keys: Keys,
     /// Whether curved sides are made straight.
     is_straight: bool,
-}
-
-/// Names the part that an error is of.
-fn of<T>(part: &str, result: Result<T, contact_fem::Error>) -> Result<T, Error> {
-    result.map_err(|source| Error::Refused {
-        part: part.into(),
-        source: Box::new(source),
-    })
-}
-
-fn vector<const D: usize>(part: &str, key: &str, values: &[f64]) -> Result<[f64; D], Error> {
-    values.try_into().map_err(|_| Error::Part {
-        part: part.into(),
-        what: format!("`{key}` has {} components and needs {D}", values.len()),
-    })
 }
 
 impl SceneFile {
@@ -140,6 +131,7 @@ impl SceneFile {
     pub fn parse(text: &str, folder: impl Into<PathBuf>) -> Result<Self, Error> {
         Ok(SceneFile {
             folder: folder.into(),
+            text: text.into(),
             keys: toml::from_str(text)?,
             is_straight: false,
         })
@@ -150,13 +142,16 @@ impl SceneFile {
     /// # Errors
     /// A file without a body, or whose mesh cannot be read.
     pub fn dimension(&self) -> Result<usize, Error> {
-        let first = self.keys.body.first().ok_or_else(|| Error::Part {
-            part: "the scene".into(),
-            what: "it has no body: add `[[body]]`".into(),
-        })?;
-        let mesh = self.mesh_file(first)?;
-        let kinds = mesh.elements().iter().map(|block| block.kind.dimension());
-        Ok(kinds.max().unwrap_or(0))
+        let Some(first) = self.keys.body.first() else {
+            let what = "it has no body: add `[[body]]`";
+            return Err(self.place().wrong(what));
+        };
+        let at = self.body_place(0).key("mesh");
+        at.of(first.mesh.dimension(&self.folder))
+    }
+
+    fn place(&self) -> Place<'_> {
+        Place::top(&self.text)
     }
 
     /// The scene.
@@ -173,12 +168,34 @@ impl SceneFile {
         let bodies = self.add_bodies(&mut scene)?;
         self.add_contacts(&mut scene, &bodies)?;
         self.add_obstacles(&mut scene, &bodies)?;
-        scene.integration = self.keys.points.map(Integration::Gauss);
+        scene.integration = self.integration()?;
         scene.geometry = self.keys.geometry.map(|geometry| match geometry {
             Where::Reference => Geometry::Reference,
             Where::Current => Geometry::Current,
         });
         scene.reach = self.keys.reach;
+        if let Some(tolerance) = self.keys.overlap_tolerance {
+            scene.overlap_tolerance = tolerance;
+        }
+        scene.initial_gaps = match self.keys.initial_gaps {
+            None | Some(InitialGapKeys::Refuse) => InitialGaps::Refuse,
+            Some(InitialGapKeys::Resolve) => InitialGaps::Resolve,
+            Some(InitialGapKeys::Adjust) => InitialGaps::Adjust,
+        };
+        scene.overlaps = match self.keys.overlaps {
+            None | Some(OverlapKeys::Refused) => Overlaps::Refused,
+            Some(OverlapKeys::Allowed) => Overlaps::Allowed,
+        };
         Ok(scene)
+    }
+
+    fn integration(&self) -> Result<Option<Integration>, Error> {
+        match (self.keys.points, self.keys.integration) {
+            (Some(points), Some(IntegrationKeys::Exact)) => Err(self.place().key("points").wrong(format!(
+                "`points = {points}` has no effect with `integration = \"exact\"`: leave one of them out"
+            ))),
+            (None, Some(IntegrationKeys::Exact)) => Ok(Some(Integration::Exact)),
+            (points, None) => Ok(points.map(Integration::Gauss)),
+        }
     }
 }

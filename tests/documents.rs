@@ -319,7 +319,7 @@ fn items_of_the_architecture_exist() {
 fn examples_exist() {
     let name = |path: &PathBuf| Some(path.file_stem()?.to_str()?.to_string());
     let names = |folder: &str| {
-        let mut names: Vec<String> = entries(&root().join(folder))
+        let mut names: Vec<String> = rust_files(&root().join(folder))
             .iter()
             .filter_map(name)
             .collect();

@@ -256,6 +256,16 @@ pub enum Error {
         /// Where (UL).
         x: Vec<f64>,
     },
+    /// A surface of an obstacle that has no inside.
+    #[error("the surface of the obstacle {what}, at {x:?}: {remedy}")]
+    ObstacleSurface {
+        /// What is wrong with it.
+        what: String,
+        /// Where (UL).
+        x: Vec<f64>,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// A body that starts inside an obstacle.
     #[error(
         "body `{body}` starts inside obstacle `{obstacle}`: {depth:.3e} deep at {x:?} against the {tolerance:.3e} that \

@@ -1,13 +1,19 @@
 //! Bodies of a scene file: meshes, laws, supports and loads.
 
 use contact_fem::element::{Element, P1, P2};
-use contact_fem::{Body, Mesh, MeshFile, Scene};
+use contact_fem::tensor::Vector;
+use contact_fem::{Body, Mesh, Scene};
 
 use super::contact::Bodies;
-use super::keys::{BodyKeys, SupportKeys, TractionKeys};
+use super::keys::{
+    BodyKeys, BoundaryKeys, CurvedKeys, FoundationKeys, HalfSpace, PressureKeys, SupportKeys,
+    TractionKeys,
+};
 use super::laws;
+use super::meshes::{Found, MeshKeys};
+use super::place::Place;
 use super::program::{amplitude, motion};
-use super::{Error, SceneFile, of, vector};
+use super::{Error, SceneFile};
 
 impl SceneFile {
     /// Whether a quadratic body has a side that is curved by more than round-off of a file.
@@ -19,58 +25,18 @@ impl SceneFile {
         P1: Element<D>,
         P2: Element<D>,
     {
-        for keys in &self.keys.body {
-            if self.mesh::<D>(keys)?.is_curved(1e-9) {
+        for (k, keys) in self.keys.body.iter().enumerate() {
+            let mesh = self.mesh::<D>(&self.body_place(k), keys)?;
+            if mesh.is_curved(1e-9) {
                 return Ok(true);
             }
         }
         Ok(false)
     }
 
-    pub(super) fn mesh_file(&self, body: &BodyKeys) -> Result<MeshFile, Error> {
-        let part = format!("body {}", body.name);
-        of(&part, MeshFile::read(self.folder.join(&body.mesh)))
-    }
-
-    /// The mesh of a body, of the order that the scene asks for.
-    fn mesh<const D: usize>(&self, keys: &BodyKeys) -> Result<Mesh<D>, Error>
-    where
-        P1: Element<D>,
-        P2: Element<D>,
-    {
-        let part = format!("body {}", keys.name);
-        let file = self.mesh_file(keys)?;
-        let mesh = match &keys.region {
-            Some(_) if !keys.laws.is_empty() => {
-                let what = "its `laws` name regions of the whole mesh: leave `region` out".into();
-                return Err(Error::Part { part, what });
-            }
-            Some(region) => of(&part, file.body::<D>(&region.to_string()))?,
-            None if !keys.laws.is_empty() => of(&part, file.with_regions::<D>())?,
-            None => {
-                let mut all = of(&part, file.bodies::<D>())?;
-                match all.len() {
-                    1 => all.swap_remove(0).1,
-                    _ => {
-                        let names: Vec<String> = all.into_iter().map(|(name, _)| name).collect();
-                        let names = names.join(", ");
-                        let what = format!(
-                            "its mesh has the regions {names}: choose one by `region`, or name all in `laws`"
-                        );
-                        return Err(Error::Part { part, what });
-                    }
-                }
-            }
-        };
-        let mesh = if keys.quadratic {
-            mesh.quadratic()
-        } else {
-            mesh
-        };
-        Ok(match self.is_straight {
-            true => mesh.straight(),
-            false => mesh,
-        })
+    pub(super) fn body_place(&self, index: usize) -> Place<'_> {
+        let name = format!("body {}", self.keys.body[index].name);
+        self.place().part("body", index, name)
     }
 
     /// Adds all bodies to the scene.
@@ -83,129 +49,290 @@ impl SceneFile {
         P2: Element<D>,
     {
         let (mut names, mut ids) = (Vec::new(), Vec::new());
-        for keys in &self.keys.body {
-            ids.push(scene.add(&keys.name, self.body(keys)?));
+        for (k, keys) in self.keys.body.iter().enumerate() {
+            ids.push(scene.add(&keys.name, self.body(&self.body_place(k), keys)?));
             names.push(keys.name.as_str());
         }
         Ok(Bodies { names, ids })
     }
 
-    fn body<const D: usize>(&self, keys: &BodyKeys) -> Result<Body<D>, Error>
+    /// The mesh of a body, as the scene asks for it.
+    fn mesh<const D: usize>(&self, place: &Place<'_>, keys: &BodyKeys) -> Result<Mesh<D>, Error>
     where
         P1: Element<D>,
         P2: Element<D>,
     {
-        let part = format!("body {}", keys.name);
+        let region = keys.region.as_ref().map(ToString::to_string);
+        if let (MeshKeys::Made(_), Some(region)) = (&keys.mesh, &region) {
+            let what = format!("a mesh that is made has no region {region}: leave it out");
+            return Err(place.key("region").wrong(what));
+        }
+        if region.is_some() && !keys.laws.is_empty() {
+            let what = "its `laws` name regions of the whole mesh: leave `region` out";
+            return Err(place.key("region").wrong(what));
+        }
+        let at = place.key("mesh");
+        let found = match keys.laws.is_empty() {
+            true => keys.mesh.mesh(&self.folder, region.as_deref()),
+            false => keys.mesh.with_regions(&self.folder),
+        };
+        let mut mesh = match at.of(found)? {
+            Found::Mesh(mesh) => mesh,
+            Found::Regions(names) => {
+                let names = names.join(", ");
+                return Err(at.wrong(format!(
+                    "its mesh has the regions {names}: choose one by `region`, or name all in `laws`"
+                )));
+            }
+            Found::OtherDimension => {
+                let what = format!("its mesh is not in {D} dimensions, as the first body's is");
+                return Err(at.wrong(what));
+            }
+        };
+        if keys.quadratic {
+            mesh = mesh.quadratic();
+        }
+        for (k, curve) in keys.curved.iter().enumerate() {
+            mesh = curve.bend(&place.entry("curved", k), mesh)?;
+        }
+        if self.is_straight {
+            mesh = mesh.straight();
+        }
+        if let Some(offset) = &keys.translated {
+            let at = place.key("translated");
+            mesh = at.of(mesh.translated(at.vector(offset)?))?;
+        }
+        let own: Vec<String> = mesh.boundary_names().map(String::from).collect();
+        for (name, boundary) in &keys.boundaries {
+            let at = place.key("boundaries");
+            if own.contains(name) {
+                return Err(at.wrong(format!(
+                    "its mesh has a boundary `{name}` already: choose another name"
+                )));
+            }
+            boundary.add(&at, name, &mut mesh)?;
+        }
+        Ok(mesh)
+    }
+
+    fn body<const D: usize>(&self, place: &Place<'_>, keys: &BodyKeys) -> Result<Body<D>, Error>
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
         // files of fields are called after the body
         if keys.name.contains(['/', '\\']) {
-            let what = "a name has no `/` or `\\`, since files are called after it".into();
-            return Err(Error::Part { part, what });
+            let what = "a name has no `/` or `\\`, since files are called after it";
+            return Err(place.key("name").wrong(what));
         }
-        let mut body = laws::body(&part, keys, self.mesh(keys)?)?;
-        for name in &keys.symmetry {
-            of(&part, body.symmetry(&name.to_string()))?;
+        let mut body = laws::body(place, keys, self.mesh(place, keys)?)?;
+        for (k, name) in keys.symmetry.iter().enumerate() {
+            let at = place.entry("symmetry", k);
+            at.of(body.symmetry(&name.to_string()))?;
         }
-        for support in &keys.supports {
-            support.hold(&part, &mut body)?;
+        for (k, support) in keys.supports.iter().enumerate() {
+            support.hold(&place.entry("supports", k), &mut body)?;
         }
-        keys.load(&part, &mut body)?;
-        keys.add_to_boundaries(&part, &mut body)?;
+        for (k, traction) in keys.tractions.iter().enumerate() {
+            traction.load(&place.entry("tractions", k), &mut body)?;
+        }
+        for (k, pressure) in keys.pressures.iter().enumerate() {
+            pressure.load(&place.entry("pressures", k), &mut body)?;
+        }
+        for (k, foundation) in keys.foundations.iter().enumerate() {
+            foundation.found(&place.entry("foundations", k), &mut body)?;
+        }
+        keys.weigh(place, &mut body)?;
         Ok(body)
     }
 }
 
-impl BodyKeys {
-    /// Pressures and springs, which act on boundaries where they are.
-    fn add_to_boundaries<const D: usize>(
-        &self,
-        part: &str,
-        body: &mut Body<D>,
-    ) -> Result<(), Error> {
-        for (k, keys) in self.pressures.iter().enumerate() {
-            let part = format!("{part}, pressures, entry {}", k + 1);
-            let course = amplitude(&part, keys.amplitude.as_ref())?;
-            of(
-                &part,
-                body.pressure_in_time(&keys.on.to_string(), keys.pressure, course),
-            )?;
+impl CurvedKeys {
+    /// Moves the middle nodes of the boundary onto a sphere, a circle or a cylinder.
+    fn bend<const D: usize>(&self, place: &Place<'_>, mesh: Mesh<D>) -> Result<Mesh<D>, Error> {
+        let CurvedKeys {
+            on, centre, radius, ..
+        } = self;
+        let radius = *radius;
+        if !(radius > 0.0 && radius.is_finite()) {
+            let what = format!("the radius {radius} must be positive and finite");
+            return Err(place.key("radius").wrong(what));
         }
-        for (k, keys) in self.foundations.iter().enumerate() {
-            let on = keys.on.to_string();
-            let springs = match keys.normal_only {
-                true => body.normal_foundation(&on, keys.stiffness),
-                false => body.foundation(&on, keys.stiffness),
-            };
-            of(&format!("{part}, foundations, entry {}", k + 1), springs)?;
-        }
-        Ok(())
-    }
-
-    /// Tractions and body force.
-    fn load<const D: usize>(&self, part: &str, body: &mut Body<D>) -> Result<(), Error> {
-        for TractionKeys {
-            on,
-            force,
-            amplitude: course,
-        } in &self.tractions
-        {
-            let force = vector(part, "force", force)?;
-            let course = amplitude(part, course.as_ref())?;
-            of(part, body.traction_in_time(&on.to_string(), force, course))?;
-        }
-        let course = amplitude(part, self.body_force_amplitude.as_ref())?;
-        match &self.body_force {
-            Some(force) => {
-                let force = vector(part, "body-force", force)?;
-                of(part, body.body_force_in_time(force, course)).map(|_| ())
+        let centre = Vector::<D>::from(match centre {
+            Some(centre) => place.key("centre").vector(centre)?,
+            None => [0.0; D],
+        });
+        let axis = match &self.axis[..] {
+            [] => Vector::zeros(),
+            axis => {
+                let at = place.key("axis");
+                let axis = Vector::<D>::from(at.vector(axis)?);
+                let unit = axis.try_normalize(0.0).filter(|_| D == 3);
+                unit.ok_or_else(|| {
+                    at.wrong("is a direction in space: give it a length, or leave it out")
+                })?
             }
-            None if self.body_force_amplitude.is_some() => Err(Error::Part {
-                part: part.into(),
-                what: "`body-force-amplitude` has no effect without `body-force`".into(),
-            }),
-            None => Ok(()),
+        };
+        let onto = |x: &Vector<D>| {
+            let arm = x - centre;
+            let along = axis * axis.dot(&arm);
+            let out = arm - along;
+            match out.norm() {
+                0.0 => *x,
+                length => centre + along + out * (radius / length),
+            }
+        };
+        place.of(mesh.curved(&on.to_string(), onto))
+    }
+}
+
+impl BoundaryKeys {
+    /// How far off a facet may be, as a share of the mesh's diagonal.
+    const OFF: f64 = 1e-9;
+
+    /// Names the boundary.
+    fn add<const D: usize>(
+        &self,
+        place: &Place<'_>,
+        name: &str,
+        mesh: &mut Mesh<D>,
+    ) -> Result<(), Error> {
+        let (low, high) = mesh.bounding_box();
+        let off = Self::OFF * (high - low).norm();
+        match self {
+            BoundaryKeys::Of(names) => {
+                let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+                return place.of(mesh.join_boundaries(name, &names));
+            }
+            BoundaryKeys::Plane(HalfSpace { point, normal }) => {
+                let point = Vector::<D>::from(place.vector(point)?);
+                let normal = Vector::<D>::from(place.vector(normal)?);
+                let n = normal.try_normalize(0.0);
+                let n =
+                    n.ok_or_else(|| place.wrong(format!("the normal of `{name}` has no length")))?;
+                mesh.name_boundary(name, |x| n.dot(&(x - point)).abs() <= off);
+            }
+            BoundaryKeys::Box(corners) => {
+                let low = place.vector::<D>(&corners.low)?;
+                let high = place.vector::<D>(&corners.high)?;
+                let is_in =
+                    |x: &Vector<D>| (0..D).all(|i| x[i] >= low[i] - off && x[i] <= high[i] + off);
+                mesh.name_boundary(name, is_in);
+            }
+        }
+        match place.of(mesh.boundary(name))?.is_empty() {
+            true => Err(place.wrong(format!(
+                "no facet of the mesh is on `{name}`: it takes those with all corners there"
+            ))),
+            false => Ok(()),
         }
     }
 }
 
+impl BodyKeys {
+    /// The body force.
+    fn weigh<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
+        let (at, in_time) = (place.key("body-force"), place.key("body-force-amplitude"));
+        let course = amplitude(&in_time, self.body_force_amplitude.as_ref())?;
+        match &self.body_force {
+            Some(force) => {
+                at.of(body.body_force_in_time(at.vector(force)?, course))?;
+            }
+            None if self.body_force_amplitude.is_some() => {
+                let what = "`body-force-amplitude` has no effect without `body-force`";
+                return Err(in_time.wrong(what));
+            }
+            None => {}
+        }
+        Ok(())
+    }
+}
+
+impl TractionKeys {
+    fn load<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
+        let force = place.key("force").vector(&self.force)?;
+        let course = amplitude(&place.key("amplitude"), self.amplitude.as_ref())?;
+        let on = self.on.to_string();
+        let loaded = body.traction_in_time(&on, force, course);
+        place.key("on").of(loaded)?;
+        Ok(())
+    }
+}
+
+impl PressureKeys {
+    fn load<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
+        let course = amplitude(&place.key("amplitude"), self.amplitude.as_ref())?;
+        let on = self.on.to_string();
+        place.of(body.pressure_in_time(&on, self.pressure, course))?;
+        Ok(())
+    }
+}
+
+impl FoundationKeys {
+    fn found<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
+        let on = self.on.to_string();
+        place.of(match self.normal_only {
+            true => body.normal_foundation(&on, self.stiffness),
+            false => body.foundation(&on, self.stiffness),
+        })?;
+        Ok(())
+    }
+}
+
 impl SupportKeys {
-    fn hold<const D: usize>(&self, part: &str, body: &mut Body<D>) -> Result<(), Error> {
-        let wrong = |what: String| Error::Part {
-            part: part.into(),
-            what,
-        };
+    fn hold<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
         let all = [self.x, self.y, self.z];
         if D == 2 && self.z.is_some() {
-            return Err(wrong("a support in the plane has no `z`".into()));
+            return Err(place.key("z").wrong("a support in the plane has no `z`"));
         }
         let name = self.on.as_ref().map(ToString::to_string);
         let components = std::array::from_fn(|i| all[i]);
-        let moves = motion(part, &self.motion)?;
+        let moves = motion(place, &self.motion)?;
         let has_values = all.iter().any(Option::is_some);
-        let what = match (has_values, &moves, &self.amplitude, &name) {
+        let is_on = name.is_some();
+        let what = match (has_values, &moves, &self.amplitude, &self.at) {
+            (_, Some(_), _, Some(_)) | (_, _, Some(_), Some(_)) => {
+                "has `at`, which takes components alone: leave the other out"
+            }
+            (.., Some(_)) if is_on => "has `on` and `at`: give it one of them",
             (false, None, ..) => "holds nothing: give it x, y, z or `motion`",
             (true, Some(_), ..) => "has components and a motion: give it one of them",
             (_, Some(_), Some(_), _) => {
                 "has a motion, which has amplitudes of its own: leave `amplitude` out"
             }
-            (true, None, Some(_), None) => "has an amplitude: name its boundary by `on`",
+            (true, None, Some(_), None) if !is_on => "has an amplitude: name its boundary by `on`",
             _ => "",
         };
         if !what.is_empty() {
-            let place = match &name {
-                Some(name) => format!("on {name}"),
-                None => "without `on`".into(),
+            let on = match (&name, &self.at) {
+                (Some(name), _) => format!("on {name}"),
+                (None, Some(_)) => "at nodes".into(),
+                (None, None) => "without `on`".into(),
             };
-            return Err(wrong(format!("its support {place} {what}")));
+            return Err(place.wrong(format!("its support {on} {what}")));
         }
+        if let Some(points) = &self.at {
+            let at = place.key("at");
+            let points: Result<Vec<[f64; D]>, Error> =
+                points.iter().map(|point| at.vector(point)).collect();
+            let nodes = at.of(body.mesh().nodes_at(&points?))?;
+            at.of(body.prescribe_nodes(&nodes, components))?;
+            return Ok(());
+        }
+        let held_on = match name.is_some() {
+            true => place.key("on"),
+            false => place.clone(),
+        };
         let held = match (name, moves) {
             (Some(name), Some(moves)) => body.prescribe_motion(&name, moves),
             (None, Some(moves)) => body.prescribe_motion_of_all(moves),
             (Some(name), None) => {
-                let course = amplitude(part, self.amplitude.as_ref())?;
+                let course = amplitude(&place.key("amplitude"), self.amplitude.as_ref())?;
                 body.prescribe_in_time(&name, components, course)
             }
             (None, None) => body.prescribe_all(components),
         };
-        of(part, held).map(|_| ())
+        held_on.of(held)?;
+        Ok(())
     }
 }

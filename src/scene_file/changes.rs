@@ -81,12 +81,9 @@ impl SceneFile {
     pub fn literal(&self) -> Result<Self, Error> {
         if let Some(solver) = self.keys.solver {
             if ![Solver::Literal, Solver::Automatic].contains(&solver) {
-                return Err(Error::Part {
-                    part: "the scene".into(),
-                    what: format!(
+                return Err(self.place().key("solver").wrong(format!(
                         "its `solver` is {solver}, which is not the script's: leave the key out, or do not ask for literal"
-                    ),
-                });
+                    )));
             }
         }
         let mut file = self.clone();

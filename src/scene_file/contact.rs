@@ -3,8 +3,9 @@
 use contact_fem::Scene;
 use contact_fem::model::{BodyId, Passes, Side};
 
-use super::keys::{PassKeys, SideKeys};
-use super::{Error, SceneFile, of};
+use super::keys::{ContactKeys, PassKeys, SideKeys};
+use super::place::Place;
+use super::{Error, SceneFile};
 
 /// The bodies of a scene by name.
 pub(super) struct Bodies<'a> {
@@ -13,16 +14,21 @@ pub(super) struct Bodies<'a> {
 }
 
 impl Bodies<'_> {
-    /// A boundary of a body, which `part` names.
-    pub(super) fn side(&self, part: &str, side: &SideKeys) -> Result<Side, Error> {
-        let SideKeys { body, boundary } = side;
-        match self.names.iter().position(|name| name == body) {
-            Some(k) => Ok(self.ids[k].on(boundary.to_string())),
-            None => Err(Error::Part {
-                part: part.into(),
-                what: format!("there is no body `{body}`: there are {:?}", self.names),
-            }),
+    /// A body by its name, which is at `place`.
+    pub(super) fn named(&self, place: &Place<'_>, body: &str) -> Result<BodyId, Error> {
+        match self.names.iter().position(|name| *name == body) {
+            Some(k) => Ok(self.ids[k]),
+            None => Err(place.wrong(format!(
+                "there is no body `{body}`: there are {:?}",
+                self.names
+            ))),
         }
+    }
+
+    /// A boundary of a body.
+    pub(super) fn side(&self, place: &Place<'_>, side: &SideKeys) -> Result<Side, Error> {
+        let body = self.named(place, &side.body)?;
+        Ok(body.on(side.boundary.to_string()))
     }
 }
 
@@ -33,21 +39,62 @@ impl SceneFile {
         bodies: &Bodies<'_>,
     ) -> Result<(), Error> {
         for (k, keys) in self.keys.contact.iter().enumerate() {
-            let part = format!("contact {}", k + 1);
-            let first = bodies.side(&part, &keys.first)?;
-            let second = bodies.side(&part, &keys.second)?;
-            let passes = match keys.passes {
-                None | Some(PassKeys::Both) => Passes::Both,
-                Some(PassKeys::FirstIsSlave) => Passes::FirstIsSlave,
-                Some(PassKeys::SecondIsSlave) => Passes::SecondIsSlave,
-            };
-            let sides = [first.clone(), second.clone()];
-            of(&part, scene.contact_in_passes(first, second, passes))?;
-            if let Some(during) = &keys.during {
-                let switched = scene.contact_during(&sides[0], &sides[1], during);
-                of(&format!("{part}, `during`"), switched)?;
-            }
+            let place = self
+                .place()
+                .part("contact", k, format!("contact {}", k + 1));
+            keys.add(&place, scene, bodies)?;
         }
         Ok(())
+    }
+}
+
+impl ContactKeys {
+    fn add<const D: usize>(
+        &self,
+        place: &Place<'_>,
+        scene: &mut Scene<D>,
+        bodies: &Bodies<'_>,
+    ) -> Result<(), Error> {
+        if let (Some(_), true) = (self.passes, self.first.is_none()) {
+            let what = "`passes` is for `first` and `second`: leave it out";
+            return Err(place.key("passes").wrong(what));
+        }
+        if let (Some(_), true) = (&self.during, self.first.is_none()) {
+            let what = "`during` is for `first` and `second`: leave it out";
+            return Err(place.key("during").wrong(what));
+        }
+        match (&self.first, &self.second, &self.itself, &self.surfaces[..]) {
+            (Some(first), Some(second), None, []) => {
+                let first = bodies.side(&place.key("first"), first)?;
+                let second = bodies.side(&place.key("second"), second)?;
+                let passes = match self.passes {
+                    None | Some(PassKeys::Both) => Passes::Both,
+                    Some(PassKeys::FirstIsSlave) => Passes::FirstIsSlave,
+                    Some(PassKeys::SecondIsSlave) => Passes::SecondIsSlave,
+                };
+                let sides = [first.clone(), second.clone()];
+                place.of(scene.contact_in_passes(first, second, passes))?;
+                if let Some(during) = &self.during {
+                    let at = place.key("during");
+                    at.of(scene.contact_during(&sides[0], &sides[1], during))?;
+                }
+                Ok(())
+            }
+            (None, None, Some(side), []) => {
+                let at = place.key("self");
+                at.of(scene.self_contact(bodies.side(&at, side)?))
+            }
+            (None, None, None, [_, ..]) => {
+                for (k, side) in self.surfaces.iter().enumerate() {
+                    let at = place.entry("surfaces", k);
+                    at.of(scene.contact_surface(bodies.side(&at, side)?))?;
+                }
+                Ok(())
+            }
+            _ => Err(place.wrong(
+                "give it `first` and `second`, or `self` alone for what may touch itself, or `surfaces` alone for what may \
+                 touch anything of another body",
+            )),
+        }
     }
 }

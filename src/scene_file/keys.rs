@@ -1,11 +1,14 @@
 //! The keys of a scene file.
 
+use std::collections::BTreeMap;
 use std::fmt;
-use std::path::PathBuf;
 
 use serde::Deserialize;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{MapAccess, SeqAccess, Visitor};
 
 use super::laws::{Law, RegionKeys};
+use super::meshes::MeshKeys;
 use super::run::{Departure, Solver};
 
 #[derive(Clone, Debug, Deserialize)]
@@ -20,7 +23,18 @@ pub(super) struct Keys {
     pub(super) goes_on: Option<bool>,
     pub(super) max_iterations: Option<usize>,
     pub(super) ipopt_tolerance: Option<f64>,
+    pub(super) method: Option<Formulation>,
+    pub(super) complementarity: Option<f64>,
+    pub(super) penetration: Option<f64>,
+    pub(super) acceleration: Option<Combine>,
+    pub(super) depth: Option<usize>,
+    #[serde(default)]
+    pub(super) ipopt: BTreeMap<String, OptionKeys>,
     pub(super) points: Option<usize>,
+    pub(super) integration: Option<IntegrationKeys>,
+    pub(super) initial_gaps: Option<InitialGapKeys>,
+    pub(super) overlap_tolerance: Option<f64>,
+    pub(super) overlaps: Option<OverlapKeys>,
     pub(super) geometry: Option<Where>,
     pub(super) reach: Option<f64>,
     pub(super) body: Vec<BodyKeys>,
@@ -28,6 +42,74 @@ pub(super) struct Keys {
     pub(super) contact: Vec<ContactKeys>,
     #[serde(default)]
     pub(super) obstacle: Vec<ObstacleKeys>,
+    #[serde(default)]
+    pub(super) output: OutputKeys,
+}
+
+/// What is recorded.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct OutputKeys {
+    pub(super) name: Option<String>,
+    pub(super) vtu_every: Option<usize>,
+    pub(super) picture: Option<String>,
+    pub(super) half_way: Option<bool>,
+    pub(super) reaction: Option<ReactionKeys>,
+}
+
+/// The force that the summary calls `reaction`: that of the supports of these bodies along a direction.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ReactionKeys {
+    pub(super) of: Vec<String>,
+    pub(super) along: Vec<f64>,
+}
+
+/// How Ipopt states every subproblem.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Formulation {
+    InteriorPoint,
+    PenalizedSlack,
+    Penalty,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Combine {
+    Plain,
+    Anderson,
+}
+
+/// The value of an option of Ipopt.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub(super) enum OptionKeys {
+    Integer(i32),
+    Number(f64),
+    Text(String),
+}
+
+/// As `points`, but not at Gauss points.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum IntegrationKeys {
+    Exact,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum InitialGapKeys {
+    Refuse,
+    Resolve,
+    Adjust,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum OverlapKeys {
+    Refused,
+    Allowed,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -72,10 +154,15 @@ pub(super) struct MotionKeys {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct BodyKeys {
     pub(super) name: String,
-    pub(super) mesh: PathBuf,
+    pub(super) mesh: MeshKeys,
     pub(super) region: Option<Name>,
     #[serde(default)]
     pub(super) quadratic: bool,
+    #[serde(default)]
+    pub(super) curved: Vec<CurvedKeys>,
+    pub(super) translated: Option<Vec<f64>>,
+    #[serde(default)]
+    pub(super) boundaries: BTreeMap<String, BoundaryKeys>,
     #[serde(default)]
     pub(super) averaged_volumes: bool,
     pub(super) law: Law,
@@ -122,6 +209,7 @@ impl fmt::Display for Name {
 #[serde(deny_unknown_fields)]
 pub(super) struct SupportKeys {
     pub(super) on: Option<Name>,
+    pub(super) at: Option<Vec<Vec<f64>>>,
     pub(super) x: Option<f64>,
     pub(super) y: Option<f64>,
     pub(super) z: Option<f64>,
@@ -158,10 +246,14 @@ pub(super) struct FoundationKeys {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct ContactKeys {
-    pub(super) first: SideKeys,
-    pub(super) second: SideKeys,
+    pub(super) first: Option<SideKeys>,
+    pub(super) second: Option<SideKeys>,
     pub(super) passes: Option<PassKeys>,
     pub(super) during: Option<Vec<[f64; 2]>>,
+    #[serde(rename = "self")]
+    pub(super) itself: Option<SideKeys>,
+    #[serde(default)]
+    pub(super) surfaces: Vec<SideKeys>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -182,6 +274,8 @@ pub(super) struct ObstacleKeys {
     pub(super) cylinder: Option<Cylinder>,
     pub(super) bore: Option<Cylinder>,
     pub(super) cuboid: Option<Cuboid>,
+    pub(super) polygon: Option<Vec<Vec<f64>>>,
+    pub(super) surface: Option<MeshKeys>,
     #[serde(default)]
     pub(super) motion: Vec<MotionKeys>,
     pub(super) during: Option<Vec<[f64; 2]>>,
@@ -235,4 +329,60 @@ pub(super) struct Cylinder {
 pub(super) struct Cuboid {
     pub(super) low: Vec<f64>,
     pub(super) high: Vec<f64>,
+}
+
+/// A boundary whose middle nodes move onto a circle, a sphere or, along an axis, a cylinder.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CurvedKeys {
+    pub(super) on: Name,
+    pub(super) radius: f64,
+    pub(super) centre: Option<Vec<f64>>,
+    #[serde(default)]
+    pub(super) axis: Vec<f64>,
+}
+
+/// Where a boundary is: the facets of others, or those with all corners on a plane or in a box.
+#[derive(Clone, Debug)]
+pub(super) enum BoundaryKeys {
+    Of(Vec<Name>),
+    Plane(HalfSpace),
+    Box(Cuboid),
+}
+
+/// As a table.
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Region {
+    Plane(HalfSpace),
+    Box(Cuboid),
+}
+
+/// Takes a list or a table. Unlike an untagged enum, it keeps what is wrong within either, with its line.
+struct Anywhere;
+
+impl<'de> Visitor<'de> for Anywhere {
+    type Value = BoundaryKeys;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a list of boundaries, or a table such as { plane = { point = [0, 0], normal = [0, 1] } }")
+    }
+
+    fn visit_seq<S: SeqAccess<'de>>(self, list: S) -> Result<BoundaryKeys, S::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(list)).map(BoundaryKeys::Of)
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<BoundaryKeys, M::Error> {
+        let region = Region::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(match region {
+            Region::Plane(plane) => BoundaryKeys::Plane(plane),
+            Region::Box(corners) => BoundaryKeys::Box(corners),
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for BoundaryKeys {
+    fn deserialize<De: serde::Deserializer<'de>>(from: De) -> Result<Self, De::Error> {
+        from.deserialize_any(Anywhere)
+    }
 }

@@ -10,8 +10,9 @@ use contact_fem::{
 };
 use serde::Deserialize;
 
+use super::Error;
 use super::keys::{BodyKeys, Name};
-use super::{Error, of};
+use super::place::Place;
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "kebab-case")]
@@ -49,7 +50,7 @@ pub(super) struct RegionKeys {
 
 /// The constants of a law, those that are given.
 struct Constants<'a> {
-    part: &'a str,
+    place: Place<'a>,
     law: Law,
     young: Option<f64>,
     poisson: Option<f64>,
@@ -58,14 +59,21 @@ struct Constants<'a> {
 }
 
 impl Constants<'_> {
-    fn error(&self, what: String) -> Error {
-        let part = self.part.into();
-        Error::Part { part, what }
+    fn given<T>(&self, key: &'static str, value: Option<T>) -> Result<T, Error> {
+        let what = || format!("the law {} needs `{key}`", self.law.name());
+        value.ok_or_else(|| self.place.key(key).wrong(what()))
     }
 
-    fn given<T>(&self, key: &str, value: Option<T>) -> Result<T, Error> {
-        let missing = || self.error(format!("the law {} needs `{key}`", self.law.name()));
-        value.ok_or_else(missing)
+    /// Names the constant that a law refuses.
+    fn law_of<T>(&self, law: Result<T, contact_fem::Error>) -> Result<T, Error> {
+        use contact_fem::Error as Refused;
+        let key = match (&law, self.law) {
+            (Err(Refused::PoissonsRatio { .. } | Refused::ModuliApart { .. }), _) => "poisson",
+            (_, Law::Ogden) => "terms",
+            (Err(Refused::Setting { .. }), _) => "share",
+            _ => "young",
+        };
+        self.place.key(key).of(law)
     }
 
     /// Young's modulus and Poisson's ratio.
@@ -76,8 +84,9 @@ impl Constants<'_> {
 
     /// Refuses constants that the law does not have.
     fn check(&self) -> Result<(), Error> {
-        let not_of = |key: &str, others: &str| {
-            Err(self.error(format!("`{key}` is of {others}: leave it out")))
+        let not_of = |key: &'static str, others: &str| {
+            let what = format!("`{key}` is of {others}: leave it out");
+            Err(self.place.key(key).wrong(what))
         };
         let is = |law: Law| self.law == law;
         if is(Law::Ogden) && self.young.is_some() {
@@ -98,7 +107,7 @@ impl Constants<'_> {
 
 /// A body of the law that its keys name.
 pub(super) fn body<const D: usize>(
-    part: &str,
+    place: &Place<'_>,
     keys: &BodyKeys,
     mesh: Mesh<D>,
 ) -> Result<Body<D>, Error>
@@ -108,40 +117,38 @@ where
 {
     let moduli = |c: &Constants| c.moduli();
     match keys.law {
-        Law::LinearElastic => volumetric(part, keys, mesh, |c| {
+        Law::LinearElastic => volumetric(place, keys, mesh, |c| {
             let (young, poisson) = moduli(c)?;
-            of(c.part, LinearElastic::new(young, poisson))
+            c.law_of(LinearElastic::new(young, poisson))
         }),
-        Law::NeoHookean => volumetric(part, keys, mesh, |c| {
+        Law::NeoHookean => volumetric(place, keys, mesh, |c| {
             let (young, poisson) = moduli(c)?;
-            of(c.part, NeoHookean::new(young, poisson))
+            c.law_of(NeoHookean::new(young, poisson))
         }),
-        Law::MooneyRivlin => volumetric(part, keys, mesh, |c| {
+        Law::MooneyRivlin => volumetric(place, keys, mesh, |c| {
             let (young, poisson) = moduli(c)?;
             let share = c.given("share", c.share)?;
-            of(c.part, MooneyRivlin::new(young, poisson, share))
+            c.law_of(MooneyRivlin::new(young, poisson, share))
         }),
-        Law::Ogden => volumetric(part, keys, mesh, |c| {
+        Law::Ogden => volumetric(place, keys, mesh, |c| {
             let terms = c.given("terms", c.terms)?;
             let poisson = c.given("poisson", c.poisson)?;
-            of(c.part, Ogden::new(terms, poisson))
+            c.law_of(Ogden::new(terms, poisson))
         }),
-        Law::StVenantKirchhoff if keys.averaged_volumes => Err(Error::Part {
-            part: part.into(),
-            what: "`averaged-volumes` is not for st-venant-kirchhoff, whose energy has no part of the volume alone: leave it \
-                   out, or take another law"
-                .into(),
-        }),
-        Law::StVenantKirchhoff => elastic(part, keys, mesh, |c| {
+        Law::StVenantKirchhoff if keys.averaged_volumes => Err(place.key("averaged-volumes").wrong(
+            "`averaged-volumes` is not for st-venant-kirchhoff, whose energy has no part of the volume alone: leave it \
+             out, or take another law",
+        )),
+        Law::StVenantKirchhoff => elastic(place, keys, mesh, |c| {
             let (young, poisson) = moduli(c)?;
-            of(c.part, StVenantKirchhoff::new(young, poisson))
+            c.law_of(StVenantKirchhoff::new(young, poisson))
         }),
     }
 }
 
 /// A body, with averaged changes of volume or without.
 fn volumetric<const D: usize, L: Volumetric<D> + Material<3>>(
-    part: &str,
+    place: &Place<'_>,
     keys: &BodyKeys,
     mesh: Mesh<D>,
     law: impl Fn(&Constants) -> Result<L, Error>,
@@ -151,11 +158,11 @@ where
     P2: Element<D>,
 {
     if !keys.averaged_volumes {
-        return elastic(part, keys, mesh, law);
+        return elastic(place, keys, mesh, law);
     }
     let refused = |what: &str| {
-        let (part, what) = (part.into(), format!("`averaged-volumes` is {what}"));
-        Err(Error::Part { part, what })
+        let what = format!("`averaged-volumes` is {what}");
+        Err(place.key("averaged-volumes").wrong(what))
     };
     if mesh.order() == Order::Quadratic {
         return refused(
@@ -168,13 +175,13 @@ where
     if !keys.laws.is_empty() {
         return refused("for one law, and `laws` are several: leave it out, or take `quadratic`");
     }
-    let law = law(&of_body(part, keys)?)?;
-    of(part, Body::with_averaged_volumes(mesh, law))
+    let law = law(&of_body(place, keys)?)?;
+    place.of(Body::with_averaged_volumes(mesh, law))
 }
 
 /// A body in plane strain or space, or in plane stress.
 fn elastic<const D: usize, L: Material<D> + Material<3>>(
-    part: &str,
+    place: &Place<'_>,
     keys: &BodyKeys,
     mesh: Mesh<D>,
     law: impl Fn(&Constants) -> Result<L, Error>,
@@ -184,34 +191,33 @@ where
     P2: Element<D>,
 {
     if !keys.plane_stress {
-        return plain(part, keys, mesh, law);
+        return plain(place, keys, mesh, law);
     }
     // D is known to be 2 where the mesh is one of the plane
     let mesh: Box<dyn Any> = Box::new(mesh);
     let body: Option<Box<dyn Any>> = match mesh.downcast::<Mesh<2>>() {
-        Ok(mesh) => Some(Box::new(sheet(part, keys, *mesh, law)?)),
+        Ok(mesh) => Some(Box::new(sheet(place, keys, *mesh, law)?)),
         Err(_) => None,
     };
     let body = body.and_then(|body| body.downcast::<Body<D>>().ok());
-    body.map(|body| *body).ok_or_else(|| Error::Part {
-        part: part.into(),
-        what: "`plane-stress` is for meshes of the plane: leave it out".into(),
-    })
+    let what = "`plane-stress` is for meshes of the plane: leave it out";
+    body.map(|body| *body)
+        .ok_or_else(|| place.key("plane-stress").wrong(what))
 }
 
 /// A body in plane stress.
 fn sheet<L: Material<3>>(
-    part: &str,
+    place: &Place<'_>,
     keys: &BodyKeys,
     mesh: Mesh<2>,
     law: impl Fn(&Constants) -> Result<L, Error>,
 ) -> Result<Body<2>, Error> {
-    plain(part, keys, mesh, |c| Ok(PlaneStress(law(c)?)))
+    plain(place, keys, mesh, |c| Ok(PlaneStress(law(c)?)))
 }
 
 /// A body of one law, or of one a region.
 fn plain<const D: usize, L: Material<D>>(
-    part: &str,
+    place: &Place<'_>,
     keys: &BodyKeys,
     mesh: Mesh<D>,
     law: impl Fn(&Constants) -> Result<L, Error>,
@@ -221,21 +227,17 @@ where
     P2: Element<D>,
 {
     if keys.laws.is_empty() {
-        return Ok(Body::new(mesh, law(&of_body(part, keys)?)?));
+        return Ok(Body::new(mesh, law(&of_body(place, keys)?)?));
     }
     let own = [keys.young, keys.poisson, keys.share];
     if own.iter().any(Option::is_some) || keys.terms.is_some() {
         let what = "each of its `laws` has constants of its own: give `young`, `poisson`, `share` and `terms` there alone";
-        return Err(Error::Part {
-            part: part.into(),
-            what: what.into(),
-        });
+        return Err(place.key("laws").wrong(what));
     }
-    let one = |keys_of_region: &RegionKeys| {
+    let one = |(k, keys_of_region): (usize, &RegionKeys)| {
         let name = keys_of_region.region.to_string();
-        let part = format!("{part}, region {name}");
         let constants = Constants {
-            part: &part,
+            place: place.entry("laws", k),
             law: keys.law,
             young: keys_of_region.young,
             poisson: keys_of_region.poisson,
@@ -245,14 +247,19 @@ where
         constants.check()?;
         Ok((name, law(&constants)?))
     };
-    let laws: Vec<(String, L)> = keys.laws.iter().map(one).collect::<Result<_, Error>>()?;
-    of(part, Body::with_laws(mesh, laws))
+    let laws: Vec<(String, L)> = keys
+        .laws
+        .iter()
+        .enumerate()
+        .map(one)
+        .collect::<Result<_, Error>>()?;
+    place.key("laws").of(Body::with_laws(mesh, laws))
 }
 
 /// The constants of a body of one law.
-fn of_body<'a>(part: &'a str, keys: &'a BodyKeys) -> Result<Constants<'a>, Error> {
+fn of_body<'a>(place: &Place<'a>, keys: &'a BodyKeys) -> Result<Constants<'a>, Error> {
     let constants = Constants {
-        part,
+        place: place.clone(),
         law: keys.law,
         young: keys.young,
         poisson: keys.poisson,

@@ -1,50 +1,15 @@
 //! Obstacles of a scene file.
 
+use std::path::Path;
+
 use contact_fem::{Obstacle, Scene};
 
 use super::contact::Bodies;
-use super::keys::{Ball, Cuboid, HalfSpace, ObstacleKeys};
+use super::keys::{Ball, Cuboid, Cylinder, HalfSpace, ObstacleKeys};
+use super::meshes::{Found, MeshKeys};
+use super::place::Place;
 use super::program::motion;
-use super::{Error, SceneFile, of, vector};
-
-impl ObstacleKeys {
-    /// The one shape that is given.
-    fn shape<const D: usize>(&self, part: &str) -> Result<Obstacle<D>, Error> {
-        let mut shapes = Vec::new();
-        if let Some(HalfSpace { point, normal }) = &self.half_space {
-            let (point, normal) = (
-                vector(part, "point", point)?,
-                vector(part, "normal", normal)?,
-            );
-            shapes.push(Obstacle::half_space(point, normal));
-        }
-        if let Some(Ball { centre, radius }) = &self.ball {
-            shapes.push(Obstacle::ball(vector(part, "centre", centre)?, *radius));
-        }
-        if let Some(Ball { centre, radius }) = &self.cavity {
-            shapes.push(Obstacle::cavity(vector(part, "centre", centre)?, *radius));
-        }
-        if let Some(round) = &self.cylinder {
-            let point = vector(part, "point", &round.point)?;
-            shapes.push(Obstacle::cylinder_along(&round.axis, point, round.radius));
-        }
-        if let Some(round) = &self.bore {
-            let point = vector(part, "point", &round.point)?;
-            shapes.push(Obstacle::bore_along(&round.axis, point, round.radius));
-        }
-        if let Some(Cuboid { low, high }) = &self.cuboid {
-            let (low, high) = (vector(part, "low", low)?, vector(part, "high", high)?);
-            shapes.push(Obstacle::cuboid(low, high));
-        }
-        match (shapes.pop(), shapes.is_empty()) {
-            (Some(shape), true) => of(part, shape),
-            _ => Err(Error::Part {
-                part: part.into(),
-                what: "give it one shape: `half-space`, `ball`, `cavity`, `cylinder`, `bore` or `cuboid`".into(),
-            }),
-        }
-    }
-}
+use super::{Error, SceneFile};
 
 impl SceneFile {
     pub(super) fn add_obstacles<const D: usize>(
@@ -52,28 +17,136 @@ impl SceneFile {
         scene: &mut Scene<D>,
         bodies: &Bodies<'_>,
     ) -> Result<(), Error> {
-        for keys in &self.keys.obstacle {
-            let part = format!("obstacle {}", keys.name);
-            let shape = keys.shape(&part)?;
-            let shape = match motion(&part, &keys.motion)? {
+        for (k, keys) in self.keys.obstacle.iter().enumerate() {
+            let name = format!("obstacle {}", keys.name);
+            let place = self.place().part("obstacle", k, name);
+            let shape = keys.shape(&place, &self.folder)?;
+            let shape = match motion(&place, &keys.motion)? {
                 Some(motion) => shape.moving(motion),
                 None => shape,
             };
-            let Some((first, others)) = keys.on.split_first() else {
-                let what = "`on` is empty: name the boundaries that may touch it".into();
-                return Err(Error::Part { part, what });
+            let sides = keys.on.iter().enumerate();
+            let mut sides = sides.map(|(k, side)| bodies.side(&place.entry("on", k), side));
+            let Some(first) = sides.next() else {
+                let what = "`on` is empty: name the boundaries that may touch it";
+                return Err(place.key("on").wrong(what));
             };
-            let first = bodies.side(&part, first)?;
-            let obstacle = of(&part, scene.obstacle(&keys.name, first, shape))?;
-            for other in others {
-                let other = bodies.side(&part, other)?;
-                of(&part, scene.contact_obstacle(other, obstacle))?;
+            let at = place.key("on");
+            let obstacle = at.of(scene.obstacle(&keys.name, first?, shape))?;
+            for other in sides {
+                at.of(scene.contact_obstacle(other?, obstacle))?;
             }
             if let Some(during) = &keys.during {
                 let switched = scene.obstacle_during(obstacle, during);
-                of(&format!("{part}, `during`"), switched)?;
+                place.key("during").of(switched)?;
             }
         }
         Ok(())
+    }
+}
+
+impl ObstacleKeys {
+    /// The one shape that is given.
+    fn shape<const D: usize>(
+        &self,
+        place: &Place<'_>,
+        folder: &Path,
+    ) -> Result<Obstacle<D>, Error> {
+        let shapes = [
+            self.half_space
+                .as_ref()
+                .map(|keys| keys.shape(&place.key("half-space"))),
+            self.ball.as_ref().map(|keys| keys.ball(&place.key("ball"))),
+            self.cavity
+                .as_ref()
+                .map(|keys| keys.cavity(&place.key("cavity"))),
+            self.cylinder
+                .as_ref()
+                .map(|keys| keys.cylinder(&place.key("cylinder"))),
+            self.bore.as_ref().map(|keys| keys.bore(&place.key("bore"))),
+            self.cuboid
+                .as_ref()
+                .map(|keys| keys.shape(&place.key("cuboid"))),
+            self.polygon
+                .as_ref()
+                .map(|keys| polygon(&place.key("polygon"), keys)),
+            self.surface
+                .as_ref()
+                .map(|keys| surface(&place.key("surface"), keys, folder)),
+        ];
+        let mut shapes: Vec<Result<Obstacle<D>, Error>> = shapes.into_iter().flatten().collect();
+        match (shapes.pop(), shapes.is_empty()) {
+            (Some(shape), true) => shape,
+            _ => Err(place.wrong(
+                "give it one shape: `half-space`, `ball`, `cavity`, `cylinder`, `bore`, `cuboid`, `polygon` or `surface`",
+            )),
+        }
+    }
+}
+
+impl HalfSpace {
+    fn shape<const D: usize>(&self, place: &Place<'_>) -> Result<Obstacle<D>, Error> {
+        let point = place.key("point").vector(&self.point)?;
+        let normal = place.key("normal").vector(&self.normal)?;
+        place.of(Obstacle::half_space(point, normal))
+    }
+}
+
+impl Ball {
+    fn ball<const D: usize>(&self, place: &Place<'_>) -> Result<Obstacle<D>, Error> {
+        let centre = place.key("centre").vector(&self.centre)?;
+        place.of(Obstacle::ball(centre, self.radius))
+    }
+
+    fn cavity<const D: usize>(&self, place: &Place<'_>) -> Result<Obstacle<D>, Error> {
+        let centre = place.key("centre").vector(&self.centre)?;
+        place.of(Obstacle::cavity(centre, self.radius))
+    }
+}
+
+impl Cylinder {
+    fn cylinder<const D: usize>(&self, place: &Place<'_>) -> Result<Obstacle<D>, Error> {
+        let point = place.key("point").vector(&self.point)?;
+        place.of(Obstacle::cylinder_along(&self.axis, point, self.radius))
+    }
+
+    fn bore<const D: usize>(&self, place: &Place<'_>) -> Result<Obstacle<D>, Error> {
+        let point = place.key("point").vector(&self.point)?;
+        place.of(Obstacle::bore_along(&self.axis, point, self.radius))
+    }
+}
+
+impl Cuboid {
+    fn shape<const D: usize>(&self, place: &Place<'_>) -> Result<Obstacle<D>, Error> {
+        let low = place.key("low").vector(&self.low)?;
+        let high = place.key("high").vector(&self.high)?;
+        place.of(Obstacle::cuboid(low, high))
+    }
+}
+
+/// The inside of a closed polygon, whose corners go around it counter-clockwise.
+fn polygon<const D: usize>(place: &Place<'_>, corners: &[Vec<f64>]) -> Result<Obstacle<D>, Error> {
+    if D != 2 {
+        return Err(place.wrong("a polygon is in the plane: in space, take `surface`"));
+    }
+    let points: Result<Vec<[f64; D]>, Error> = corners.iter().map(|x| place.vector(x)).collect();
+    let count = corners.len();
+    let side = |k: usize| std::array::from_fn(|end| (k + end) % count);
+    let sides: Vec<[usize; D]> = (0..count).map(side).collect();
+    place.of(Obstacle::surface(&points?, &sides))
+}
+
+/// The inside of the surface in a file, or of a mesh that is made.
+fn surface<const D: usize>(
+    place: &Place<'_>,
+    keys: &MeshKeys,
+    folder: &Path,
+) -> Result<Obstacle<D>, Error> {
+    match keys {
+        MeshKeys::File(path) => place.of(Obstacle::read(folder.join(path))),
+        MeshKeys::Made(_) => match place.of(keys.mesh::<D>(folder, None))? {
+            Found::Mesh(mesh) => place.of(Obstacle::of_mesh(&mesh)),
+            _ => Err(place.wrong(format!("it is not in {D} dimensions, as the first body is"))),
+        },
     }
 }

@@ -4,34 +4,38 @@ use contact_core::Phase;
 use contact_fem::{Amplitude, Motion};
 
 use super::keys::{AmplitudeKeys, MotionKeys, PhaseKeys};
-use super::{Error, SceneFile, of, vector};
+use super::place::Place;
+use super::{Error, SceneFile};
 
-pub(super) fn amplitude(part: &str, keys: Option<&AmplitudeKeys>) -> Result<Amplitude, Error> {
+/// The amplitude at `place`; without one, in proportion to the load factor.
+pub(super) fn amplitude(
+    place: &Place<'_>,
+    keys: Option<&AmplitudeKeys>,
+) -> Result<Amplitude, Error> {
     match keys {
         None => Ok(Amplitude::proportional()),
         Some(AmplitudeKeys::Constant(value)) => Ok(Amplitude::constant(*value)),
-        Some(AmplitudeKeys::Table(pairs)) => of(part, Amplitude::table(pairs)),
+        Some(AmplitudeKeys::Table(pairs)) => place.of(Amplitude::table(pairs)),
     }
 }
 
 /// The motions one after the other; `None` without any.
 pub(super) fn motion<const D: usize>(
-    part: &str,
+    place: &Place<'_>,
     all: &[MotionKeys],
 ) -> Result<Option<Motion<D>>, Error> {
     let mut whole: Option<Motion<D>> = None;
-    for keys in all {
-        let wrong = |what: &str| Error::Part {
-            part: part.into(),
-            what: format!("its motion {what}"),
-        };
+    for (k, keys) in all.iter().enumerate() {
+        let at = place.entry("motion", k);
+        let wrong = |what: &str| at.wrong(format!("its motion {what}"));
         let one = match (&keys.translation, keys.rotation, &keys.centre) {
             (Some(by), None, None) if keys.axis.is_empty() => {
-                of(part, Motion::translation(vector(part, "translation", by)?))?
+                let at = at.key("translation");
+                at.of(Motion::translation(at.vector(by)?))?
             }
             (None, Some(angle), Some(centre)) => {
-                let centre = vector(part, "centre", centre)?;
-                of(part, Motion::rotation_along(&keys.axis, centre, angle))?
+                let centre = at.key("centre").vector(centre)?;
+                at.of(Motion::rotation_along(&keys.axis, centre, angle))?
             }
             (None, Some(_), None) => return Err(wrong("turns about no point: give it a `centre`")),
             _ => {
@@ -40,7 +44,8 @@ pub(super) fn motion<const D: usize>(
                 ));
             }
         };
-        let one = one.driven_by(amplitude(part, keys.amplitude.as_ref())?);
+        let course = amplitude(&at.key("amplitude"), keys.amplitude.as_ref())?;
+        let one = one.driven_by(course);
         whole = Some(match whole {
             Some(before) => before.then(one),
             None => one,
@@ -56,22 +61,20 @@ impl SceneFile {
             let what = format!(
                 "`increments = {increments}` has no effect where there are phases: give each its own"
             );
-            return Err(Error::Part {
-                part: "the scene".into(),
-                what,
-            });
+            return Err(self.place().key("increments").wrong(what));
         }
-        let phase = |keys: &PhaseKeys| {
+        let phase = |(k, keys): (usize, &PhaseKeys)| {
             let phase = Phase::new(&keys.name, keys.until, keys.increments);
             match (keys.least_step, keys.largest_step) {
                 (None, None) => Ok(phase),
                 (Some(least), Some(largest)) => Ok(phase.adaptive(least, largest)),
-                _ => Err(Error::Part {
-                    part: format!("phase {}", keys.name),
-                    what: "adaptive steps need `least-step` and `largest-step`".into(),
-                }),
+                _ => {
+                    let name = format!("phase {}", keys.name);
+                    let place = self.place().part("phase", k, name);
+                    Err(place.wrong("adaptive steps need `least-step` and `largest-step`"))
+                }
             }
         };
-        self.keys.phase.iter().map(phase).collect()
+        self.keys.phase.iter().enumerate().map(phase).collect()
     }
 }

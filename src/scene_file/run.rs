@@ -4,12 +4,16 @@ use std::fmt;
 use std::path::PathBuf;
 
 use contact_core::equilibrium::{Departures, Resumable};
+use contact_core::ipopt::{self, Options};
+use contact_core::nlp::{Bounds, Pattern, Structure};
 use contact_core::{
-    Automatic, Condensed, CondensedNewton, Equilibrium, InteriorPoint, Literal, Retry,
+    Acceleration, Automatic, Condensed, CondensedNewton, Continuation, Equilibrium, InteriorPoint,
+    Literal, Method, PenalizedSlack, Penalty, Retry,
 };
 use contact_fem::Simulation;
 use serde::Deserialize;
 
+use super::keys::{Combine, Formulation, OptionKeys};
 use super::{Error, SceneFile};
 
 /// How a load is solved.
@@ -81,7 +85,8 @@ impl SceneFile {
     /// The run: increments, solver, tolerance.
     ///
     /// # Errors
-    /// A tolerance for a solver that has none, keys of [`Solver::Literal`] for another one, increments out of range.
+    /// A tolerance for a solver that has none, keys of one solver for another one, options that Ipopt does not have, increments
+    /// out of range.
     pub fn simulation(&self) -> Result<Simulation<Box<dyn Equilibrium>>, Error> {
         self.simulation_by(self.keys.solver.unwrap_or(Solver::Automatic))
     }
@@ -111,38 +116,55 @@ impl SceneFile {
         self.run_by(solver, Box::new(kept))
     }
 
-    /// The solvers that the keys ask for.
-    fn solvers(&self, solver: Solver) -> Result<Solvers, Error> {
-        let tolerance = self.keys.tolerance;
-        let only_literal = [
-            self.keys.goes_on.map(|value| format!("goes-on = {value}")),
-            self.keys
-                .max_iterations
-                .map(|value| format!("max-iterations = {value}")),
-            self.keys
-                .ipopt_tolerance
-                .map(|value| format!("ipopt-tolerance = {value}")),
+    /// Refuses keys of one solver where another solves.
+    fn check_keys(&self, solver: Solver) -> Result<(), Error> {
+        let keys = &self.keys;
+        let told = |value: Option<f64>| value.map(|value| value.to_string());
+        let literal = [
+            ("goes-on", keys.goes_on.map(|value| value.to_string())),
+            (
+                "max-iterations",
+                keys.max_iterations.map(|value| value.to_string()),
+            ),
+            ("ipopt-tolerance", told(keys.ipopt_tolerance)),
         ];
-        if let (Some(key), true) = (
-            only_literal.iter().flatten().next(),
-            solver != Solver::Literal,
-        ) {
-            return Err(Error::Part {
-                part: "the scene".into(),
-                what: format!(
-                    "`{key}` has no effect with the solver {solver}: leave it out, or take literal"
-                ),
-            });
+        let of_ipopt = [
+            ("method", keys.method.map(|method| format!("{method:?}"))),
+            ("complementarity", told(keys.complementarity)),
+            ("penetration", told(keys.penetration)),
+            (
+                "acceleration",
+                keys.acceleration.map(|value| format!("{value:?}")),
+            ),
+            ("depth", keys.depth.map(|depth| depth.to_string())),
+            ("ipopt", keys.ipopt.keys().next().cloned()),
+        ];
+        let literal = literal
+            .into_iter()
+            .map(|(key, value)| (key, value, Solver::Literal));
+        let of_ipopt = of_ipopt
+            .into_iter()
+            .map(|(key, value)| (key, value, Solver::Ipopt));
+        for (key, value, needed) in literal.chain(of_ipopt) {
+            if let (Some(value), true) = (value, solver != needed) {
+                return Err(self.place().key(key).wrong(format!(
+                    "`{key} = {value}` has no effect with the solver {solver}: leave it out, or take {needed}"
+                )));
+            }
         }
         let departures = self.keys.departures.as_deref().unwrap_or_default();
         if let (Some(first), true) = (departures.first(), solver != Solver::Literal) {
-            return Err(Error::Part {
-                part: "the scene".into(),
-                what: format!(
-                    "the departure {first:?} has no effect with the solver {solver}: leave `departures` out, or take literal"
-                ),
-            });
+            return Err(self.place().key("departures").wrong(format!(
+                "the departure {first:?} has no effect with the solver {solver}: leave `departures` out, or take literal"
+            )));
         }
+        Ok(())
+    }
+
+    /// The solvers that the keys ask for.
+    fn solvers(&self, solver: Solver) -> Result<Solvers, Error> {
+        self.check_keys(solver)?;
+        let tolerance = self.keys.tolerance;
         Ok(match solver {
             Solver::Automatic => {
                 Solvers::of(tolerance.map_or_else(Automatic::default, Automatic::with_tolerance))
@@ -150,41 +172,130 @@ impl SceneFile {
             Solver::Newton => Solvers::of(
                 tolerance.map_or_else(CondensedNewton::default, CondensedNewton::with_tolerance),
             ),
-            Solver::Ipopt => {
-                let mut retry = Retry::<InteriorPoint>::default();
-                let own = retry.fixed_point.tolerance;
-                retry.fixed_point.tolerance = tolerance.unwrap_or(own);
-                Solvers::of(retry)
-            }
-            Solver::Literal => {
-                let mut literal = Literal::default();
-                literal.tolerance = tolerance.unwrap_or(literal.tolerance);
-                literal.goes_on = self.keys.goes_on.unwrap_or(literal.goes_on);
-                literal.max_iterations = self.keys.max_iterations.unwrap_or(literal.max_iterations);
-                literal.ipopt_tolerance =
-                    self.keys.ipopt_tolerance.unwrap_or(literal.ipopt_tolerance);
-                let has = |departure| departures.contains(&departure);
-                literal.departures = Departures {
-                    acceleration: has(Departure::Acceleration),
-                    warm_starts: has(Departure::WarmStarts),
-                    units: has(Departure::Units),
-                    guard: has(Departure::Guard),
-                    lift: has(Departure::Lift),
-                };
-                Solvers::of(literal)
-            }
+            Solver::Ipopt => return self.by_ipopt(),
+            Solver::Literal => Solvers::of(self.by_literal()),
             Solver::Condensed => match tolerance {
                 None => Solvers::of(Condensed::new()),
                 Some(tolerance) => {
-                    return Err(Error::Part {
-                        part: "the scene".into(),
-                        what: format!(
-                            "`tolerance = {tolerance}` has no effect with the solver condensed, which is exact to round-off: leave it out"
-                        ),
-                    });
+                    return Err(self.place().key("tolerance").wrong(format!(
+                        "`tolerance = {tolerance}` has no effect with the solver condensed, which is exact to round-off: \
+                         leave it out"
+                    )));
                 }
             },
         })
+    }
+
+    fn by_literal(&self) -> Literal {
+        let mut literal = Literal::default();
+        literal.tolerance = self.keys.tolerance.unwrap_or(literal.tolerance);
+        literal.goes_on = self.keys.goes_on.unwrap_or(literal.goes_on);
+        literal.max_iterations = self.keys.max_iterations.unwrap_or(literal.max_iterations);
+        literal.ipopt_tolerance = self.keys.ipopt_tolerance.unwrap_or(literal.ipopt_tolerance);
+        let departures = self.keys.departures.as_deref().unwrap_or_default();
+        let has = |departure| departures.contains(&departure);
+        literal.departures = Departures {
+            acceleration: has(Departure::Acceleration),
+            warm_starts: has(Departure::WarmStarts),
+            units: has(Departure::Units),
+            guard: has(Departure::Guard),
+            lift: has(Departure::Lift),
+        };
+        literal
+    }
+
+    /// The fixed point by one of the paper's formulations.
+    fn by_ipopt(&self) -> Result<Solvers, Error> {
+        let options = self.ipopt_options()?;
+        let only = |key: &'static str, value: Option<f64>, of: &str| match value {
+            None => Ok(()),
+            Some(value) => Err(self.place().key(key).wrong(format!(
+                "`{key} = {value}` is of the method {of}: leave it out"
+            ))),
+        };
+        let mut continuation = Continuation::default();
+        continuation.penetration = self.keys.penetration.unwrap_or(continuation.penetration);
+        match self.keys.method {
+            None | Some(Formulation::InteriorPoint) => {
+                only(
+                    "penetration",
+                    self.keys.penetration,
+                    "penalized-slack or penalty",
+                )?;
+                let mut method = InteriorPoint::default();
+                method.complementarity =
+                    self.keys.complementarity.unwrap_or(method.complementarity);
+                method.options = options;
+                self.around(method)
+            }
+            Some(Formulation::PenalizedSlack) => {
+                only(
+                    "complementarity",
+                    self.keys.complementarity,
+                    "interior-point",
+                )?;
+                let mut method = PenalizedSlack::with(continuation);
+                method.penalization.options = options;
+                self.around(method)
+            }
+            Some(Formulation::Penalty) => {
+                only(
+                    "complementarity",
+                    self.keys.complementarity,
+                    "interior-point",
+                )?;
+                let mut method = Penalty::with(continuation);
+                method.penalization.options = options;
+                self.around(method)
+            }
+        }
+    }
+
+    /// The fixed point around a method, accelerated as the keys ask for.
+    fn around<M: Method + Clone + fmt::Debug + 'static>(
+        &self,
+        method: M,
+    ) -> Result<Solvers, Error> {
+        let mut retry = Retry::with(method);
+        let fixed_point = &mut retry.fixed_point;
+        fixed_point.tolerance = self.keys.tolerance.unwrap_or(fixed_point.tolerance);
+        match (self.keys.acceleration, self.keys.depth) {
+            (Some(Combine::Plain), Some(depth)) => {
+                return Err(self.place().key("depth").wrong(format!(
+                    "`depth = {depth}` has no effect with the plain iteration: leave it out"
+                )));
+            }
+            (Some(Combine::Plain), None) => fixed_point.acceleration = Acceleration::Plain,
+            (_, Some(depth)) => fixed_point.acceleration = Acceleration::Anderson(depth),
+            (_, None) => {}
+        }
+        Ok(Solvers::of(retry))
+    }
+
+    /// Ipopt's options. One that this Ipopt does not have is found here, before a file is written.
+    fn ipopt_options(&self) -> Result<Options, Error> {
+        let mut options = Options::new();
+        for (name, value) in &self.keys.ipopt {
+            match value {
+                OptionKeys::Integer(value) => options.set(name, *value),
+                OptionKeys::Number(value) => options.set(name, *value),
+                OptionKeys::Text(value) => options.set(name, value.as_str()),
+            };
+        }
+        let hessian = Some(Pattern::diagonal(1));
+        let any = Structure::new(
+            Bounds::free(1),
+            Bounds::default(),
+            Pattern::empty(),
+            hessian,
+        );
+        let made = any.map_err(|why| why.to_string());
+        let made = made.and_then(|any| {
+            let solver = ipopt::Solver::new(any, &options);
+            solver.map(drop).map_err(|why| why.to_string())
+        });
+        made.map_err(|why| self.place().key("ipopt").wrong(why))?;
+        Ok(options)
     }
 
     /// The run by a solver that was made for it.
@@ -203,10 +314,7 @@ impl SceneFile {
         let checked = simulation.solver.validate();
         checked
             .and_then(|()| simulation.load_steps.validate())
-            .map_err(|why| Error::Part {
-                part: "the scene".into(),
-                what: why.to_string(),
-            })?;
+            .map_err(|why| self.place().wrong(why.to_string()))?;
         Ok(simulation)
     }
 }

@@ -32,6 +32,7 @@ mod programs;
 mod rows;
 mod search_faults;
 mod space;
+mod surfaces;
 mod toy;
 mod units;
 mod wrong_parts;

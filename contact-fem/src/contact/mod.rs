@@ -4,6 +4,7 @@
 //! of the search.
 
 mod clip;
+mod closed_surface;
 pub mod cut;
 pub mod gap;
 pub mod motion;

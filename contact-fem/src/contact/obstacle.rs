@@ -4,17 +4,20 @@
 //! point moves. Rows on an obstacle are those of a pass whose master has no nodes.
 
 use std::fmt;
+use std::path::Path;
 use std::sync::Arc;
 
+use super::closed_surface::ClosedSurface;
 use crate::error::Error;
+use crate::mesh::{Mesh, read::MeshFile};
 use crate::program::{Motion, Pose, axis_of, direction};
 use crate::tensor::{Matrix, Vector};
 
 /// A signed distance (UL) by position (UL).
 type Distance<const D: usize> = Arc<dyn Fn(&Vector<D>) -> f64 + Send + Sync>;
 
-/// A rigid obstacle, which bodies must not penetrate: a half-space, a disc or ball, a cylinder, a box, a cavity, or
-/// anything else with a signed distance.
+/// A rigid obstacle, which bodies must not penetrate: a half-space, a disc or ball, a cylinder, a box, a cavity, a closed
+/// surface of facets, or anything else with a signed distance.
 ///
 /// ```
 /// use contact_fem::Obstacle;
@@ -52,6 +55,7 @@ enum Shape<const D: usize> {
         centre: Vector<D>,
         half: Vector<D>,
     },
+    Surface(Arc<ClosedSurface<D>>),
     Given(Distance<D>),
 }
 
@@ -79,6 +83,9 @@ impl<const D: usize> fmt::Debug for Shape<D> {
                 .field("centre", &centre.as_slice())
                 .field("half", &half.as_slice())
                 .finish(),
+            Shape::Surface(surface) => {
+                write!(f, "Surface {{ facets: {} }}", surface.len())
+            }
             Shape::Given(_) => f.write_str("SignedDistance"),
         }
     }
@@ -157,6 +164,53 @@ impl<const D: usize> Obstacle<D> {
         Ok(Self::of(Shape::Cuboid { centre, half }))
     }
 
+    /// The inside of a closed surface of flat facets, with bodies outside: `facets` are the numbers of their corners among
+    /// `points` (UL). In the plane, segments go around the inside counter-clockwise; in space, triangles do so seen from outside.
+    /// It may have several parts and holes. Distances and normals are those of the facets themselves: a polyhedron of chords is
+    /// its own shape, with edges that dig in as those of [`Obstacle::cuboid`].
+    ///
+    /// ```
+    /// use contact_fem::Obstacle;
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let corners = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]];
+    /// let wedge = Obstacle::surface(&corners, &[[0, 1], [1, 2], [2, 0]])?;
+    /// assert_eq!(wedge.distance(&[3.0, 0.0].into()), 1.0);
+    /// assert_eq!(wedge.distance(&[0.5, 0.25].into()), -0.25);
+    /// assert!(Obstacle::surface(&corners, &[[0, 1], [1, 2]]).is_err());
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::ObstacleSurface`] if the surface is open, branches, is inside out, crosses itself or has a facet without extent;
+    /// also if a number or a coordinate is none.
+    pub fn surface(points: &[[f64; D]], facets: &[[usize; D]]) -> Result<Self, Error> {
+        let points = points.iter().map(|&x| x.into()).collect();
+        Self::closed(ClosedSurface::new(points, facets.to_vec()))
+    }
+
+    /// The obstacle that has the shape of a mesh, as [`Obstacle::surface`]. Curved facets become flat ones through their nodes.
+    ///
+    /// # Errors
+    /// As [`Obstacle::surface`].
+    pub fn of_mesh(mesh: &Mesh<D>) -> Result<Self, Error> {
+        Self::closed(ClosedSurface::of_mesh(mesh))
+    }
+
+    /// The obstacle within the surface in a file, as [`Obstacle::surface`]: the triangles of an STL file or of any file that
+    /// [`MeshFile`] reads, in the plane the segments; or the boundary of the cells of the file's one body.
+    ///
+    /// # Errors
+    /// As [`MeshFile::read`] and [`Obstacle::surface`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Self::closed(ClosedSurface::of_file(&MeshFile::read(path)?))
+    }
+
+    fn closed(surface: Result<ClosedSurface<D>, Error>) -> Result<Self, Error> {
+        Ok(Self::of(Shape::Surface(Arc::new(surface?))))
+    }
+
     /// The obstacle with this signed distance (UL) from its surface: positive outside, where the bodies are, negative
     /// inside. Normals are differences of it, exact to about 1e-10 where the distance is smooth over a tenth of a facet; their
     /// derivatives, on which only the speed of Newton's method depends, to about 1e-6.
@@ -222,6 +276,7 @@ impl<const D: usize> Obstacle<D> {
                     most => most,
                 }
             }
+            Shape::Surface(surface) => surface.distance(x),
             Shape::Given(distance) => distance(x),
         }
     }
@@ -257,6 +312,7 @@ impl<const D: usize> Obstacle<D> {
                     false => Vector::from_fn(|i, _| if i == nearest { sign(i) } else { 0.0 }),
                 }
             }
+            Shape::Surface(surface) => surface.slope(x),
             Shape::Given(distance) => Vector::from_fn(|i, _| {
                 let [near, far] = [step, 2.0 * step].map(|h| {
                     let at = |h: f64| {
@@ -299,6 +355,7 @@ impl<const D: usize> Obstacle<D> {
                 let length = beyond.sup(&Vector::zeros()).norm();
                 (Matrix::from_diagonal(&out) - n * n.transpose()) / length
             }
+            Shape::Surface(surface) => surface.curvature(x),
             Shape::Given(distance) => {
                 // the fourth order, on every line through two axes
                 let along = |v: Vector<D>| {
@@ -471,6 +528,9 @@ mod tests {
             ring.hypot(x[2]) - 0.5
         };
         let ok = |shape: Result<Obstacle<3>, Error>| shape.expect("a shape");
+        let wedge = crate::mesh::generators::cuboid([-1.0; 3], [2.0; 3], [3; 3]);
+        let lean = |x: &Vector<3>| Vector::from([x[0] + 0.3 * x[2], x[1] - 0.1 * x[2], x[2]]);
+        let wedge = wedge.and_then(|mesh| mesh.mapped(lean)).expect("a mesh");
         let x = |x: [f64; 3]| Vector::<3>::from(x);
         vec![
             (
@@ -511,6 +571,9 @@ mod tests {
                 ok(Obstacle::cuboid([-1.0; 3], [1.0; 3])),
                 x([0.1, -0.8, 0.3]),
             ),
+            // of facets, beyond an edge and a face
+            (ok(Obstacle::of_mesh(&wedge)), x([0.3, 1.5, -1.2])),
+            (ok(Obstacle::of_mesh(&wedge)), x([0.4, 0.3, 1.7])),
             (Obstacle::signed_distance(closure), x([2.1, 1.2, 0.6])),
         ]
     }

@@ -103,10 +103,38 @@ impl<const D: usize> FacetTree<D> {
         met.map(|entry| &**entry)
     }
 
+    /// The indices of the facets whose boxes the ray from `x` in direction `d` meets, in no particular order.
+    pub fn on_ray(&self, x: &Vector<D>, d: &Vector<D>) -> Vec<usize> {
+        let (mut open, mut found) = (Vec::from_iter(self.tree.root().children()), Vec::new());
+        while let Some(node) = open.pop() {
+            if !is_on_ray(&node.envelope(), x, d) {
+                continue;
+            }
+            match node {
+                RTreeNode::Parent(inner) => open.extend(inner.children()),
+                RTreeNode::Leaf(leaf) => found.push(leaf.index),
+            }
+        }
+        found
+    }
+
     /// Whether all facets are farther away from `x` than `distance` (UL), by the box around them.
     pub fn is_beyond(&self, x: &Vector<D>, distance: f64) -> bool {
         self.tree.root().envelope().distance_2(&(*x).into()) > distance * distance
     }
+}
+
+/// Whether a ray meets a box, or passes it by round-off.
+fn is_on_ray<const D: usize>(bounds: &AABB<[f64; D]>, x: &Vector<D>, d: &Vector<D>) -> bool {
+    let (low, high) = (Vector::from(bounds.lower()), Vector::from(bounds.upper()));
+    let slack = 1e-12 * (high - x).amax().max((low - x).amax());
+    let (mut first, mut last) = (0.0, f64::INFINITY);
+    for i in 0..D {
+        let ends = [low[i] - slack - x[i], high[i] + slack - x[i]].map(|way| way / d[i]);
+        first = ends[0].min(ends[1]).max(first);
+        last = ends[0].max(ends[1]).min(last);
+    }
+    first <= last
 }
 
 /// Appends the nodes with the squared distances of their boxes from `x`, the nearest last.

@@ -169,6 +169,22 @@ impl<const D: usize> Mesh<D> {
         named.dedup();
     }
 
+    /// Gives the boundary `name` all facets of the boundaries `of`; an existing boundary is extended.
+    ///
+    /// # Errors
+    /// As [`Mesh::boundary`].
+    pub fn join_boundaries(&mut self, name: &str, of: &[impl AsRef<str>]) -> Result<(), Error> {
+        let mut joined = self.boundaries.get(name).cloned().unwrap_or_default();
+        for other in of.iter().map(AsRef::as_ref) {
+            self.boundary(other)?;
+            joined.extend(self.boundaries.get(other).into_iter().flatten());
+        }
+        joined.sort_unstable();
+        joined.dedup();
+        self.boundaries.insert(name.to_string(), joined);
+        Ok(())
+    }
+
     /// Moves the whole mesh by `offset` (UL).
     ///
     /// # Errors

@@ -12,13 +12,15 @@ use std::process::ExitCode;
 use ipopt_contact::contact_fem::output::record::{exit, print};
 
 const USAGE: &str = "\
-Contact problems from files, without a line of Rust (docs/freefem.md)
+Contact problems from files, without a line of Rust (docs/scene_files.md, docs/freefem.md)
 
 usage:
   ipopt-contact run SCENE.toml --out DIR [--solver NAME] [--literal] [--increments N] [--start DIR]
                     [--resume]
+  ipopt-contact run SCENE.toml --check [--solver NAME]
       Solves the scene in a file and records the run in a folder. It starts from rest, or from the result in a folder.
       --resume keeps the solver's answers in DIR/run.resume, and goes on where an earlier run with it ended.
+      --check prints what is wrong with the scene, or may not be meant, and solves nothing.
       --literal does what the paper's script does: its points, stopping rule and settings of Ipopt, and nothing else.
   ipopt-contact solve DIR --out DIR
       Solves the matrices that a script of FreeFEM has left in a folder.
@@ -33,7 +35,7 @@ usage:
       Writes the displacements and contact forces of a result for `file >> u[]` in FreeFEM, in the order of the files
       `nodes_BODY.txt` of a folder.
 
-exit codes: 0 done, of compare all within the tolerances; 1 not converged, of compare some beyond; 2 error;
+exit codes: 0 done, of compare all within the tolerances; 1 not converged, of compare some beyond, of --check warnings; 2 error;
 3 of run a certificate that does not hold; 130 stopped";
 
 fn main() -> ExitCode {

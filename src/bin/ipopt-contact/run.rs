@@ -3,11 +3,12 @@
 use std::path::Path;
 use std::process::{ExitCode, Termination};
 
-use ipopt_contact::contact_core::State;
+use ipopt_contact::contact_core::{Equilibrium, State};
 use ipopt_contact::contact_fem::element::{Element, P1, P2};
-use ipopt_contact::contact_fem::model::Problem;
+use ipopt_contact::contact_fem::model::{Problem, Severity};
 use ipopt_contact::contact_fem::nalgebra::SVector;
 use ipopt_contact::contact_fem::output::compare::{Nodes, fields_at};
+use ipopt_contact::contact_fem::output::record::print;
 use ipopt_contact::scene_file::{SceneFile, Solver};
 
 use crate::Words;
@@ -15,9 +16,22 @@ use crate::Words;
 /// Solves the scene in a file and records the run.
 pub fn command(words: &[String]) -> Result<ExitCode, String> {
     let known = ["out", "solver", "increments", "start"];
-    let words = Words::parse(words, &known, &["literal", "resume"])?;
+    let words = Words::parse(words, &known, &["literal", "resume", "check"])?;
     let path = words.only("one scene file")?;
-    words.needed("out")?;
+    let given = known
+        .iter()
+        .chain(&["resume"])
+        .filter(|name| **name != "solver");
+    match words.option("check") {
+        None => drop(words.needed("out")?),
+        Some(_) => {
+            if let Some(name) = given.clone().find(|name| words.option(name).is_some()) {
+                return Err(format!(
+                    "--{name} has no effect with --check, which writes nothing: leave one of them out"
+                ));
+            }
+        }
+    }
     let file = SceneFile::read(path).map_err(|why| match why {
         why @ ipopt_contact::scene_file::Error::Read { .. } => why.to_string(),
         why => format!("{path}: {why}"),
@@ -47,6 +61,9 @@ where
 {
     let in_file = |why: &dyn std::fmt::Display| format!("{path}: {why}");
     let solver = words.option("solver").map(solver).transpose()?;
+    if words.option("check").is_some() {
+        return check::<D>(path, file, solver);
+    }
     let out = words.needed("out")?;
     let simulation = match (words.option("resume"), solver) {
         (Some(_), solver) => file.resumable(solver, Path::new(out).join("run.resume")),
@@ -68,9 +85,63 @@ where
     if let Some(folder) = words.option("start") {
         simulation.load_steps.guess = Some(guess(&problem, Path::new(folder))?);
     }
-    let recording = simulation.record(out);
+    let recording = file
+        .record(&mut simulation, &problem, out)
+        .map_err(|why| in_file(&why))?;
     let recorded = recording.run(&mut problem).map_err(|why| why.to_string())?;
     Ok(recorded.report())
+}
+
+/// The exit code of a scene with warnings.
+const WARNED: u8 = 1;
+/// The exit code of a scene with errors, as of a file that cannot be read.
+const REFUSED: u8 = 2;
+
+/// Prints what the checks find, and solves nothing.
+fn check<const D: usize>(
+    path: &str,
+    file: &SceneFile,
+    solver: Option<Solver>,
+) -> Result<ExitCode, String>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let in_file = |why: &dyn std::fmt::Display| format!("{path}: {why}");
+    let simulation = match solver {
+        Some(solver) => file.simulation_by(solver),
+        None => file.simulation(),
+    };
+    let mut simulation = simulation.map_err(|why| in_file(&why))?;
+    let scene = file.scene::<D>().map_err(|why| in_file(&why))?;
+    let mut findings = scene.preflight();
+    let worst = findings.iter().map(|finding| finding.severity).max();
+    if worst != Some(Severity::Error) {
+        let problem = scene.problem().map_err(|why| in_file(&why))?;
+        let increments = simulation.load_steps.all_increments();
+        file.record(&mut simulation, &problem, ".")
+            .map_err(|why| in_file(&why))?;
+        findings = problem.findings_in(increments);
+        print(format!("plan: {}", problem.plan()));
+        print(format!("solver: {}", simulation.solver.choice(&problem)));
+    }
+    findings.iter().for_each(print);
+    let count = |severity| {
+        findings
+            .iter()
+            .filter(|finding| finding.severity == severity)
+            .count()
+    };
+    let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
+    print(format!(
+        "{path}: {errors} errors, {warnings} warnings, {} notes",
+        count(Severity::Note)
+    ));
+    Ok(match (errors, warnings) {
+        (0, 0) => ExitCode::SUCCESS,
+        (0, _) => ExitCode::from(WARNED),
+        _ => ExitCode::from(REFUSED),
+    })
 }
 
 fn solver(name: &str) -> Result<Solver, String> {

@@ -1,5 +1,6 @@
 //! Mesh files of Gmsh (MSH 4.1 and 2.2, text and binary), Medit (`.mesh`, and `.meshb` in binary;
-//! FreeFEM writes both), FreeFEM (`.msh` in the plane) and, with the feature `vtk`, VTK (`.vtu`).
+//! FreeFEM writes both), FreeFEM (`.msh` in the plane), STL (triangles without cells, for
+//! [obstacles](crate::Obstacle::read)) and, with the feature `vtk`, VTK (`.vtu`).
 //!
 //! A [`MeshFile`] has the contents of a file in any of these formats; [`MeshFile::bodies`] builds
 //! meshes from it. Invalid contents are rejected as [`Error::MeshFile`] with the line and the
@@ -26,6 +27,7 @@ mod kind;
 mod medit;
 mod parts;
 mod problem;
+mod stl;
 #[cfg(feature = "vtk")]
 mod vtu;
 #[cfg(feature = "vtk")]
@@ -60,6 +62,8 @@ pub enum Format {
     Medit,
     /// FreeFEM's `.msh` in the plane.
     FreeFem,
+    /// STL, text or binary.
+    Stl,
     /// VTK's `.vtu`.
     Vtu,
 }
@@ -194,6 +198,9 @@ fn contents(bytes: &[u8]) -> Result<(Format, Contents), Fault> {
             remedy: "build contact-fem with the feature `vtk`",
         }
         .into());
+    }
+    if stl::recognised(bytes) {
+        return Ok((Format::Stl, stl::read(bytes)?));
     }
     let start = excerpt(start);
     Err(Problem::UnknownFormat { start }.into())

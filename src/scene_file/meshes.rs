@@ -1,0 +1,372 @@
+//! Meshes of a scene file: from files, or by the library's generators.
+
+use std::any::Any;
+use std::fmt;
+use std::marker::PhantomData;
+use std::path::{Path, PathBuf};
+
+use contact_fem::mesh::generators::{
+    Diagonals, annulus, cuboid, cuboid_graded, cylinder, disc, eighth_sphere, equilateral_disc,
+    extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,
+};
+use contact_fem::{Error, Mesh, MeshFile};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+/// A file, or a mesh that the library makes.
+#[derive(Clone, Debug)]
+pub(super) enum MeshKeys {
+    File(PathBuf),
+    Made(Made),
+}
+
+/// A mesh by one of the library's generators.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) enum Made {
+    Rectangle(RectangleKeys),
+    Annulus(AnnulusKeys),
+    Disc(DiscKeys),
+    EquilateralDisc(EquilateralDiscKeys),
+    HalfDisc(SectorKeys),
+    QuarterDisc(SectorKeys),
+    Cuboid(CuboidKeys),
+    CuboidGraded(CuboidGradedKeys),
+    Cylinder(CylinderKeys),
+    Sphere(SphereKeys),
+    Hemisphere(SphereKeys),
+    EighthSphere(SphereKeys),
+    Extrude(ExtrudeKeys),
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RectangleKeys {
+    pub(super) x: Grid,
+    pub(super) y: Grid,
+    #[serde(default)]
+    pub(super) diagonals: DiagonalKeys,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AnnulusKeys {
+    pub(super) radii: Grid,
+    pub(super) segments: usize,
+    #[serde(default)]
+    pub(super) diagonals: DiagonalKeys,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DiscKeys {
+    pub(super) radius: f64,
+    pub(super) segments: usize,
+    pub(super) rings: usize,
+    #[serde(default)]
+    pub(super) phase: f64,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EquilateralDiscKeys {
+    pub(super) radius: f64,
+    pub(super) rings: usize,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SectorKeys {
+    pub(super) radii: Grid,
+    pub(super) angles: Grid,
+    #[serde(default)]
+    pub(super) diagonals: DiagonalKeys,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CuboidKeys {
+    pub(super) low: [f64; 3],
+    pub(super) size: [f64; 3],
+    pub(super) divisions: [usize; 3],
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CuboidGradedKeys {
+    pub(super) x: Grid,
+    pub(super) y: Grid,
+    pub(super) z: Grid,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CylinderKeys {
+    pub(super) radius: f64,
+    pub(super) height: f64,
+    pub(super) rings: usize,
+    pub(super) layers: usize,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SphereKeys {
+    pub(super) radius: f64,
+    pub(super) shells: usize,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ExtrudeKeys {
+    pub(super) plane: Box<MeshKeys>,
+    pub(super) z: Grid,
+    pub(super) caps: [String; 2],
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum DiagonalKeys {
+    #[default]
+    Rising,
+    Falling,
+    Alternating,
+}
+
+/// The values of a grid: a list, or equal or graded steps.
+#[derive(Clone, Debug)]
+pub(super) enum Grid {
+    Values(Vec<f64>),
+    Steps(StepsKeys),
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StepsKeys {
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) count: usize,
+    pub(super) first: Option<f64>,
+    pub(super) last: Option<f64>,
+}
+
+impl Grid {
+    fn values(&self) -> Result<Vec<f64>, Error> {
+        let steps = match self {
+            Grid::Values(values) => return Ok(values.clone()),
+            Grid::Steps(steps) => steps,
+        };
+        let StepsKeys {
+            from, to, count, ..
+        } = *steps;
+        match (steps.first, steps.last) {
+            (None, None) => Ok(linspace(from, to, count)),
+            (Some(first), None) => graded(from, to, first, count),
+            (None, Some(last)) => {
+                // the same steps backwards
+                let mut values = graded(to, from, last, count)?;
+                values.reverse();
+                Ok(values)
+            }
+            (Some(_), Some(last)) => Err(Error::Setting {
+                name: "last",
+                value: last,
+                remedy: "give a grid its `first` or its `last` step, not both",
+            }),
+        }
+    }
+}
+
+impl MeshKeys {
+    /// The dimension of its cells.
+    pub(super) fn dimension(&self, folder: &Path) -> Result<usize, Error> {
+        match self {
+            MeshKeys::File(path) => {
+                let file = MeshFile::read(folder.join(path))?;
+                let kinds = file.elements().iter().map(|block| block.kind.dimension());
+                Ok(kinds.max().unwrap_or(0))
+            }
+            MeshKeys::Made(made) => Ok(match made {
+                Made::Rectangle(_)
+                | Made::Annulus(_)
+                | Made::Disc(_)
+                | Made::EquilateralDisc(_)
+                | Made::HalfDisc(_)
+                | Made::QuarterDisc(_) => 2,
+                _ => 3,
+            }),
+        }
+    }
+
+    /// All bodies of a file as one mesh, whose regions they are; or the mesh that is made, which has none.
+    pub(super) fn with_regions<const D: usize>(&self, folder: &Path) -> Result<Found<D>, Error> {
+        match self {
+            MeshKeys::File(path) => {
+                let file = MeshFile::read(folder.join(path))?;
+                Ok(Found::Mesh(file.with_regions()?))
+            }
+            MeshKeys::Made(_) => self.mesh(folder, None),
+        }
+    }
+
+    /// The one body of a file, or the mesh that is made; `None` if the file has several and `region` names none, or if the mesh
+    /// has another dimension.
+    pub(super) fn mesh<const D: usize>(
+        &self,
+        folder: &Path,
+        region: Option<&str>,
+    ) -> Result<Found<D>, Error> {
+        match self {
+            MeshKeys::File(path) => {
+                let file = MeshFile::read(folder.join(path))?;
+                if let Some(region) = region {
+                    return Ok(Found::Mesh(file.body(region)?));
+                }
+                let mut all = file.bodies::<D>()?;
+                Ok(match all.len() {
+                    1 => Found::Mesh(all.swap_remove(0).1),
+                    _ => Found::Regions(all.into_iter().map(|(name, _)| name).collect()),
+                })
+            }
+            MeshKeys::Made(made) => {
+                let mesh: Box<dyn Any> = made.mesh(folder)?;
+                Ok(mesh
+                    .downcast()
+                    .map_or(Found::OtherDimension, |mesh| Found::Mesh(*mesh)))
+            }
+        }
+    }
+}
+
+/// What a mesh key leads to.
+pub(super) enum Found<const D: usize> {
+    Mesh(Mesh<D>),
+    /// A file with these bodies, of which none is named.
+    Regions(Vec<String>),
+    OtherDimension,
+}
+
+impl Made {
+    /// A `Mesh<2>` or a `Mesh<3>`.
+    fn mesh(&self, folder: &Path) -> Result<Box<dyn Any>, Error> {
+        let sector = |keys: &SectorKeys| -> Result<(Vec<f64>, Vec<f64>, Diagonals), Error> {
+            Ok((
+                keys.radii.values()?,
+                keys.angles.values()?,
+                keys.diagonals.into(),
+            ))
+        };
+        Ok(match self {
+            Made::Rectangle(keys) => {
+                let (x, y) = (keys.x.values()?, keys.y.values()?);
+                Box::new(rectangle(&x, &y, keys.diagonals.into())?)
+            }
+            Made::Annulus(keys) => {
+                let radii = keys.radii.values()?;
+                Box::new(annulus(&radii, keys.segments, keys.diagonals.into())?)
+            }
+            Made::Disc(keys) => Box::new(disc(keys.radius, keys.segments, keys.rings, keys.phase)?),
+            Made::EquilateralDisc(keys) => Box::new(equilateral_disc(keys.radius, keys.rings)?),
+            Made::HalfDisc(keys) => {
+                let (radii, angles, diagonals) = sector(keys)?;
+                Box::new(half_disc(&radii, &angles, diagonals)?)
+            }
+            Made::QuarterDisc(keys) => {
+                let (radii, angles, diagonals) = sector(keys)?;
+                Box::new(quarter_disc(&radii, &angles, diagonals)?)
+            }
+            Made::Cuboid(keys) => Box::new(cuboid(keys.low, keys.size, keys.divisions)?),
+            Made::CuboidGraded(CuboidGradedKeys { x, y, z }) => {
+                Box::new(cuboid_graded(&x.values()?, &y.values()?, &z.values()?)?)
+            }
+            Made::Cylinder(keys) => {
+                Box::new(cylinder(keys.radius, keys.height, keys.rings, keys.layers)?)
+            }
+            Made::Sphere(keys) => Box::new(sphere(keys.radius, keys.shells)?),
+            Made::Hemisphere(keys) => Box::new(hemisphere(keys.radius, keys.shells)?),
+            Made::EighthSphere(keys) => Box::new(eighth_sphere(keys.radius, keys.shells)?),
+            Made::Extrude(keys) => {
+                let [low, high] = &keys.caps;
+                match keys.plane.mesh::<2>(folder, None)? {
+                    Found::Mesh(plane) => {
+                        Box::new(extrude(&plane, &keys.z.values()?, [low, high])?)
+                    }
+                    _ => {
+                        return Err(Error::Setting {
+                            name: "plane",
+                            value: keys.plane.dimension(folder)? as f64,
+                            remedy: "extrude one mesh in the plane: a file of one body, or a table such as `rectangle`",
+                        });
+                    }
+                }
+            }
+        })
+    }
+}
+
+impl From<DiagonalKeys> for Diagonals {
+    fn from(keys: DiagonalKeys) -> Self {
+        match keys {
+            DiagonalKeys::Rising => Diagonals::Rising,
+            DiagonalKeys::Falling => Diagonals::Falling,
+            DiagonalKeys::Alternating => Diagonals::Alternating,
+        }
+    }
+}
+
+/// A string or a list where the one is meant, a table where the other is: unlike untagged enums, it keeps what is wrong
+/// within either, with its line.
+struct Either<S, T> {
+    expects: &'static str,
+    of: PhantomData<(S, T)>,
+}
+
+impl<'de> Visitor<'de> for Either<PathBuf, Made> {
+    type Value = MeshKeys;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.expects)
+    }
+
+    fn visit_str<E>(self, path: &str) -> Result<MeshKeys, E> {
+        Ok(MeshKeys::File(path.into()))
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<MeshKeys, M::Error> {
+        Made::deserialize(MapAccessDeserializer::new(map)).map(MeshKeys::Made)
+    }
+}
+
+impl<'de> Visitor<'de> for Either<Vec<f64>, StepsKeys> {
+    type Value = Grid;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.expects)
+    }
+
+    fn visit_seq<S: SeqAccess<'de>>(self, list: S) -> Result<Grid, S::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(list)).map(Grid::Values)
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<Grid, M::Error> {
+        StepsKeys::deserialize(MapAccessDeserializer::new(map)).map(Grid::Steps)
+    }
+}
+
+impl<'de> Deserialize<'de> for MeshKeys {
+    fn deserialize<De: Deserializer<'de>>(from: De) -> Result<Self, De::Error> {
+        from.deserialize_any(Either::<PathBuf, Made> {
+            expects: "the name of a file, or a table such as { rectangle = { x = [0, 1], y = [0, 1] } }",
+            of: PhantomData,
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for Grid {
+    fn deserialize<De: Deserializer<'de>>(from: De) -> Result<Self, De::Error> {
+        from.deserialize_any(Either::<Vec<f64>, StepsKeys> {
+            expects: "a list of values, or a table such as { from = 0, to = 1, count = 4 }",
+            of: PhantomData,
+        })
+    }
+}
