@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 
-use super::laws::{Law, RegionKeys};
+use super::laws::Law;
 use super::meshes::MeshKeys;
 use super::run::{Departure, Solver};
 
@@ -186,6 +186,17 @@ pub(super) struct BodyKeys {
     pub(super) foundations: Vec<FoundationKeys>,
     pub(super) body_force: Option<Vec<f64>>,
     pub(super) body_force_amplitude: Option<AmplitudeKeys>,
+}
+
+/// The constants of a region, of the body's law.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RegionKeys {
+    pub(super) region: Name,
+    pub(super) young: Option<f64>,
+    pub(super) poisson: Option<f64>,
+    pub(super) share: Option<f64>,
+    pub(super) terms: Option<Vec<[f64; 2]>>,
 }
 
 /// A label or a name.

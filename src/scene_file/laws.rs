@@ -11,7 +11,7 @@ use contact_fem::{
 use serde::Deserialize;
 
 use super::Error;
-use super::keys::{BodyKeys, Name};
+use super::keys::{BodyKeys, RegionKeys};
 use super::place::Place;
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
@@ -35,17 +35,6 @@ impl Law {
             Law::Ogden => "ogden",
         }
     }
-}
-
-/// The constants of a region, of the body's law.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RegionKeys {
-    region: Name,
-    young: Option<f64>,
-    poisson: Option<f64>,
-    share: Option<f64>,
-    terms: Option<Vec<[f64; 2]>>,
 }
 
 /// The constants of a law, those that are given.
