@@ -10,6 +10,7 @@ use std::{
 use ipopt_sys as sys;
 
 use super::{
+    Scaling,
     context::{Context, Gate, enter},
     iterate::{Source, record},
     statistics::CallbackStatistics,
@@ -39,17 +40,65 @@ impl Gate<'_> {
     }
 }
 
-/// Whether Ipopt can calculate with a value: its square is finite, too. With larger ones, norms and products overflow;
-/// then MUMPS crashes, or Ipopt factorises for ever.
-pub(super) fn is_usable(value: f64) -> bool {
-    (value * value).is_finite()
+/// The largest magnitudes of each function's values that Ipopt can calculate with: their squares are finite, too. With larger
+/// ones, norms and products overflow; then MUMPS crashes, or Ipopt factorises for ever.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Usable {
+    pub objective: f64,
+    pub gradient: f64,
+    pub constraints: f64,
+    pub jacobian: f64,
+    pub hessian: f64,
+    /// Whether the factor of f is negative.
+    pub maximises: bool,
 }
 
-/// No early exit, so that it vectorises.
-pub(super) fn are_usable(values: &[f64]) -> bool {
+impl Usable {
+    /// √(largest number).
+    const LARGEST: f64 = 1.340_780_792_994_259_6e154;
+
+    /// As Ipopt sees them, multiplied by the caller's factors.
+    pub fn under(scaling: &Scaling) -> Self {
+        let all = |factors: &Option<Vec<f64>>| factors.clone().unwrap_or_default().into_iter();
+        let f = scaling.objective.abs();
+        let g = all(&scaling.constraints).fold(1.0, f64::max);
+        let x = all(&scaling.variables).fold(1.0, f64::min);
+        // divisions one after the other: a product of factors may overflow
+        let divided = |factors: &[f64]| {
+            let largest = factors
+                .iter()
+                .fold(Self::LARGEST, |limit, factor| limit / factor);
+            largest.min(Self::LARGEST)
+        };
+        Usable {
+            objective: divided(&[f]),
+            gradient: divided(&[f, 1.0 / x]),
+            constraints: divided(&[g]),
+            jacobian: divided(&[g, 1.0 / x]),
+            hessian: divided(&[f.max(g), 1.0 / x, 1.0 / x]),
+            maximises: scaling.objective < 0.0,
+        }
+    }
+}
+
+impl Default for Usable {
+    fn default() -> Self {
+        Usable {
+            objective: Self::LARGEST,
+            gradient: Self::LARGEST,
+            constraints: Self::LARGEST,
+            jacobian: Self::LARGEST,
+            hessian: Self::LARGEST,
+            maximises: false,
+        }
+    }
+}
+
+/// Whether no value is larger than `most`, or no number. No early exit, so that it vectorises.
+pub(super) fn are_usable(values: &[f64], most: f64) -> bool {
     values
         .iter()
-        .fold(true, |all, &value| all & is_usable(value))
+        .fold(true, |all, &value| all & (value.abs() <= most))
 }
 
 pub(super) fn timed<T>(statistics: &mut CallbackStatistics, body: impl FnOnce() -> T) -> T {
@@ -94,7 +143,7 @@ unsafe extern "C" fn objective(
         });
         // SAFETY: as above.
         unsafe { value.write(f) };
-        is_usable(f)
+        are_usable(&[f], this.usable.objective)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }
@@ -114,7 +163,7 @@ unsafe extern "C" fn gradient(
         timed(&mut this.statistics.gradient, || {
             this.nlp.gradient(x, new_x != 0, gradient)
         });
-        are_usable(gradient)
+        are_usable(gradient, this.usable.gradient)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }
@@ -138,7 +187,7 @@ unsafe extern "C" fn constraints(
         timed(&mut this.statistics.constraints, || {
             this.nlp.constraints(x, new_x != 0, g)
         });
-        are_usable(g)
+        are_usable(g, this.usable.constraints)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }
@@ -162,7 +211,7 @@ unsafe extern "C" fn jacobian(
         timed(&mut this.statistics.jacobian, || {
             this.nlp.jacobian(x, new_x != 0, values)
         });
-        are_usable(values)
+        are_usable(values, this.usable.jacobian)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }
@@ -191,7 +240,7 @@ unsafe extern "C" fn hessian(
             this.nlp
                 .hessian(x, new_x != 0, objective_factor, lambda, values)
         });
-        are_usable(values)
+        are_usable(values, this.usable.hessian)
     };
     // SAFETY: `user` is as the shim was given it.
     unsafe { enter(user, body) }

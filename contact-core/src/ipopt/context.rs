@@ -10,7 +10,7 @@ use std::{
 
 use ipopt_sys as sys;
 
-use super::{derivatives::Reader, log::Sink, statistics::Statistics};
+use super::{callbacks::Usable, derivatives::Reader, log::Sink, statistics::Statistics};
 use crate::nlp::{Iterate, IterationRecord, Nlp, Structure};
 
 /// What looks at every iterate beside the problem itself.
@@ -44,6 +44,8 @@ impl<'a> Gate<'a> {
 pub(super) struct Context<'a> {
     pub(super) nlp: &'a mut dyn Nlp,
     pub(super) structure: &'a Structure,
+    /// How large values may be.
+    pub(super) usable: Usable,
     pub(super) shim: *const sys::ipopt_shim,
     pub(super) watch: Option<Watch<'a>>,
     /// The first panic; once there is one, every callback fails.
@@ -69,6 +71,7 @@ impl<'a> Context<'a> {
         Self {
             nlp,
             structure,
+            usable: Usable::default(),
             shim,
             watch,
             panic,

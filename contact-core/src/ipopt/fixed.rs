@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::{
     Solution, Status,
-    callbacks::{are_usable, is_usable, timed},
+    callbacks::{Usable, are_usable, timed},
     statistics::Statistics,
 };
 use crate::nlp::{Bounds, Nlp, Structure};
@@ -31,7 +31,8 @@ pub(super) fn solution(nlp: &mut dyn Nlp, structure: &Structure, allowed: f64) -
     let Bounds { lower, upper } = structure.constraint_bounds();
     let violations = (lower.iter().zip(upper).zip(&g)).map(|((l, u), g)| (l - g).max(g - u));
     let violation = violations.fold(0.0, f64::max);
-    let status = if !(is_usable(objective) && are_usable(&g)) {
+    let most = Usable::default().objective;
+    let status = if !(are_usable(&[objective], most) && are_usable(&g, most)) {
         Status::InvalidNumber
     } else if violation <= allowed {
         Status::Solved

@@ -2,7 +2,7 @@
 
 use ipopt_sys as sys;
 
-use super::{Error, Options, solver::Solver, start::check_finite};
+use super::{Error, Options, callbacks::Usable, solver::Solver, start::check_finite};
 use crate::nlp::{NlpError, Structure};
 
 /// Factors by which Ipopt multiplies f, x and g before it solves: see [`Solver::set_scaling`](super::Solver::set_scaling).
@@ -57,7 +57,7 @@ impl Solver {
         scaling_is_used(&self.options)?;
         let (x, g) = (scaling.variables.as_deref(), scaling.constraints.as_deref());
         self.copy_scaling(scaling.objective, x, g)?;
-        self.scaled = true;
+        self.scaled = Some(Usable::under(scaling));
         self.apply_one("nlp_scaling_method", &USER_SCALING.into())
     }
 
@@ -67,7 +67,7 @@ impl Solver {
     /// As [`Solver::set_options`], but the options were taken before.
     pub fn clear_scaling(&mut self) -> Result<(), Error> {
         self.copy_scaling(1.0, None, None)?;
-        self.scaled = false;
+        self.scaled = None;
         self.set_options(&self.options.clone())
     }
 

@@ -6,6 +6,7 @@ use ipopt_sys as sys;
 
 use super::{
     Error, Log, OptionValue, Options, Solution, Start, Status,
+    callbacks::Usable,
     context::{Context, Gate, Watch},
     derivatives::Reader,
     fixed, library,
@@ -29,8 +30,8 @@ pub struct Solver {
     /// What the caller set.
     pub(super) options: Options,
     log: Log,
-    /// Whether the shim has a [`Scaling`](super::Scaling).
-    pub(super) scaled: bool,
+    /// How large values may be under the [`Scaling`](super::Scaling) that the shim has, if it has one.
+    pub(super) scaled: Option<Usable>,
 }
 
 impl Solver {
@@ -44,7 +45,7 @@ impl Solver {
             structure,
             options: Options::new(),
             log: Log::default(),
-            scaled: false,
+            scaled: None,
         };
         solver.copy_bounds();
         solver.set_options(options)?;
@@ -63,7 +64,7 @@ impl Solver {
     /// [`Scaling`](super::Scaling) and `nlp_scaling_method` is set to something else. The options then stay as they
     /// were.
     pub fn set_options(&mut self, options: &Options) -> Result<(), Error> {
-        if self.scaled {
+        if self.scaled.is_some() {
             scaling_is_used(options)?;
         }
         if let Err(error) = self.apply(options) {
@@ -77,7 +78,7 @@ impl Solver {
     fn apply(&mut self, options: &Options) -> Result<(), Error> {
         // SAFETY: the shim is valid.
         unsafe { options::apply(self.shim.as_ptr(), &self.structure, options) }?;
-        if self.scaled {
+        if self.scaled.is_some() {
             self.apply_one("nlp_scaling_method", &USER_SCALING.into())?;
         }
         Ok(())
@@ -185,7 +186,8 @@ impl Solver {
             .filter(|&test| *test != "none".into())
             .map(|_| Reader::default());
         let watch = watch.map(|watch| watch as Watch<'_>);
-        let context = Context::new(nlp, &self.structure, shim, watch, sink, reader);
+        let mut context = Context::new(nlp, &self.structure, shim, watch, sink, reader);
+        context.usable = self.scaled.unwrap_or_default();
         let mut gate = Gate::new(context);
         let mut raw_point = point.raw(start.multipliers.is_some());
         let mut raw_statistics = sys::ipopt_shim_statistics::default();

@@ -50,6 +50,17 @@ pub enum Contradiction {
         /// The option `dual_inf_tol`, or `acceptable_dual_inf_tol`.
         allowed: f64,
     },
+    /// λᵢ pushes away from a bound of gᵢ that is far off, or that there is not: x is not stationary without it.
+    Multiplier {
+        /// Of which constraint.
+        index: usize,
+        /// λᵢ.
+        value: f64,
+        /// How far gᵢ is from the bound; infinite where there is none.
+        slack: f64,
+        /// What their product may be: the option `compl_inf_tol`, or `acceptable_compl_inf_tol`.
+        allowed: f64,
+    },
 }
 
 impl fmt::Display for Contradiction {
@@ -88,6 +99,16 @@ impl fmt::Display for Contradiction {
                 f,
                 "∂L/∂x[{index}] is {value:e}, and {allowed:e} is allowed: check the derivatives"
             ),
+            Self::Multiplier {
+                index,
+                value,
+                slack,
+                allowed,
+            } => write!(
+                f,
+                "the multiplier of g[{index}] is {value:e} at a distance of {slack:e} from its bound, and a product of \
+                 {allowed:e} is allowed: choose units in which derivatives are about 1"
+            ),
         }
     }
 }
@@ -102,6 +123,9 @@ const ROUND_OFF: f64 = 1e-8;
 struct Allowed {
     violation: f64,
     lagrangian: f64,
+    complementarity: f64,
+    /// −1 where f is maximised, which reverses the multipliers' signs.
+    sign: f64,
     /// By which Ipopt relaxes bounds, relative to their size. Versions before 3.14 move x back afterwards.
     relaxation: f64,
     /// Bounds from these are none to Ipopt.
@@ -110,15 +134,18 @@ struct Allowed {
 
 impl Allowed {
     fn by(solver: &Solver, status: Status) -> Self {
-        let [violation, lagrangian] = match status {
-            Status::SolvedToAcceptableLevel => {
-                ["acceptable_constr_viol_tol", "acceptable_dual_inf_tol"]
-            }
-            _ => ["constr_viol_tol", "dual_inf_tol"],
+        let prefix = match status {
+            Status::SolvedToAcceptableLevel => "acceptable_",
+            _ => "",
         };
+        let tolerance = |name: &str| solver.number(&format!("{prefix}{name}"));
+        let maximises = solver.scaled.is_some_and(|usable| usable.maximises);
+        let factor = solver.number("obj_scaling_factor");
         Self {
-            violation: solver.number(violation),
-            lagrangian: solver.number(lagrangian),
+            violation: tolerance("constr_viol_tol"),
+            lagrangian: tolerance("dual_inf_tol"),
+            complementarity: tolerance("compl_inf_tol"),
+            sign: factor.signum() * if maximises { -1.0 } else { 1.0 },
             relaxation: solver.bound_relaxation(),
             infinite: ["nlp_lower_bound_inf", "nlp_upper_bound_inf"]
                 .map(|name| solver.number(name)),
@@ -127,16 +154,30 @@ impl Allowed {
 
     /// By how much a value violates its bounds beyond relaxation and round-off.
     fn violation(&self, lower: f64, upper: f64, value: f64) -> f64 {
-        let slack = |bound: f64| (self.relaxation + ROUND_OFF) * bound.abs().max(1.0);
         let below = match lower <= self.infinite[0] {
             true => 0.0,
-            false => lower - slack(lower) - value,
+            false => lower - self.blur(lower) - value,
         };
         let above = match upper >= self.infinite[1] {
             true => 0.0,
-            false => value - slack(upper) - upper,
+            false => value - self.blur(upper) - upper,
         };
         below.max(above).max(0.0)
+    }
+
+    /// By how much a bound is relaxed or rounded.
+    fn blur(&self, bound: f64) -> f64 {
+        (self.relaxation + ROUND_OFF) * bound.abs().max(1.0)
+    }
+
+    /// How far a value is for sure from the bound that a multiplier says it is at; infinite where there is none.
+    fn slack(&self, [lower, upper]: [f64; 2], value: f64, multiplier: f64) -> f64 {
+        match multiplier * self.sign > 0.0 {
+            true if upper >= self.infinite[1] => f64::INFINITY,
+            true => upper - value - self.blur(upper),
+            false if lower <= self.infinite[0] => f64::INFINITY,
+            false => value - lower - self.blur(lower),
+        }
     }
 }
 
@@ -200,7 +241,7 @@ pub(super) fn contradiction(
             });
         }
     }
-    here.stationarity(structure, solution.multipliers.as_ref()?, &allowed)
+    here.stationarity(structure, solution.multipliers.as_ref()?, &allowed, &moved)
 }
 
 /// Values and first derivatives at a point.
@@ -243,12 +284,15 @@ impl Evaluation {
         }
     }
 
-    /// ∇L, of variables that are not fixed: Ipopt need not return the multipliers of the others' bounds.
+    /// ∇L, of variables that are not fixed: Ipopt need not return the multipliers of the others' bounds; and the constraints
+    /// without whose multipliers it would not vanish, which must be at the bounds that these say. `moved` is by how much g
+    /// may have changed where x was moved.
     fn stationarity(
         &self,
         structure: &Structure,
         multipliers: &Multipliers,
         allowed: &Allowed,
+        moved: &[f64],
     ) -> Option<Contradiction> {
         let mut sum = self.gradient.clone();
         let mut size: Vec<f64> = sum.iter().map(|value| value.abs()).collect();
@@ -266,15 +310,34 @@ impl Evaluation {
         let Bounds { lower, upper } = structure.variable_bounds();
         // as far as x was moved, the derivatives changed
         let share = SAME + 1e2 * allowed.relaxation;
-        let is_wrong = |i: &usize| {
-            let most = allowed.lagrangian + share * size[*i].max(1.0);
-            lower[*i] != upper[*i] && !(sum[*i].abs() <= most)
-        };
-        let index = (0..sum.len()).find(is_wrong)?;
-        Some(Contradiction::Lagrangian {
-            index,
-            value: sum[index],
-            allowed: allowed.lagrangian,
+        let most = |i: usize| allowed.lagrangian + share * size[i].max(1.0);
+        let is_free = |i: usize| lower[i] != upper[i];
+        let is_wrong = |i: &usize| is_free(*i) && !(sum[*i].abs() <= most(*i));
+        if let Some(index) = (0..sum.len()).find(is_wrong) {
+            return Some(Contradiction::Lagrangian {
+                index,
+                value: sum[index],
+                allowed: allowed.lagrangian,
+            });
+        }
+        let Bounds { lower, upper } = structure.constraint_bounds();
+        let mut entries = structure.jacobian().iter().zip(&self.jacobian);
+        entries.find_map(|((row, col), entry)| {
+            let (lambda, bounds) = (multipliers.constraints[row], [lower[row], upper[row]]);
+            if bounds[0] == bounds[1] || !is_free(col) || (lambda * entry).abs() <= most(col) {
+                return None;
+            }
+            let slack = allowed.slack(bounds, self.g[row], lambda) - moved[row];
+            let round_off = SAME * (lambda * self.g[row]).abs();
+            let product = lambda.abs() * slack;
+            (product > (1.0 + SAME) * allowed.complementarity + round_off).then_some(
+                Contradiction::Multiplier {
+                    index: row,
+                    value: lambda,
+                    slack,
+                    allowed: allowed.complementarity,
+                },
+            )
         })
     }
 }
