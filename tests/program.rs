@@ -808,7 +808,7 @@ fn a_program_from_a_file() {
         (
             "low = [-2, 0]",
             "low = [-2]",
-            "`low` has 1 components and needs 2",
+            "`cuboid.low`: has 1 components and needs 2",
         ),
         (
             "{ on = 4, x = 0.3, amp",

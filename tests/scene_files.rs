@@ -252,8 +252,8 @@ fn band(fine: usize) -> String {
         }
     }
     let mut text = format!("{} {} {count}\n", mesh.nodes().len(), mesh.len());
-    for X in mesh.nodes() {
-        text += &format!("{:?} {:?} 0\n", X[0], X[1]);
+    for x in mesh.nodes() {
+        text += &format!("{:?} {:?} 0\n", x[0], x[1]);
     }
     for cell in mesh.cells() {
         text += &format!("{} {} {} 0\n", cell[0] + 1, cell[1] + 1, cell[2] + 1);
@@ -682,8 +682,8 @@ fn surfaces_of_obstacles() {
     for facet in cube.exterior() {
         stl += "facet normal 0 0 0\nouter loop\n";
         for &a in facet {
-            let X = cube.nodes()[a];
-            stl += &format!("vertex {} {} {}\n", X[0], X[1], X[2]);
+            let x = cube.nodes()[a];
+            stl += &format!("vertex {} {} {}\n", x[0], x[1], x[2]);
         }
         stl += "endloop\nendfacet\n";
     }

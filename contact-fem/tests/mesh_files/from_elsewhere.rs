@@ -1,8 +1,8 @@
-//! Meshes that Gmsh and FreeFEM made, against the geometry they were made of.
+//! Meshes that Gmsh and FreeFEM made, against the geometry they were made of, and surfaces by hand.
 
 use contact_fem::mesh::read::{ElementKind, Format};
 use contact_fem::tensor::facet_normal;
-use contact_fem::{Mesh, MeshFile};
+use contact_fem::{Mesh, MeshFile, Obstacle};
 
 use crate::support;
 
@@ -302,7 +302,7 @@ fn line_ends_byte_order_marks_and_comments_do_not_matter() {
         let comment = match file.format() {
             Format::Gmsh41 | Format::Gmsh22 => "$Comments\nNodes, $Nodes and é\n$EndComments\n",
             Format::Medit => "# comment\n",
-            Format::FreeFem | Format::Vtu => "",
+            Format::FreeFem | Format::Stl | Format::Vtu => "",
         };
         let variants = [
             text.replace('\n', "\r\n"),
@@ -318,6 +318,24 @@ fn line_ends_byte_order_marks_and_comments_do_not_matter() {
             assert_eq!(variant.vertices(), file.vertices(), "{path}");
             assert_eq!(variant.groups(), file.groups(), "{path}");
             assert_eq!(variant.elements(), file.elements(), "{path}");
+        }
+    }
+}
+
+/// A wedge of triangles, as a text and binary: points are merged, and it is closed.
+#[test]
+fn surfaces_of_stl_files() {
+    for name in ["wedge.stl", "wedge.bin.stl"] {
+        let file = read(name);
+        assert_eq!(file.format(), Format::Stl);
+        assert_eq!((file.vertices().len(), file.elements()[0].len()), (6, 8));
+        let wedge = Obstacle::<3>::read(support::folder().join(name)).expect("closed");
+        for (x, expected) in [
+            ([0.5, 0.5, 3.0], 2.0),
+            ([0.2, 0.3, 0.5], -0.2),
+            ([-3.0, -4.0, 0.5], 5.0),
+        ] {
+            assert_eq!(wedge.distance(&x.into()), expected);
         }
     }
 }
