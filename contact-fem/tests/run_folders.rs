@@ -137,6 +137,47 @@ fn path_of(error: &Error) -> &Path {
     }
 }
 
+/// A block on another one, pushed down by 0.1 if they are to meet, up if not.
+fn stacked(meet: bool) -> Problem<2> {
+    let block = |low: f64, side: &str, value: [Option<f64>; 2]| {
+        let (x, y) = (linspace(0.0, 1.0, 4), linspace(low, low + 1.0, 4));
+        let mesh = rectangle(&x, &y, Diagonals::Rising).expect("a mesh");
+        let mut block = Body::new(mesh, NeoHookean::new(100.0, 0.3).expect("a law"));
+        block.prescribe(side, value).expect("support");
+        block
+    };
+    let push = if meet { -0.1 } else { 0.1 };
+    let mut scene = Scene::new();
+    let lower = scene.add("lower", block(0.0, "bottom", [Some(0.0); 2]));
+    let upper = scene.add("upper", block(1.0, "top", [Some(0.0), Some(push)]));
+    let pair = scene.contact(lower.on("top"), upper.on("bottom"));
+    pair.expect("a pair");
+    scene.problem().expect("a problem")
+}
+
+/// Every run in which something presses has a picture of the pressure; the next run without contact takes it away.
+#[test]
+fn the_pressure_is_drawn_where_bodies_meet() {
+    let folder = fresh("pressure");
+    for meet in [true, false] {
+        let mut simulation = Simulation::with_increments(2);
+        let recorded = quiet(simulation.record(&folder)).run(&mut stacked(meet));
+        assert!(recorded.expect("a run").history.is_complete());
+        check_whole(&folder);
+        let files = files(&folder);
+        assert_eq!(files.contains_key("pressure.svg"), meet);
+        let largest = summary(&folder)["pressure_max"].as_f64();
+        assert_eq!(largest.is_some_and(|p| p > 1.0), meet, "{largest:?}");
+        let lock = String::from_utf8_lossy(&files["run.lock"]);
+        assert_eq!(lock.contains("pressure.svg"), meet, "{lock}");
+        if meet {
+            let picture = String::from_utf8_lossy(&files["pressure.svg"]);
+            let has = |text| picture.contains(text);
+            assert!(has("Contact pressure") && has("lower") && has("upper"));
+        }
+    }
+}
+
 #[test]
 fn a_second_run_is_refused_and_disturbs_nothing() {
     let folder = fresh("in_use");

@@ -36,8 +36,7 @@ use super::{
 };
 use crate::cost::FactorSize;
 use crate::{
-    ContactProblem, Cost, Energy, Error, LinearGaps, MemoryNeed, Multipliers, Outcome, Scale,
-    State, Stop,
+    ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Multipliers, Outcome, Scale, State, Stop,
 };
 
 /// Equilibrium of bodies with quadratic energies under exact rows, by static condensation.
@@ -82,11 +81,12 @@ impl Condensed {
     /// The factors and the compliance for this problem, new where they are not the last one's.
     fn prepare(
         &mut self,
-        energy: &dyn Energy,
+        problem: &dyn ContactProblem,
         gaps: &LinearGaps,
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<&mut Kept, Halt> {
+        let energy = problem.energy();
         let mut values = std::mem::take(&mut self.values);
         values.resize(energy.hessian_pattern().len(), 0.0);
         let clock = Instant::now();
@@ -99,12 +99,12 @@ impl Condensed {
                 self.values = values;
                 match kept.rows.are_of(gaps) {
                     true => kept,
-                    false => Kept::new(kept.stiffness, gaps),
+                    false => Kept::new(kept.stiffness, problem, gaps),
                 }
             }
             None => {
                 let stiffness = Stiffness::new(energy, values, stop, cost)?;
-                Kept::new(stiffness, gaps)
+                Kept::new(stiffness, problem, gaps)
             }
         };
         cost.factor = Some(FactorSize::of_entries(kept.stiffness.fill()));
@@ -113,8 +113,8 @@ impl Condensed {
 }
 
 impl Kept {
-    fn new(stiffness: Stiffness, gaps: &LinearGaps) -> Self {
-        let rows = Rows::new(gaps);
+    fn new(stiffness: Stiffness, problem: &dyn ContactProblem, gaps: &LinearGaps) -> Self {
+        let rows = Rows::new(problem, gaps);
         Kept {
             compliance: Compliance::new(stiffness.blocks().len(), rows.len()),
             stiffness,
@@ -299,7 +299,7 @@ impl Condensed {
         cost: &mut Cost,
     ) -> Result<(), Halt> {
         let (energy, stop) = (problem.energy(), context.stop);
-        let kept = self.prepare(energy, gaps, stop, cost)?;
+        let kept = self.prepare(problem, gaps, stop, cost)?;
         if kept.stiffness.floats() {
             // nothing bounds its way to a row, and motions that nothing determines stay where the start has them
             if moved.is_finite() {

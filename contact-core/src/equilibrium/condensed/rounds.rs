@@ -112,9 +112,14 @@ impl Rounds<'_> {
         };
         let mut is_final = false;
         loop {
-            let more = self.overlapping(&gaps, self.bound(&at.u));
+            let overlap = self.bound(&at.u);
+            let mut more = self.overlapping(&gaps, overlap, false);
             if more.is_empty() && (is_final || self.compliance.rows().is_empty()) {
-                return Ok(());
+                // the others are closed accurately, and mostly close these, too
+                more = self.overlapping(&gaps, overlap, true);
+                if more.is_empty() {
+                    return Ok(());
+                }
             }
             is_final = more.is_empty();
             self.extend(more)?;
@@ -128,11 +133,13 @@ impl Rounds<'_> {
         }
     }
 
-    /// Rows without a place in the working set whose gaps are below −`overlap`. Where a body floats, all of a surface
-    /// may be: then the deepest ones, as many as the working set has.
-    fn overlapping(&self, gaps: &[f64], overlap: f64) -> Vec<usize> {
+    /// Rows without a place in the working set whose gaps are below −`overlap`, of passes whose slave is prescribed or of the other
+    /// ones. Where a body floats, all of a surface may be: then the deepest ones, as many as the working set has.
+    fn overlapping(&self, gaps: &[f64], overlap: f64, of_prescribed: bool) -> Vec<usize> {
         let overlaps = |&k: &usize| !self.compliance.holds(k) && gaps[k] < -overlap;
-        let mut rows: Vec<usize> = (0..self.rows.len()).filter(overlaps).collect();
+        let rows = (0..self.rows.len()).filter(overlaps);
+        let rows = rows.filter(|&k| self.rows.is_of_prescribed(k) == of_prescribed);
+        let mut rows: Vec<usize> = rows.collect();
         if self.stiffness.floats() {
             rows.sort_by(|&a, &b| gaps[a].total_cmp(&gaps[b]));
             rows.truncate(self.compliance.rows().len().max(FIRST));

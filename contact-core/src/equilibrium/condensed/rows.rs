@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::LinearGaps;
+use crate::{ContactProblem, LinearGaps};
 
 /// Coefficients smaller than this share of the row's norm, and differences of rows as small, are round-off.
 const ROUNDOFF: f64 = 1e-12;
@@ -18,11 +18,13 @@ pub(super) struct Rows {
     distinct: Vec<Vec<(usize, f64)>>,
     /// The distinct row and sᵢ of each row of the gaps; nothing for a row without free unknowns.
     of: Vec<Option<(usize, f64)>>,
+    /// Whether each distinct row comes from passes alone whose slave is prescribed.
+    of_prescribed: Vec<bool>,
 }
 
 impl Rows {
-    /// The distinct rows of `gaps`.
-    pub fn new(gaps: &LinearGaps) -> Self {
+    /// The distinct rows of `gaps`, which are those of `problem`.
+    pub fn new(problem: &dyn ContactProblem, gaps: &LinearGaps) -> Self {
         let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); gaps.len()];
         let entries: Vec<_> = gaps.entries().collect();
         entries.iter().for_each(|&(i, j, a)| rows[i].push((j, a)));
@@ -49,11 +51,26 @@ impl Rows {
             }
             of.push(Some((k, norm)));
         }
+        let has_prescribed_slave = prescribed_slaves(problem);
+        let mut of_prescribed = vec![true; distinct.len()];
+        for (key, of) in gaps.keys().iter().zip(&of) {
+            if let Some((k, _)) = of {
+                let is_prescribed = has_prescribed_slave.get(key.pass as usize);
+                of_prescribed[*k] &= is_prescribed == Some(&true);
+            }
+        }
         Rows {
             entries,
             distinct,
             of,
+            of_prescribed,
         }
+    }
+
+    /// Whether a distinct row comes from passes alone whose slave is prescribed: where the slave's mesh is not finer than the master's,
+    /// the rows of the other roles mostly imply it.
+    pub fn is_of_prescribed(&self, k: usize) -> bool {
+        self.of_prescribed[k]
     }
 
     /// Whether `gaps` has the rows that these are made from. Their constants may be others.
@@ -128,6 +145,19 @@ impl Rows {
         let rows = self.of.iter().enumerate();
         rows.filter_map(|(i, of)| of.is_none().then_some(i))
     }
+}
+
+/// For each pass whether its slave has no unknowns, and its master does.
+fn prescribed_slaves(problem: &dyn ContactProblem) -> Vec<bool> {
+    let Some(separable) = problem.separable() else {
+        return Vec::new();
+    };
+    let bodies = separable.bodies();
+    let moves = |body: usize| bodies[body].dofs() > 0;
+    let passes = separable.passes().into_iter();
+    passes
+        .map(|[slave, master]| !moves(slave) && moves(master))
+        .collect()
 }
 
 /// Whether two unit rows in the same unknowns are one.

@@ -52,13 +52,29 @@ impl Curves {
     /// # Errors
     /// [`Error::Write`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
-        save(path.as_ref(), Self::SIZE, |canvas| self.draw(canvas))
+        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
+        self.save_with(path.as_ref(), nothing, SeriesLabelPosition::UpperLeft)
     }
 
-    fn draw(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
-        let range = |of: fn(&(f64, f64)) -> f64| {
+    /// As [`Curves::save`], with a y axis on which `shown`, a lowest and a highest value, have room, too, and with the legend
+    /// in another place.
+    pub(super) fn save_with(
+        &self,
+        path: &Path,
+        shown: (f64, f64),
+        legend: SeriesLabelPosition,
+    ) -> Result<(), Error> {
+        save(path, Self::SIZE, |canvas| self.draw(canvas, shown, legend))
+    }
+
+    fn draw(
+        &self,
+        canvas: &Canvas<'_>,
+        shown: (f64, f64),
+        legend: SeriesLabelPosition,
+    ) -> Result<(), DrawError> {
+        let range = |of: fn(&(f64, f64)) -> f64, ends: (f64, f64)| {
             let points = self.curves.iter().flat_map(finite);
-            let ends = (f64::INFINITY, f64::NEG_INFINITY);
             let (low, high) = points.fold(ends, |(low, high), point| {
                 (low.min(of(&point)), high.max(of(&point)))
             });
@@ -68,7 +84,8 @@ impl Curves {
                 false => 0.0..1.0,
             }
         };
-        let (x_range, y_range) = (range(|p| p.0), range(|p| p.1));
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        let (x_range, y_range) = (range(|p| p.0, none), range(|p| p.1, shown));
         let mut chart = ChartBuilder::on(canvas)
             .caption(&self.title, ("sans-serif", 26))
             .margin(20)
@@ -100,7 +117,7 @@ impl Curves {
         if self.curves.len() > 1 {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperLeft)
+                .position(legend)
                 .background_style(WHITE)
                 .border_style(BLACK)
                 .label_font(("sans-serif", 18))

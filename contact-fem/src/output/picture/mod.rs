@@ -59,9 +59,16 @@ fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use plotters::style::RGBColor;
+
     use super::*;
+    use crate::element::{Element, P1, P2};
+    use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
+    use crate::model::Problem;
     use crate::output::Snapshot;
     use crate::output::snapshot::tests::{displaced, squares};
+    use crate::tensor::Vector;
+    use crate::{Body, Mesh, NeoHookean, Scene};
 
     fn written(name: &str, save: impl FnOnce(&Path) -> Result<(), Error>) -> String {
         let file = format!("contact-fem-{name}-{}.svg", std::process::id());
@@ -92,6 +99,166 @@ mod tests {
         assert!(text.contains("a &lt; b") && text.contains("von Mises stress (UF/UL²)"));
         let none = MeshPicture::von_mises(Vec::new());
         written("none", |path| none.save(path, &problem));
+    }
+
+    /// Two held blocks, each with the pressures of `of` on its contact surface.
+    fn pressed<const D: usize>(
+        meshes: [Mesh<D>; 2],
+        of: impl Fn(&str, &Vector<D>) -> f64,
+    ) -> (Problem<D>, Snapshot<D>)
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
+        let mut scene = Scene::new();
+        let names = ["lower", "upper"];
+        let sides = names.into_iter().zip(meshes).map(|(name, mesh)| {
+            let mut body = Body::new(mesh, NeoHookean::new(10.0, 0.3).expect("a law"));
+            body.prescribe_nodes(&[0, 1, 2], [Some(0.0); D])
+                .expect("held");
+            let side = if name == "lower" { "top" } else { "bottom" };
+            scene.add(name, body).on(side)
+        });
+        let sides: Vec<_> = sides.collect();
+        let [lower, upper] = [0, 1].map(|k| sides[k].clone());
+        scene.contact(lower, upper).expect("a pair");
+        let problem = scene.problem().expect("a problem");
+        let mut snapshot = Snapshot::at_rest(&problem).expect("a snapshot");
+        for surface in problem.surfaces() {
+            for &node in surface.nodes() {
+                let p = of(names[surface.body()], &problem.reference()[node]);
+                snapshot.pressures[node] = p;
+            }
+        }
+        (problem, snapshot)
+    }
+
+    /// The places of all polylines of more than two points with this colour, or of all polygons.
+    fn drawn<'a>(text: &'a str, element: &str, with: &str) -> Vec<Vec<(f64, f64)>> {
+        let lines = text.lines().filter(|line| line.contains(element));
+        let places = |line: &'a str| -> Vec<(f64, f64)> {
+            let list = line.split("points=\"").nth(1).expect("places");
+            let list = list.split('"').next().unwrap_or_default();
+            let place = |place: &str| {
+                let (x, y) = place.split_once(',').expect("two");
+                let number = |text: &str| text.parse().expect("a number");
+                (number(x), number(y))
+            };
+            list.split_whitespace().map(place).collect()
+        };
+        let places = lines.filter(|line| line.contains(with)).map(places);
+        places.filter(|places| places.len() > 2).collect()
+    }
+
+    /// On a bottom of four facets and a top of five, both pressed at their left: by hand, centres of pressure are at 1.25 and 1, and
+    /// curves end at the second unloaded node.
+    #[test]
+    fn pressures_in_the_plane_are_curves() {
+        let block = |y: f64, cells: usize| {
+            let xs = linspace(0.0, 4.0, cells);
+            rectangle(&xs, &[y, y + 1.0], Diagonals::Rising).expect("a mesh")
+        };
+        let of = |name: &str, X: &Vector<2>| {
+            let spacing = if name == "lower" { 1.0 } else { 0.8 };
+            match (X[0] / spacing).round() as usize {
+                1 => 3.0,
+                2 => 1.0,
+                _ => 0.0,
+            }
+        };
+        let (problem, snapshot) = pressed([block(0.0, 4), block(1.1, 5)], of);
+        let picture = PressurePicture::new(&problem, &snapshot);
+        let picture = picture.expect("a snapshot").expect("a pressure");
+        let text = written("pressure-2d", |path| picture.save(path));
+        assert!(text.contains("lower") && text.contains("upper"), "{text}");
+        let expected = [
+            ("#0072B2", [-1.25, -0.25, 0.75, 1.75, 2.75]),
+            ("#D55E00", [-1.0, -0.2, 0.6, 1.4, 2.2]),
+        ];
+        let curves = expected.map(|(colour, _)| {
+            let mut found = drawn(&text, "<polyline", colour);
+            assert_eq!(found.len(), 1, "{colour}: {text}");
+            let mut curve = found.remove(0);
+            curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+            curve
+        });
+        // the axes from the ends and the peak of the first curve
+        let [first, last, peak] = [0, 4, 1].map(|k| curves[0][k]);
+        let along = (last.0 - first.0) / 4.0;
+        let up = (peak.1 - first.1) / 3.0;
+        assert!(along > 50.0 && up < -50.0, "{first:?} {last:?} {peak:?}");
+        for (curve, (_, lengths)) in curves.iter().zip(expected) {
+            assert_eq!(curve.len(), 5);
+            let points = lengths.into_iter().zip([0.0, 3.0, 1.0, 0.0, 0.0]);
+            for ((x, y), (length, p)) in curve.iter().zip(points) {
+                let place = (first.0 + along * (length + 1.25), first.1 + up * p);
+                let off = (x - place.0).hypot(y - place.1);
+                assert!(off < 2.0, "({x}, {y}) for {place:?}");
+            }
+        }
+    }
+
+    /// A pressure that is constant up to round-off is a level line at a height above zero.
+    #[test]
+    fn a_constant_pressure_is_a_level_line() {
+        let block = |y: f64| rectangle(&[0.0, 1.0, 2.0, 3.0], &[y, y + 1.0], Diagonals::Rising);
+        let of = |_: &str, X: &Vector<2>| 2.0 * (1.0 + 1e-13 * X[0]);
+        let (problem, snapshot) = pressed([block(0.0), block(1.0)].map(|m| m.expect("mesh")), of);
+        let picture = PressurePicture::new(&problem, &snapshot);
+        let picture = picture.expect("a snapshot").expect("a pressure");
+        let text = written("pressure-level", |path| picture.save(path));
+        for colour in ["#0072B2", "#D55E00"] {
+            let curve = drawn(&text, "<polyline", colour).remove(0);
+            let heights = curve.iter().map(|(_, y)| *y);
+            assert_eq!(curve.len(), 4);
+            assert_eq!(heights.clone().reduce(f64::max), heights.reduce(f64::min));
+        }
+    }
+
+    /// A top of two by two squares, loaded at x ≤ ½ alone: whichever way the squares are cut, four triangles have the whole pressure,
+    /// two of them two thirds and two a third, and x is to the right. The other surface has none, and no panel.
+    #[test]
+    fn pressures_in_space_are_on_the_surface() {
+        let cuboid = |z: f64| cuboid([0.0, 0.0, z], [1.0, 1.0, 0.5], [2, 2, 1]).expect("a mesh");
+        let of = |name: &str, X: &Vector<3>| match name == "lower" && X[0] < 0.75 {
+            true => 6.0,
+            false => 0.0,
+        };
+        let (problem, snapshot) = pressed([cuboid(0.0), cuboid(0.6)], of);
+        let picture = PressurePicture::new(&problem, &snapshot);
+        let picture = picture.expect("a snapshot").expect("a pressure");
+        let text = written("pressure-3d", |path| picture.save(path));
+        assert!(text.contains("lower") && !text.contains("upper"), "{text}");
+        assert!(text.contains("contact pressure (UF/UL²)"));
+        let colours = colours::Colours {
+            high: 6.0,
+            ..colours::Colours::default()
+        };
+        let tiles = |p: f64| {
+            let RGBColor(r, g, b) = colours.of(p);
+            let tiles = drawn(
+                &text,
+                "<polygon",
+                &format!("fill=\"#{r:02X}{g:02X}{b:02X}\""),
+            );
+            let x = tiles.iter().flatten().map(|(x, _)| *x);
+            (tiles.len(), x.fold(f64::NEG_INFINITY, f64::max))
+        };
+        let [(whole, middle), (most, _), (least, right)] = [6.0, 4.0, 2.0].map(tiles);
+        assert_eq!([whole, most, least], [4, 2, 2]);
+        assert_eq!(text.matches("<polygon").count(), 8);
+        assert!(right > middle + 100.0, "{right} {middle}");
+    }
+
+    #[test]
+    fn nothing_is_drawn_where_nothing_presses() {
+        let problem = squares();
+        let rest = Snapshot::at_rest(&problem).expect("a snapshot");
+        let picture = PressurePicture::new(&problem, &rest);
+        assert!(picture.expect("a snapshot").is_none());
+        let mut of_another = rest;
+        of_another.pressures.push(1.0);
+        assert!(PressurePicture::new(&problem, &of_another).is_err());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use plotters::chart::SeriesLabelPosition;
 use plotters::element::{PathElement, Polygon};
 use plotters::style::{Color, RGBColor, ShapeStyle};
 
@@ -43,7 +44,11 @@ impl<'a, const D: usize> PressurePicture<'a, D> {
     /// [`Error::Write`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         match D {
-            2 => self.curves().save(path),
+            // from zero, so that a constant pressure is a level line, with the legend below the curves
+            2 => {
+                let legend = SeriesLabelPosition::LowerMiddle;
+                (self.curves()).save_with(path.as_ref(), (0.0, 0.0), legend)
+            }
             _ => self.save_panels(path.as_ref()),
         }
     }

@@ -46,6 +46,7 @@ type Message<'a, const D: usize> = Box<dyn Fn(&StepView<'_, D>) -> String + 'a>;
 /// | `NAME_pairs.csv`, `NAME_supports.csv`, `NAME_work.csv` | for each step the contact of each pair, the reaction of each supported boundary, and the work of each support, load and obstacle |
 /// | `NAME.pvd`, `NAME_0000.vtu`, … | the states for ParaView, see [`Series`](super::vtk::Series) |
 /// | `meshes.svg` | the deformed bodies at rest, half way and at the end |
+/// | `pressure.svg` | the contact pressure at the end, see [`PressurePicture`]; none where nothing presses |
 /// | `summary.json` | what ran on what, the findings before the run, how it ended, the results and what they cost |
 /// | `run.lock` | the names of all these files; locked during the run |
 ///

@@ -237,7 +237,7 @@ impl Summary {
             left_out: left_out.map(|left| {
                 json!({
                     "dofs": left.dofs, "cells": left.cells, "rows": left.rows,
-                    "passes": left.passes, "solves": left.solves,
+                    "passes": left.passes, "repeating": left.repeating, "solves": left.solves,
                     "factorisations": left.factorizations, "hessians": left.hessians,
                 })
             }),
