@@ -18,6 +18,7 @@ mod freefem;
 mod hertz;
 mod initial_gaps;
 mod inverted;
+mod ironing;
 mod left_out;
 mod many_bodies;
 mod memory;

@@ -2,7 +2,7 @@
 
 use crate::common::relative;
 use contact_core::{Automatic, CondensedNewton, Equilibrium, Phase};
-use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+use contact_fem::mesh::generators::{Diagonals, annulus, linspace, rectangle};
 use contact_fem::model::Problem;
 use contact_fem::simulation::History;
 use contact_fem::tensor::Vector;
@@ -206,6 +206,69 @@ fn a_turn_with_an_obstacle_costs_nothing() {
     // back where it was
     let U = problem.displacements(&history.run.state.u);
     assert!(U.iter().all(|u| u.amax() < 0.5), "a full turn");
+}
+
+/// A wheel whose hub turns by 2π while its rim is pressed on a plane: the mesh is the same again after every other facet, and so
+/// are energy and force. The rest of the way it is a mirror image, so that what a facet costs the next one gives back. Rolled
+/// along the plane in place of turned, the wheel gets no force along it.
+#[test]
+fn a_wheel_turns_and_rolls_on_a_plane_for_nothing() {
+    const FACETS: usize = 16;
+    let full = std::f64::consts::TAU;
+    let slide = |amplitude: f64| {
+        let way = table(&[(1.0, 0.0), (2.0, amplitude)]);
+        let press = Motion::<2>::translation([0.0, -0.1]).expect("a way");
+        let press = press.driven_by(table(&[(0.0, 0.0), (1.0, 1.0)]));
+        // clockwise, about the hub where the press has left it
+        let turn = Motion::<2>::rotation([0.0, -0.1], -full).expect("a turn");
+        let turn = turn.driven_by(table(&[(1.0, 0.0), (2.0, 1.0)]));
+        let along = Motion::<2>::translation([full, 0.0]).expect("a way");
+        let mesh = annulus(&[0.4, 0.6, 0.8, 1.0], FACETS, Diagonals::Alternating);
+        let law = NeoHookean::new(10.0, 0.3).expect("law");
+        let mut wheel = Body::new(mesh.expect("mesh"), law);
+        wheel
+            .prescribe_motion("inner", press.then(turn).then(along.driven_by(way)))
+            .expect("support");
+        let mut scene = Scene::new();
+        let rim = scene.add("wheel", wheel).on("outer");
+        let plane = Obstacle::half_space([0.0, -1.0], [0.0, 1.0]).expect("a half-plane");
+        let plane = scene.obstacle("plane", rim, plane).expect("a side");
+        // two steps a facet
+        let phases = [
+            Phase::new("press", 1.0, 2),
+            Phase::new("turn", 2.0, 2 * FACETS),
+        ];
+        let mut accurate = CondensedNewton::default();
+        accurate.tolerance = 1e-10;
+        let (_, history) = complete_with(accurate, scene, &phases);
+        let figures = history.steps[1..].iter().map(|step| {
+            let force = step.obstacle_force(plane);
+            assert!(force[0].abs() < 1e-12 && force[1] < -0.1, "{force}");
+            [step.stored_energy, force[1], step.work()]
+        });
+        figures.collect::<Vec<_>>()
+    };
+    let [turned, rolled] = [0.0, 1.0].map(slide);
+    let [energy, force, work] = turned[0];
+    for (k, ([e, f, w], of_rolled)) in turned.iter().zip(&rolled).enumerate() {
+        // the plane does not see whether the wheel moves along it
+        assert!(
+            relative(of_rolled[0], *e) < 1e-8 && relative(of_rolled[1], *f) < 1e-8,
+            "{k}"
+        );
+        if k % 4 == 0 {
+            assert!(relative(*e, energy) < 1e-8, "{k}: {e} for {energy}");
+            assert!(relative(*f, force) < 1e-8, "{k}: {f} for {force}");
+            assert!(relative(*w, work) < 1e-8, "{k}: {w} for {work}");
+            assert!(
+                relative(of_rolled[2], work) < 1e-8,
+                "{k}: {} for {work}",
+                of_rolled[2]
+            );
+        }
+    }
+    // in between, the wheel stands on a node or on a facet
+    assert!(relative(turned[1][0], energy) > 1e-4, "{turned:?}");
 }
 
 /// A heavy block on the ground, and a rigid roll that is pressed into its top and moved along: the weight is there all the
