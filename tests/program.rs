@@ -650,10 +650,10 @@ fn pressures_and_foundations_from_a_file() {
         "{carried}"
     );
     for (good, bad, told) in [
-        ("stiffness = 50", "stiffness = -50", "foundations, entry 1"),
+        ("stiffness = 50", "stiffness = -50", "`foundations`"),
         ("stiffness = 50", "stifness = 50", "stifness"),
-        ("pressure = 4", "pressure = nan", "pressures, entry 1"),
-        ("on = 4", "on = 9", "pressures, entry 1"),
+        ("pressure = 4", "pressure = nan", "`pressures`"),
+        ("on = 4", "on = 9", "`pressures`"),
         ("cuboid", "during = [[2, 1]]\n        cuboid", "`during`"),
         (
             "cuboid",

@@ -18,6 +18,34 @@ pub struct Conformance {
     pub outside_pattern: f64,
 }
 
+/// The slope of E at `u` along its gradient, by the gradient and by central differences, where the two contradict each other:
+/// differences of two steps agree within a tenth, and the gradient does not agree with them.
+pub(crate) fn wrong_slope(energy: &dyn Energy, u: &[f64]) -> Option<[f64; 2]> {
+    const APART: f64 = 0.1;
+    let mut gradient = vec![0.0; u.len()];
+    energy.gradient(u, &mut gradient);
+    let slope = gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
+    let size = u.iter().fold(0.0_f64, |size, u| size.max(u.abs()));
+    if !(slope > 0.0 && slope.is_finite() && size.is_finite()) {
+        return None;
+    }
+    let reach = if size > 0.0 { 1e-5 * size } else { 1e-5 };
+    let largest = gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
+    let difference = |reach: f64| {
+        let h = reach * slope / largest;
+        let at = |sign: f64| {
+            let moved = u.iter().zip(&gradient);
+            let moved: Vec<f64> = moved.map(|(u, g)| u + sign * h * g / slope).collect();
+            energy.value(&moved)
+        };
+        (at(1.0) - at(-1.0)) / (2.0 * h)
+    };
+    let [wide, narrow] = [reach, 0.1 * reach].map(difference);
+    let are_apart = |a: f64, b: f64| !((a - b).abs() <= APART * a.abs().max(b.abs()));
+    let is_wrong = wide.is_finite() && !are_apart(wide, narrow) && are_apart(slope, wide);
+    is_wrong.then_some([slope, wide])
+}
+
 /// Compares gradient and Hessian at `u` (n) with central differences of step `h` (UL) in every unknown, which takes
 /// 4 n evaluations. With a step of 0, or one that is lost in the round-off of `u`, the errors are NaN.
 ///

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::equilibrium::{Equilibrium, Failed, Iteration, Solution, StepContext};
 use crate::{
-    Budget, ContactProblem, Cost, Ending, Energy, Error, Interruption, Outcome, State, Stop,
+    Budget, ContactProblem, Cost, Ending, Energy, Error, Interruption, Outcome, State, Stop, check,
 };
 use pace::Pace;
 
@@ -433,6 +433,11 @@ impl Path<'_> {
                     }
                     let stuck = is_stuck.then(|| "smaller steps do not reduce it".into());
                     let causes = stuck.into_iter().chain(problem.diagnose(&solution));
+                    let slope = check::wrong_slope(problem.energy(), &solution.state.u);
+                    let causes = causes.chain(slope.map(|[gradient, differences]| format!(
+                        "along the gradient of the energy its slope is {gradient:.3e}, and {differences:.3e} by differences: \
+                         compare the derivatives by `check::energy`"
+                    )));
                     let before = solution.failed.iter().filter(|f| f.cause.is_some());
                     let causes = causes.chain(before.map(|failed| failed.to_string()));
                     let causes: Vec<String> = causes.collect();

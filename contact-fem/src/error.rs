@@ -295,7 +295,9 @@ pub enum Error {
         value: f64,
     },
     /// Young's modulus out of range.
-    #[error("Young's modulus E = {E} must be positive and finite")]
+    #[error(
+        "Young's modulus E = {E} must be positive, and between 1e-100 and 1e100: choose units in which it is not so far from 1"
+    )]
     YoungsModulus {
         /// The value.
         E: f64,

@@ -23,7 +23,7 @@ fn complete<const D: usize>(scene: Scene<D>, increments: usize) -> History<D> {
 fn pressed_by(tool: Result<Obstacle<3>, Mesh<3>>) -> f64 {
     let mesh = cuboid([-0.6, -0.6, -1.6], [1.2, 1.2, 0.6], [6, 6, 2]).expect("a mesh");
     let law = NeoHookean::new(100.0, 0.3).expect("a law");
-    let mut block = Body::new(mesh, law.clone());
+    let mut block = Body::new(mesh, law);
     block.prescribe("bottom", [Some(0.0); 3]).expect("held");
     let mut scene = Scene::new();
     let top = scene.add("block", block).on("top");

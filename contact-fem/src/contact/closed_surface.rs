@@ -112,7 +112,7 @@ impl<const D: usize> ClosedSurface<D> {
 
     /// The boundary of a mesh. Quadratic facets become flat ones through their nodes.
     pub fn of_mesh(mesh: &Mesh<D>) -> Result<Self, Error> {
-        let facets = mesh.exterior().flat_map(|facet| pieces(facet));
+        let facets = mesh.exterior().flat_map(pieces);
         Self::new(mesh.nodes().to_vec(), facets.collect())
     }
 
@@ -142,7 +142,7 @@ impl<const D: usize> ClosedSurface<D> {
         let nodes = nodes.map(|x| Vector::from_fn(|i, _| x[i])).collect();
         let blocks = file.elements().iter();
         let blocks = blocks.filter(|block| dimension(block.kind) + 1 == D);
-        let facets = blocks.flat_map(|block| block.iter().flat_map(|facet| pieces(facet)));
+        let facets = blocks.flat_map(|block| block.iter().flat_map(pieces));
         Self::new(nodes, facets.collect())
     }
 

@@ -123,10 +123,10 @@ impl Lame {
     /// From Young's modulus `E` (UF/UL²) and Poisson's ratio `nu`.
     ///
     /// # Errors
-    /// If `E` is not positive and finite, or `nu` is not strictly between −1 and 0.5, or so close to one of them that the moduli are
+    /// If `E` is not between 1e-100 and 1e100, beyond which products of numbers of a scene overflow or vanish, or `nu` is not strictly between −1 and 0.5, or so close to one of them that the moduli are
     /// further apart than [`Lame::MOST_APART`].
     pub fn new(E: f64, nu: f64) -> Result<Self, Error> {
-        if !(E > 0.0 && E.is_finite()) {
+        if !(1e-100..=1e100).contains(&E) {
             return Err(Error::YoungsModulus { E });
         }
         if !(nu > -1.0 && nu < 0.5) {

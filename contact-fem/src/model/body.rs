@@ -24,6 +24,19 @@ const SAMPLED: usize = 1000;
 /// Nodes are in one plane up to this share of the mesh's size.
 const PLANE: f64 = 1e-9;
 
+/// # Errors
+/// No node.
+fn some(name: &'static str, nodes: &[usize]) -> Result<(), Error> {
+    match nodes.is_empty() {
+        true => Err(Error::Setting {
+            name,
+            value: 0.0,
+            remedy: "name one node at least: check what selects them",
+        }),
+        false => Ok(()),
+    }
+}
+
 /// An elastic body: a mesh, a material law, prescribed displacements and loads.
 ///
 /// ```
@@ -371,12 +384,13 @@ impl<const D: usize> Body<D> {
     /// As [`Body::prescribe`], for the given nodes.
     ///
     /// # Errors
-    /// As [`Body::prescribe`], and if a node does not exist.
+    /// As [`Body::prescribe`], and if there is no node, or one that does not exist.
     pub fn prescribe_nodes(
         &mut self,
         nodes: &[usize],
         components: [Option<f64>; D],
     ) -> Result<&mut Self, Error> {
+        some("number of supported nodes", nodes)?;
         self.hold(("", nodes), components, 0)
     }
 
@@ -591,6 +605,7 @@ impl<const D: usize> Body<D> {
         force: [f64; D],
         amplitude: impl Into<Amplitude>,
     ) -> Result<&mut Self, Error> {
+        some("number of loaded nodes", nodes)?;
         let mut forces = vec![0.0; self.forces.len()];
         for &node in nodes {
             let Some(own) = forces.get_mut(D * node..D * (node + 1)) else {

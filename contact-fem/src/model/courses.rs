@@ -100,6 +100,16 @@ impl Origin {
     }
 }
 
+impl Origin {
+    /// The boundary that it is on.
+    pub fn boundary(&self) -> Option<&str> {
+        match self {
+            Origin::Traction(boundary) => Some(boundary),
+            _ => None,
+        }
+    }
+}
+
 impl<const D: usize> Load<D> {
     /// Whether it is its value at load factor 1 times the load factor.
     pub fn is_proportional(&self) -> bool {

@@ -500,6 +500,9 @@ impl<const D: usize> LoadStepped for Problem<D> {
     }
 
     fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage> {
+        if !(self.is_state(u) && self.is_state(last)) {
+            return None;
+        }
         let before = self.kinematics.positions_at(last, from);
         let after = self.kinematics.positions(u);
         let relative = |bodies| self.granted(bodies, self.load())[0];
@@ -538,7 +541,7 @@ impl<const D: usize> LoadStepped for Problem<D> {
     }
 
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
-        let mut lifted = u.to_vec();
+        let mut lifted = self.state(u).into_owned();
         let bodies = self.scene.bodies().iter().zip(self.energy.parts());
         for (index, (body, energy)) in bodies.enumerate() {
             let [now, before] = [self.load(), from].map(|factor| body.prescribed_at(factor));

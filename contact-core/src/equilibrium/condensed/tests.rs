@@ -8,7 +8,7 @@ use super::*;
 use crate::gaps::{Row, Sampling};
 use crate::linear::SymmetricPattern;
 use crate::nlp::Bounds;
-use crate::{Error, RowKey, Scale};
+use crate::{Energy, Error, RowKey, Scale};
 
 /// E(u) = ½ uᵀK u − f·u under fixed rows.
 struct Quadratic {

@@ -14,6 +14,9 @@ struct Case<'a, const D: usize> {
     is_conservative: bool,
 }
 
+/// A boundary, which dofs are held, and whether the pressure on it has a potential.
+type Held<'a, const D: usize> = (&'a str, &'a dyn Fn(&Vector<D>, usize) -> bool, bool);
+
 /// Derivatives under springs and a pressure against differences, at a state with large waves.
 fn compare<const D: usize, E: Element<D>>(case: &Case<'_, D>) {
     let mesh = case.mesh;
@@ -63,7 +66,7 @@ fn derivatives_in_the_plane() {
         let slides = |X: &Vector<2>, i: usize| i == 0 && ends(X);
         let clamped = |X: &Vector<2>, _| ends(X);
         let one_end = |X: &Vector<2>, _| X[0] == 0.0;
-        let cases: [(&str, &dyn Fn(&Vector<2>, usize) -> bool, bool); 4] = [
+        let cases: [Held<2>; 4] = [
             ("top", &slides, true),
             ("top", &clamped, true),
             ("all", &one_end, true),
@@ -95,7 +98,7 @@ fn derivatives_in_space() {
     let one_way = |X: &Vector<3>, i: usize| i == 0 && side(X, 0);
     for mut mesh in [linear.clone(), linear.quadratic()] {
         mesh.name_boundary("all", |_| true);
-        let cases: [(&str, &dyn Fn(&Vector<3>, usize) -> bool, bool); 4] = [
+        let cases: [Held<3>; 4] = [
             ("top", &planes, true),
             ("top", &mixed, true),
             ("all", &one_way, true),

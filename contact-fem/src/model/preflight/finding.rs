@@ -60,7 +60,7 @@ pub enum FindingKind {
     Geometry,
     /// A step is longer than the search radius. The value is the motion of a step (UL).
     LongStep,
-    /// Nothing is prescribed but zero, and nothing is loaded.
+    /// Nothing is prescribed but zero, and nothing is loaded; or a load acts on held nodes alone.
     Unloaded,
     /// A load or a prescribed displacement is lost in round-off. The value is a ratio of displacements.
     RoundOff,

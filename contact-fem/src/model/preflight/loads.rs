@@ -61,6 +61,31 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
         }
     }
     units(scene, report);
+    idle(scene, report);
+}
+
+/// Finds loads all of whose forces act on held components, and move nothing.
+fn idle<const D: usize>(scene: &Scene<D>, report: &mut Report) {
+    let deformable = |(_, body): &(&String, &Body<D>)| is_deformable(body);
+    for (name, body) in scene.names().iter().zip(scene.bodies()).filter(deformable) {
+        let held = body.is_prescribed();
+        for (origin, load) in body.loads_at(1.0) {
+            let is_idle = load.iter().zip(&held).all(|(f, held)| *f == 0.0 || *held);
+            if is_idle && load.iter().any(|f| *f != 0.0) {
+                let boundary = origin
+                    .boundary()
+                    .map_or(String::new(), |on| format!(" on `{on}`"));
+                let finding = Finding::new(Severity::Warning, FindingKind::Unloaded, &[name]);
+                report.add(finding.says(
+                    format!(
+                        "the {}{boundary} of body `{name}` acts on held nodes alone, and moves nothing",
+                        origin.kind()
+                    ),
+                    "leave the load out, or hold fewer nodes or components",
+                ));
+            }
+        }
+    }
 }
 
 /// For each body, a large estimate of the displacement (UL) under its loads: of a bar as long as the scene's `size`

@@ -808,3 +808,15 @@ fn a_body_that_an_obstacle_holds() {
     assert!(unknown.is_err());
     assert!(scene.problem().is_ok());
 }
+
+#[test]
+fn loads_on_what_is_held() {
+    let loaded = |on: &str| {
+        let mut upper = pushed(unit(1.0), linear(), [0.0, -0.01]);
+        upper.traction(on, [0.0, -1.0]).expect("a boundary");
+        stacked(held(unit(0.0), linear()), upper)
+    };
+    let found = differ(&loaded("top"), &loaded("left"), FindingKind::Unloaded);
+    assert_eq!(found.severity, Severity::Warning);
+    assert!(found.what.contains("traction on `top`"), "{found}");
+}

@@ -15,18 +15,28 @@ pub(super) struct Colours {
 }
 
 impl Colours {
+    /// Of values that are no numbers, or of which the range is none.
+    const NONE: RGBColor = RGBColor(190, 190, 190);
+
     /// The colour of a value.
     pub fn of(&self, value: f64) -> RGBColor {
         let span = (self.high - self.low).max(f64::MIN_POSITIVE);
-        ViridisRGB.get_color(((value - self.low) / span).clamp(0.0, 1.0))
+        let share = ((value - self.low) / span).clamp(0.0, 1.0);
+        match share.is_nan() || !span.is_finite() {
+            true => Self::NONE,
+            false => ViridisRGB.get_color(share),
+        }
     }
 
     /// Round numbers within the range, about five, with their labels; and the upper end if values
     /// exceed it.
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let span = self.high - self.low;
-        if span <= 0.0 {
+        if !(span > 0.0) {
             return vec![(self.low, short(self.low))];
+        }
+        if !span.is_finite() {
+            return Vec::new();
         }
         let power = 10f64.powf((span / 5.0).log10().floor());
         let steps = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power);

@@ -47,7 +47,7 @@ impl Curves {
     /// has no line.
     const MARKED: usize = 12;
 
-    /// Draws the curves as SVG at `path`. Points that are not finite are left out.
+    /// Draws the curves as SVG at `path`. Points that are no numbers, or beyond 1e290, are left out.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -133,7 +133,10 @@ fn nearly_zero(value: f64, range: &std::ops::Range<f64>) -> f64 {
     if value.abs() < noise { 0.0 } else { value }
 }
 
+/// The largest number that is drawn: differences and products of axes stay finite.
+const LARGEST: f64 = 1e290;
+
 fn finite(curve: &Curve) -> impl Iterator<Item = (f64, f64)> + '_ {
     let points = curve.points.iter().copied();
-    points.filter(|(x, y)| x.is_finite() && y.is_finite())
+    points.filter(|(x, y)| x.abs() <= LARGEST && y.abs() <= LARGEST)
 }
