@@ -1,6 +1,6 @@
 //! Scenes as text files, which the program `ipopt-contact run` solves.
 //!
-//! A file is TOML. Meshes are files of their own, named relative to it, in any format that [`MeshFile`] reads. Lengths and forces
+//! A file is TOML. Meshes are files of their own, named relative to it, in any format that [`MeshFile`](contact_fem::MeshFile) reads. Lengths and forces
 //! are in the user's units. A boundary is a label (`1`) or a name (`"top"`). docs/scene_files.md lists all keys.
 //! ```
 //! use ipopt_contact::scene_file::SceneFile;

@@ -224,7 +224,8 @@ impl Maker {
         };
         if random.u32(..10) == 0 {
             let mut factors = |n: usize| -> Option<Vec<f64>> {
-                let one = |_| 10f64.powi(random.i32(-3..4));
+                let most = if random.u32(..4) == 0 { 300 } else { 3 };
+                let one = |_| 10f64.powi(random.i32(-most..=most));
                 let factors = (0..n).map(one).collect();
                 random.bool().then_some(factors)
             };
