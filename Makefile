@@ -14,7 +14,7 @@ help:
 	@echo "make test-blas         all tests with each BLAS, as on an old processor, and compiled for this one"
 	@echo "make valgrind          the tests of the Ipopt binding under memcheck"
 	@echo "make lint              formatting, clippy and documentation, warnings as errors"
-	@echo "make deny              licences, versions and sources of the crates below, by cargo-deny"
+	@echo "make deny              licences, versions, sources and known defects of the crates below, by cargo-deny"
 	@echo "make bench             times the disc-in-disc, the three beams and small strains, by each solver"
 	@echo "make bench-growth      time and memory against the number of unknowns, within a quarter of an hour"
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
@@ -69,10 +69,9 @@ lint: install
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --all-features
 	@if command -v python3 >/dev/null; then scripts/mutants/run.py --check; fi
 
-# Not a part of `make lint`: cargo-deny is a program of its own.
+# Not a part of `make lint`: it installs cargo-deny where that is missing.
 deny:
-	@$(CARGO) deny --version >/dev/null 2>&1 || { echo "cargo-deny is missing: cargo install --locked cargo-deny"; exit 1; }
-	$(CARGO) deny check licenses bans sources
+	@./scripts/deny.sh
 
 bench: install
 	$(CARGO) bench --bench disc_in_disc
