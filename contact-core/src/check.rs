@@ -129,3 +129,45 @@ fn central_differences(energy: &dyn Energy, u: &[f64], h: f64) -> (Vec<f64>, Vec
     }
     (gradient, columns)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear::SymmetricPattern;
+
+    /// E = ½ u₀² + u₁⁴, with a gradient that is too large by a factor.
+    struct Scaled(f64, SymmetricPattern);
+
+    impl Energy for Scaled {
+        fn dofs(&self) -> usize {
+            2
+        }
+        fn value(&self, u: &[f64]) -> f64 {
+            0.5 * u[0] * u[0] + u[1].powi(4)
+        }
+        fn gradient(&self, u: &[f64], g: &mut [f64]) {
+            g.copy_from_slice(&[self.0 * u[0], self.0 * 4.0 * u[1].powi(3)]);
+        }
+        fn hessian_pattern(&self) -> &SymmetricPattern {
+            &self.1
+        }
+        fn hessian(&self, u: &[f64], values: &mut [f64]) {
+            values.copy_from_slice(&[1.0, 12.0 * u[1] * u[1]]);
+        }
+    }
+
+    #[test]
+    fn slopes_that_contradict_the_energy() {
+        let pattern = || SymmetricPattern::diagonal(2);
+        for u in [[1.0, -2.0], [1e-6, 3e-6], [1e8, 0.0]] {
+            assert_eq!(wrong_slope(&Scaled(1.0, pattern()), &u), None, "{u:?}");
+            for factor in [-1.0, 2.0, 0.5] {
+                let energy = Scaled(factor, pattern());
+                let [slope, differences] = wrong_slope(&energy, &u).expect("wrong");
+                assert!((slope / differences / factor - 1.0).abs() < 1e-3, "{u:?}");
+            }
+        }
+        // nothing is known where the gradient vanishes
+        assert_eq!(wrong_slope(&Scaled(-1.0, pattern()), &[0.0; 2]), None);
+    }
+}

@@ -896,6 +896,15 @@ mod tests {
         Body::new(mesh, NeoHookean::new(1.0, 0.3).expect("law"))
     }
 
+    #[test]
+    fn supports_and_forces_need_nodes() {
+        let mut body = square();
+        let refused = body.prescribe_nodes(&[], [Some(0.5); 2]).err();
+        assert!(matches!(refused, Some(Error::Setting { value: 0.0, .. })));
+        let refused = body.nodal_force(&[], [0.0, -5.0]).err();
+        assert!(matches!(refused, Some(Error::Setting { value: 0.0, .. })));
+    }
+
     /// Loads of all kinds add up at every load factor, and none is there before the first step.
     #[test]
     fn forces_in_time() {

@@ -592,6 +592,25 @@ mod tests {
         }
     }
 
+    /// States of other lengths and without numbers go through nothing, and are not lifted to numbers.
+    #[test]
+    fn what_is_no_state() {
+        let mut body = block([0.0, 0.0], [3.0, 4.0], [3, 4]);
+        body.prescribe("bottom", [Some(0.0); 2]).expect("support");
+        body.prescribe("top", [None, Some(8.0)]).expect("support");
+        let mut scene = Scene::new();
+        scene.add("block", body);
+        let mut problem = scene.problem().expect("a problem");
+        problem.set_load(0.75).expect("load");
+        let free = problem.dofs().free();
+        let rest = vec![0.0; free];
+        for u in [vec![], vec![0.0; free - 1], vec![f64::NAN; free]] {
+            assert!(problem.tunnels(&u, &rest, 0.0).is_none());
+            assert!(problem.tunnels(&rest, &u, 0.0).is_none());
+            assert!(!problem.lift(&u, 0.0).iter().all(|value| value.is_finite()));
+        }
+    }
+
     /// A bar whose nodes are all prescribed goes through a plate from one load to the next: the way
     /// begins where the last load had it.
     #[test]

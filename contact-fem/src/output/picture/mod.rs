@@ -101,6 +101,33 @@ mod tests {
         written("none", |path| none.save(path, &problem));
     }
 
+    /// Values that are no numbers, or too large to draw, leave a picture all the same.
+    #[test]
+    fn numbers_beyond_all_pictures() {
+        let problem = squares();
+        for value in [f64::NAN, f64::INFINITY, 1e308, -1e308] {
+            let mut snapshot = displaced(&problem);
+            snapshot.cells[0].sigma.fill(value);
+            let panel = Panel {
+                title: "odd".into(),
+                snapshot: &snapshot,
+            };
+            let picture = MeshPicture::von_mises(vec![panel]);
+            let text = written("odd", |path| picture.save(path, &problem));
+            assert_eq!(text.matches("<polygon").count(), 4, "{value}");
+            let curves = Curves {
+                title: String::new(),
+                x_label: String::new(),
+                y_label: String::new(),
+                curves: vec![Curve {
+                    name: "odd".into(),
+                    points: vec![(0.0, value), (1.0, -value), (-value, value)],
+                }],
+            };
+            written("odd-curves", |path| curves.save(path));
+        }
+    }
+
     /// Two held blocks, each with the pressures of `of` on its contact surface.
     fn pressed<const D: usize>(
         meshes: [Mesh<D>; 2],
