@@ -15,6 +15,7 @@ use ipopt_contact_scenes::blocks::Blocks;
 use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 use ipopt_contact_scenes::hairpin;
 use ipopt_contact_scenes::hertz::{self, Hertz};
+use ipopt_contact_scenes::ironing::Ironing;
 use serde_json::Value;
 
 fn root() -> &'static Path {
@@ -286,6 +287,33 @@ fn hairpin_from_a_file() {
     );
     let scene = hairpin::scene(2, true).expect("a scene");
     twins("hairpin", &text, scene, automatic(8));
+}
+
+/// The die's mesh beside the scene file is that of the example.
+#[test]
+fn ironing_from_a_file() {
+    let ironing = Ironing::new(Order::Linear, 36);
+    let scene = || ironing.scene().expect("a scene");
+    let file = SceneFile::read(root().join("examples/ironing.toml")).expect("a file");
+    let ours = file.scene::<2>().expect("a scene");
+    for (a, b) in ours.bodies().iter().zip(scene().bodies()) {
+        assert!(a.mesh().cells().eq(b.mesh().cells()));
+        let nodes = a.mesh().nodes().iter().zip(b.mesh().nodes());
+        let off = nodes.fold(0.0, |m: f64, (a, b)| m.max((a - b).amax()));
+        assert!(off < 1e-14, "{off:.1e}");
+    }
+    let text = with(
+        "examples/ironing.toml",
+        &[
+            ("increments = 20", "increments = 3"),
+            ("increments = 100", "increments = 5"),
+            ("until = 2", "until = 1.25"),
+        ],
+    );
+    let mut simulation = automatic(1);
+    let phases = [Phase::new("press", 1.0, 3), Phase::new("slide", 1.25, 5)];
+    simulation.load_steps.phases = phases.to_vec();
+    twins("ironing", &text, scene(), simulation);
 }
 
 fn by_ipopt<M: Method + 'static>(method: M, tolerance: Option<f64>) -> Simulation<Solver> {

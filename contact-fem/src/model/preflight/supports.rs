@@ -275,7 +275,9 @@ mod tests {
         let sides = linspace(3.0, 4.0, 2);
         let mesh = rectangle(&sides, &sides, Diagonals::Rising).expect("mesh");
         let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.3).expect("law"));
-        body.prescribe_nodes(held, components).expect("support");
+        if !held.is_empty() {
+            body.prescribe_nodes(held, components).expect("support");
+        }
         free_motions(&body, &(0..9).collect::<Vec<_>>())
     }
 
@@ -299,7 +301,9 @@ mod tests {
         let held: Vec<usize> = nodes.filter(|(_, X)| holds(X)).map(|(a, _)| a).collect();
         let all: Vec<usize> = (0..mesh.nodes().len()).collect();
         let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.3).expect("law"));
-        body.prescribe_nodes(&held, components).expect("support");
+        if !held.is_empty() {
+            body.prescribe_nodes(&held, components).expect("support");
+        }
         free_motions(&body, &all)
     }
 

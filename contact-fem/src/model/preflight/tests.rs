@@ -160,8 +160,10 @@ fn motions_that_are_free_or_held_by_contact() {
         let mut body = Body::new(unit(0.0), linear());
         body.prescribe("bottom", [None, Some(0.0)])
             .expect("support");
-        body.prescribe_nodes(held_at, [Some(0.0), None])
-            .expect("support");
+        if !held_at.is_empty() {
+            body.prescribe_nodes(held_at, [Some(0.0), None])
+                .expect("support");
+        }
         body.traction("top", [0.0, -1.0]).expect("load");
         alone(body)
     };
@@ -623,7 +625,7 @@ fn odd_scenes() {
         (1.0, f64::MAX),
         (1e150, 0.0),
     ] {
-        for law in [large(), NeoHookean::new(1e-300, 0.4999).expect("law")] {
+        for law in [large(), NeoHookean::new(1e-100, 0.4999).expect("law")] {
             let at = |y: f64| mesh([0.0, y * size], [size, size], [1, 1]);
             let mut scene = stacked(held(at(0.0), law), pushed(at(1.0), law, [by, -by]));
             scene.reach = Some(f64::INFINITY);
