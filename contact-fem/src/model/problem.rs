@@ -569,10 +569,8 @@ mod tests {
         Body::new(mesh, NeoHookean::new(1.0, 0.3).expect("law"))
     }
 
-    /// A block of height 4 whose top goes up by 8: from load ½ to ¾, its nodes go up by half of their
-    /// height, and nothing moves aside.
-    #[test]
-    fn starts_are_lifted_by_what_the_load_adds() {
+    /// A block of height 4 whose top goes up by 8, at load ¾.
+    fn stretched() -> Problem<2> {
         let mut body = block([0.0, 0.0], [3.0, 4.0], [3, 4]);
         body.prescribe("bottom", [Some(0.0); 2]).expect("support");
         body.prescribe("top", [None, Some(8.0)]).expect("support");
@@ -580,6 +578,13 @@ mod tests {
         scene.add("block", body);
         let mut problem = scene.problem().expect("a problem");
         problem.set_load(0.75).expect("load");
+        problem
+    }
+
+    /// From load ½ to ¾, the nodes of the block go up by half of their height, and nothing moves aside.
+    #[test]
+    fn starts_are_lifted_by_what_the_load_adds() {
+        let problem = stretched();
         let u = vec![0.1; problem.dofs().free()];
         let lifted = problem.lift(&u, 0.5);
         let increments = problem.displacements(&lifted);
@@ -595,13 +600,7 @@ mod tests {
     /// States of other lengths and without numbers go through nothing, and are not lifted to numbers.
     #[test]
     fn what_is_no_state() {
-        let mut body = block([0.0, 0.0], [3.0, 4.0], [3, 4]);
-        body.prescribe("bottom", [Some(0.0); 2]).expect("support");
-        body.prescribe("top", [None, Some(8.0)]).expect("support");
-        let mut scene = Scene::new();
-        scene.add("block", body);
-        let mut problem = scene.problem().expect("a problem");
-        problem.set_load(0.75).expect("load");
+        let problem = stretched();
         let free = problem.dofs().free();
         let rest = vec![0.0; free];
         for u in [vec![], vec![0.0; free - 1], vec![f64::NAN; free]] {
