@@ -55,6 +55,9 @@ fn deepest<const D: usize>(
         }
         let ([i, j], _) = longest_edge(&corners);
         let half = (corners[i] + corners[j]) * 0.5;
+        if half == corners[i] || half == corners[j] {
+            continue; // there is no number between them
+        }
         for end in [i, j] {
             let mut part = corners;
             part[end] = half;
@@ -95,6 +98,19 @@ mod tests {
         deepest(far, &cavity);
         let nan = [[f64::NAN, 0.0], [1.0, 0.0]].map(Vector::<2>::from);
         assert!(deepest(nan, &cavity).is_none_or(|(depth, _)| depth >= 0.0));
+    }
+
+    /// Where a face is as small as the distance of two numbers at its place, its middle is one of its ends.
+    #[test]
+    fn faces_as_small_as_round_off() {
+        let x = 1e16; // the next number is x + 2
+        let edge = [[x, 0.0], [x + 2.0, 0.0]].map(Vector::<2>::from);
+        let beyond = Obstacle::half_space([x, 0.0], [0.0, 1.0]).expect("a half-space");
+        assert_eq!(deepest(edge, &beyond), None);
+        let triangle = [[x, 0.0, x], [x + 2.0, 0.0, x], [x, 0.0, x + 2.0]];
+        let beyond = Obstacle::half_space([x, -0.5, x], [0.0, -1.0, 0.0]).expect("a half-space");
+        let (depth, _) = deepest(triangle.map(Vector::<3>::from), &beyond).expect("inside");
+        assert_eq!(depth, 0.5);
     }
 
     /// In a half-space, the deepest point is a node.
