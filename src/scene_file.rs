@@ -46,6 +46,8 @@ mod record;
 mod run;
 
 use std::fmt;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use contact_fem::Scene;
@@ -91,6 +93,21 @@ pub enum Error {
     },
 }
 
+/// More bytes than this are no scene: meshes are files of their own.
+const MOST: u64 = 1 << 24;
+
+/// The text of a file, a pipe or a device, which may have no end.
+fn text(path: &Path) -> std::io::Result<String> {
+    let mut text = String::new();
+    let read = File::open(path)?.take(MOST + 1).read_to_string(&mut text)?;
+    if read as u64 > MOST {
+        let why =
+            format!("a scene file has at most {MOST} bytes: keep meshes in files of their own");
+        return Err(std::io::Error::new(ErrorKind::FileTooLarge, why));
+    }
+    Ok(text)
+}
+
 /// The `Display` message: `main` and `unwrap` print an error by `Debug`.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -116,7 +133,7 @@ impl SceneFile {
     /// A file that cannot be read, and as [`SceneFile::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+        let text = text(path).map_err(|source| Error::Read {
             path: path.into(),
             source,
         })?;

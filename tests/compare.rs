@@ -212,6 +212,13 @@ fn the_program_tells_what_is_beyond() {
     assert!(text.contains("beyond the tolerance: energy\n"), "{text}");
     let loose = Path::new("--tolerance=energy=0.01");
     assert_eq!(program(&[&stored, &other, loose]).0, Some(0));
+    let unfinished = changed("unfinished", "result.txt", |text| {
+        let lines = text.lines().filter(|line| !line.starts_with("converged "));
+        lines.map(|line| format!("{line}\n")).collect::<String>() + "converged 0\n"
+    });
+    let (code, text) = program(&[&stored, &unfinished]);
+    assert_eq!(code, Some(1), "{text}");
+    assert!(text.contains("a result is not complete"), "{text}");
     let (code, text) = program(&[&stored, Path::new("nowhere")]);
     assert_eq!(code, Some(2), "{text}");
     assert!(text.contains("nowhere has no result"), "{text}");

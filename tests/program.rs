@@ -833,6 +833,20 @@ fn a_program_from_a_file() {
     }
 }
 
+/// Nothing is read without end.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_device_is_no_scene() {
+    let folder = fresh("device");
+    let zeros = Path::new("/dev/zero");
+    let (code, text) = program(&["run", "--out"], &[&folder, zeros]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(
+        text.contains("/dev/zero") && text.contains("at most"),
+        "{text}"
+    );
+}
+
 #[test]
 fn what_files_lack_is_named() {
     let folder = fresh("damaged");

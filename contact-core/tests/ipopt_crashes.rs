@@ -136,6 +136,22 @@ fn fixed_solver(n: usize, constraints: Bounds) -> Solver {
     Solver::new(structure.expect("well formed"), &Options::new()).expect("the defaults are valid")
 }
 
+/// Is not to be solved any more.
+struct Stopped;
+
+impl Nlp for Stopped {
+    fn objective(&mut self, _: &[f64], _: bool) -> f64 {
+        unreachable!("a stop was requested")
+    }
+    fn gradient(&mut self, _: &[f64], _: bool, _: &mut [f64]) {}
+    fn constraints(&mut self, _: &[f64], _: bool, _: &mut [f64]) {}
+    fn jacobian(&mut self, _: &[f64], _: bool, _: &mut [f64]) {}
+    fn hessian(&mut self, _: &[f64], _: bool, _: f64, _: &[f64], _: &mut [f64]) {}
+    fn is_to_stop(&mut self) -> bool {
+        true
+    }
+}
+
 /// Ipopt crashes where a function fails and all variables are fixed.
 #[test]
 fn all_variables_are_fixed() {
@@ -158,6 +174,10 @@ fn all_variables_are_fixed() {
         infeasible.set_options(&options).unwrap();
         let solution = infeasible.solve(&mut { FIXED }, &start).unwrap();
         assert_eq!(solution.status, Status::Infeasible, "whatever `tol` is");
+
+        let mut stopped = Stopped;
+        let solution = solver.solve(&mut stopped, &start).unwrap();
+        assert_eq!(solution.status, Status::StoppedByUser);
 
         for spoil in [Function::Objective, Function::Constraints] {
             let mut nlp = Watched::new(FIXED, |_| ControlFlow::Continue(()));

@@ -39,6 +39,21 @@ fn every_option_of_the_table_has_ipopts_type_and_default() {
     assert_eq!(solver.ipopt_default("no_such_option"), None);
 }
 
+/// What is registered and not in the table would be refused without a reason of its own.
+#[test]
+fn every_option_of_this_ipopt_was_tried() {
+    let solver = hs071_solver!();
+    let names = solver.ipopt_options();
+    assert!(names.len() >= 200, "{names:?}");
+    for name in names {
+        let default = solver.ipopt_default(&name).expect("a default");
+        if let Err(error) = set(&name, default) {
+            let told = error.to_string();
+            assert!(!told.contains("nothing is known"), "{told}");
+        }
+    }
+}
+
 /// The words in a message such as `… it takes one of "a" "b"`.
 fn listed(error: &Error) -> Vec<String> {
     let Error::Option(OptionError::Invalid { expected, .. }) = error else {

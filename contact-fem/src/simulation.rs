@@ -201,6 +201,9 @@ impl<S: Equilibrium> Simulation<S> {
 
 impl<const D: usize> StepRecord<D> {
     /// The reaction of the supports on a body (UF).
+    ///
+    /// # Panics
+    /// If the scene has no such body.
     pub fn reaction(&self, body: impl Into<BodyId>) -> Vector<D> {
         self.reactions[body.into().index()]
     }

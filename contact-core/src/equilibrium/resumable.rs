@@ -258,6 +258,10 @@ impl Journal {
     /// Opens the file behind its header, which it gets if it is new.
     fn open(path: &Path, header: &Header) -> Result<Self, Error> {
         let failed = |error| failed(path, "used", error);
+        // to open a pipe would wait for who reads it
+        if path.metadata().is_ok_and(|known| !known.is_file()) {
+            return Err(foreign(path, "is no regular file"));
+        }
         let mut options = OpenOptions::new();
         let options = options.read(true).write(true).create(true).truncate(false);
         let mut file = options.open(path).map_err(failed)?;

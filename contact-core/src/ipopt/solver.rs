@@ -174,6 +174,9 @@ impl Solver {
         self.prepare_log()?;
         nlp.begin(start.x);
         if fixed::are_all_fixed(&self.structure) {
+            if nlp.is_to_stop() {
+                return Ok(Solution::not_begun(point));
+            }
             let allowed = self.number("tol").min(self.number("constr_viol_tol"));
             return Ok(fixed::solution(nlp, &self.structure, allowed));
         }

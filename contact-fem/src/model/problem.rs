@@ -139,11 +139,17 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The number of the first node of a body.
+    ///
+    /// # Panics
+    /// If the scene has no such body.
     pub fn first_node(&self, body: impl Into<BodyId>) -> usize {
         self.nodes(body).start
     }
 
     /// The nodes of a body.
+    ///
+    /// # Panics
+    /// If the scene has no such body.
     pub fn nodes(&self, body: impl Into<BodyId>) -> std::ops::Range<usize> {
         self.kinematics.nodes(body.into().index())
     }

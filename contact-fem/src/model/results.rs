@@ -70,6 +70,9 @@ impl<const D: usize> Problem<D> {
 
     /// ∂E/∂U of a body (UF) for all its dofs, free and prescribed; NaN where it depends on a `u` that is
     /// [no state](Problem::is_state).
+    ///
+    /// # Panics
+    /// If the scene has no such body.
     pub fn residual(&self, body: impl Into<BodyId>, u: &[f64]) -> Vec<f64> {
         self.residuals(u)[body.into().index()].clone()
     }

@@ -28,8 +28,8 @@ use ipopt_contact_scenes::cli::Solver;
 
 /// What a run may take, and when it is said to hang: a budget is looked at between steps only.
 const BUDGET: Budget = Budget {
-    seconds: Some(5.0),
-    factorizations: Some(300),
+    seconds: Some(2.0),
+    factorizations: Some(80),
     memory: None,
 };
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -449,21 +449,24 @@ fn main() -> Result<ExitCode, Failure> {
         }
     });
     let end = Instant::now() + Duration::from_secs(seconds);
-    let (mut outcomes, mut findings) = (BTreeMap::<String, u64>::new(), 0);
+    let (mut outcomes, mut findings) = (BTreeMap::<String, (u64, Duration)>::new(), 0);
     while Instant::now() < end && findings < 100 {
         let now = number.fetch_add(1, Ordering::Relaxed) + 1;
+        let began = Instant::now();
         if let Ok(mut since) = since.lock() {
-            *since = Instant::now();
+            *since = began;
         }
         let outcome = case(seed, now).unwrap_or_else(|what| {
             println!("case {now}: {what}");
             findings += 1;
             "finding".to_string()
         });
-        *outcomes.entry(outcome).or_default() += 1;
+        let (count, taken) = outcomes.entry(outcome).or_default();
+        *count += 1;
+        *taken += began.elapsed();
     }
-    for (outcome, count) in outcomes {
-        println!("{count:8}  {outcome}");
+    for (outcome, (count, taken)) in outcomes {
+        println!("{count:8}  {:8.1} s  {outcome}", taken.as_secs_f64());
     }
     println!(
         "{} cases, {findings} findings",

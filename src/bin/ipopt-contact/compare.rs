@@ -3,7 +3,9 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use ipopt_contact::contact_fem::output::compare::{Comparison, Quantity, Row, Tolerances, compare};
+use ipopt_contact::contact_fem::output::compare::{
+    Comparison, Note, Quantity, Row, Tolerances, compare,
+};
 use ipopt_contact::contact_fem::output::record::print;
 
 /// What the command line asks for.
@@ -90,8 +92,13 @@ fn run(request: Request) -> Result<ExitCode, String> {
         let names = names.join("; ");
         verdict += &format!("\nnot compared, although a tolerance is given: {names}");
     }
+    let is_unfinished = |note: &Note| matches!(note, Note::Unfinished { .. });
+    let unfinished = comparison.notes.iter().any(is_unfinished);
+    if unfinished {
+        verdict += "\na result is not complete, or its certificate does not hold: see above";
+    }
     print(format!("{comparison}\n\n{verdict}"));
-    let within = beyond.is_empty() && missing.is_empty();
+    let within = beyond.is_empty() && missing.is_empty() && !unfinished;
     Ok(ExitCode::from(u8::from(!within)))
 }
 

@@ -35,7 +35,7 @@ usage:
       Writes the displacements and contact forces of a result for `file >> u[]` in FreeFEM, in the order of the files
       `nodes_BODY.txt` of a folder.
 
-exit codes: 0 done, of compare all within the tolerances; 1 not converged, of compare some beyond, of --check warnings; 2 error;
+exit codes: 0 done, of compare all within the tolerances; 1 not converged, of compare some beyond or a result not complete, of --check warnings; 2 error;
 3 of run a certificate that does not hold; 130 stopped";
 
 fn main() -> ExitCode {

@@ -300,6 +300,11 @@ fn files_of_other_runs_are_refused_and_kept() {
     let error = run(&path, 2, &problem, &steps, 0).expect_err("another file");
     assert!(error.to_string().contains("no file of a run"), "{error}");
     std::fs::remove_file(&path).expect("a file");
+    // as is a pipe, to open which would wait
+    for other in [std::env::temp_dir(), "/dev/null".into()] {
+        let error = run(&other, 2, &problem, &steps, 0).expect_err("no file");
+        assert!(error.to_string().contains("no regular file"), "{error}");
+    }
     let missing = std::env::temp_dir().join("no such folder").join("a");
     let error = run(&missing, 2, &problem, &steps, 0).expect_err("no folder");
     assert!(error.to_string().contains("cannot be used"), "{error}");

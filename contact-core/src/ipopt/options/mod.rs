@@ -59,7 +59,8 @@ use crate::nlp::Structure;
 /// [`OptionError::Refused`] says why. That is `option_file_name`, `skip_finalize_solution_call`,
 /// `check_derivatives_for_naninf` (every value of every function is checked before Ipopt sees it),
 /// `dependency_detector`, `jacobian_approximation`, `nlp_scaling_constr_target_gradient`, `warm_start_target_mu`, a
-/// `bound_mult_init_method` of "mu-based", a `slack_move` of 0, and a `limited_memory_max_history` of 0 or above 1000.
+/// `bound_mult_init_method` of "mu-based", a `slack_move` of 0, and a `limited_memory_max_history` of 0 or above 1000. An option that
+/// neither Ipopt 3.11.9 nor 3.14.19 registers is refused, too: all of theirs were tried, with random values.
 ///
 /// With the prefix `resto.`, as in `resto.max_iter`, an option is for the restoration phase alone. There is no other
 /// prefix.

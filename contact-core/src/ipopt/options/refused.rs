@@ -149,9 +149,27 @@ fn is_zero(value: &OptionValue) -> bool {
     matches!(value, OptionValue::Number(0.0) | OptionValue::Integer(0))
 }
 
+/// The options that the versions of Ipopt register with which this driver was tried.
+const REGISTERED: &str = include_str!("registered.txt");
+
+fn is_registered(name: &str) -> bool {
+    let lines = REGISTERED.lines().filter(|line| !line.starts_with('#'));
+    lines
+        .filter_map(|line| line.split(' ').next())
+        .any(|known| known == name)
+}
+
 /// Rejects what must not reach Ipopt.
 pub(super) fn check(name: &str, value: &OptionValue) -> Result<(), OptionError> {
     let is_for_restoration = bare(name) != name;
+    if !is_registered(bare(name)) {
+        return Err(OptionError::Refused {
+            name: name.to_owned(),
+            value: value.clone(),
+            why: "neither Ipopt 3.11 nor 3.14 has it, and nothing is known of what it does",
+            remedy: "leave it out",
+        });
+    }
     let refusal = REFUSALS.iter().find(|refusal| {
         refusal.name == bare(name)
             && (is_for_restoration || !refusal.restoration_only)
@@ -171,6 +189,23 @@ pub(super) fn check(name: &str, value: &OptionValue) -> Result<(), OptionError> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_no_ipopt_known_here_has_is_refused() {
+        for refusal in &REFUSALS {
+            assert!(is_registered(refusal.name), "{}", refusal.name);
+        }
+        for name in ["tol", "resto.tol", "hsllib", "ma28_pivtol"] {
+            check(name, &OptionValue::Number(1.0)).expect("registered");
+        }
+        for name in ["tolerance", "to", "since", "#", ""] {
+            let refused = check(name, &OptionValue::Number(1.0)).expect_err("refused");
+            assert!(
+                refused.to_string().contains("nothing is known"),
+                "{refused}"
+            );
+        }
+    }
 
     /// Found by the fuzzer: `slack_move` 0, and invalid accesses in the matching of MUMPS, seen by valgrind.
     #[test]
