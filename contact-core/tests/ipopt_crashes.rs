@@ -22,8 +22,8 @@ use problems::*;
 
 /// Set in the processes that the tests start.
 const CHILD: &str = "CONTACT_CORE_TEST_CHILD";
-/// No child takes longer.
-const PATIENCE: Duration = Duration::from_secs(20);
+/// No child takes longer, also under Valgrind beside other work.
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Runs the body of the test called `name` in a process of its own, and fails with what that process said if it ends in
 /// any other way than well.
