@@ -66,6 +66,10 @@ for program in "${programs[@]}"; do
         say "$name: left out, as it measures allocations, which are memcheck's here, and factorises large matrices"
         continue
     fi
+    if (($# == 0)) && [[ $name == ipopt_memory ]]; then
+        say "$name: left out, as it limits the address space, most of which is memcheck's here"
+        continue
+    fi
     if (($# == 0)) && [[ $name == fuzz_binding ]]; then
         say "$name: left out, as its hundreds of solves run in other processes under a limit of time"
         continue
