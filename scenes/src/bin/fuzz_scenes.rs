@@ -34,9 +34,10 @@ const BUDGET: Budget = Budget {
 };
 const PATIENCE: Duration = Duration::from_secs(60);
 /// The largest share of the largest force on a node that may be left of a body's balance for each of its nodes: ten times what the certificate
-/// allows. Forces below a share of the stiffness are round-off.
+/// allows. Forces below a share of the body's stiffness are round-off, and those below a much smaller one of the stiffest body's.
 const BALANCE: f64 = 1e-5;
 const ROUNDOFF: f64 = 1e-9;
+const ROUNDOFF_OF_ALL: f64 = 1e-12;
 
 /// SplitMix64 (G. Steele, D. Lea, C. Flood, 2014).
 struct Random(u64);
@@ -368,7 +369,15 @@ fn balance<const D: usize>(problem: &Problem<D>, history: &History<D>) -> Result
         return Ok(());
     };
     let contact = problem.contact_forces(&solution.gaps, &solution.lambda);
-    for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
+    let scene = problem.scene();
+    let bodies = scene.bodies().iter().zip(problem.body_energies());
+    let forces = bodies.map(|(body, energy)| {
+        let (low, high) = body.mesh().bounding_box();
+        energy.typical_stiffness() * (high - low).norm()
+    });
+    let forces: Vec<f64> = forces.collect();
+    let stiffest = forces.iter().copied().fold(0.0, f64::max);
+    for (id, body) in scene.ids().zip(scene.bodies()) {
         let residual = problem.residual(id, &solution.state.u);
         let loads = body.forces_at(problem.load());
         let (mut sum, mut largest) = (Vector::<D>::zeros(), 0.0_f64);
@@ -387,10 +396,8 @@ fn balance<const D: usize>(problem: &Problem<D>, history: &History<D>) -> Result
                 }
             }
         }
-        let (low, high) = body.mesh().bounding_box();
-        let stiffness = problem.body_energies()[id.index()].typical_stiffness();
-        let size = (high - low).norm();
-        let limit = BALANCE * largest * nodes.len() as f64 + ROUNDOFF * stiffness * size;
+        let roundoff = ROUNDOFF * forces[id.index()] + ROUNDOFF_OF_ALL * stiffest;
+        let limit = BALANCE * largest * nodes.len() as f64 + roundoff;
         if !(sum.norm() <= limit) {
             let left = sum.norm();
             return Err(format!(
