@@ -20,7 +20,7 @@ help:
 	@echo "make bench-overhead    what the Ipopt driver adds to Ipopt called from C and from C++"
 	@echo "make report            error against run time: a page, tables and data in out/report, within an hour"
 	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
-	@echo "make pressures         errors of contact pressures against Hertz's, in out/pressures, within two minutes"
+	@echo "make pressures         errors of contact pressures and of work, in out/pressures, within some minutes"
 	@echo "make extremes          scenes at the limits with their truths, by each solver: tables and data in out/extremes*, within an hour"
 	@echo "make extremes-quick    two dozen of them, and all on coarse meshes by Newton's method; fails where a wrong result is claimed to be right"
 	@echo "make needs             what runs cost beside what their scenes need: data in out/needs, within two minutes"

@@ -46,6 +46,9 @@ pub struct Case {
     pub degree: usize,
     /// How fine the mesh is; what it counts is the family's.
     pub level: usize,
+    /// How fine the mesh is where the level counts something else and the mesh is not the family's own.
+    #[serde(default)]
+    pub mesh: Option<usize>,
     /// How gaps are integrated.
     pub points: Points,
     /// The method for step 5.
@@ -66,6 +69,7 @@ impl Case {
             family: family.into(),
             degree,
             level,
+            mesh: None,
             points: Points::Gauss,
             method: Formulation::InteriorPoint,
             variant: Variant::Anderson,
@@ -166,6 +170,9 @@ impl fmt::Display for Setting {
             Formulation::Automatic => "default solver",
         };
         write!(f, "P{}, {points}, {method}", case.degree)?;
+        if let Some(mesh) = case.mesh {
+            write!(f, ", mesh {mesh}")?;
+        }
         if case.variant != default.variant {
             write!(f, ", plain")?;
         }

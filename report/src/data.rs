@@ -58,10 +58,11 @@ pub fn save(
     Ok(writer.flush()?)
 }
 
-const COLUMNS: [&str; 25] = [
+const COLUMNS: [&str; 26] = [
     "family",
     "degree",
     "level",
+    "mesh",
     "integration",
     "method",
     "fixed point",
@@ -94,6 +95,7 @@ fn cells(run: &Run<'_>) -> Vec<String> {
         case.family.clone(),
         case.degree.to_string(),
         case.level.to_string(),
+        case.mesh.map(|mesh| mesh.to_string()).unwrap_or_default(),
         format!("{:?}", case.points),
         format!("{:?}", case.method),
         format!("{:?}", case.variant),

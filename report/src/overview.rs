@@ -18,7 +18,7 @@ pub fn claims(studies: &[Study<'_>]) -> Table {
                 }
                 Bound::Finest(most) => {
                     let found = verdict.found.map(percent);
-                    (format!("≤ {} on the finest mesh", percent(most)), found)
+                    (format!("≤ {} at the smallest h", percent(most)), found)
                 }
             };
             let title = study.family.quantity(claim.quantity).map(|q| q.title);

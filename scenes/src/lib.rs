@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`disc_in_disc`], [`beams`] | sections 6.1 and 6.2 of the paper |
 //! | [`hertz`], [`arch`], [`blocks`], [`hairpin`], [`ironing`] | Hertz's contact, Signorini's problem, the patch test, self-contact, a die on a slab |
+//! | [`sliding_disc`] | a disc that is pressed on a block and moved along it |
 //! | [`cantilevers`] | rows of both passes that are one |
 //! | [`extremes`] | scenes at the limits, with their truths and benign twins |
 //! | [`needs`] | scenes in which little has to be computed, with the cheapest ways to their results |
@@ -29,6 +30,7 @@ pub mod hertz;
 pub mod ironing;
 pub mod needs;
 pub mod pressure;
+pub mod sliding_disc;
 pub mod studies;
 pub mod tables;
 

@@ -7,6 +7,7 @@ mod discs;
 mod hertz;
 mod manufactured;
 mod patch;
+mod work;
 
 use crate::Failure;
 use crate::case::Case;
@@ -162,6 +163,7 @@ pub fn all() -> Vec<Family> {
     let [smooth, zone] = manufactured::plane();
     let [hertz, published] = hertz::families();
     let [smooth_in_space, zone_in_space] = manufactured::space();
+    let [discs_work, sliding_work] = work::families();
     vec![
         patch::family(),
         smooth,
@@ -173,6 +175,8 @@ pub fn all() -> Vec<Family> {
         ball::family(),
         block::family(),
         discs::family(),
+        discs_work,
+        sliding_work,
         beams::family(),
     ]
 }

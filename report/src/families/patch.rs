@@ -4,12 +4,13 @@ use ipopt_contact::contact_fem::Error;
 use ipopt_contact::contact_fem::element::{Element, P1, P2};
 use ipopt_contact::prelude::*;
 
-use super::{Family, Kind, Quantity, Scope, ladder};
+use super::{Bound, Claim, Family, Kind, Quantity, Scope, ladder};
 use crate::Failure;
 use crate::case::{Case, Formulation, Points};
 use crate::measure::Solved;
+use crate::norms;
 use crate::record::Measured;
-use ipopt_contact_scenes::blocks::{Blocks, deviation};
+use ipopt_contact_scenes::blocks::{Blocks, deviation, exact};
 
 fn run<const D: usize>(
     case: &Case,
@@ -23,7 +24,15 @@ where
     let mut measured = solved.measured(1.0 / case.level as f64);
     if solved.solution().is_some() {
         let [stress, moved] = deviation(&solved.problem, &solved.displacements());
-        let errors = [("stress".into(), stress), ("displacement".into(), moved)];
+        let (_, exact) = exact(&solved.problem);
+        let surfaces = solved.problem.surfaces().iter().zip(solved.pressures()?);
+        let pressure =
+            surfaces.map(|(surface, p)| norms::of_pressure(surface, &p, |_| exact.norm()));
+        let errors = [
+            ("stress".into(), stress),
+            ("pressure".into(), pressure.fold(0.0, f64::max)),
+            ("displacement".into(), moved),
+        ];
         measured.errors.extend(errors);
     }
     Ok(measured)
@@ -42,7 +51,22 @@ fn blocks(case: &Case) -> Blocks {
 /// Gauss points and exact integration, with gap times force left as by default and at 1e-12.
 const QUANTITIES: &[Quantity] = &[
     Quantity::new("stress", "stress, largest", Kind::Pressure),
+    Quantity::new("pressure", "pressure, L²", Kind::Other),
     Quantity::new("displacement", "displacement, largest", Kind::Displacement),
+];
+
+// constant, and off by what the Gauss points of the constraints and Ipopt leave
+const CLAIMS: &[Claim] = &[
+    Claim {
+        quantity: "pressure",
+        degree: 1,
+        bound: Bound::Finest(1e-3),
+    },
+    Claim {
+        quantity: "pressure",
+        degree: 2,
+        bound: Bound::Finest(1e-3),
+    },
 ];
 
 fn cases(scope: Scope) -> Vec<Case> {
@@ -71,7 +95,8 @@ pub fn family() -> Family {
         title: "Contact patch test",
         about: "Two blocks without lateral contraction, on meshes of n and 2n + 1 cells an edge, one pressed on the \
             other. Mesh, order, integration, method and what Ipopt may leave of gap times force vary. The largest \
-            error of a stress component in a cell and of a displacement of a node are measured.",
+            error of a stress component in a cell and of a displacement of a node are measured, and of the contact pressure on \
+            the two surfaces the larger error.",
         reference: "Exact: the stress is the same everywhere, and the elements contain that state.",
         theory: "No error of approximation: what is left is that of the constraints' integration, of what the \
             solver leaves of gap times force, and round-off. Curves need not fall.",
@@ -80,7 +105,7 @@ pub fn family() -> Family {
             larger there.",
         size: "1/n, the edge over the lower block's cells",
         quantities: QUANTITIES,
-        claims: &[],
+        claims: CLAIMS,
         cases,
         refined: None,
         run: |case, _| run(case, || blocks(case).plane()),

@@ -1,17 +1,18 @@
 //! Bodies that contact alone holds, that rest by their weight, that slide over rims or cross each other.
 
-use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};
+use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
 use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
 
 use crate::Failure;
 use crate::extremes::{Case, Check, Truth};
+use crate::sliding_disc;
 
 pub(super) fn all() -> Vec<Case> {
     let mut cases = resting();
     cases.extend(resting_in_space());
     cases.extend(crossing());
     cases.extend(tips());
-    cases.extend(ironing());
+    cases.extend(slid());
     cases
 }
 
@@ -204,31 +205,10 @@ fn tips() -> Vec<Case> {
 
 /// A soft disc is pressed on a block and moved along it: the floor carries what presses the disc, and beyond its end no
 /// force is left.
-fn ironing() -> Vec<Case> {
+fn slid() -> Vec<Case> {
     let mut cases = Vec::new();
     for (along, increments) in [(0.0, 10), (0.5, 10), (1.5, 10), (1.5, 40), (4.2, 40)] {
-        let scene = move || -> Result<Scene<2>, Failure> {
-            let mut floor = Body::new(
-                block([-2.0, -1.0], [4.0, 1.0], [24, 6])?,
-                NeoHookean::new(1e3, 0.3)?,
-            );
-            floor.prescribe("bottom", [Some(0.0); 2])?;
-            let mut mesh = disc(0.5, 24, 4, 0.1)?;
-            mesh = mesh.translated([-1.0, 0.55])?;
-            mesh.name_boundary("edge", |_| true);
-            let core: Vec<usize> = {
-                let nodes = mesh.nodes().iter().enumerate();
-                let is_inside =
-                    |x: &contact_fem::tensor::Vector<2>| (x[0] + 1.0).hypot(x[1] - 0.55) < 0.3;
-                nodes
-                    .filter(|(_, x)| is_inside(x))
-                    .map(|(a, _)| a)
-                    .collect()
-            };
-            let mut roller = Body::new(mesh, NeoHookean::new(1e3, 0.3)?);
-            roller.prescribe_nodes(&core, [Some(along), Some(-0.15)])?;
-            Ok(crate::pair((floor, "all"), (roller, "edge"))?)
-        };
+        let scene = move || Ok(sliding_disc::scene(6, along)?);
         let truth = match along > 4.0 {
             // it slides off the end of the floor: no force is left
             true => Truth::Values(Box::new(|_, history| {
