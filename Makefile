@@ -5,7 +5,7 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -13,6 +13,7 @@ help:
 	@echo "make test-ipopt-3.14   the tests of the Ipopt binding with a binary Ipopt 3.14, fetched aside"
 	@echo "make test-blas         all tests with each BLAS, as on an old processor, and compiled for this one"
 	@echo "make valgrind          the tests of the Ipopt binding under memcheck"
+	@echo "make miri              its gate for callbacks under Miri, which takes a nightly toolchain"
 	@echo "make lint              formatting, clippy and documentation, warnings as errors"
 	@echo "make deny              licences, versions, sources and known defects of the crates below, by cargo-deny"
 	@echo "make bench             times the disc-in-disc, the three beams and small strains, by each solver"
@@ -62,6 +63,11 @@ test-blas: install
 
 valgrind: install
 	@./scripts/valgrind.sh
+
+# Takes a nightly toolchain with the component miri. What calls Ipopt cannot run there.
+miri: install
+	$(CARGO) +nightly miri test -p contact-core --no-default-features --features ipopt --lib -- \
+		ipopt::callbacks ipopt::library ipopt::libraries gaps:: check::
 
 lint: install
 	$(CARGO) fmt --all --check
