@@ -20,10 +20,11 @@ mod tests;
 
 pub use finding::{Finding, FindingKind, Severity};
 pub(super) use steps::at_increments;
-pub(super) use supports::{is_held, unheld_motions};
+pub(super) use supports::{clusters, held, held_rows, unheld_motions};
 
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
+use super::tie::{self, Ties};
 use super::{Pair, Scene};
 use crate::audit::Audit;
 use crate::error::Error;
@@ -82,6 +83,7 @@ pub(super) struct Setup<'a, const D: usize> {
     pub kinematics: &'a Kinematics<D>,
     pub contact: &'a ContactSet<D>,
     pub audit: &'a Audit<D>,
+    pub ties: &'a Ties,
 }
 
 /// The checks of names, numbers, supports and loads. They need neither surfaces nor assembly.
@@ -96,6 +98,7 @@ pub(super) fn without_surfaces<const D: usize>(
     }
     report.take(input::forces(scene));
     report.take(input::laws(scene));
+    report.take(tie::check(scene));
     input::boundaries(scene, report);
     supports::check(scene, pairs, report);
     report.take(pressures::rims(scene));
