@@ -11,7 +11,8 @@
 //! linear functions as their value there.
 //!
 //! Nodes that something else determines, such as supports, have no ψ. On facets with such nodes the ψ of the others are
-//! dual within a space that still has the constants, so that constant stresses pass.
+//! dual within a space that still has the constants, so that constant stresses pass; a facet all of whose nodes are such ones is
+//! added to the ψ of a node nearby.
 
 use std::collections::BTreeMap;
 
@@ -118,7 +119,7 @@ impl<'a, const D: usize> Tied<'a, D> {
     /// something else determines it. The middle of an edge is only out together with its ends.
     ///
     /// # Errors
-    /// The position (UL) of a facet all of whose nodes are out, or that no rule resolves.
+    /// The position (UL) of a facet without a node that is not out, on it or around it, or that no rule resolves.
     pub fn interpolation(
         &self,
         is_out: impl Fn(usize) -> bool,
@@ -143,6 +144,7 @@ impl<'a, const D: usize> Tied<'a, D> {
         let mut of_own = vec![BTreeMap::<usize, f64>::new(); nodes.len()];
         for (index, (facet, points)) in self.slave.facets().zip(&self.points).enumerate() {
             let dual = dual::<D>(points, facet, &out, is_changed);
+            let dual = dual.or_else(|| self.of_neighbour(facet, &out));
             let Some((kept, dual)) = dual else {
                 return Err(self.slave.reference()[index].point(&Vector::repeat(1.0 / D as f64)));
             };
@@ -150,15 +152,18 @@ impl<'a, const D: usize> Tied<'a, D> {
                 let own = basis::<D>(&point.own, facet.len(), is_changed);
                 let psi = values(&dual, &own, facet.len());
                 let master = self.master.facet(point.facet);
-                for (k, psi) in kept.iter().zip(&psi) {
+                for (&k, psi) in kept.iter().zip(&psi) {
                     let weighted = point.weight * psi;
-                    diagonal[facet[*k]] += point.weight * own[*k];
                     for (&b, N) in master.iter().zip(&point.other) {
                         let node = self.master.nodes()[b];
-                        *of_master[facet[*k]].entry(node).or_default() += weighted * N;
+                        *of_master[k].entry(node).or_default() += weighted * N;
                     }
-                    for (&a, phi) in facet.iter().zip(&own).filter(|(a, _)| out[**a]) {
-                        *of_own[facet[*k]].entry(a).or_default() += weighted * phi;
+                    for (&a, phi) in facet.iter().zip(&own) {
+                        if out[a] {
+                            *of_own[k].entry(a).or_default() += weighted * phi;
+                        } else if a == k {
+                            diagonal[k] += point.weight * phi;
+                        }
                     }
                 }
             }
@@ -210,6 +215,23 @@ impl<'a, const D: usize> Tied<'a, D> {
         Ok(interpolated.collect())
     }
 
+    /// ψ = 1 on a facet without a node of its own, for the nearest node with a ψ on the facets around it.
+    fn of_neighbour(&self, facet: &[usize], out: &[bool]) -> Option<(Vec<usize>, DMatrix<f64>)> {
+        if !facet.iter().all(|&a| out[a]) {
+            return None;
+        }
+        let X = self.slave.reference_nodes();
+        let centre = facet[..D].iter().map(|&a| X[a]).sum::<Vector<D>>() / D as f64;
+        let around = facet.iter().flat_map(|&a| self.slave.facets_around(a));
+        let nodes = around.flat_map(|(f, _)| self.slave.facet(f).iter().copied());
+        let kept = nodes.filter(|&a| !out[a]);
+        let nearest = kept.min_by(|&a, &b| {
+            let [a, b] = [a, b].map(|a| (X[a] - centre).norm());
+            a.total_cmp(&b)
+        });
+        Some((vec![nearest?], DMatrix::repeat(1, facet.len(), 1.0)))
+    }
+
     /// The ends of the edge that each node is the middle of.
     fn ends(&self) -> Vec<Option<[usize; 2]>> {
         let mut ends = vec![None; self.slave.nodes().len()];
@@ -254,7 +276,7 @@ fn values(dual: &DMatrix<f64>, phi: &FacetShapes, len: usize) -> [f64; MAX_FACET
     psi
 }
 
-/// The nodes of a facet that have a ψ, and the coefficients of each in the functions of all nodes; `None` if there is none.
+/// The nodes of a facet that have a ψ (positions in the surface), and the coefficients of each in the functions of all nodes; `None` if there is none.
 fn dual<const D: usize>(
     points: &[Point<D>],
     facet: &[usize],
@@ -300,5 +322,6 @@ fn dual<const D: usize>(
         integrals[k] * inverse[(k, m)]
     });
     let is_finite = scaled.iter().all(|c: &f64| c.is_finite());
-    is_finite.then(|| (kept, scaled * shared))
+    let nodes = kept.iter().map(|&k| facet[k]).collect();
+    is_finite.then(|| (nodes, scaled * shared))
 }

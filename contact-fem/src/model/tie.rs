@@ -95,7 +95,7 @@ pub enum TieFault {
         /// The share of it that does.
         share: f64,
     },
-    /// All nodes of a facet of the slave are prescribed, or belong to other ties.
+    /// All nodes of a facet of the slave, and those around it, are prescribed, or belong to other ties.
     Held {
         /// Its centre (UL).
         x: Vec<f64>,
@@ -124,8 +124,8 @@ impl fmt::Display for TieFault {
             ),
             TieFault::Held { x } => write!(
                 f,
-                "all nodes of the slave's facet at {x:?} are prescribed or belong to other ties, so that nothing is left to \
-                 follow: let the other side be the slave, refine the mesh there, or leave out what prescribes them"
+                "all nodes of the slave's facet at {x:?} and around it are prescribed or belong to other ties, so that nothing \
+                 is left to follow: let the other side be the slave, refine the mesh there, or leave out what prescribes them"
             ),
         }
     }
