@@ -33,7 +33,7 @@ pub struct Problem<const D: usize> {
     pub(super) energy: DirectSum<Box<dyn BodyEnergy<D>>>,
     pub(super) kinematics: Kinematics<D>,
     pub(super) contact: ContactSet<D>,
-    pub(super) ties: Ties,
+    pub(super) ties: Ties<D>,
     /// Whether supports alone hold each body.
     held: Vec<bool>,
     scale: Scale,

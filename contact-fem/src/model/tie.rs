@@ -138,14 +138,26 @@ struct Follower {
 }
 
 /// A tie with its interpolation.
-struct Built {
+struct Built<const D: usize> {
     /// The bodies of its first and its second side.
     bodies: [usize; 2],
     /// Whether the first side follows.
     is_first_slave: bool,
     followers: Vec<Follower>,
-    /// The largest distance between the sides (UL).
-    apart: f64,
+    /// The largest distance between the sides (UL), and where.
+    apart: (f64, Vector<D>),
+    /// The larger facet size (UL).
+    size: f64,
+}
+
+/// How far the sides of a tie are apart in the reference configuration.
+pub(super) struct Apart<const D: usize> {
+    pub bodies: [usize; 2],
+    /// The largest distance, and where (UL).
+    pub distance: f64,
+    pub at: Vector<D>,
+    /// The larger facet size (UL).
+    pub size: f64,
 }
 
 /// What a tie transmits.
@@ -160,22 +172,29 @@ pub struct TieRecord<const D: usize> {
 }
 
 /// All ties of a scene.
-#[derive(Default)]
-pub(super) struct Ties {
-    ties: Vec<Built>,
+pub(super) struct Ties<const D: usize> {
+    ties: Vec<Built<D>>,
     map: Option<Arc<LinearMap>>,
     /// (prescribed dof, coefficient) of each dependent unknown.
     prescribed: Vec<Vec<(usize, f64)>>,
     held: Vec<bool>,
 }
 
-impl Ties {
+impl<const D: usize> Default for Ties<D> {
+    fn default() -> Self {
+        Ties {
+            ties: Vec::new(),
+            map: None,
+            prescribed: Vec::new(),
+            held: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize> Ties<D> {
     /// # Errors
     /// The first tie that cannot be, see [`TieFault`].
-    pub fn new<const D: usize>(
-        scene: &Scene<D>,
-        kinematics: &Kinematics<D>,
-    ) -> Result<Self, Error> {
+    pub fn new(scene: &Scene<D>, kinematics: &Kinematics<D>) -> Result<Self, Error> {
         if scene.ties().is_empty() {
             return Ok(Ties::default());
         }
@@ -270,13 +289,18 @@ impl Ties {
 
     /// Whether a tie joins these bodies.
     pub fn join(&self, [a, b]: [usize; 2]) -> bool {
-        let is_own = |tie: &Built| tie.bodies == [a, b] || tie.bodies == [b, a];
+        let is_own = |tie: &Built<D>| tie.bodies == [a, b] || tie.bodies == [b, a];
         self.ties.iter().any(is_own)
     }
 
-    /// The largest distance between the sides of tie `k` (UL), and the bodies.
-    pub fn apart(&self) -> impl Iterator<Item = ([usize; 2], f64)> + '_ {
-        self.ties.iter().map(|tie| (tie.bodies, tie.apart))
+    /// How far the sides of each tie are apart.
+    pub fn apart(&self) -> impl Iterator<Item = Apart<D>> + '_ {
+        self.ties.iter().map(|tie| Apart {
+            bodies: tie.bodies,
+            distance: tie.apart.0,
+            at: tie.apart.1,
+            size: tie.size,
+        })
     }
 
     /// The bodies, those that follow after those that they follow where ties do not go round; and for each the dofs that
@@ -307,7 +331,7 @@ impl Ties {
     }
 
     /// The forces of ties on all nodes (UF), where `rest` tells ∂E/∂U − Cᵀλ of a dof.
-    fn forces<const D: usize>(&self, rest: impl Fn(usize) -> f64, forces: &mut [Vector<D>]) {
+    fn forces(&self, rest: impl Fn(usize) -> f64, forces: &mut [Vector<D>]) {
         for follower in self.ties.iter().flat_map(|tie| &tie.followers) {
             let force = rest(follower.dof);
             forces[follower.dof / D][follower.dof % D] += force;
@@ -318,12 +342,12 @@ impl Ties {
     }
 
     /// The resultant of each tie on its first side (UF), likewise.
-    fn resultants<const D: usize>(
+    fn resultants(
         &self,
         rest: impl Fn(usize) -> f64,
         nodes: impl Fn(usize) -> std::ops::Range<usize>,
     ) -> Vec<Vector<D>> {
-        let of_tie = |tie: &Built| {
+        let of_tie = |tie: &Built<D>| {
             let mut sum = Vector::<D>::zeros();
             let (slave, sign) = match tie.is_first_slave {
                 true => (tie.bodies[0], 1.0),
@@ -452,7 +476,7 @@ fn built<const D: usize>(
     is_first_slave: bool,
     kinematics: &Kinematics<D>,
     others: &BTreeSet<usize>,
-) -> Result<Built, TieFault> {
+) -> Result<Built<D>, TieFault> {
     let [slave, master] = match is_first_slave {
         true => [first, second],
         false => [second, first],
@@ -505,6 +529,7 @@ fn built<const D: usize>(
         bodies: [first.body(), second.body()],
         is_first_slave,
         followers,
-        apart: distance,
+        apart: tied.apart,
+        size,
     })
 }

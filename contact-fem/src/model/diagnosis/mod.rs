@@ -53,7 +53,8 @@ pub(super) fn cause<const D: usize>(problem: &Problem<D>, solution: &Solution) -
         )
     }));
     causes.extend(contradiction(problem, solution));
-    if is_held {
+    // the energy over all unknowns has motions that ties do not permit
+    if is_held && problem.ties.is_empty() {
         causes.extend(instability(problem, solution));
     }
     causes.extend(flicker(problem, solution));

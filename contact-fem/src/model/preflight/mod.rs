@@ -17,6 +17,7 @@ mod supports;
 mod surfaces;
 #[cfg(test)]
 mod tests;
+mod ties;
 
 pub use finding::{Finding, FindingKind, Severity};
 pub(super) use steps::at_increments;
@@ -83,7 +84,7 @@ pub(super) struct Setup<'a, const D: usize> {
     pub kinematics: &'a Kinematics<D>,
     pub contact: &'a ContactSet<D>,
     pub audit: &'a Audit<D>,
-    pub ties: &'a Ties,
+    pub ties: &'a Ties<D>,
 }
 
 /// The checks of names, numbers, supports and loads. They need neither surfaces nor assembly.
@@ -111,6 +112,7 @@ pub(super) fn with_surfaces<const D: usize>(setup: &Setup<'_, D>, report: &mut R
     obstacles::check(setup, report);
     surfaces::check(setup, report);
     curves::check(setup, report);
+    ties::check(setup, report);
     meshes::check(setup, report);
     laws::check(setup, report);
     steps::check(setup, report);
