@@ -11,17 +11,21 @@ use contact_fem::{
     Body, BodyId, Error, LinearElastic, Mesh, Motion, NeoHookean, Obstacle, Scene, Simulation,
 };
 
+/// Whether the cells of the two blocks are quadratic.
+const ORDERS: [[bool; 2]; 4] = [[false, false], [true, true], [false, true], [true, false]];
 const SLAVES: [TiedSlave; 2] = [TiedSlave::First, TiedSlave::Second];
 
 /// Two blocks on each other, of height 1 each; the cells of their surfaces have no node in common but at the rim.
-fn blocks<const D: usize>(is_quadratic: bool) -> [Mesh<D>; 2]
+fn blocks<const D: usize>(are_quadratic: [bool; 2]) -> Vec<Mesh<D>>
 where
     Blocks: Of<D>,
 {
-    Blocks::linear().map(|mesh| match is_quadratic {
+    let meshes = Blocks::linear().into_iter().zip(are_quadratic);
+    let of_order = |(mesh, is_quadratic)| match is_quadratic {
         true => Blocks::quadratic(mesh),
         false => mesh,
-    })
+    };
+    meshes.map(of_order).collect()
 }
 
 struct Blocks;
@@ -135,12 +139,12 @@ where
     let A = Matrix::<D>::from_fn(|i, j| {
         1e-3 * (1.0 + 2.0 * i as f64 - 1.5 * (i * j) as f64 + j as f64)
     });
-    for is_quadratic in [false, true] {
+    for are_quadratic in ORDERS {
         for slave in SLAVES {
             let law = LinearElastic::new(200.0, 0.3).expect("a law");
             let mut scene = Scene::new();
             let sides = Blocks::SIDES;
-            let ids: Vec<BodyId> = blocks::<D>(is_quadratic)
+            let ids: Vec<BodyId> = blocks::<D>(are_quadratic)
                 .into_iter()
                 .enumerate()
                 .map(|(k, mesh)| {
@@ -163,7 +167,7 @@ where
             scene.tie_as(tie).expect("a tie");
             let (problem, history) = solved(scene, Simulation::with_increments(1));
             let off = off(&problem, &history, &A);
-            assert!(off < 1e-14, "{D} {is_quadratic} {slave:?}: {off:.1e}");
+            assert!(off < 1e-14, "{D} {are_quadratic:?} {slave:?}: {off:.1e}");
         }
     }
 }
@@ -185,11 +189,11 @@ where
 {
     let (E, nu, pull) = (200.0, 0.3, 0.5);
     let last = D - 1;
-    for is_quadratic in [false, true] {
+    for are_quadratic in ORDERS {
         for slave in SLAVES {
             let law = LinearElastic::new(E, nu).expect("a law");
             let mut scene = Scene::new();
-            let ids: Vec<BodyId> = blocks::<D>(is_quadratic)
+            let ids: Vec<BodyId> = blocks::<D>(are_quadratic)
                 .into_iter()
                 .enumerate()
                 .map(|(k, mesh)| {
@@ -221,7 +225,7 @@ where
             let mut A = Matrix::<D>::identity() * (across * pull);
             A[(last, last)] = along * pull;
             let off = off(&problem, &history, &A) / (2.0 * along * pull);
-            assert!(off < 1e-11, "{D} {is_quadratic} {slave:?}: {off:.1e}");
+            assert!(off < 1e-11, "{D} {are_quadratic:?} {slave:?}: {off:.1e}");
             let step = history.last().expect("a step");
             let mut force = Vector::<D>::zeros();
             force[last] = pull * width;
