@@ -17,7 +17,7 @@ use super::contact_set::ContactSet;
 use super::courses;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Setup};
-use super::tie::Ties;
+use super::tie::{Follower, Ties};
 use super::{BodyId, Finding, Geometry, InitialGaps, Overlaps, Scene, scale};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
 use crate::audit::{Audit, Overlap};
@@ -601,7 +601,7 @@ impl<const D: usize> Problem<D> {
                     *increment = moved(first + dof, lifted);
                 }
             }
-            for (dof, terms) in followers {
+            for Follower { dof, terms } in followers {
                 let terms = terms.iter();
                 let increment = terms.map(|(j, c)| c * moved(*j, lifted)).sum();
                 (is_prescribed[dof - first], increments[dof - first]) = (true, increment);

@@ -132,9 +132,9 @@ impl fmt::Display for TieFault {
 }
 
 /// A dof that follows others: Σ c u of the dofs of all bodies.
-struct Follower {
-    dof: usize,
-    terms: Vec<(usize, f64)>,
+pub(super) struct Follower {
+    pub dof: usize,
+    pub terms: Vec<(usize, f64)>,
 }
 
 /// A tie with its interpolation.
@@ -305,7 +305,7 @@ impl<const D: usize> Ties<D> {
 
     /// The bodies, those that follow after those that they follow where ties do not go round; and for each the dofs that
     /// follow.
-    pub fn in_order(&self, bodies: usize) -> Vec<(usize, Vec<(usize, &[(usize, f64)])>)> {
+    pub fn in_order(&self, bodies: usize) -> Vec<(usize, Vec<&Follower>)> {
         let mut masters = vec![BTreeSet::new(); bodies];
         for tie in &self.ties {
             let [master, slave] = match tie.is_first_slave {
@@ -325,7 +325,7 @@ impl<const D: usize> Ties<D> {
                 .iter()
                 .filter(|tie| tie.bodies[usize::from(!tie.is_first_slave)] == next);
             let own = own.flat_map(|tie| &tie.followers);
-            order.push((next, own.map(|f| (f.dof, f.terms.as_slice())).collect()));
+            order.push((next, own.collect()));
         }
         order
     }
