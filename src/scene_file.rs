@@ -184,6 +184,7 @@ impl SceneFile {
         let mut scene = Scene::new();
         let bodies = self.add_bodies(&mut scene)?;
         self.add_contacts(&mut scene, &bodies)?;
+        self.add_ties(&mut scene, &bodies)?;
         self.add_obstacles(&mut scene, &bodies)?;
         scene.integration = self.integration()?;
         scene.geometry = self.keys.geometry.map(|geometry| match geometry {

@@ -54,6 +54,7 @@ pub mod outcome;
 mod parallel;
 pub mod problem;
 pub mod quadratic;
+pub mod reduction;
 mod stop;
 
 pub use cost::Cost;
@@ -73,6 +74,7 @@ pub use method::{Method, Minimum};
 pub use nlp::Bounds;
 pub use outcome::{Ending, Interruption, Outcome, Solved};
 pub use problem::{ContactProblem, GapVariation, Multipliers, Scale, Separable, State};
+pub use reduction::{Dependent, LinearMap, Reduction};
 pub use stop::{Budget, Stop};
 
 /// The example of the README, as a test.

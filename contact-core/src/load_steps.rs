@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::equilibrium::{Equilibrium, Failed, Iteration, Solution, StepContext};
+use crate::reduction;
 use crate::{
     Budget, ContactProblem, Cost, Ending, Energy, Error, Interruption, Outcome, State, Stop, check,
 };
@@ -574,7 +575,7 @@ impl Path<'_> {
         let mut plans = 0;
         loop {
             plans += 1;
-            let solution = solver.solve(problem, start.clone(), context)?.checked();
+            let solution = reduction::solve(solver, problem, start.clone(), context)?.checked();
             let dofs = problem.energy().dofs();
             Error::check_length("the solver's u", &solution.state.u, dofs)?;
             let solution = match refuted.take() {

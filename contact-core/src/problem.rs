@@ -2,6 +2,7 @@
 
 use crate::gaps::{Sampling, SparseRows};
 use crate::nlp::Bounds;
+use crate::reduction::{LinearMap, Reduction};
 use crate::{Energy, Error, LinearGaps, RowKey, Stop};
 
 /// Characteristic quantities of the problem. Lengths and energies are divided by them before Ipopt sees them.
@@ -207,6 +208,27 @@ impl GapVariation {
         own
     }
 
+    /// The same over the independent unknowns: Y T, G T and TᵀD T.
+    pub(crate) fn mapped(self, map: &LinearMap) -> Self {
+        let mut own = GapVariation {
+            internal: map.rows(&self.internal),
+            gradients: map.rows(&self.gradients),
+            internal_gradients: self.internal_gradients,
+            ..GapVariation::default()
+        };
+        let scaled = |rows: &SparseRows, k: usize, c: f64| -> Vec<(usize, f64)> {
+            rows.row(k).map(|(j, a)| (j, c * a)).collect()
+        };
+        let direct = map.rows(&self.forces);
+        for (k, &unknown) in self.unknowns.iter().enumerate() {
+            map.of_unknown(unknown, |j, c| {
+                let by_unknowns = scaled(&direct, k, c);
+                own.push_force(j, &by_unknowns, &scaled(&self.internal_forces, k, c));
+            });
+        }
+        own
+    }
+
     /// Checks the numbers of rows and the columns for `m` gaps and `n` unknowns.
     ///
     /// # Errors
@@ -331,6 +353,12 @@ pub trait ContactProblem {
     /// solved by themselves then, by `CondensedNewton`. By default it is one whole. A
     /// problem that wraps another one may pass this on if it changes neither energies nor rows.
     fn separable(&self) -> Option<&dyn Separable> {
+        None
+    }
+    /// Unknowns that are linear in others; by default there are none. [`LoadSteps`](crate::LoadSteps) and
+    /// [`Equilibrium::solve_from`](crate::Equilibrium::solve_from) give solvers the problem over the others then. A
+    /// problem that wraps another one must pass this on.
+    fn reduction(&self) -> Option<Reduction> {
         None
     }
     /// Gives the request to stop that the methods above may look at within long loops, or takes it away: `None` outside a

@@ -347,6 +347,16 @@ pub enum Error {
         /// Its boundary.
         boundary: String,
     },
+    /// Boundaries that cannot be tied.
+    #[error("{first} and {second} cannot be tied; {why}")]
+    Tie {
+        /// One boundary, and its body.
+        first: String,
+        /// The other one.
+        second: String,
+        /// The cause and the remedy.
+        why: crate::model::TieFault,
+    },
     /// A scene without free displacements.
     #[error("every displacement of every body is prescribed: leave something free to solve for")]
     NothingFree,

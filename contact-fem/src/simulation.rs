@@ -10,7 +10,7 @@ use crate::audit::LeastVolume;
 use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::model::work::External;
-use crate::model::{BodyId, ObstacleId, PairRecord, Problem, Side, WorkRecord};
+use crate::model::{BodyId, ObstacleId, PairRecord, Problem, Side, TieRecord, WorkRecord};
 use crate::tensor::Vector;
 
 /// The record of one converged load step.
@@ -39,6 +39,8 @@ pub struct StepRecord<const D: usize> {
     pub obstacle_forces: Vec<Vector<D>>,
     /// Area, resultant, centre and largest pressure of each pair of surfaces, in the order of their declaration.
     pub pairs: Vec<PairRecord<D>>,
+    /// What each tie transmits, in the order of declaration.
+    pub ties: Vec<TieRecord<D>>,
     /// The smallest and the largest contact pressure at the nodes of all contact surfaces (UF/UL or UF/UL² of reference area); zero
     /// without such surfaces.
     pub pressures: [f64; 2],
@@ -282,6 +284,7 @@ impl<const D: usize> StepRecord<D> {
             reactions: problem.reactions(u, &forces),
             support_reactions,
             pairs: states.into_iter().map(|state| state.record).collect(),
+            ties: problem.tie_records(u, &forces),
             pressures: range,
             contact_forces: bodies
                 .map(|body| problem.nodes(body).map(|a| forces[a]).sum())

@@ -1,9 +1,9 @@
 //! Contact of a scene file.
 
 use contact_fem::Scene;
-use contact_fem::model::{BodyId, Passes, Side};
+use contact_fem::model::{BodyId, Passes, Side, Tie, TiedSlave};
 
-use super::keys::{ContactKeys, PassKeys, SideKeys};
+use super::keys::{ContactKeys, PassKeys, SideKeys, TiedSlaveKeys};
 use super::place::Place;
 use super::{Error, SceneFile};
 
@@ -43,6 +43,28 @@ impl SceneFile {
                 .place()
                 .part("contact", k, format!("contact {}", k + 1));
             keys.add(&place, scene, bodies)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn add_ties<const D: usize>(
+        &self,
+        scene: &mut Scene<D>,
+        bodies: &Bodies<'_>,
+    ) -> Result<(), Error> {
+        for (k, keys) in self.keys.tie.iter().enumerate() {
+            let place = self.place().part("tie", k, format!("tie {}", k + 1));
+            let tie = Tie {
+                first: bodies.side(&place.key("first"), &keys.first)?,
+                second: bodies.side(&place.key("second"), &keys.second)?,
+                slave: match keys.slave {
+                    None | Some(TiedSlaveKeys::Finer) => TiedSlave::Finer,
+                    Some(TiedSlaveKeys::First) => TiedSlave::First,
+                    Some(TiedSlaveKeys::Second) => TiedSlave::Second,
+                },
+                tolerance: keys.tolerance.unwrap_or(Tie::TOLERANCE),
+            };
+            place.of(scene.tie_as(tie))?;
         }
         Ok(())
     }

@@ -41,6 +41,8 @@ pub(super) struct Keys {
     #[serde(default)]
     pub(super) contact: Vec<ContactKeys>,
     #[serde(default)]
+    pub(super) tie: Vec<TieKeys>,
+    #[serde(default)]
     pub(super) obstacle: Vec<ObstacleKeys>,
     #[serde(default)]
     pub(super) output: OutputKeys,
@@ -273,6 +275,23 @@ pub(super) enum PassKeys {
     Both,
     FirstIsSlave,
     SecondIsSlave,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct TieKeys {
+    pub(super) first: SideKeys,
+    pub(super) second: SideKeys,
+    pub(super) slave: Option<TiedSlaveKeys>,
+    pub(super) tolerance: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum TiedSlaveKeys {
+    Finer,
+    First,
+    Second,
 }
 
 #[derive(Clone, Debug, Deserialize)]

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::accuracy::Accuracy;
 use super::anderson::Anderson;
 use super::cycles::CycleDetector;
-use super::{FixedPoint, Iteration, Solution, least_displacement};
+use super::{FixedPoint, Iteration, Solution, check_independent, least_displacement};
 use crate::method::{Method, Minimum, Subproblem, check_bounds};
 use crate::{
     ContactProblem, Cost, Error, LinearGaps, Multipliers, Outcome, Scale, Solved, State, Stop,
@@ -45,6 +45,7 @@ impl<'a> Journal<'a> {
         problem: &'a dyn ContactProblem,
         start: State,
     ) -> Result<Self, Error> {
+        check_independent(problem, settings.method.name())?;
         let dofs = problem.energy().dofs();
         Error::check_vector("start.u", &start.u, dofs)?;
         check_bounds(problem.bounds(), dofs)?;

@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use super::{Acceleration, Choice, Equilibrium, Failed, FixedPoint, Solution, StepContext};
+use super::{
+    Acceleration, Choice, Equilibrium, Failed, FixedPoint, Solution, StepContext, check_independent,
+};
 use crate::gaps::Sampling;
 use crate::ipopt::{Options, Sequence, SequenceSettings};
 use crate::linear::SymmetricPattern;
@@ -83,6 +85,7 @@ impl Equilibrium for Literal {
         start: State,
         context: &StepContext<'_>,
     ) -> Result<Solution, Error> {
+        check_independent(problem, "Literal")?;
         let plain = Plain {
             problem,
             energy: Unguarded(problem.energy()),

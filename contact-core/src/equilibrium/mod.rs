@@ -51,6 +51,7 @@ use std::fmt;
 #[cfg(feature = "linear")]
 use self::condensed::halt::Halt;
 use crate::cost::Name;
+use crate::reduction;
 #[cfg(feature = "linear")]
 use crate::{Bounds, gaps::Sampling, method::check_bounds};
 use crate::{ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Outcome, RowKey, State, Stop};
@@ -106,7 +107,8 @@ pub trait Equilibrium {
     ) -> Result<Solution, Error> {
         let (again, stop) = (start.clone(), Stop::new());
         let lifted = || again.clone();
-        self.solve(problem, start, &StepContext::single(&again, &lifted, &stop))
+        let context = StepContext::single(&again, &lifted, &stop);
+        reduction::solve(self, problem, start, &context)
     }
 }
 
@@ -391,6 +393,19 @@ fn finite_bound(bounds: &Bounds) -> Option<(usize, f64)> {
     of(&bounds.lower).or_else(|| of(&bounds.upper))
 }
 
+/// Checks that no unknown depends on others, which is left to those that call solvers.
+fn check_independent(problem: &dyn ContactProblem, solver: &'static str) -> Result<(), Error> {
+    match problem.reduction() {
+        Some(reduction) if !reduction.map.dependents().is_empty() => Err(Error::Untreated {
+            solver,
+            what: "a number of dependent unknowns",
+            value: reduction.map.dependents().len().to_string(),
+            remedy: "call `Equilibrium::solve_from` or `LoadSteps::run` in place of `solve`",
+        }),
+        _ => Ok(()),
+    }
+}
+
 /// Checks the start, and that no unknown has a finite bound, which `solver` does not treat.
 #[cfg(feature = "linear")]
 fn check_unbounded(
@@ -398,6 +413,7 @@ fn check_unbounded(
     start: &State,
     solver: &'static str,
 ) -> Result<(), Error> {
+    check_independent(problem, solver)?;
     let (bounds, dofs) = (problem.bounds(), problem.energy().dofs());
     Error::check_vector("start.u", &start.u, dofs)?;
     check_bounds(bounds, dofs)?;

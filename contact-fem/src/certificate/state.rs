@@ -89,8 +89,9 @@ impl Certificate {
             return Certificate::uniform(f64::NAN, 0.0);
         };
         let pushed = pushed_pairs(problem, gaps, lambda, units.noticed);
-        let is_unopposed =
-            |[a, b]: [usize; 2]| !pushed.contains(&[a, b]) && !pushed.contains(&[b, a]);
+        let is_unopposed = |[a, b]: [usize; 2]| {
+            !pushed.contains(&[a, b]) && !pushed.contains(&[b, a]) && !problem.are_tied([a, b])
+        };
         let has_small_strain = problem.scene().bodies().iter().any(Body::is_small_strain);
         let positions = match problem.geometry() {
             Geometry::Reference => problem.reference().to_vec(),
@@ -325,6 +326,8 @@ impl Residual {
         // what the bodies do to obstacles, these do to the bodies
         let (mut sum, mut resultant) = (-of_obstacles.iter().sum::<Vector<D>>(), 0.0_f64);
         let (residuals, U) = (problem.residuals(u), problem.displacements(u));
+        // what ties do to one body, and the opposite to the other, is a load like contact
+        let contact = problem.with_tie_forces(u, contact);
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = &residuals[body];
             let (loads, springs) = on_boundary(problem, body, &U);

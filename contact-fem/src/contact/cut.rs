@@ -48,9 +48,14 @@ impl<const D: usize> Points<D> {
             Integration::Gauss(points) => Points::Same(FacetRule::gauss(points)),
             Integration::Exact => {
                 let shapes = slave.order().degree().max(master.order().degree());
-                Points::Cut(Box::new(Cutter::new(slave.test_order().degree() + shapes)))
+                Points::exact(slave.test_order().degree() + shapes)
             }
         }
+    }
+
+    /// Points of the pieces, exact for integrands of this degree on each.
+    pub fn exact(degree: usize) -> Self {
+        Points::Cut(Box::new(Cutter::new(degree)))
     }
 
     /// The points on `facet` of the slave as (weight, barycentric coordinates); the weights sum to

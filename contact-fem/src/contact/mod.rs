@@ -17,6 +17,7 @@ pub mod rows;
 pub mod search;
 pub mod stencil;
 pub mod surface;
+pub mod tie;
 mod tree;
 pub mod variation;
 

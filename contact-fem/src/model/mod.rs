@@ -17,6 +17,7 @@ mod results;
 mod scale;
 mod scene;
 mod switches;
+mod tie;
 pub(crate) mod work;
 
 pub use crate::contact::{Integration, Obstacle};
@@ -29,4 +30,5 @@ pub use plan::ScenePlan;
 pub use preflight::{Finding, FindingKind, Severity};
 pub use problem::Problem;
 pub use scene::{Geometry, Overlaps, Pair, Passes, Scene};
+pub use tie::{Tie, TieFault, TieRecord, TiedSlave};
 pub use work::{WorkRecord, WorkSource};

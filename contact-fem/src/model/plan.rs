@@ -30,7 +30,7 @@ pub struct ScenePlan {
     pub linear: Vec<BodyId>,
     /// The bodies whose nodes are all prescribed.
     pub prescribed: Vec<BodyId>,
-    /// The bodies that stay as they are: supports hold them in place, and neither loads nor contact act on them.
+    /// The bodies that stay as they are: supports hold them in place, and neither loads nor contact nor ties act on them.
     pub at_rest: Vec<BodyId>,
 }
 
@@ -44,7 +44,9 @@ impl<const D: usize> Problem<D> {
         };
         let moves = |b: usize| energies[b].dofs() > 0;
         let mut first: Vec<usize> = (0..energies.len()).collect();
-        for [a, b] in Separable::passes(self) {
+        let ties = || self.scene.ties().iter();
+        let tied = ties().map(|tie| [&tie.first, &tie.second].map(|side| side.body.index()));
+        for [a, b] in Separable::passes(self).into_iter().chain(tied.clone()) {
             // what is prescribed joins nothing
             if moves(a) && moves(b) {
                 let (kept, other) = (first[a].min(first[b]), first[a].max(first[b]));
@@ -63,6 +65,7 @@ impl<const D: usize> Problem<D> {
             let least = open.entry([a.min(b), a.max(b)]).or_insert(f64::INFINITY);
             *least = least.min(self.contact.open_below(*pass));
         }
+        tied.flatten().for_each(|body| touched[body] = true);
         let apart = open.into_iter().filter(|(_, below)| *below > 0.0);
         let is_at_rest = |b: usize| {
             let body = &self.scene.bodies()[b];

@@ -9,13 +9,15 @@ use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::load_steps::Passage;
 use contact_core::nlp::Bounds;
 use contact_core::{
-    ContactProblem, DirectSum, Energy, Error, GapVariation, LoadStepped, Scale, Separable, Stop,
+    ContactProblem, DirectSum, Energy, Error, GapVariation, LoadStepped, Reduction, Scale,
+    Separable, Stop,
 };
 
 use super::contact_set::ContactSet;
 use super::courses;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Setup};
+use super::tie::{Follower, Ties};
 use super::{BodyId, Finding, Geometry, InitialGaps, Overlaps, Scene, scale};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
 use crate::audit::{Audit, Overlap};
@@ -31,6 +33,7 @@ pub struct Problem<const D: usize> {
     pub(super) energy: DirectSum<Box<dyn BodyEnergy<D>>>,
     pub(super) kinematics: Kinematics<D>,
     pub(super) contact: ContactSet<D>,
+    pub(super) ties: Ties<D>,
     /// Whether supports alone hold each body.
     held: Vec<bool>,
     scale: Scale,
@@ -53,19 +56,24 @@ pub(super) struct Residuals {
 }
 
 impl<const D: usize> Problem<D> {
-    pub(super) fn new(scene: Scene<D>, geometry: Geometry) -> Self {
+    /// # Errors
+    /// Boundaries that cannot be tied.
+    pub(super) fn new(scene: Scene<D>, geometry: Geometry) -> Result<Self, crate::Error> {
         let energies: Vec<_> = scene.bodies().iter().map(|body| body.energy()).collect();
         let kinematics = Kinematics::new(scene.bodies());
+        let ties = Ties::new(&scene, &kinematics)?;
         let contact = ContactSet::new(&scene, scene.pairs(), geometry, &kinematics);
         let length = kinematics.diagonal();
         let lengths = (length, contact.smallest_facet(length));
         let audit = Audit::new(&scene, &kinematics.X);
         let mut overlaps_at_rest = match scene.initial_gaps {
-            InitialGaps::Refuse => BTreeMap::new(),
+            InitialGaps::Refuse if ties.is_empty() => BTreeMap::new(),
             _ => audit.depths(&kinematics.X),
         };
-        overlaps_at_rest.retain(|bodies, _| contact.is_pair(*bodies));
-        Problem {
+        let takes = scene.initial_gaps != InitialGaps::Refuse;
+        overlaps_at_rest
+            .retain(|bodies, _| takes && contact.is_pair(*bodies) || ties.join(*bodies));
+        Ok(Problem {
             scale: scale::estimate(
                 &scene,
                 geometry,
@@ -74,16 +82,17 @@ impl<const D: usize> Problem<D> {
                 contact.resolved_overlap(),
             ),
             energy: DirectSum::new(energies),
-            held: scene.bodies().iter().map(preflight::is_held).collect(),
+            held: preflight::held(&scene),
             audit,
             overlaps_at_rest,
             scene,
             kinematics,
             contact,
+            ties,
             bounds: Bounds::default(),
             findings: Vec::new(),
             residuals: Mutex::new(None),
-        }
+        })
     }
 
     /// What the checks of a built problem need.
@@ -93,6 +102,7 @@ impl<const D: usize> Problem<D> {
             pairs: self.scene.pairs(),
             kinematics: &self.kinematics,
             contact: &self.contact,
+            ties: &self.ties,
             audit: &self.audit,
         }
     }
@@ -264,7 +274,10 @@ impl<const D: usize> Problem<D> {
         if self.contact.lets_through([a, b], load) {
             return [f64::MAX; 2];
         }
-        let left = self.scene.initial_gaps.share_left(load);
+        let left = match self.are_tied([a, b]) {
+            true => 1.0,
+            false => self.scene.initial_gaps.share_left(load),
+        };
         let initial = self.overlaps_at_rest.get(&[a.min(b), a.max(b)]);
         initial.map_or([0.0; 2], |depths| depths.map(|depth| left * depth))
     }
@@ -439,6 +452,10 @@ impl<const D: usize> ContactProblem for Problem<D> {
         Some(self)
     }
 
+    fn reduction(&self) -> Option<Reduction> {
+        self.ties.reduction(&self.kinematics.prescribed)
+    }
+
     fn watch(&mut self, stop: Option<&Stop>) {
         self.contact.stop = stop.cloned();
     }
@@ -548,6 +565,10 @@ impl<const D: usize> LoadStepped for Problem<D> {
 
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
         let mut lifted = self.state(u).into_owned();
+        if !self.ties.is_empty() {
+            self.lift_tied(from, &mut lifted);
+            return lifted;
+        }
         let bodies = self.scene.bodies().iter().zip(self.energy.parts());
         for (index, (body, energy)) in bodies.enumerate() {
             let [now, before] = [self.load(), from].map(|factor| body.prescribed_at(factor));
@@ -560,6 +581,46 @@ impl<const D: usize> LoadStepped for Problem<D> {
             self.kinematics.add_free(index, &extension, &mut lifted);
         }
         lifted
+    }
+}
+
+impl<const D: usize> Problem<D> {
+    /// As [`LoadStepped::lift`], with what follows others moved along with them.
+    fn lift_tied(&self, from: f64, lifted: &mut [f64]) {
+        let before = lifted.to_vec();
+        let dofs = &self.kinematics.dofs;
+        let prescribed: Vec<f64> = {
+            let bodies = self.scene.bodies().iter();
+            bodies.flat_map(|body| body.prescribed_at(from)).collect()
+        };
+        for (index, followers) in self.ties.in_order(self.scene.bodies().len()) {
+            let body = &self.scene.bodies()[index];
+            let first = D * self.kinematics.nodes(index).start;
+            let mut is_prescribed = body.is_prescribed();
+            let mut increments = vec![0.0; is_prescribed.len()];
+            let moved = |dof: usize, lifted: &[f64]| match dofs.get(dof) {
+                Dof::Free(j) => lifted[j] - before[j],
+                Dof::Prescribed(j) => self.kinematics.prescribed[j] - prescribed[j],
+            };
+            for (dof, increment) in increments.iter_mut().enumerate() {
+                if is_prescribed[dof] {
+                    *increment = moved(first + dof, lifted);
+                }
+            }
+            for Follower { dof, terms } in followers {
+                let terms = terms.iter();
+                let increment = terms.map(|(j, c)| c * moved(*j, lifted)).sum();
+                (is_prescribed[dof - first], increments[dof - first]) = (true, increment);
+            }
+            if increments.iter().all(|p| *p == 0.0) {
+                continue;
+            }
+            let values = is_prescribed.iter().zip(&increments);
+            let values: Vec<f64> = values.filter(|(is, _)| **is).map(|(_, p)| *p).collect();
+            let extension =
+                self.energy.parts()[index].extend(&DofMap::new(&is_prescribed), &values);
+            self.kinematics.add_free(index, &extension, lifted);
+        }
     }
 }
 

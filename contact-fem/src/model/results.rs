@@ -108,7 +108,7 @@ impl<const D: usize> Problem<D> {
         (forces, sum)
     }
 
-    /// The reactions (UF) of supports and foundations on each body: ∂E/∂U − Cᵀλ summed over its prescribed
+    /// The reactions (UF) of supports and foundations on each body: ∂E/∂U − Cᵀλ, less forces of ties, summed over its prescribed
     /// dofs, and what its springs do. NaN if `contact_forces` has not one force a node, and where they depend on a `u` that is
     /// [no state](Problem::is_state).
     pub fn reactions(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<Vector<D>> {
@@ -117,6 +117,7 @@ impl<const D: usize> Problem<D> {
             return bodies.map(|_| Vector::repeat(f64::NAN)).collect();
         }
         let (residuals, U) = (self.residuals(u), self.displacements(u));
+        let contact_forces = self.with_tie_forces(u, contact_forces);
         let reaction = |(id, body): (BodyId, &super::Body<D>)| {
             let residual = &residuals[id.index()];
             let contact = &contact_forces[self.nodes(id)];

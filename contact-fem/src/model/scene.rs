@@ -6,6 +6,7 @@ use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Report, Setup};
 use super::switches::{During, Switched};
+use super::tie::{Tie, Ties};
 use super::{Body, BodyId, Finding, InitialGaps, Integration, Obstacle, ObstacleId, Problem, Side};
 use crate::audit::Audit;
 use crate::element::Order;
@@ -96,6 +97,7 @@ pub struct Scene<const D: usize> {
     names: Vec<String>,
     pairs: Vec<Pair>,
     surfaces: Vec<Side>,
+    ties: Vec<Tie>,
     obstacles: Vec<Obstacle<D>>,
     obstacle_names: Vec<String>,
     /// The sides that an obstacle may hold, with the number of the obstacle.
@@ -134,6 +136,7 @@ impl<const D: usize> Default for Scene<D> {
             names: Vec::new(),
             pairs: Vec::new(),
             surfaces: Vec::new(),
+            ties: Vec::new(),
             obstacles: Vec::new(),
             obstacle_names: Vec::new(),
             obstructed: Vec::new(),
@@ -225,6 +228,65 @@ impl<const D: usize> Scene<D> {
     /// As [`Scene::contact`].
     pub fn self_contact(&mut self, side: Side) -> Result<(), Error> {
         self.contact(side.clone(), side)
+    }
+
+    /// Ties two boundaries of different bodies: they stay together, whatever acts, although their meshes do not match. The
+    /// displacements of the side with the smaller facets follow those of the other one, on which it must lie as a whole.
+    ///
+    /// A bar of two tied halves, drawn by σ = 2:
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Body, LinearElastic, Scene, Simulation};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let half = |x, ny| rectangle(&linspace(x, x + 1.0, 3), &linspace(0.0, 1.0, ny), Diagonals::Rising);
+    /// let law = LinearElastic::new(200.0, 0.0)?;
+    /// let (mut left, mut right) = (Body::new(half(0.0, 2)?, law), Body::new(half(1.0, 3)?, law));
+    /// left.prescribe("left", [Some(0.0), Some(0.0)])?;
+    /// right.traction("right", [2.0, 0.0])?;
+    ///
+    /// let mut scene = Scene::new();
+    /// let (left, right) = (scene.add("left half", left), scene.add("right half", right));
+    /// scene.tie(left.on("right"), right.on("left"))?;
+    /// let mut problem = scene.problem()?;
+    /// let history = Simulation::with_increments(1).run(&mut problem)?;
+    /// // the right half pulls the left one by σ times the height
+    /// assert!((history.steps[0].ties[0].force[0] - 2.0).abs() < 1e-10);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// If a body or boundary does not exist, or a boundary has no facets. Whether the boundaries can be tied is checked with
+    /// the scene, see [`TieFault`](super::TieFault).
+    pub fn tie(&mut self, first: Side, second: Side) -> Result<(), Error> {
+        self.tie_as(Tie::new(first, second))
+    }
+
+    /// As [`Scene::tie`], with a choice of the side that follows and of the distance that is accepted.
+    ///
+    /// # Errors
+    /// As [`Scene::tie`], and a tolerance that is negative or no number.
+    pub fn tie_as(&mut self, tie: Tie) -> Result<(), Error> {
+        if !(tie.tolerance >= 0.0 && tie.tolerance.is_finite()) {
+            return Err(Error::Setting {
+                name: "tie tolerance",
+                value: tie.tolerance,
+                remedy: "choose a share of the facet size, at least 0",
+            });
+        }
+        let tie = Tie {
+            first: self.checked(tie.first)?,
+            second: self.checked(tie.second)?,
+            ..tie
+        };
+        self.ties.push(tie);
+        Ok(())
+    }
+
+    /// The ties, in the order of declaration.
+    pub fn ties(&self) -> &[Tie] {
+        &self.ties
     }
 
     /// Declares that each of these boundaries may touch those of all other bodies: every two of
@@ -426,7 +488,8 @@ impl<const D: usize> Scene<D> {
                 let both = [first, second];
                 let is_named =
                     |pair: &Pair| both.contains(&&pair.first) && both.contains(&&pair.second);
-                if !pairs.iter().any(is_named) {
+                let is_tied = self.ties.iter().any(|tie| tie.is_between(first, second));
+                if !is_tied && !pairs.iter().any(is_named) {
                     pairs.push(Pair {
                         first: first.clone(),
                         second: second.clone(),
@@ -553,6 +616,7 @@ impl<const D: usize> Scene<D> {
             return report.into_findings();
         }
         let kinematics = Kinematics::new(&self.bodies);
+        let ties = report.take(Ties::new(self, &kinematics));
         let geometry = geometry.unwrap_or(Geometry::Current);
         preflight::with_surfaces(
             &Setup {
@@ -561,6 +625,7 @@ impl<const D: usize> Scene<D> {
                 contact: &ContactSet::new(self, declared, geometry, &kinematics),
                 audit: &Audit::new(self, &kinematics.X),
                 kinematics: &kinematics,
+                ties: &ties.unwrap_or_default(),
             },
             &mut report,
         );
@@ -585,7 +650,7 @@ impl<const D: usize> Scene<D> {
                 .map_err(contact_core::Error::from)?;
         }
         let geometry = self.geometry(&self.pairs)?;
-        let mut problem = Problem::new(self, geometry);
+        let mut problem = Problem::new(self, geometry)?;
         preflight::with_surfaces(&problem.setup(), &mut report);
         problem.findings = report.accepted()?.into_findings();
         Ok(problem)

@@ -121,6 +121,7 @@ impl<const D: usize> External<D> {
         u: &[f64],
         (contact, of_obstacles): (&[Vector<D>], &[Vec<Vector<D>>]),
     ) -> Self {
+        let contact = problem.with_tie_forces(u, contact);
         let residuals = problem.residuals(u);
         let residuals: Vec<&[f64]> = residuals.iter().map(Vec::as_slice).collect();
         let residuals = residuals.concat();

@@ -548,6 +548,7 @@ mod tests {
                 centre: None,
                 pressure_max: 9.0,
             }],
+            ties: Vec::new(),
             pressures: [0.0, 9.0],
             attempt: attempt(to, Outcome::Converged),
         }

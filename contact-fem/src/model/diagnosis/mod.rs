@@ -11,7 +11,7 @@ use contact_core::{ContactProblem, RowKey};
 use self::contradiction::{Row, contradictory};
 use self::curvature::falling;
 
-use super::preflight::unheld_motions;
+use super::preflight::{clusters, held_rows, unheld_motions};
 use super::{Geometry, Problem};
 use crate::assembly::Dof;
 use crate::audit::Overlap;
@@ -53,7 +53,8 @@ pub(super) fn cause<const D: usize>(problem: &Problem<D>, solution: &Solution) -
         )
     }));
     causes.extend(contradiction(problem, solution));
-    if is_held {
+    // the energy over all unknowns has motions that ties do not permit
+    if is_held && problem.ties.is_empty() {
         causes.extend(instability(problem, solution));
     }
     causes.extend(flicker(problem, solution));
@@ -202,38 +203,27 @@ pub(super) fn undetermined<const D: usize>(
         }
     }
     let mut found = Vec::new();
-    for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
-        let first = problem.first_node(id);
-        let held = body.prescribed().iter().enumerate();
-        let held = held.filter(|(_, value)| value.is_some());
-        let held: Vec<_> = held.map(|(dof, _)| (first + dof / D, dof % D)).collect();
-        for part in body.mesh().parts() {
-            let nodes: BTreeSet<usize> = part.iter().map(|a| first + a).collect();
-            let supports = held.iter().filter(|(node, _)| nodes.contains(node));
-            let supports = supports.map(|&(node, component)| vec![(node, component, 1.0)]);
-            let of_part = |row: &Vec<(usize, usize, f64)>| {
-                let own = row.iter().copied();
-                own.filter(|(node, ..)| nodes.contains(node)).collect()
-            };
-            let contact = rows
-                .iter()
-                .map(of_part)
-                .filter(|row: &Vec<_>| !row.is_empty());
-            let own = body.stretches();
-            let own = own.filter(|shares| nodes.contains(&(first + shares[0].0 / D)));
-            let springs = own.map(|shares| {
-                let shares = shares.iter();
-                shares
-                    .map(|(dof, c)| (first + dof / D, dof % D, *c))
-                    .collect()
-            });
-            let place = |node: usize| -> Vector<D> { x[node] };
-            let held = supports.chain(springs).chain(contact);
-            let motions = unheld_motions(held, &place, &nodes);
-            if !motions.is_empty() {
-                let body = problem.scene().names()[id.index()].clone();
-                found.push(Undetermined { body, motions });
-            }
+    for cluster in clusters(problem.scene()) {
+        let first = |body: usize| problem.nodes(body).start;
+        let own = cluster.parts.iter();
+        let own = own.flat_map(|(body, part)| part.iter().map(move |a| first(*body) + a));
+        let nodes: BTreeSet<usize> = own.collect();
+        let supports = cluster.parts.iter().flat_map(|(body, part)| {
+            held_rows(&problem.scene().bodies()[*body], first(*body), part)
+        });
+        let of_cluster = |row: &Vec<(usize, usize, f64)>| {
+            let own = row.iter().copied();
+            own.filter(|(node, ..)| nodes.contains(node)).collect()
+        };
+        let contact = rows
+            .iter()
+            .map(of_cluster)
+            .filter(|row: &Vec<_>| !row.is_empty());
+        let place = |node: usize| -> Vector<D> { x[node] };
+        let motions = unheld_motions(supports.chain(contact), &place, &nodes);
+        if !motions.is_empty() {
+            let body = problem.scene().names()[cluster.parts[0].0].clone();
+            found.push(Undetermined { body, motions });
         }
     }
     found

@@ -47,6 +47,8 @@ pub enum FindingKind {
     Sliver,
     /// Quadratic contact facets are straight along a curve. The value is the largest angle between two of them (degrees).
     StraightFacets,
+    /// Tied boundaries are not in one place. The value is their distance (UL).
+    TiedApart,
     /// The facets of two surfaces differ in size. The value is the ratio of their lengths.
     MeshRatio,
     /// Linear elements lock. The value is Poisson's ratio.
@@ -127,6 +129,7 @@ impl Finding {
     pub(super) fn of(error: &Error) -> Self {
         let (kind, bodies): (_, &[&String]) = match error {
             Error::Unsupported { body, .. } => (FindingKind::FreeMotion, &[body]),
+            Error::Tie { .. } => (FindingKind::TiedApart, &[]),
             Error::NoSupport => (FindingKind::FreeMotion, &[]),
             Error::Overlap { slave, master, .. } => (FindingKind::Interference, &[slave, master]),
             Error::Crossing { first, second, .. } => (FindingKind::Interference, &[first, second]),

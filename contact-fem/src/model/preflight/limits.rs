@@ -83,3 +83,7 @@ pub(super) const AT_LIMIT: f64 = 1e-6;
 /// The largest difference of the slope of a distance from 1 (no unit): far above what differences leave, and below that of
 /// a function which is no distance, such as x² + y² − r².
 pub(super) const SLOPE_OF_DISTANCE: f64 = 1e-3;
+
+/// Tied boundaries of bodies for large strains that are further apart, as a share of the facet size, are worth a warning: a rotation by a
+/// right angle stretches the facets there by about as much.
+pub(super) const TIED_APART: f64 = 1e-3;

@@ -17,13 +17,15 @@ mod supports;
 mod surfaces;
 #[cfg(test)]
 mod tests;
+mod ties;
 
 pub use finding::{Finding, FindingKind, Severity};
 pub(super) use steps::at_increments;
-pub(super) use supports::{is_held, unheld_motions};
+pub(super) use supports::{clusters, held, held_rows, unheld_motions};
 
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
+use super::tie::{self, Ties};
 use super::{Pair, Scene};
 use crate::audit::Audit;
 use crate::error::Error;
@@ -82,6 +84,7 @@ pub(super) struct Setup<'a, const D: usize> {
     pub kinematics: &'a Kinematics<D>,
     pub contact: &'a ContactSet<D>,
     pub audit: &'a Audit<D>,
+    pub ties: &'a Ties<D>,
 }
 
 /// The checks of names, numbers, supports and loads. They need neither surfaces nor assembly.
@@ -96,6 +99,7 @@ pub(super) fn without_surfaces<const D: usize>(
     }
     report.take(input::forces(scene));
     report.take(input::laws(scene));
+    report.take(tie::check(scene));
     input::boundaries(scene, report);
     supports::check(scene, pairs, report);
     report.take(pressures::rims(scene));
@@ -108,6 +112,7 @@ pub(super) fn with_surfaces<const D: usize>(setup: &Setup<'_, D>, report: &mut R
     obstacles::check(setup, report);
     surfaces::check(setup, report);
     curves::check(setup, report);
+    ties::check(setup, report);
     meshes::check(setup, report);
     laws::check(setup, report);
     steps::check(setup, report);

@@ -1,6 +1,6 @@
 //! Rigid motions that supports leave free.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{DMatrix, SVD};
 
@@ -27,49 +27,167 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
     if !scene.bodies().iter().any(is_free) {
         report.take::<()>(Err(Error::NothingFree));
     }
-    for (index, (body, name)) in scene.bodies().iter().zip(scene.names()).enumerate() {
-        let mut touches = vec![false; body.mesh().nodes().len()];
-        let surfaces = pairs.iter().flat_map(|pair| [&pair.first, &pair.second]);
-        let surfaces = surfaces.chain(scene.obstructed().iter().map(|(side, _)| side));
-        for side in surfaces.filter(|side| side.body.index() == index) {
-            // the side was checked when the pair was declared
-            let nodes = body.mesh().boundary_nodes(&side.boundary);
-            nodes
-                .into_iter()
-                .flatten()
-                .for_each(|node| touches[node] = true);
+    let touches = touched(scene, pairs);
+    for cluster in clusters(scene) {
+        let motions = cluster.free_motions(scene);
+        if motions.is_empty() {
+            continue;
         }
-        let parts = body.mesh().parts();
-        for part in &parts {
-            let motions = free_motions(body, part);
-            if motions.is_empty() {
-                continue;
-            }
-            let free = motions.len();
-            if !part.iter().any(|&node| touches[node]) {
-                report.take::<()>(Err(Error::Unsupported {
-                    body: name.clone(),
-                    node: part[0],
-                    free,
-                    modes: modes::<D>(),
-                    motions: motions.join(", "),
-                }));
-                continue;
-            }
-            let finding = Finding::new(Severity::Note, FindingKind::HeldByContact, &[name]);
-            report.add(finding.measured(free as f64, 0.0).says(
-                format!("only contact holds body `{name}`: {}", motions.join(", ")),
-                "prescribe displacements if loads or steps may part it from what holds it",
-            ));
+        let free = motions.len();
+        let (body, part) = &cluster.parts[0];
+        let name = &scene.names()[*body];
+        let touches = |(body, part): &(usize, Vec<usize>)| part.iter().any(|&a| touches[*body][a]);
+        if !cluster.parts.iter().any(touches) {
+            report.take::<()>(Err(Error::Unsupported {
+                body: name.clone(),
+                node: part[0],
+                free,
+                modes: modes::<D>(),
+                motions: motions.join(", "),
+            }));
+            continue;
         }
-        pieces::check(body, name, &parts, report);
+        let finding = Finding::new(Severity::Note, FindingKind::HeldByContact, &[name]);
+        let others = match cluster.parts.len() {
+            1 => "",
+            _ => " and what is tied to it",
+        };
+        report.add(finding.measured(free as f64, 0.0).says(
+            format!(
+                "only contact holds body `{name}`{others}: {}",
+                motions.join(", ")
+            ),
+            "prescribe displacements if loads or steps may part it from what holds it",
+        ));
+    }
+    for (body, name) in scene.bodies().iter().zip(scene.names()) {
+        pieces::check(body, name, &body.mesh().parts(), report);
     }
 }
 
-/// Whether supports hold every part of a body.
-pub(in crate::model) fn is_held<const D: usize>(body: &Body<D>) -> bool {
-    let mut parts = body.mesh().parts().into_iter();
-    parts.all(|part| free_motions(body, &part).is_empty())
+/// For each body the nodes that may touch something.
+fn touched<const D: usize>(scene: &Scene<D>, pairs: &[Pair]) -> Vec<Vec<bool>> {
+    let bodies = scene.bodies().iter();
+    let mut touches: Vec<_> = bodies
+        .map(|body| vec![false; body.mesh().nodes().len()])
+        .collect();
+    let surfaces = pairs.iter().flat_map(|pair| [&pair.first, &pair.second]);
+    for side in surfaces.chain(scene.obstructed().iter().map(|(side, _)| side)) {
+        let body = side.body.index();
+        // the side was checked when the pair was declared
+        let nodes = scene.bodies()[body].mesh().boundary_nodes(&side.boundary);
+        nodes
+            .into_iter()
+            .flatten()
+            .for_each(|node| touches[body][node] = true);
+    }
+    touches
+}
+
+/// Parts of bodies that ties hold together; the nodes of each part.
+pub(in crate::model) struct Cluster {
+    /// (body, nodes numbered within it).
+    pub parts: Vec<(usize, Vec<usize>)>,
+}
+
+impl Cluster {
+    /// The rigid motions that supports and springs leave free.
+    fn free_motions<const D: usize>(&self, scene: &Scene<D>) -> Vec<String> {
+        if let [(body, part)] = &self.parts[..] {
+            return free_motions(&scene.bodies()[*body], part);
+        }
+        // nodes of all bodies, one after the other
+        let mut first = vec![0];
+        let counts = scene.bodies().iter().map(|body| body.mesh().nodes().len());
+        counts.for_each(|count| first.push(first[first.len() - 1] + count));
+        let place = |node: usize| {
+            let body = first.partition_point(|first| *first <= node) - 1;
+            scene.bodies()[body].mesh().nodes()[node - first[body]]
+        };
+        let own = self.parts.iter().flat_map(|(body, part)| {
+            let first = first[*body];
+            part.iter().map(move |a| first + a)
+        });
+        let rows = self
+            .parts
+            .iter()
+            .flat_map(|(body, part)| held_rows(&scene.bodies()[*body], first[*body], part));
+        unheld_motions(rows, &place, &own.collect())
+    }
+}
+
+/// What supports and springs of a part hold, as rows of (node, component, coefficient); nodes count from `first`.
+pub(in crate::model) fn held_rows<const D: usize>(
+    body: &Body<D>,
+    first: usize,
+    part: &[usize],
+) -> Vec<Vec<(usize, usize, f64)>> {
+    let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
+    let held = dofs.filter(|&dof| body.prescribed()[dof].is_some());
+    let held = held.map(|dof| vec![(first + dof / D, dof % D, 1.0)]);
+    let springs = body.stretches();
+    let springs = springs.filter(|own| part.binary_search(&(own[0].0 / D)).is_ok());
+    let springs = springs.map(|own| {
+        let own = own.iter();
+        own.map(|(dof, c)| (first + dof / D, dof % D, *c)).collect()
+    });
+    held.chain(springs).collect()
+}
+
+/// The parts of all bodies, joined where ties hold them.
+pub(in crate::model) fn clusters<const D: usize>(scene: &Scene<D>) -> Vec<Cluster> {
+    let bodies = scene.bodies().iter().enumerate();
+    let parts = bodies.flat_map(|(index, body)| {
+        let parts = body.mesh().parts().into_iter();
+        parts.map(move |part| (index, part))
+    });
+    let parts: Vec<(usize, Vec<usize>)> = parts.collect();
+    let mut root: Vec<usize> = (0..parts.len()).collect();
+    for tie in scene.ties() {
+        let mut tied = Vec::new();
+        for side in [&tie.first, &tie.second] {
+            let body = side.body.index();
+            let nodes = scene.bodies()[body].mesh().boundary_nodes(&side.boundary);
+            let nodes: BTreeSet<usize> = nodes.into_iter().flatten().collect();
+            let has_side = |(_, (owner, part)): &(usize, &(usize, Vec<usize>))| {
+                *owner == body && part.iter().any(|a| nodes.contains(a))
+            };
+            tied.extend(
+                parts
+                    .iter()
+                    .enumerate()
+                    .filter(has_side)
+                    .map(|(k, _)| root[k]),
+            );
+        }
+        let Some(&least) = tied.iter().min() else {
+            continue;
+        };
+        let own = root.iter_mut().filter(|root| tied.contains(root));
+        own.for_each(|root| *root = least);
+    }
+    let mut clusters = BTreeMap::<usize, Vec<_>>::new();
+    for (part, root) in parts.into_iter().zip(root) {
+        clusters.entry(root).or_default().push(part);
+    }
+    clusters
+        .into_values()
+        .map(|parts| Cluster { parts })
+        .collect()
+}
+
+/// Whether supports, with those of what is tied to it, hold every part of each body.
+pub(in crate::model) fn held<const D: usize>(scene: &Scene<D>) -> Vec<bool> {
+    let mut held = vec![true; scene.bodies().len()];
+    for cluster in clusters(scene) {
+        if !cluster.free_motions(scene).is_empty() {
+            cluster
+                .parts
+                .iter()
+                .for_each(|(body, _)| held[*body] = false);
+        }
+    }
+    held
 }
 
 /// The number of rigid motions in ℝᴰ.

@@ -17,7 +17,8 @@ use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
 use crate::model::{
-    BodyId, Finding, Opposite, PairRecord, Problem, ScenePlan, Side, Undetermined, WorkRecord,
+    BodyId, Finding, Opposite, PairRecord, Problem, ScenePlan, Side, TieRecord, Undetermined,
+    WorkRecord,
 };
 use crate::output::history::source_name;
 use crate::simulation::{History, StepRecord};
@@ -66,6 +67,8 @@ pub(super) struct Summary {
     contact_area: Option<f64>,
     /// Area, resultant, centre and largest pressure of each pair.
     pairs: Vec<Value>,
+    /// What each tie transmits: the force of the second side's body on the first's.
+    ties: Vec<Value>,
     min_j: Option<f64>,
     min_j_bound: Option<f64>,
     /// The cell with the smallest J of all steps, if it is not positive everywhere in it.
@@ -219,6 +222,10 @@ impl Summary {
                 let value = |of| pair(of, scene.names(), scene.obstacle_names());
                 record.pairs.iter().map(value).collect()
             }),
+            ties: last.map_or(Vec::new(), |record| {
+                let names = problem.scene().names();
+                record.ties.iter().map(|of| tie(of, names)).collect()
+            }),
             min_j: last.map(|record| record.min_j),
             min_j_bound: last.map(|record| record.min_j_bound()),
             inverted: inverted.map(|(factor, least)| {
@@ -300,6 +307,11 @@ fn pair<const D: usize>(pair: &PairRecord<D>, bodies: &[String], obstacles: &[St
         "centre": pair.centre.as_ref().map(|centre| centre.as_slice()),
         "pressure_max": pair.pressure_max,
     })
+}
+
+fn tie<const D: usize>(tie: &TieRecord<D>, bodies: &[String]) -> Value {
+    let side = |side: &Side| json!({"body": bodies[side.body.index()], "boundary": side.boundary});
+    json!({"first": side(&tie.first), "second": side(&tie.second), "force": tie.force.as_slice()})
 }
 
 /// The smallest volume ratio of all steps and the load factor there, if J > 0 is not shown everywhere.

@@ -1,0 +1,535 @@
+//! Ties: surfaces of two bodies, with meshes of their own, that stay together.
+//!
+//! The displacements of one side, the slave, are eliminated: they are a mortar interpolation of those of the other one, with
+//! constant coefficients (see [`contact::tie`](crate::contact::tie)). Solvers get the other displacements alone, by
+//! [`contact_core::reduction`].
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::sync::Arc;
+
+use contact_core::{Dependent, LinearMap, Reduction};
+
+use super::kinematics::Kinematics;
+use super::preflight;
+use super::{BodyId, Problem, Scene, Side};
+use crate::assembly::Dof;
+use crate::contact::tie::Tied;
+use crate::contact::{Master, Surface};
+use crate::error::Error;
+use crate::tensor::Vector;
+
+/// The side of a tie whose displacements follow those of the other one. It must lie on the other side as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum TiedSlave {
+    /// The side with the smaller facets, unless only the other one can be.
+    #[default]
+    Finer,
+    /// The first side.
+    First,
+    /// The second side.
+    Second,
+}
+
+/// Two boundaries of different bodies that stay together: the jump u − ū of displacements across them is zero in the weak
+/// sense, ∫ ψ_i (u − ū) = 0 over the reference configuration for the nodes i of one side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tie {
+    /// One boundary.
+    pub first: Side,
+    /// The other one.
+    pub second: Side,
+    /// Which of them follows.
+    pub slave: TiedSlave,
+    /// The largest distance between the boundaries in the reference configuration, as a share of the larger facet size.
+    /// 0.05 by default: chords of curved boundaries are apart.
+    pub tolerance: f64,
+}
+
+impl Tie {
+    /// The share by which sides may be apart, see [`Tie::tolerance`].
+    pub const TOLERANCE: f64 = 0.05;
+    /// So much of each facet of the slave must lie on the master.
+    const COVERED: f64 = 0.99;
+
+    /// With the finer side as slave, and the default tolerance.
+    pub fn new(first: Side, second: Side) -> Self {
+        Tie {
+            first,
+            second,
+            slave: TiedSlave::default(),
+            tolerance: Tie::TOLERANCE,
+        }
+    }
+
+    /// Whether these are its sides.
+    pub(super) fn is_between(&self, first: &Side, second: &Side) -> bool {
+        [&self.first, &self.second] == [first, second]
+            || [&self.second, &self.first] == [first, second]
+    }
+}
+
+/// Why two boundaries cannot be tied.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum TieFault {
+    /// Both belong to one body.
+    OneBody,
+    /// They are a contact pair, too.
+    Contact,
+    /// They were tied before.
+    Twice,
+    /// They are too far apart.
+    Apart {
+        /// A point of one side (UL).
+        x: Vec<f64>,
+        /// Its distance from the other one (UL).
+        distance: f64,
+        /// The largest that is accepted (UL).
+        limit: f64,
+    },
+    /// A facet of one side does not lie on the other one.
+    Uncovered {
+        /// Its centre (UL).
+        x: Vec<f64>,
+        /// The share of it that does.
+        share: f64,
+    },
+    /// All nodes of a facet of the slave, and those around it, are prescribed, or belong to other ties.
+    Held {
+        /// Its centre (UL).
+        x: Vec<f64>,
+    },
+}
+
+impl fmt::Display for TieFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TieFault::OneBody => {
+                f.write_str("they belong to one body: tie boundaries of two bodies")
+            }
+            TieFault::Contact => f.write_str(
+                "they are a contact pair, too: tied boundaries do not part, leave out the pair",
+            ),
+            TieFault::Twice => f.write_str("they are tied already: leave out one of the ties"),
+            TieFault::Apart { x, distance, limit } => write!(
+                f,
+                "they are {distance:.3e} apart at {x:?} against the {limit:.3e} that is granted: move the bodies to each \
+                 other, refine curved boundaries, or raise `Tie::tolerance`"
+            ),
+            TieFault::Uncovered { x, share } => write!(
+                f,
+                "only {share:.3} of the slave's facet at {x:?} has a counterpart: let the other side be the slave, or \
+                 divide the boundary so that one side lies on the other as a whole"
+            ),
+            TieFault::Held { x } => write!(
+                f,
+                "all nodes of the slave's facet at {x:?} and around it are prescribed or belong to other ties, so that nothing \
+                 is left to follow: let the other side be the slave, refine the mesh there, or leave out what prescribes them"
+            ),
+        }
+    }
+}
+
+/// A dof that follows others: Σ c u of the dofs of all bodies.
+pub(super) struct Follower {
+    pub dof: usize,
+    pub terms: Vec<(usize, f64)>,
+}
+
+/// A tie with its interpolation.
+struct Built<const D: usize> {
+    /// The bodies of its first and its second side.
+    bodies: [usize; 2],
+    /// Whether the first side follows.
+    is_first_slave: bool,
+    followers: Vec<Follower>,
+    /// The largest distance between the sides (UL), and where.
+    apart: (f64, Vector<D>),
+    /// The larger facet size (UL).
+    size: f64,
+}
+
+/// How far the sides of a tie are apart in the reference configuration.
+pub(super) struct Apart<const D: usize> {
+    pub bodies: [usize; 2],
+    /// The largest distance, and where (UL).
+    pub distance: f64,
+    pub at: Vector<D>,
+    /// The larger facet size (UL).
+    pub size: f64,
+}
+
+/// What a tie transmits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TieRecord<const D: usize> {
+    /// One boundary.
+    pub first: Side,
+    /// The other one.
+    pub second: Side,
+    /// The resultant of the forces of the second side's body on the first side's (UF).
+    pub force: Vector<D>,
+}
+
+/// All ties of a scene.
+pub(super) struct Ties<const D: usize> {
+    ties: Vec<Built<D>>,
+    map: Option<Arc<LinearMap>>,
+    /// (prescribed dof, coefficient) of each dependent unknown.
+    prescribed: Vec<Vec<(usize, f64)>>,
+    held: Vec<bool>,
+}
+
+impl<const D: usize> Default for Ties<D> {
+    fn default() -> Self {
+        Ties {
+            ties: Vec::new(),
+            map: None,
+            prescribed: Vec::new(),
+            held: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize> Ties<D> {
+    /// # Errors
+    /// The first tie that cannot be, see [`TieFault`].
+    pub fn new(scene: &Scene<D>, kinematics: &Kinematics<D>) -> Result<Self, Error> {
+        if scene.ties().is_empty() {
+            return Ok(Ties::default());
+        }
+        let surfaces: Vec<[Arc<Surface<D>>; 2]> = scene
+            .ties()
+            .iter()
+            .map(|tie| [&tie.first, &tie.second].map(|side| surface(scene, kinematics, side)))
+            .collect();
+        let mut ties = Vec::new();
+        for (k, tie) in scene.ties().iter().enumerate() {
+            let [a, b] = &surfaces[k];
+            let is_first_finer = a.facet_size() < b.facet_size();
+            let orders: &[bool] = match (tie.slave, is_first_finer) {
+                (TiedSlave::First, _) => &[true],
+                (TiedSlave::Second, _) => &[false],
+                (TiedSlave::Finer, true) => &[true, false],
+                (TiedSlave::Finer, false) => &[false, true],
+            };
+            let others = surfaces.iter().enumerate().filter(|(other, _)| *other != k);
+            let others = others.flat_map(|(_, both)| both.iter().flat_map(|s| s.nodes()));
+            let others: BTreeSet<usize> = others.copied().collect();
+            let mut first = None;
+            let mut found = None;
+            for &is_first_slave in orders {
+                match built(tie, [a, b], is_first_slave, kinematics, &others) {
+                    Ok(tie) => {
+                        found = Some(tie);
+                        break;
+                    }
+                    Err(fault) => {
+                        first.get_or_insert(fault);
+                    }
+                }
+            }
+            match (found, first) {
+                (Some(tie), _) => ties.push(tie),
+                (None, Some(fault)) => return Err(fault_of(scene, tie, fault)),
+                (None, None) => {}
+            }
+        }
+        let dofs = &kinematics.dofs;
+        let (mut dependents, mut prescribed) = (Vec::new(), Vec::new());
+        for follower in ties.iter().flat_map(|tie| &tie.followers) {
+            let Dof::Free(unknown) = dofs.get(follower.dof) else {
+                continue;
+            };
+            let (mut terms, mut held) = (Vec::new(), Vec::new());
+            for &(dof, c) in &follower.terms {
+                match dofs.get(dof) {
+                    Dof::Free(j) => terms.push((j, c)),
+                    Dof::Prescribed(j) => held.push((j, c)),
+                }
+            }
+            dependents.push(Dependent { unknown, terms });
+            prescribed.push(held);
+        }
+        let free = |id: BodyId| {
+            let nodes = kinematics.nodes(id.index());
+            let own = D * nodes.start..D * nodes.end;
+            own.filter(|&dof| matches!(dofs.get(dof), Dof::Free(_)))
+                .count()
+        };
+        let parts: Vec<usize> = scene.ids().map(free).collect();
+        let map = LinearMap::new(&parts, &dependents)?;
+        let held = preflight::held(scene);
+        Ok(Ties {
+            held: map
+                .groups()
+                .map(|bodies| bodies.iter().all(|&b| held[b]))
+                .collect(),
+            ties,
+            prescribed,
+            map: Some(Arc::new(map)),
+        })
+    }
+
+    /// The reduction at these prescribed displacements (UL).
+    pub fn reduction(&self, prescribed: &[f64]) -> Option<Reduction> {
+        let map = Arc::clone(self.map.as_ref()?);
+        let constant =
+            |terms: &Vec<(usize, f64)>| terms.iter().map(|(j, c)| c * prescribed[*j]).sum();
+        Some(Reduction {
+            map,
+            constants: self.prescribed.iter().map(constant).collect(),
+            held: self.held.clone(),
+        })
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.ties.is_empty()
+    }
+
+    /// Whether a tie joins these bodies.
+    pub fn join(&self, [a, b]: [usize; 2]) -> bool {
+        let is_own = |tie: &Built<D>| tie.bodies == [a, b] || tie.bodies == [b, a];
+        self.ties.iter().any(is_own)
+    }
+
+    /// How far the sides of each tie are apart.
+    pub fn apart(&self) -> impl Iterator<Item = Apart<D>> + '_ {
+        self.ties.iter().map(|tie| Apart {
+            bodies: tie.bodies,
+            distance: tie.apart.0,
+            at: tie.apart.1,
+            size: tie.size,
+        })
+    }
+
+    /// The bodies, those that follow after those that they follow where ties do not go round; and for each the dofs that
+    /// follow.
+    pub fn in_order(&self, bodies: usize) -> Vec<(usize, Vec<&Follower>)> {
+        let mut masters = vec![BTreeSet::new(); bodies];
+        for tie in &self.ties {
+            let [master, slave] = match tie.is_first_slave {
+                true => [tie.bodies[1], tie.bodies[0]],
+                false => tie.bodies,
+            };
+            masters[slave].insert(master);
+        }
+        let mut order = Vec::new();
+        let mut left: BTreeSet<usize> = (0..bodies).collect();
+        while let Some(&any) = left.first() {
+            let is_ready = |b: &&usize| masters[**b].iter().all(|master| !left.contains(master));
+            let next = left.iter().find(is_ready).copied().unwrap_or(any);
+            left.remove(&next);
+            let own = self
+                .ties
+                .iter()
+                .filter(|tie| tie.bodies[usize::from(!tie.is_first_slave)] == next);
+            let own = own.flat_map(|tie| &tie.followers);
+            order.push((next, own.collect()));
+        }
+        order
+    }
+
+    /// The forces of ties on all nodes (UF), where `rest` tells ∂E/∂U − Cᵀλ of a dof.
+    fn forces(&self, rest: impl Fn(usize) -> f64, forces: &mut [Vector<D>]) {
+        for follower in self.ties.iter().flat_map(|tie| &tie.followers) {
+            let force = rest(follower.dof);
+            forces[follower.dof / D][follower.dof % D] += force;
+            for (dof, c) in &follower.terms {
+                forces[dof / D][dof % D] -= c * force;
+            }
+        }
+    }
+
+    /// The resultant of each tie on its first side (UF), likewise.
+    fn resultants(
+        &self,
+        rest: impl Fn(usize) -> f64,
+        nodes: impl Fn(usize) -> std::ops::Range<usize>,
+    ) -> Vec<Vector<D>> {
+        let of_tie = |tie: &Built<D>| {
+            let mut sum = Vector::<D>::zeros();
+            let (slave, sign) = match tie.is_first_slave {
+                true => (tie.bodies[0], 1.0),
+                false => (tie.bodies[1], -1.0),
+            };
+            let own = nodes(slave);
+            for follower in &tie.followers {
+                let force = rest(follower.dof);
+                let master = follower
+                    .terms
+                    .iter()
+                    .filter(|(dof, _)| !own.contains(&(dof / D)));
+                let share: f64 = master.map(|(_, c)| c).sum();
+                sum[follower.dof % D] += sign * share * force;
+            }
+            sum
+        };
+        self.ties.iter().map(of_tie).collect()
+    }
+}
+
+impl<const D: usize> Problem<D> {
+    /// The forces of ties on all nodes (UF), with which the bodies are in equilibrium at `u` under these contact forces;
+    /// `None` without ties.
+    pub fn tie_forces(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Option<Vec<Vector<D>>> {
+        if self.ties.is_empty() || contact_forces.len() != self.reference().len() {
+            return None;
+        }
+        let residuals = self.residuals(u).concat();
+        let mut forces = vec![Vector::zeros(); self.reference().len()];
+        let rest = |dof: usize| residuals[dof] - contact_forces[dof / D][dof % D];
+        self.ties.forces(rest, &mut forces);
+        Some(forces)
+    }
+
+    /// Contact forces with those of ties.
+    pub(crate) fn with_tie_forces<'a>(
+        &self,
+        u: &[f64],
+        contact_forces: &'a [Vector<D>],
+    ) -> std::borrow::Cow<'a, [Vector<D>]> {
+        match self.tie_forces(u, contact_forces) {
+            None => contact_forces.into(),
+            Some(own) => {
+                let both = own.iter().zip(contact_forces);
+                both.map(|(tie, contact)| tie + contact).collect()
+            }
+        }
+    }
+
+    /// What each tie transmits at `u` under these contact forces, in the order of declaration.
+    pub fn tie_records(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<TieRecord<D>> {
+        if self.ties.is_empty() || contact_forces.len() != self.reference().len() {
+            return Vec::new();
+        }
+        let residuals = self.residuals(u).concat();
+        let rest = |dof: usize| residuals[dof] - contact_forces[dof / D][dof % D];
+        let forces = self
+            .ties
+            .resultants(rest, |body| self.kinematics.nodes(body));
+        let named = self.scene.ties().iter().zip(forces);
+        named
+            .map(|(tie, force)| TieRecord {
+                first: tie.first.clone(),
+                second: tie.second.clone(),
+                force,
+            })
+            .collect()
+    }
+
+    /// Whether a tie joins these bodies.
+    pub(crate) fn are_tied(&self, bodies: [usize; 2]) -> bool {
+        self.ties.join(bodies)
+    }
+}
+
+fn fault_of<const D: usize>(scene: &Scene<D>, tie: &Tie, why: TieFault) -> Error {
+    let called = |side: &Side| {
+        let name = &scene.names()[side.body.index()];
+        format!("`{}` of body `{name}`", side.boundary)
+    };
+    Error::Tie {
+        first: called(&tie.first),
+        second: called(&tie.second),
+        why,
+    }
+}
+
+/// Checks what can be told of ties without surfaces.
+pub(super) fn check<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
+    for (k, tie) in scene.ties().iter().enumerate() {
+        let is_same = |other: &Tie| other.is_between(&tie.first, &tie.second);
+        let is_pair = |pair: &super::Pair| tie.is_between(&pair.first, &pair.second);
+        let fault = match () {
+            () if tie.first.body == tie.second.body => TieFault::OneBody,
+            () if scene.ties()[..k].iter().any(is_same) => TieFault::Twice,
+            () if scene.pairs().iter().any(is_pair) => TieFault::Contact,
+            () => continue,
+        };
+        return Err(fault_of(scene, tie, fault));
+    }
+    Ok(())
+}
+
+fn surface<const D: usize>(
+    scene: &Scene<D>,
+    kinematics: &Kinematics<D>,
+    side: &Side,
+) -> Arc<Surface<D>> {
+    let body = side.body.index();
+    let mesh = scene.bodies()[body].mesh();
+    let first = kinematics.nodes(body).start;
+    // the side was checked when the tie was declared
+    let facets = mesh.boundary(&side.boundary).unwrap_or_default();
+    let facets = facets.into_iter();
+    let facets: Vec<Vec<usize>> = facets
+        .map(|nodes| nodes.iter().map(|a| a + first).collect())
+        .collect();
+    let facets = facets.iter().map(Vec::as_slice);
+    Arc::new(Surface::new(body, mesh.order(), facets, &kinematics.X))
+}
+
+fn built<const D: usize>(
+    tie: &Tie,
+    [first, second]: [&Arc<Surface<D>>; 2],
+    is_first_slave: bool,
+    kinematics: &Kinematics<D>,
+    others: &BTreeSet<usize>,
+) -> Result<Built<D>, TieFault> {
+    let [slave, master] = match is_first_slave {
+        true => [first, second],
+        false => [second, first],
+    };
+    let size = slave.facet_size().max(master.facet_size());
+    let master = Master::new(master, &kinematics.X);
+    let limit = tie.tolerance * size;
+    let tied = Tied::new(slave, &master, size.max(limit));
+    let place = |x: &Vector<D>| x.iter().copied().collect();
+    let (distance, x) = tied.apart;
+    if distance > limit {
+        return Err(TieFault::Apart {
+            x: place(&x),
+            distance,
+            limit,
+        });
+    }
+    let (share, x) = tied.covered;
+    if !(share >= Tie::COVERED) {
+        return Err(TieFault::Uncovered {
+            x: place(&x),
+            share,
+        });
+    }
+    let dofs = &kinematics.dofs;
+    let mut followers = Vec::new();
+    let mut known: BTreeMap<Vec<bool>, Vec<crate::contact::tie::Interpolated>> = BTreeMap::new();
+    for i in 0..D {
+        let is_out = |node: usize| {
+            others.contains(&node) || matches!(dofs.get(D * node + i), Dof::Prescribed(_))
+        };
+        let out: Vec<bool> = slave.nodes().iter().map(|&node| is_out(node)).collect();
+        if !known.contains_key(&out) {
+            let own = tied.interpolation(is_out);
+            let own = own.map_err(|x| TieFault::Held { x: place(&x) })?;
+            known.insert(out.clone(), own);
+        }
+        followers.extend(known[&out].iter().map(|own| {
+            Follower {
+                dof: D * own.node + i,
+                terms: own
+                    .terms
+                    .iter()
+                    .map(|&(node, c)| (D * node + i, c))
+                    .collect(),
+            }
+        }));
+    }
+    Ok(Built {
+        bodies: [first.body(), second.body()],
+        is_first_slave,
+        followers,
+        apart: tied.apart,
+        size,
+    })
+}
