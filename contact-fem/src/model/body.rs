@@ -1,6 +1,7 @@
 //! Bodies: mesh, material law, supports and loads.
 
 mod boundary;
+mod held;
 
 use std::sync::Arc;
 
@@ -17,6 +18,7 @@ use crate::program::{Amplitude, Motion, samples};
 use crate::tensor::{Matrix, Vector, unit_vector};
 
 pub(super) use boundary::{Foundation, Pressure};
+pub(super) use held::Holding;
 
 /// Of a law that varies from point to point, about so many are checked.
 const SAMPLED: usize = 1000;
@@ -70,6 +72,8 @@ pub struct Body<const D: usize> {
     /// empty name is that of supports of nodes.
     supported: Vec<String>,
     support_of: Vec<Option<usize>>,
+    /// All of them, and when they hold.
+    declared: held::Declarations,
     /// All loads with their origin, and the sum of the proportional ones at load factor 1 (UF).
     loads: Vec<(Origin, Load<D>)>,
     proportional: Vec<f64>,
@@ -183,6 +187,7 @@ impl<const D: usize> Body<D> {
             prescribed: vec![None; dofs],
             supported: Vec::new(),
             support_of: vec![None; dofs],
+            declared: held::Declarations::default(),
             loads: Vec::new(),
             proportional: vec![0.0; dofs],
             forces: vec![0.0; dofs],
@@ -415,19 +420,18 @@ impl<const D: usize> Body<D> {
             let given = components.iter().enumerate();
             for (component, value) in given.filter_map(|(i, value)| Some((i, (*value)?))) {
                 let dof = D * node + component;
-                let Some(first) = self.supports.values[dof] else {
-                    continue;
-                };
-                let values = [first, (value, course)];
-                let at = |t: f64| values.map(|value| self.supports.value(dof, value, t));
-                let mut differ = samples().map(at).filter(|[first, second]| first != second);
-                if let Some([first, second]) = differ.next_back() {
-                    return Err(Error::Conflict {
-                        node,
-                        component,
-                        first,
-                        second,
-                    });
+                for first in self.held_beside(dof) {
+                    let values = [first, (value, course)];
+                    let at = |t: f64| values.map(|value| self.supports.value(dof, value, t));
+                    let mut differ = samples().map(at).filter(|[first, second]| first != second);
+                    if let Some([first, second]) = differ.next_back() {
+                        return Err(Error::Conflict {
+                            node,
+                            component,
+                            first,
+                            second,
+                        });
+                    }
                 }
             }
         }
@@ -436,16 +440,14 @@ impl<const D: usize> Body<D> {
             self.supported.push(boundary.to_string());
             self.supported.len() - 1
         });
-        for (&node, (component, value)) in nodes
+        let all = nodes
             .iter()
-            .flat_map(|node| components.iter().enumerate().map(move |c| (node, c)))
-        {
-            let Some(value) = *value else { continue };
-            let (dof, value) = (D * node + component, (value, course));
-            self.prescribed[dof] = Some(self.supports.value(dof, value, 1.0));
-            self.supports.values[dof] = Some(value);
-            self.support_of[dof].get_or_insert(own);
-        }
+            .flat_map(|node| components.iter().enumerate().map(move |c| (node, c)));
+        let held = all.filter_map(|(&node, (component, value))| {
+            Some((D * node + component, ((*value)?, course)))
+        });
+        let held = held.collect();
+        self.declare(own, held);
         Ok(self)
     }
 
@@ -627,6 +629,7 @@ impl<const D: usize> Body<D> {
         forces: Vec<f64>,
         amplitude: Amplitude,
     ) -> Result<&mut Self, Error> {
+        self.always(origin.kind())?;
         Error::check_finite(origin.kind(), &forces)?;
         if amplitude.is_proportional() {
             let sums = self.proportional.iter_mut().zip(&forces);
@@ -643,6 +646,7 @@ impl<const D: usize> Body<D> {
         origin: Origin,
         add: impl Fn(f64, &mut [f64]) + Send + Sync + 'static,
     ) -> Result<&mut Self, Error> {
+        self.always(origin.kind())?;
         for t in samples() {
             let mut forces = vec![0.0; self.forces.len()];
             add(t, &mut forces);
@@ -669,8 +673,17 @@ impl<const D: usize> Body<D> {
         &self.forces
     }
 
-    /// The nodal forces of dead loads at a load factor (all dofs, UF); 0 at the load factor 0, before the first step.
+    /// The nodal forces of dead loads at a load factor (all dofs, UF); 0 at the load factor 0, before the first step. What
+    /// supports that let go have left belongs to them.
     pub fn forces_at(&self, factor: f64) -> Vec<f64> {
+        let mut forces = self.loaded_at(factor);
+        let fading = self.fading(factor);
+        fading.for_each(|(dof, force, _)| forces[dof] += force);
+        forces
+    }
+
+    /// The same without supports.
+    fn loaded_at(&self, factor: f64) -> Vec<f64> {
         let mut forces: Vec<f64> = self.proportional.iter().map(|f| factor * f).collect();
         if factor != 0.0 {
             let loads = self.loads.iter().map(|(_, load)| load);
@@ -702,6 +715,7 @@ impl<const D: usize> Body<D> {
         let mut loads = self.loads.iter().map(|(_, load)| load);
         let mut pressures = self.pressures.iter();
         !(self.supports.is_proportional()
+            && !self.is_switched()
             && loads.all(Load::is_proportional)
             && pressures.all(Pressure::is_proportional))
     }
@@ -715,11 +729,8 @@ impl<const D: usize> Body<D> {
     /// to 1; values that are not finite are left out.
     pub(super) fn largest(&self) -> (f64, f64) {
         let of = |t: f64| {
-            let largest = self
-                .prescribed_at(t)
-                .iter()
-                .fold(0.0, |m: f64, u| m.max(u.abs()));
-            let forces = self.forces_at(t);
+            let largest = self.largest_prescribed(t);
+            let forces = self.loaded_at(t);
             let dead: f64 = forces.iter().map(|f| f.abs()).sum();
             (largest, dead + self.sum_of_pressures(t))
         };

@@ -1,5 +1,6 @@
 //! How the prescribed displacements and the loads of a body change with the load factor, a pseudo-time.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::Body;
@@ -28,6 +29,8 @@ pub(crate) struct Supports<const D: usize> {
     pub values: Vec<Option<(f64, usize)>>,
     /// The first is proportional.
     pub courses: Vec<Course<D>>,
+    /// The dofs that are held from a later moment on: where they were then (UL), and the load factor.
+    pub begun: BTreeMap<usize, (f64, f64)>,
 }
 
 impl<const D: usize> Supports<D> {
@@ -36,6 +39,7 @@ impl<const D: usize> Supports<D> {
             values: vec![None; D * X.len()],
             X,
             courses: vec![Course::Scaled(Amplitude::default())],
+            begun: BTreeMap::new(),
         }
     }
 
@@ -44,8 +48,17 @@ impl<const D: usize> Supports<D> {
         self.courses.len() == 1
     }
 
-    /// The value of one dof at time `t` (UL) along a course.
-    pub fn value(&self, dof: usize, (value, course): (f64, usize), t: f64) -> f64 {
+    /// The value of one dof at time `t` (UL) along a course, from where it was when its support began.
+    pub fn value(&self, dof: usize, value: (f64, usize), t: f64) -> f64 {
+        let now = self.course_at(dof, value, t);
+        match self.begun.get(&dof) {
+            None => now,
+            Some((place, since)) => place + (now - self.course_at(dof, value, *since)),
+        }
+    }
+
+    /// The same of a support that holds from the beginning.
+    pub fn course_at(&self, dof: usize, (value, course): (f64, usize), t: f64) -> f64 {
         match &self.courses[course] {
             Course::Scaled(amplitude) => value * amplitude.at(t),
             Course::Along(path) => path(t, &self.X[dof / D])[dof % D],

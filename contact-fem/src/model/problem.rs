@@ -12,6 +12,7 @@ use contact_core::{
     ContactProblem, DirectSum, Energy, Error, GapVariation, LoadStepped, Scale, Separable, Stop,
 };
 
+use super::body::Holding;
 use super::contact_set::ContactSet;
 use super::courses;
 use super::kinematics::Kinematics;
@@ -32,8 +33,10 @@ pub struct Problem<const D: usize> {
     pub(super) kinematics: Kinematics<D>,
     pub(super) contact: ContactSet<D>,
     /// Whether supports alone hold each body.
-    held: Vec<bool>,
-    scale: Scale,
+    pub(super) held: Vec<bool>,
+    /// What held the bodies before the present phase, if something else does in it.
+    pub(super) last_held: Option<Vec<Holding<D>>>,
+    pub(super) scale: Scale,
     pub(super) audit: Audit<D>,
     /// [`Audit::depths`] in the reference configuration of bodies with a pair, if their overlaps are resolved or adjusted.
     overlaps_at_rest: BTreeMap<[usize; 2], [f64; 2]>,
@@ -75,6 +78,7 @@ impl<const D: usize> Problem<D> {
             ),
             energy: DirectSum::new(energies),
             held: scene.bodies().iter().map(preflight::is_held).collect(),
+            last_held: None,
             audit,
             overlaps_at_rest,
             scene,
@@ -497,6 +501,23 @@ impl<const D: usize> LoadStepped for Problem<D> {
             energy.set_pressures(&body.pressures_at(factor));
         }
         Ok(())
+    }
+
+    fn check_phases(&mut self, ends: &[f64]) -> Result<(), Error> {
+        Ok(self.check_supports(ends)?)
+    }
+
+    fn begin(
+        &mut self,
+        span: [f64; 2],
+        u: &[f64],
+        solution: Option<&Solution>,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        self.switch_supports(span, u, solution)
+    }
+
+    fn take_back(&mut self) {
+        self.switch_back();
     }
 
     fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage> {

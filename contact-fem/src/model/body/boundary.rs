@@ -104,6 +104,7 @@ impl<const D: usize> Body<D> {
         stiffness: f64,
         stretch: Stretch,
     ) -> Result<&mut Self, Error> {
+        self.always("foundation")?;
         let facets = self.facets(boundary, "foundation")?;
         if !(stiffness > 0.0 && stiffness.is_finite()) {
             return Err(Error::Setting {
@@ -146,6 +147,7 @@ impl<const D: usize> Body<D> {
         pressure: f64,
         amplitude: impl Into<Amplitude>,
     ) -> Result<&mut Self, Error> {
+        self.always("pressure")?;
         let pressed = Pressed::new(&self.mesh, &self.facets(boundary, "pressure")?);
         Error::check_finite("pressure", &[pressure])?;
         if self.is_small_strain() {

@@ -72,7 +72,9 @@ fn stays_in_plane<const D: usize>(body: &Body<D>, edge: &[usize], axis: usize) -
     let length = (X[edge[0]] - X[edge[1]]).norm();
     let along = |t: f64, node: usize| {
         let dof = D * node + axis;
-        let value = supports.values[dof].map(|value| supports.value(dof, value, t));
+        // where a support takes up a node on its way is not known
+        let held = supports.values[dof].filter(|_| !supports.begun.contains_key(&dof));
+        let value = held.map(|value| supports.value(dof, value, t));
         X[node][axis] + value.unwrap_or(f64::NAN)
     };
     let mut times = std::iter::once(0.0).chain(samples());
