@@ -2,12 +2,13 @@
 
 mod boundary;
 mod held;
+mod rollers;
 
 use std::sync::Arc;
 
 use super::courses::{Course, Load, Origin, Supports};
 use crate::assembly::{
-    AveragedVolume, BodyEnergy, DofMap, Laws, QuadraticEnergy, StrainEnergy, add_body_force,
+    AveragedVolume, BodyEnergy, Laws, QuadraticEnergy, StrainEnergy, Tied, add_body_force,
     add_traction,
 };
 use crate::element::{Element, Order, P1, P2};
@@ -74,6 +75,8 @@ pub struct Body<const D: usize> {
     support_of: Vec<Option<usize>>,
     /// All of them, and when they hold.
     declared: held::Declarations,
+    /// Nodes that slide along planes of any direction.
+    rollers: rollers::Rollers<D>,
     /// All loads with their origin, and the sum of the proportional ones at load factor 1 (UF).
     loads: Vec<(Origin, Load<D>)>,
     proportional: Vec<f64>,
@@ -188,6 +191,7 @@ impl<const D: usize> Body<D> {
             supported: Vec::new(),
             support_of: vec![None; dofs],
             declared: held::Declarations::default(),
+            rollers: rollers::Rollers::default(),
             loads: Vec::new(),
             proportional: vec![0.0; dofs],
             forces: vec![0.0; dofs],
@@ -408,15 +412,8 @@ impl<const D: usize> Body<D> {
     ) -> Result<&mut Self, Error> {
         let given = components.iter().flatten();
         Error::check_finite("prescribed displacement", given)?;
-        let count = self.mesh.nodes().len();
+        self.check_nodes(nodes)?;
         for &node in nodes {
-            if node >= count {
-                return Err(Error::Setting {
-                    name: "node",
-                    value: node as f64,
-                    remedy: "name a node of this body's mesh",
-                });
-            }
             let given = components.iter().enumerate();
             for (component, value) in given.filter_map(|(i, value)| Some((i, (*value)?))) {
                 let dof = D * node + component;
@@ -435,11 +432,6 @@ impl<const D: usize> Body<D> {
                 }
             }
         }
-        let known = self.supported.iter().position(|name| name == boundary);
-        let own = known.unwrap_or_else(|| {
-            self.supported.push(boundary.to_string());
-            self.supported.len() - 1
-        });
         let all = nodes
             .iter()
             .flat_map(|node| components.iter().enumerate().map(move |c| (node, c)));
@@ -447,8 +439,40 @@ impl<const D: usize> Body<D> {
             Some((D * node + component, ((*value)?, course)))
         });
         let held = held.collect();
-        self.declare(own, held);
-        Ok(self)
+        if !nodes.iter().any(|node| self.slides(*node)) {
+            let own = self.named(boundary);
+            self.declare(own, held);
+            return Ok(self);
+        }
+        self.always("a support of nodes that slide along a direction")?;
+        self.or_not(|body| {
+            let own = body.named(boundary);
+            body.declare(own, held);
+            body.resolve_all(nodes)
+        })
+    }
+
+    /// # Errors
+    /// A node that does not exist.
+    fn check_nodes(&self, nodes: &[usize]) -> Result<(), Error> {
+        let count = self.mesh.nodes().len();
+        match nodes.iter().find(|node| **node >= count) {
+            None => Ok(()),
+            Some(node) => Err(Error::Setting {
+                name: "node",
+                value: *node as f64,
+                remedy: "name a node of this body's mesh",
+            }),
+        }
+    }
+
+    /// The number of a boundary among those that supports name.
+    fn named(&mut self, boundary: &str) -> usize {
+        let known = self.supported.iter().position(|name| name == boundary);
+        known.unwrap_or_else(|| {
+            self.supported.push(boundary.to_string());
+            self.supported.len() - 1
+        })
     }
 
     /// Adds a dead traction (force per reference area, UF/UL in the plane, UF/UL² in space) on a
@@ -716,6 +740,7 @@ impl<const D: usize> Body<D> {
         let mut pressures = self.pressures.iter();
         !(self.supports.is_proportional()
             && !self.is_switched()
+            && !self.has_rollers()
             && loads.all(Load::is_proportional)
             && pressures.all(Pressure::is_proportional))
     }
@@ -771,7 +796,14 @@ impl<const D: usize> Body<D> {
 
     /// The energy over the free dofs, at load factor 0.
     pub(super) fn energy(&self) -> Box<dyn BodyEnergy<D>> {
-        self.with_boundary(self.law.energy(self))
+        let energy = self.with_boundary(self.law.energy(self));
+        match self.ties().is_empty() {
+            true => energy,
+            false => {
+                let full = self.prescribed.iter().flatten().copied().collect();
+                Box::new(Tied::new(energy, self.dofs(), full))
+            }
+        }
     }
 }
 
@@ -837,8 +869,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> 
     }
 
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
-        let dofs = DofMap::new(&body.is_prescribed());
-        let prescribed = body.prescribed.iter().flatten().copied().collect();
+        let (dofs, prescribed) = body.eliminated();
         let (mesh, forces) = (&body.mesh, body.forces.clone());
         let energy = StrainEnergy::<D, E, M>::with_laws(mesh, &self.1, dofs, prescribed, forces);
         match M::QUADRATIC {
@@ -878,8 +909,7 @@ where
     }
 
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
-        let dofs = DofMap::new(&body.is_prescribed());
-        let prescribed = body.prescribed.iter().flatten().copied().collect();
+        let (dofs, prescribed) = body.eliminated();
         let forces = body.forces.clone();
         Box::new(AveragedVolume::new(
             &body.mesh, &self.0, dofs, prescribed, forces,

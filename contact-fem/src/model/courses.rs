@@ -18,6 +18,25 @@ pub(crate) enum Course<const D: usize> {
     Scaled(Amplitude),
     /// The component of a displacement.
     Along(Path<D>),
+    /// A sum of others, whatever the value.
+    Sum(Vec<Part>),
+}
+
+/// A value of a dof along a course, times a factor.
+#[derive(Clone, Copy)]
+pub(crate) struct Part {
+    pub factor: f64,
+    pub dof: usize,
+    pub value: (f64, usize),
+}
+
+impl Part {
+    pub fn times(self, factor: f64) -> Self {
+        Part {
+            factor: factor * self.factor,
+            ..self
+        }
+    }
 }
 
 /// The prescribed displacements of a body.
@@ -62,7 +81,12 @@ impl<const D: usize> Supports<D> {
         match &self.courses[course] {
             Course::Scaled(amplitude) => value * amplitude.at(t),
             Course::Along(path) => path(t, &self.X[dof / D])[dof % D],
+            Course::Sum(parts) => parts.iter().map(|part| self.part_at(part, t)).sum(),
         }
+    }
+
+    pub fn part_at(&self, part: &Part, t: f64) -> f64 {
+        part.factor * self.course_at(part.dof, part.value, t)
     }
 
     /// The prescribed displacements at time `t` (UL), in ascending order of the dofs; none at 0, before the first step.

@@ -571,7 +571,8 @@ impl<const D: usize> LoadStepped for Problem<D> {
             if increments.iter().all(|p| *p == 0.0) {
                 continue;
             }
-            let extension = energy.extend(&DofMap::new(&body.is_prescribed()), &increments);
+            let (supports, increments) = body.lifted_by(increments);
+            let extension = energy.extend(&supports, &increments);
             self.kinematics.add_free(index, &extension, &mut lifted);
         }
         lifted

@@ -130,6 +130,12 @@ impl<const D: usize> Problem<D> {
             for (dof, _) in held.filter(|(_, prescribed)| prescribed.is_some()) {
                 sum[dof % D] += residual[dof] - contact[dof / D][dof % D];
             }
+            for (dof, others) in body.ties() {
+                let reaction = residual[*dof] - contact[dof / D][dof % D];
+                others
+                    .iter()
+                    .for_each(|(other, c)| sum[other % D] -= c * reaction);
+            }
             for (dof, force, _) in body.fading(self.load()) {
                 sum[dof % D] += force;
             }

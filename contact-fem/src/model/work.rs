@@ -219,10 +219,16 @@ fn forces_of_supports<const D: usize>(
         }));
         let first = D * problem.nodes(id).start;
         for (dof, support) in of_dofs.iter().enumerate() {
-            if let Some(support) = support {
+            if let Some(support) = support.filter(|_| !body.has_shares(dof / D)) {
                 let forces = &mut supports[own + support].forces;
                 forces.push((first + dof, reaction(first + dof)));
             }
+        }
+        for share in body.shares_of_rollers() {
+            let force = share.share * reaction(first + share.prescribed);
+            supports[own + share.name]
+                .forces
+                .push((first + share.dof, force));
         }
         for (dof, force, name) in body.fading(problem.load()) {
             supports[own + name].forces.push((first + dof, force));

@@ -134,7 +134,7 @@ impl<const D: usize> Body<D> {
 
     /// What a dof is prescribed to by supports that may hold together with one that is declared now: values and courses.
     pub(super) fn held_beside(&self, dof: usize) -> Vec<(f64, usize)> {
-        match self.is_switched() {
+        match self.is_switched() || self.slides(dof / D) {
             true => self.declared.beside(dof).collect(),
             false => self.supports.values[dof].into_iter().collect(),
         }
@@ -157,6 +157,22 @@ impl<const D: usize> Body<D> {
         }
     }
 
+    /// The value, course and boundary's number of a support that holds a dof at all times.
+    pub(super) fn declared_at_all_times(&self, dof: usize) -> Option<((f64, usize), usize)> {
+        let mut always = self.declared.all.iter().filter(|own| own.during.is_none());
+        always.find_map(|own| {
+            let place = own.held.binary_search_by_key(&dof, |(dof, _)| *dof);
+            place.ok().map(|place| (own.held[place].1, own.name))
+        })
+    }
+
+    /// Whether a support holds a component of a node in some phases alone.
+    pub(super) fn is_switched_at(&self, node: usize) -> bool {
+        let dofs = D * node..D * (node + 1);
+        let mut switched = self.declared.all.iter().filter(|own| own.during.is_some());
+        switched.any(|own| own.held.iter().any(|(dof, _)| dofs.contains(dof)))
+    }
+
     /// Of each dof the declaration that holds it at `t`.
     fn holders(&self, t: f64) -> Vec<Option<usize>> {
         let mut by = vec![None; self.prescribed.len()];
@@ -172,6 +188,9 @@ impl<const D: usize> Body<D> {
 
     fn let_hold(&mut self, by: &[Option<usize>]) {
         for (dof, holder) in by.iter().enumerate() {
+            if self.slides(dof / D) {
+                continue;
+            }
             let own = holder.map(|k| &self.declared.all[k]);
             let value = own.and_then(|own| {
                 let place = own.held.binary_search_by_key(&dof, |(dof, _)| *dof);
@@ -223,6 +242,23 @@ impl<const D: usize> Body<D> {
         self.let_hold(&by);
         self.declared.fading = Fading { span, forces };
         is_other
+    }
+
+    /// Changes supports, or leaves them as they are.
+    pub(super) fn or_not(
+        &mut self,
+        change: impl FnOnce(&mut Self) -> Result<(), Error>,
+    ) -> Result<&mut Self, Error> {
+        let (held, rollers) = (self.holding(), self.rollers.clone());
+        let (names, declared) = (self.supported.len(), self.declared.all.len());
+        let changed = change(self);
+        if changed.is_err() {
+            self.hold_again(held);
+            self.rollers = rollers;
+            self.supported.truncate(names);
+            self.declared.all.truncate(declared);
+        }
+        changed.map(|()| self)
     }
 
     /// What holds the body now.

@@ -206,11 +206,15 @@ pub(super) fn undetermined<const D: usize>(
         let first = problem.first_node(id);
         let held = body.prescribed().iter().enumerate();
         let held = held.filter(|(_, value)| value.is_some());
-        let held: Vec<_> = held.map(|(dof, _)| (first + dof / D, dof % D)).collect();
+        let held = held.map(|(dof, _)| body.held_by(dof));
+        let in_space = |(dof, c): (usize, f64)| (first + dof / D, dof % D, c);
+        let held: Vec<Vec<_>> = held
+            .map(|sum| sum.into_iter().map(in_space).collect())
+            .collect();
         for part in body.mesh().parts() {
             let nodes: BTreeSet<usize> = part.iter().map(|a| first + a).collect();
-            let supports = held.iter().filter(|(node, _)| nodes.contains(node));
-            let supports = supports.map(|&(node, component)| vec![(node, component, 1.0)]);
+            let supports = held.iter().filter(|sum| nodes.contains(&sum[0].0));
+            let supports = supports.cloned();
             let of_part = |row: &Vec<(usize, usize, f64)>| {
                 let own = row.iter().copied();
                 own.filter(|(node, ..)| nodes.contains(node)).collect()

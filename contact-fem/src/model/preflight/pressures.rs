@@ -54,6 +54,14 @@ fn rim<const D: usize>(body: &Body<D>, boundary: &str) -> Result<Vec<Vec<usize>>
 
 /// Whether no pair of free components of these nodes sees what is not symmetric.
 fn is_conservative<const D: usize>(body: &Body<D>, edge: &[usize]) -> bool {
+    // what slides along other planes is not looked into
+    let is_tied = |dof: usize| body.ties().contains_key(&dof);
+    if edge
+        .iter()
+        .any(|node| (D * node..D * (node + 1)).any(is_tied))
+    {
+        return false;
+    }
     let is_free = |i: &usize| {
         let mut nodes = edge.iter();
         nodes.any(|node| body.prescribed()[D * node + i].is_none())

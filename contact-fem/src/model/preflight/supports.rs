@@ -124,7 +124,7 @@ fn free_motions<const D: usize>(body: &Body<D>, part: &[usize]) -> Vec<String> {
         };
         (0..modes::<D>()).map(of_mode).collect()
     };
-    let of_dofs = held.iter().map(|dof| row(&[(*dof, 1.0)]));
+    let of_dofs = held.iter().map(|dof| row(&body.held_by(*dof)));
     let of_springs = springs.iter().map(|own| row(own));
     let free = null_space(of_dofs.chain(of_springs), modes::<D>(), HOLDS);
     names::<D>(&free)
