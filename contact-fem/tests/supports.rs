@@ -10,6 +10,7 @@ use contact_fem::{
     Amplitude, Body, Error, LinearElastic, Motion, NeoHookean, Obstacle, Phase, Scene, Simulation,
 };
 
+type Declare<'a> = &'a dyn Fn(&mut Body<2>) -> Result<(), Error>;
 type Point = contact_fem::tensor::Vector<2>;
 
 const E: f64 = 100.0;
@@ -297,13 +298,13 @@ fn stopped_where_supports_let_go() {
 /// What cannot be is refused before anything is solved, by a name.
 #[test]
 fn wrong_switches() {
-    let refused = |declare: &dyn Fn(&mut Body<2>) -> Result<(), Error>| {
+    let refused = |declare: Declare<'_>| {
         let mut body = bar(true);
         body.during(&[[0.0, 1.0]], |body| declare(body).map(|()| body))
             .err()
             .expect("refused")
     };
-    let loads: [&dyn Fn(&mut Body<2>) -> Result<(), Error>; 5] = [
+    let loads: [Declare<'_>; 5] = [
         &|body| body.traction("top", [0.0, 1.0]).map(|_| ()),
         &|body| body.body_force_path(|_, _| Point::zeros()).map(|_| ()),
         &|body| body.pressure("top", 1.0).map(|_| ()),

@@ -232,7 +232,7 @@ impl<const D: usize> Body<D> {
         }
     }
 
-    /// Makes a boundary a plane of symmetry, perpendicular to an axis: displacements along that axis are zero on it, and the
+    /// Makes a plane boundary a plane of symmetry: displacements along its normal are zero on it, and the
     /// others are free. Model a half or a quarter of the bodies; forces and energies are those of the part.
     ///
     /// A quarter of a plate, drawn upwards:
@@ -250,7 +250,8 @@ impl<const D: usize> Body<D> {
     /// ```
     ///
     /// # Errors
-    /// As [`Body::prescribe`], and if the boundary is not in one plane perpendicular to an axis.
+    /// As [`Body::prescribe`], if the boundary is not in one plane and, where no axis is perpendicular to it, as
+    /// [`Body::prescribe_along`].
     pub fn symmetry(&mut self, boundary: &str) -> Result<&mut Self, Error> {
         let nodes = self.nodes_to_support(boundary)?;
         let extent = |nodes: &mut dyn Iterator<Item = usize>, i: usize| {
@@ -270,11 +271,16 @@ impl<const D: usize> Body<D> {
                 components[axis] = Some(0.0);
                 self.hold((boundary, &nodes), components, 0)
             }
-            flattest => Err(Error::Setting {
-                name: "thickness of the plane of symmetry",
-                value: flattest.map_or(0.0, |(_, thickness)| thickness),
-                remedy: "name facets in one plane perpendicular to an axis, or turn the mesh so that they are",
-            }),
+            _ => match self.normal_of_plane(&nodes) {
+                (n, thickness) if thickness <= PLANE * size => {
+                    self.hold_plane((boundary, &nodes), n.into(), (0.0, Amplitude::default()))
+                }
+                (_, thickness) => Err(Error::Setting {
+                    name: "thickness of the plane of symmetry",
+                    value: thickness,
+                    remedy: "name facets in one plane",
+                }),
+            },
         }
     }
 
@@ -681,12 +687,13 @@ impl<const D: usize> Body<D> {
         Ok(self)
     }
 
-    /// The displacement prescribed for each dof at load factor 1 (UL), if any.
+    /// The displacement prescribed for each dof at load factor 1 (UL), if any. Where nodes slide along planes that are not
+    /// perpendicular to an axis, one component is, without what the others add to it.
     pub fn prescribed(&self) -> &[Option<f64>] {
         &self.prescribed
     }
 
-    /// The displacements prescribed at a load factor (UL), in ascending order of the dofs; 0 at the load factor 0, before
+    /// The displacements prescribed at a load factor (UL), as [`Body::prescribed`] in ascending order of the dofs; 0 at the load factor 0, before
     /// the first step.
     pub fn prescribed_at(&self, factor: f64) -> Vec<f64> {
         self.supports.at(factor)

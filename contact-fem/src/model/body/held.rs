@@ -103,7 +103,7 @@ impl<const D: usize> Body<D> {
     ///
     /// # Errors
     /// An interval whose end is not beyond its beginning, numbers that are not, and what `supports` answers: two values for a
-    /// component at the same time, and loads and foundations, which are not switched. A run whose phases do not
+    /// component at the same time, and loads, foundations and supports along other directions than axes, which are not switched. A run whose phases do not
     /// end where supports are switched is refused before it begins, and so is one in a phase of which nothing holds a body.
     pub fn during(
         &mut self,

@@ -130,7 +130,7 @@ impl<const D: usize> Body<D> {
         self.hold_plane(("", nodes), direction, (value, Amplitude::default()))
     }
 
-    fn hold_plane(
+    pub(super) fn hold_plane(
         &mut self,
         (boundary, nodes): (&str, &[usize]),
         direction: [f64; D],
@@ -175,6 +175,25 @@ impl<const D: usize> Body<D> {
             }
             body.resolve_all(nodes)
         })
+    }
+
+    /// The normal of the plane that nodes are in, and the thickness of what they are in (UL).
+    pub(super) fn normal_of_plane(&self, nodes: &[usize]) -> (Vector<D>, f64) {
+        let X = |k: usize| self.mesh.nodes()[nodes[k]];
+        let centre = (0..nodes.len()).map(X).sum::<Vector<D>>() / nodes.len().max(1) as f64;
+        let arms = DMatrix::from_fn(nodes.len().max(D), D, |k, i| match k < nodes.len() {
+            true => X(k)[i] - centre[i],
+            false => 0.0,
+        });
+        let svd = arms.svd(false, true);
+        let least = svd.singular_values.imin();
+        let n = match &svd.v_t {
+            Some(v_t) => Vector::<D>::from_fn(|i, _| v_t[(least, i)]),
+            None => Vector::zeros(),
+        };
+        let heights = (0..nodes.len()).map(|k| (X(k) - centre).dot(&n));
+        let [low, high] = heights.fold([0.0_f64; 2], |[low, high], h| [low.min(h), high.max(h)]);
+        (n, high - low)
     }
 
     /// Whether planes hold a node.
