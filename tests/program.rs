@@ -763,7 +763,7 @@ fn switched_supports_from_a_file() {
     for (good, bad, told) in [
         ("[[0, 1]]", "[[1, 0]]", "`supports.during`"),
         ("y = 0.2", "y = nan", "supports"),
-        ("on = 4", "on = 9", "`on`"),
+        ("on = 4", "on = 9", "`supports.on`"),
     ] {
         let scene = SceneFile::parse(&text.replace(good, bad), &folder).map(|f| f.scene::<2>());
         let refused = scene.expect("keys").err().expect(bad).to_string();
@@ -778,6 +778,10 @@ fn switched_supports_from_a_file() {
         .expect("sound");
     let refused = file.simulation().expect("settings").run(&mut problem);
     let refused = refused.expect_err("within a phase").to_string();
+    let path = folder.join("within.toml");
+    fs::write(&path, &text).expect("written");
+    let (code, told) = program(&["run", "--check"], &[&path]);
+    assert!(code == Some(2) && told.contains("1.5"), "{code:?}: {told}");
     assert!(
         refused.contains("`4` of body `upper`") && refused.contains("1.5"),
         "{refused}"
