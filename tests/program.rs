@@ -668,6 +668,126 @@ fn pressures_and_foundations_from_a_file() {
     }
 }
 
+/// Supports of a file along a direction are those of the body; errors name their keys and entries.
+#[test]
+fn slopes_from_a_file() {
+    let folder = fresh("slopes");
+    let text = r#"
+        increments = 1
+
+        [[body]]
+        name = "upper"
+        mesh = "upper.msh"
+        law = "linear-elastic"
+        young = 100
+        poisson = 0.3
+        supports = [{ on = 1, along = [3, 4], by = 0.1, amplitude = 0.5 }, { on = 2, along = [4, -3] }]
+        body-force = [0, -1]
+    "#;
+    let path = two_bodies(&folder, text);
+    let file = SceneFile::read(&path).expect("a file");
+    let scene = file.scene::<2>().expect("a scene");
+    let mut problem = scene.problem().expect("sound");
+    let history = file.simulation().expect("settings").run(&mut problem);
+    let history = history.expect("a run");
+    let moved = problem.displacements(&history.run.state.u);
+    let mesh = problem.scene().bodies()[0].mesh();
+    for node in mesh.boundary_nodes("1").expect("a side") {
+        assert!((0.6 * moved[node][0] + 0.8 * moved[node][1] - 0.05).abs() < 1e-15);
+    }
+    let last = history.last().expect("a step");
+    let (below, beside) = (last.support_reactions[0].1, last.support_reactions[1].1);
+    assert!((0.8 * below[0] - 0.6 * below[1]).abs() < 1e-9, "{below}");
+    assert!((0.6 * beside[0] + 0.8 * beside[1]).abs() < 1e-9, "{beside}");
+    for (good, bad, told) in [
+        ("along = [3, 4]", "along = [3, 4, 5]", "`supports.along`"),
+        (
+            "along = [3, 4]",
+            "along = [0, 0]",
+            "length of the direction",
+        ),
+        ("along = [3, 4]", "y = 1", "`by` without `along`"),
+        (
+            "along = [3, 4]",
+            "y = 1, along = [3, 4]",
+            "has components and `along`",
+        ),
+        ("on = 1, along", "along", "name its nodes"),
+        (
+            "along = [4, -3]",
+            "along = [4, -3], during = [[0, 1]]",
+            "outside",
+        ),
+    ] {
+        let scene = SceneFile::parse(&text.replace(good, bad), &folder).map(|f| f.scene::<2>());
+        let refused = scene.expect("keys").err().expect(bad).to_string();
+        assert!(refused.contains(told), "{refused} of {told}");
+    }
+}
+
+/// Supports of a file that are switched are those of the body; errors name their keys and entries.
+#[test]
+fn switched_supports_from_a_file() {
+    let folder = fresh("switched");
+    let text = r#"
+        [[phase]]
+        name = "draw"
+        until = 1
+        increments = 2
+
+        [[phase]]
+        name = "let go"
+        until = 2
+        increments = 2
+
+        [[body]]
+        name = "upper"
+        mesh = "upper.msh"
+        law = "neo-hookean"
+        young = 100
+        poisson = 0.3
+        supports = [{ on = 1, x = 0, y = 0 }, { on = 4, y = 0.2, during = [[0, 1]] }]
+    "#;
+    let path = two_bodies(&folder, text);
+    let file = SceneFile::read(&path).expect("a file");
+    let scene = file.scene::<2>().expect("a scene");
+    let mut problem = scene.problem().expect("sound");
+    let history = file.simulation().expect("settings").run(&mut problem);
+    let history = history.expect("a run");
+    let [drawn, half, free] = [1, 2, 3].map(|step| history.steps[step].stored_energy);
+    assert!(
+        0.1 < drawn && 0.2 * drawn < half && half < 0.3 * drawn,
+        "{half} of {drawn}"
+    );
+    assert!(free < 1e-12 * drawn, "{free}");
+    for (good, bad, told) in [
+        ("[[0, 1]]", "[[1, 0]]", "`supports.during`"),
+        ("y = 0.2", "y = nan", "supports"),
+        ("on = 4", "on = 9", "`supports.on`"),
+    ] {
+        let scene = SceneFile::parse(&text.replace(good, bad), &folder).map(|f| f.scene::<2>());
+        let refused = scene.expect("keys").err().expect(bad).to_string();
+        assert!(refused.contains(told), "{refused} of {told}");
+    }
+    let text = text.replace("[[0, 1]]", "[[0, 1.5]]");
+    let file = SceneFile::parse(&text, &folder).expect("keys");
+    let mut problem = file
+        .scene::<2>()
+        .expect("a scene")
+        .problem()
+        .expect("sound");
+    let refused = file.simulation().expect("settings").run(&mut problem);
+    let refused = refused.expect_err("within a phase").to_string();
+    let path = folder.join("within.toml");
+    fs::write(&path, &text).expect("written");
+    let (code, told) = program(&["run", "--check"], &[&path]);
+    assert!(code == Some(2) && told.contains("1.5"), "{code:?}: {told}");
+    assert!(
+        refused.contains("`4` of body `upper`") && refused.contains("1.5"),
+        "{refused}"
+    );
+}
+
 #[test]
 fn a_program_from_a_file() {
     let folder = fresh("phases");

@@ -45,8 +45,17 @@ until = 2.0
 increments = 14
 "#;
 
+/// As [`SCENE`]; the block is held at its left until the die slides, and at its right from then on.
+fn switched() -> String {
+    let held = "{ on = 2, x = 0, during = [[0, 1]] }, { on = 3, x = 0, during = [[1, 2]] }";
+    let always = "{ on = 1, x = 0, y = 0 }";
+    let text = SCENE.replace(always, &format!("{always}, {held}"));
+    assert!(text.contains(held));
+    text
+}
+
 /// The scene and its meshes in an empty folder.
-fn scene(name: &str) -> (PathBuf, PathBuf) {
+fn scene(name: &str, text: &str) -> (PathBuf, PathBuf) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("resume")
         .join(name);
@@ -68,7 +77,7 @@ fn scene(name: &str) -> (PathBuf, PathBuf) {
         mesh.save_freefem(folder.join(name)).expect("written");
     }
     let path = folder.join("scene.toml");
-    fs::write(&path, SCENE).expect("written");
+    fs::write(&path, text).expect("written");
     (folder, path)
 }
 
@@ -128,8 +137,8 @@ fn without_times(path: &Path) -> Vec<u8> {
 }
 
 /// Kills the run after each of these shares of its time, lets it go on, and compares all files.
-fn killed(solver: &str, shares: impl Iterator<Item = f64>) {
-    let (folder, scene) = scene(solver);
+fn killed((name, text): (&str, &str), solver: &str, shares: impl Iterator<Item = f64>) {
+    let (folder, scene) = scene(name, text);
     let whole = folder.join("whole").join("run");
     let clock = Instant::now();
     let status = program(&scene, &whole, solver).status().expect("a run");
@@ -168,6 +177,7 @@ fn killed(solver: &str, shares: impl Iterator<Item = f64>) {
 #[test]
 fn killed_at_any_moment_a_run_goes_on_bit_for_bit() {
     killed(
+        ("automatic", SCENE),
         "automatic",
         (1..=50).map(|k| (0.618_034 * f64::from(k)).fract()),
     );
@@ -175,13 +185,19 @@ fn killed_at_any_moment_a_run_goes_on_bit_for_bit() {
 
 #[test]
 fn so_it_does_with_ipopt() {
-    killed("ipopt", [0.2, 0.5, 0.8].into_iter());
+    killed(("ipopt", SCENE), "ipopt", [0.2, 0.5, 0.8].into_iter());
+}
+
+#[test]
+fn so_it_does_where_supports_are_switched() {
+    let shares = (1..=12).map(|k| (0.618_034 * f64::from(k)).fract());
+    killed(("switched", &switched()), "automatic", shares);
 }
 
 /// The answers are not those of another scene, and the file stays.
 #[test]
 fn answers_of_another_scene_are_refused() {
-    let (folder, path) = scene("another");
+    let (folder, path) = scene("another", SCENE);
     let out = folder.join("run");
     let status = program(&path, &out, "automatic").status().expect("a run");
     assert!(status.success(), "{status}");

@@ -73,6 +73,11 @@ impl<E: Energy> DirectSum<E> {
         &self.parts
     }
 
+    /// The parts themselves.
+    pub fn into_parts(self) -> Vec<E> {
+        self.parts
+    }
+
     /// The parts, to change their loads. Their numbers of unknowns and their patterns must not change.
     pub fn parts_mut(&mut self) -> &mut [E] {
         &mut self.parts

@@ -18,6 +18,27 @@ pub trait LoadStepped: ContactProblem {
     /// Sets loads and prescribed displacements to those at `factor`; proportional ones to `factor` times their full value.
     fn set_load(&mut self, factor: f64) -> Result<(), Error>;
 
+    /// Checks what changes from one phase to the next, before a run whose phases end at these load factors. The default accepts
+    /// any.
+    fn check_phases(&mut self, _ends: &[f64]) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Begins a phase from `span[0]` to `span[1]`, at the converged `u` and, behind the first phase, its solution. `Some` are the
+    /// unknowns of the same state if others are free in the phase than before: their number, the energy and the rows
+    /// have changed then. The default keeps all.
+    fn begin(
+        &mut self,
+        _span: [f64; 2],
+        _u: &[f64],
+        _solution: Option<&Solution>,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        Ok(None)
+    }
+
+    /// Takes back the last [`LoadStepped::begin`] that changed unknowns: no step of its phase has converged.
+    fn take_back(&mut self) {}
+
     /// Where bodies penetrate or have passed through each other at `u`, or on the way there from
     /// `last`, converged at load factor `from`; `None` if they have not. Weak constraints leave a
     /// small penetration; a deeper one was missed by the contact search. A step that tunnels is
@@ -309,6 +330,14 @@ impl LoadSteps {
         }
     }
 
+    /// The load factors at which phases end.
+    fn ends(&self) -> Vec<f64> {
+        match self.phases.is_empty() {
+            true => vec![1.0],
+            false => self.phases.iter().map(|phase| phase.until).collect(),
+        }
+    }
+
     /// The load factor at the end of the run.
     pub fn end(&self) -> f64 {
         self.phases.last().map_or(1.0, |phase| phase.until)
@@ -335,6 +364,7 @@ impl LoadSteps {
         if let Some(guess) = &self.guess {
             Error::check_vector("guess.u", &guess.u, problem.energy().dofs())?;
         }
+        problem.check_phases(&self.ends())?;
         #[cfg(feature = "linear")]
         crate::memory::check_run(&*solver, &*problem, self.budget.memory)?;
         let mut path = Path {
@@ -345,10 +375,15 @@ impl LoadSteps {
                 state: start,
             },
             before: None,
+            other: None,
             solution: None,
             attempts: Vec::new(),
         };
         let walked = path.walk(problem, solver, &mut observe);
+        if let Some(state) = path.other.take() {
+            problem.take_back();
+            path.last.state = state;
+        }
         let reset = problem.set_load(path.last.factor);
         let (ending, error) = match walked.and_then(|ending| reset.map(|()| ending)) {
             Ok(ending) => (ending, None),
@@ -376,6 +411,8 @@ struct Path<'a> {
     stop: Stop,
     last: Milestone,
     before: Option<Milestone>,
+    /// The last state in the unknowns of its own phase, while the next phase has others and no step of it has converged.
+    other: Option<State>,
     solution: Option<Solution>,
     attempts: Vec<Attempt>,
 }
@@ -397,6 +434,7 @@ impl Path<'_> {
             let mut pace = Pace::new(phase, (began, before), self.settings.max_halvings);
             // loads may change their course here
             self.before = None;
+            self.begin(problem, phase.until)?;
             if let Some(ending) = self.walk_phase(problem, solver, (phase, &mut pace), observe)? {
                 return Ok(ending);
             }
@@ -404,6 +442,19 @@ impl Path<'_> {
             before = pace.increments();
         }
         Ok(Ending::Complete)
+    }
+
+    /// Begins a phase, in whose unknowns the last state then is.
+    fn begin<P: LoadStepped>(&mut self, problem: &mut P, until: f64) -> Result<(), Error> {
+        let span = [self.last.factor, until];
+        let solution = self.solution.as_ref();
+        if let Some(u) = problem.begin(span, &self.last.state.u, solution)? {
+            let multipliers = self.last.state.multipliers.clone();
+            let here = State { u, multipliers };
+            let before = std::mem::replace(&mut self.last.state, here);
+            self.other = self.solution.is_some().then_some(before);
+        }
+        Ok(())
     }
 
     /// Walks one phase; the ending of the run if it ends here, before the last phase does.
@@ -643,6 +694,7 @@ impl Path<'_> {
             state: solution.state.clone(),
         };
         self.before = Some(std::mem::replace(&mut self.last, reached));
+        self.other = None;
         self.solution = Some(solution);
     }
 }

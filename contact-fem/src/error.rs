@@ -457,6 +457,42 @@ pub enum Error {
         /// The second value (UL).
         second: f64,
     },
+    /// What cannot hold in some phases alone.
+    #[error(
+        "{what} within `Body::during`, which switches supports alone: declare it outside; loads take an amplitude, such as \
+         `Amplitude::table`"
+    )]
+    NotSwitched {
+        /// What was declared.
+        what: &'static str,
+    },
+    /// A support that begins or ends within a phase.
+    #[error(
+        "the support on `{boundary}` of body `{body}` begins or ends at load factor {at}, within a phase from {from} to {until}: end a \
+         phase there"
+    )]
+    SwitchWithinPhase {
+        /// The body.
+        body: String,
+        /// The boundary; empty for supports of nodes.
+        boundary: String,
+        /// Where the support begins or ends.
+        at: f64,
+        /// Where the phase begins.
+        from: f64,
+        /// Where it ends.
+        until: f64,
+    },
+    /// What the checks find in a later phase, with the supports that hold then.
+    #[error("in the phase from load factor {from} to {until}: {error}")]
+    InPhase {
+        /// Where the phase begins.
+        from: f64,
+        /// Where it ends.
+        until: f64,
+        /// What they find.
+        error: Box<Error>,
+    },
     /// A setting outside its range.
     #[error("`{name}` = {value} is out of range: {remedy}")]
     Setting {

@@ -179,6 +179,7 @@ impl<S: Equilibrium> Simulation<S> {
         problem: &mut Problem<D>,
         mut observe: impl FnMut(&StepView<'_, D>) -> ControlFlow<()>,
     ) -> Result<History<D>, Error> {
+        problem.rest()?;
         let start = State {
             u: vec![0.0; problem.energy().dofs()],
             ..State::default()

@@ -281,6 +281,19 @@ impl FoundationKeys {
 
 impl SupportKeys {
     fn hold<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
+        let Some(during) = &self.during else {
+            return self.hold_now(place, body);
+        };
+        let mut held = Ok(());
+        let switched = body.during(during, |body| {
+            held = self.hold_now(place, body);
+            Ok(body)
+        });
+        place.key("during").of(switched)?;
+        held
+    }
+
+    fn hold_now<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
         let all = [self.x, self.y, self.z];
         if D == 2 && self.z.is_some() {
             return Err(place.key("z").wrong("a support in the plane has no `z`"));
@@ -288,14 +301,27 @@ impl SupportKeys {
         let name = self.on.as_ref().map(ToString::to_string);
         let components = std::array::from_fn(|i| all[i]);
         let moves = motion(place, &self.motion)?;
-        let has_values = all.iter().any(Option::is_some);
+        let has_components = all.iter().any(Option::is_some);
+        let direction = match &self.along {
+            Some(along) => Some(place.key("along").vector(along)?),
+            None => None,
+        };
+        let by = self.by.unwrap_or(0.0);
+        let has_values = has_components || direction.is_some();
         let is_on = name.is_some();
         let what = match (has_values, &moves, &self.amplitude, &self.at) {
+            _ if has_components && direction.is_some() => {
+                "has components and `along`: give it one of them"
+            }
+            _ if self.by.is_some() && direction.is_none() => "has `by` without `along`",
+            _ if direction.is_some() && !is_on && self.at.is_none() => {
+                "has `along`: name its nodes by `on` or `at`"
+            }
             (_, Some(_), _, Some(_)) | (_, _, Some(_), Some(_)) => {
                 "has `at`, which takes components alone: leave the other out"
             }
             (.., Some(_)) if is_on => "has `on` and `at`: give it one of them",
-            (false, None, ..) => "holds nothing: give it x, y, z or `motion`",
+            (false, None, ..) => "holds nothing: give it x, y, z, `along` or `motion`",
             (true, Some(_), ..) => "has components and a motion: give it one of them",
             (_, Some(_), Some(_), _) => {
                 "has a motion, which has amplitudes of its own: leave `amplitude` out"
@@ -316,7 +342,10 @@ impl SupportKeys {
             let points: Result<Vec<[f64; D]>, Error> =
                 points.iter().map(|point| at.vector(point)).collect();
             let nodes = at.of(body.mesh().nodes_at(&points?))?;
-            at.of(body.prescribe_nodes(&nodes, components))?;
+            at.of(match direction {
+                None => body.prescribe_nodes(&nodes, components),
+                Some(direction) => body.prescribe_nodes_along(&nodes, direction, by),
+            })?;
             return Ok(());
         }
         let held_on = match name.is_some() {
@@ -328,7 +357,10 @@ impl SupportKeys {
             (None, Some(moves)) => body.prescribe_motion_of_all(moves),
             (Some(name), None) => {
                 let course = amplitude(&place.key("amplitude"), self.amplitude.as_ref())?;
-                body.prescribe_in_time(&name, components, course)
+                match direction {
+                    None => body.prescribe_in_time(&name, components, course),
+                    Some(n) => body.prescribe_along_in_time(&name, n, by, course),
+                }
             }
             (None, None) => body.prescribe_all(components),
         };

@@ -226,9 +226,12 @@ pub(super) struct SupportKeys {
     pub(super) x: Option<f64>,
     pub(super) y: Option<f64>,
     pub(super) z: Option<f64>,
+    pub(super) along: Option<Vec<f64>>,
+    pub(super) by: Option<f64>,
     #[serde(default)]
     pub(super) motion: Vec<MotionKeys>,
     pub(super) amplitude: Option<AmplitudeKeys>,
+    pub(super) during: Option<Vec<[f64; 2]>>,
 }
 
 #[derive(Clone, Debug, Deserialize)]

@@ -11,15 +11,17 @@ mod scatter;
 mod strain_energy;
 #[cfg(test)]
 mod tests;
+mod tied;
 mod trial;
 
 pub use averaged::AveragedVolume;
 pub(crate) use boundary::{OnBoundary, Pressed, Springs, Stretch};
-pub use dofs::{Dof, DofMap};
+pub use dofs::{Dof, DofMap, Tie};
 pub use laws::Laws;
 pub use loads::{add_body_force, add_traction};
 pub use quadratic::QuadraticEnergy;
 pub use strain_energy::StrainEnergy;
+pub(crate) use tied::Tied;
 
 use contact_core::Energy;
 

@@ -1,6 +1,6 @@
 //! The certificate of a state, evaluated independently of the solver.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use contact_core::equilibrium::Solution;
 use contact_core::gaps::Sampling;
@@ -331,6 +331,14 @@ impl Residual {
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = &residuals[body];
             let (loads, springs) = on_boundary(problem, body, &U);
+            let mut tied = BTreeMap::new();
+            for (dof, others) in owner.ties() {
+                let node = problem.first_node(body) + dof / D;
+                let rest = residual[*dof] - contact[node][dof % D];
+                for (other, c) in others {
+                    *tied.entry(*other).or_insert(0.0) -= c * rest;
+                }
+            }
             let (mut rest_free, mut largest) = (0.0, noticed);
             // of reactions, loads and contact forces
             let mut resultants = [Vector::<D>::zeros(); 3];
@@ -341,7 +349,7 @@ impl Residual {
                     let load = loads[dof];
                     let reaction = match owner.prescribed()[dof] {
                         Some(_) => rest,
-                        None => 0.0,
+                        None => tied.get(&dof).copied().unwrap_or(0.0),
                     };
                     rest_free = worse((rest - reaction).abs(), rest_free);
                     let spring = springs.get(dof).copied().unwrap_or(0.0);

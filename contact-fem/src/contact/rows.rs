@@ -29,6 +29,12 @@ pub struct Unknowns<'a> {
 }
 
 impl Unknowns<'_> {
+    /// What varies with a dof that is prescribed but for those that add to it.
+    fn tied(&self, dof: usize) -> impl Iterator<Item = (usize, f64)> {
+        let is_any = !self.dofs.ties().is_empty();
+        is_any.then(|| self.dofs.slopes(dof)).into_iter().flatten()
+    }
+
     /// Whether all these dofs are prescribed.
     fn holds(&self, mut dofs: std::ops::Range<usize>) -> bool {
         dofs.all(|dof| matches!(self.supports.get(dof), Dof::Prescribed(_)))
@@ -145,6 +151,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
             row.prescribed.clear();
             row.constant = nodal.constant + nodal.widening;
             row.weight = nodal.area;
+            let mut is_tied = false;
             for (a, coefficient) in &nodal.terms {
                 row.constant += coefficient.dot(&X[*a]);
                 for (i, &c) in coefficient.iter().enumerate() {
@@ -153,14 +160,31 @@ impl<'a, const D: usize> PassRows<'a, D> {
                         Dof::Prescribed(j) => {
                             row.constant += c * unknowns.prescribed[j];
                             row.prescribed.push((j, c));
+                            for (j, slope) in unknowns.tied(D * a + i) {
+                                row.free.push((j, slope * c));
+                                is_tied = true;
+                            }
                         }
                     }
                 }
+            }
+            if is_tied {
+                merge(&mut row.free);
             }
             let node = node as u32;
             gaps.push(RowKey { pass, node }, &row);
         }
     }
+}
+
+/// Adds up entries of one unknown.
+fn merge(entries: &mut Vec<(usize, f64)>) {
+    entries.sort_by_key(|(j, _)| *j);
+    entries.dedup_by(|next, kept| {
+        let is_same = next.0 == kept.0;
+        kept.1 += if is_same { next.1 } else { 0.0 };
+        is_same
+    });
 }
 
 /// The rows (by position) of the `q`-th stencil, and its weights in them before the division by

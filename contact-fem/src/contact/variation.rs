@@ -11,7 +11,7 @@
 //! it. Their variations are internal variables of a [`GapVariation`], so that a point has entries at its
 //! own two facets only.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::AddAssign;
 
 use contact_core::GapVariation;
@@ -307,10 +307,31 @@ impl<const D: usize> Variation<D> {
 
     /// In terms of the free unknowns.
     pub fn finish(self, dofs: &DofMap) -> GapVariation {
-        let free = |a: usize, i: usize| match dofs.get(D * a + i) {
-            Dof::Free(j) => Some(j),
-            Dof::Prescribed(_) => None,
-        };
+        if dofs.ties().is_empty() {
+            let free = |a: usize, i: usize| match dofs.get(D * a + i) {
+                Dof::Free(j) => Some((j, 1.0)).into_iter(),
+                Dof::Prescribed(_) => None.into_iter(),
+            };
+            return self.finish_with(dofs, free, &BTreeMap::new());
+        }
+        let mut followed: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
+        for tie in dofs.ties() {
+            for (j, c) in &tie.free {
+                let own = followed.entry(*j).or_default();
+                own.push((tie.dof % D, *c));
+            }
+        }
+        self.finish_with(dofs, |a, i| dofs.slopes(D * a + i), &followed)
+    }
+
+    /// Likewise; `free` are the unknowns that a component varies with, and `followed` the components of the same node that
+    /// follow an unknown, with coefficients.
+    fn finish_with<I: Iterator<Item = (usize, f64)>>(
+        self,
+        dofs: &DofMap,
+        free: impl Fn(usize, usize) -> I + Copy,
+        followed: &BTreeMap<usize, Vec<(usize, f64)>>,
+    ) -> GapVariation {
         let mut variation = GapVariation::default();
         let mut row = Vec::new();
         for form in &self.gaps {
@@ -330,13 +351,20 @@ impl<const D: usize> Variation<D> {
         }
         for (a, form) in self.forces.iter().enumerate() {
             for i in 0..D {
-                if let Some(j) = free(a, i).filter(|_| !form.nodes.keys.is_empty()) {
+                let Dof::Free(j) = dofs.get(D * a + i) else {
+                    continue;
+                };
+                if !form.nodes.keys.is_empty() {
+                    let others = followed.get(&j).map_or(&[][..], Vec::as_slice);
+                    let of = |m: &Matrix<D>| combined(m, i, others);
+                    let nodes = form.nodes.iter();
                     collect(
                         &mut row,
-                        form.nodes.iter().flat_map(|(b, m)| line(b, m, i)),
+                        nodes.flat_map(|(b, m)| components(b, &of(m))),
                         free,
                     );
-                    let normals = form.normals.iter().flat_map(|(k, m)| line(k, m, i));
+                    let normals = form.normals.iter();
+                    let normals = normals.flat_map(|(k, m)| components(k, &of(m)));
                     let by_unknown = row.clone();
                     collect(&mut row, normals, internal::<D>);
                     variation.push_force(j, &by_unknown, &row);
@@ -370,15 +398,15 @@ fn near<const D: usize>(stencil: &Stencil<'_, D>, foot: &Foot<'_, D>) -> Vec<Nea
     own.chain(other).collect()
 }
 
-fn internal<const D: usize>(k: usize, i: usize) -> Option<usize> {
-    Some(D * k + i)
+fn internal<const D: usize>(k: usize, i: usize) -> std::iter::Once<(usize, f64)> {
+    std::iter::once((D * k + i, 1.0))
 }
 
 /// (key, component, value) of a vector.
 fn components<const D: usize>(
     key: usize,
     v: &Vector<D>,
-) -> impl Iterator<Item = (usize, usize, f64)> {
+) -> impl Iterator<Item = (usize, usize, f64)> + use<D> {
     let v = *v;
     (0..D).map(move |i| (key, i, v[i]))
 }
@@ -393,21 +421,30 @@ fn line<const D: usize>(
     (0..D).map(move |j| (key, j, row[j]))
 }
 
-/// The terms that `place` finds a column for.
-fn collect(
+/// Row `i` of a matrix, and others with coefficients, added up.
+fn combined<const D: usize>(m: &Matrix<D>, i: usize, others: &[(usize, f64)]) -> Vector<D> {
+    let row = |i: usize| m.row(i).transpose();
+    let others = others.iter().map(|(k, c)| row(*k) * *c);
+    others.fold(row(i), |sum, other| sum + other)
+}
+
+/// The terms in the columns that `places` finds, with coefficients.
+fn collect<I: Iterator<Item = (usize, f64)>>(
     row: &mut Vec<(usize, f64)>,
     terms: impl Iterator<Item = (usize, usize, f64)>,
-    place: impl Fn(usize, usize) -> Option<usize>,
+    places: impl Fn(usize, usize) -> I,
 ) {
     row.clear();
-    row.extend(terms.filter_map(|(key, i, v)| Some((place(key, i)?, v))));
+    for (key, i, v) in terms {
+        row.extend(places(key, i).map(|(j, c)| (j, c * v)));
+    }
 }
 
 /// One row for each component of a normal.
-fn push_rows<const D: usize>(
+fn push_rows<const D: usize, I: Iterator<Item = (usize, f64)>>(
     rows: &mut SparseRows,
     form: &Sum<Matrix<D>>,
-    place: impl Fn(usize, usize) -> Option<usize> + Copy,
+    place: impl Fn(usize, usize) -> I + Copy,
 ) {
     let mut row = Vec::new();
     for i in 0..D {

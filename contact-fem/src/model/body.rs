@@ -1,12 +1,14 @@
 //! Bodies: mesh, material law, supports and loads.
 
 mod boundary;
+mod held;
+mod rollers;
 
 use std::sync::Arc;
 
 use super::courses::{Course, Load, Origin, Supports};
 use crate::assembly::{
-    AveragedVolume, BodyEnergy, DofMap, Laws, QuadraticEnergy, StrainEnergy, add_body_force,
+    AveragedVolume, BodyEnergy, Laws, QuadraticEnergy, StrainEnergy, Tied, add_body_force,
     add_traction,
 };
 use crate::element::{Element, Order, P1, P2};
@@ -17,6 +19,7 @@ use crate::program::{Amplitude, Motion, samples};
 use crate::tensor::{Matrix, Vector, unit_vector};
 
 pub(super) use boundary::{Foundation, Pressure};
+pub(super) use held::Holding;
 
 /// Of a law that varies from point to point, about so many are checked.
 const SAMPLED: usize = 1000;
@@ -70,6 +73,10 @@ pub struct Body<const D: usize> {
     /// empty name is that of supports of nodes.
     supported: Vec<String>,
     support_of: Vec<Option<usize>>,
+    /// All of them, and when they hold.
+    declared: held::Declarations,
+    /// Nodes that slide along planes of any direction.
+    rollers: rollers::Rollers<D>,
     /// All loads with their origin, and the sum of the proportional ones at load factor 1 (UF).
     loads: Vec<(Origin, Load<D>)>,
     proportional: Vec<f64>,
@@ -183,6 +190,8 @@ impl<const D: usize> Body<D> {
             prescribed: vec![None; dofs],
             supported: Vec::new(),
             support_of: vec![None; dofs],
+            declared: held::Declarations::default(),
+            rollers: rollers::Rollers::default(),
             loads: Vec::new(),
             proportional: vec![0.0; dofs],
             forces: vec![0.0; dofs],
@@ -223,7 +232,7 @@ impl<const D: usize> Body<D> {
         }
     }
 
-    /// Makes a boundary a plane of symmetry, perpendicular to an axis: displacements along that axis are zero on it, and the
+    /// Makes a plane boundary a plane of symmetry: displacements along its normal are zero on it, and the
     /// others are free. Model a half or a quarter of the bodies; forces and energies are those of the part.
     ///
     /// A quarter of a plate, drawn upwards:
@@ -241,7 +250,8 @@ impl<const D: usize> Body<D> {
     /// ```
     ///
     /// # Errors
-    /// As [`Body::prescribe`], and if the boundary is not in one plane perpendicular to an axis.
+    /// As [`Body::prescribe`], if the boundary is not in one plane and, where no axis is perpendicular to it, as
+    /// [`Body::prescribe_along`].
     pub fn symmetry(&mut self, boundary: &str) -> Result<&mut Self, Error> {
         let nodes = self.nodes_to_support(boundary)?;
         let extent = |nodes: &mut dyn Iterator<Item = usize>, i: usize| {
@@ -261,11 +271,16 @@ impl<const D: usize> Body<D> {
                 components[axis] = Some(0.0);
                 self.hold((boundary, &nodes), components, 0)
             }
-            flattest => Err(Error::Setting {
-                name: "thickness of the plane of symmetry",
-                value: flattest.map_or(0.0, |(_, thickness)| thickness),
-                remedy: "name facets in one plane perpendicular to an axis, or turn the mesh so that they are",
-            }),
+            _ => match self.normal_of_plane(&nodes) {
+                (n, thickness) if thickness <= PLANE * size => {
+                    self.hold_plane((boundary, &nodes), n.into(), (0.0, Amplitude::default()))
+                }
+                (_, thickness) => Err(Error::Setting {
+                    name: "thickness of the plane of symmetry",
+                    value: thickness,
+                    remedy: "name facets in one plane",
+                }),
+            },
         }
     }
 
@@ -403,50 +418,67 @@ impl<const D: usize> Body<D> {
     ) -> Result<&mut Self, Error> {
         let given = components.iter().flatten();
         Error::check_finite("prescribed displacement", given)?;
-        let count = self.mesh.nodes().len();
+        self.check_nodes(nodes)?;
         for &node in nodes {
-            if node >= count {
-                return Err(Error::Setting {
-                    name: "node",
-                    value: node as f64,
-                    remedy: "name a node of this body's mesh",
-                });
-            }
             let given = components.iter().enumerate();
             for (component, value) in given.filter_map(|(i, value)| Some((i, (*value)?))) {
                 let dof = D * node + component;
-                let Some(first) = self.supports.values[dof] else {
-                    continue;
-                };
-                let values = [first, (value, course)];
-                let at = |t: f64| values.map(|value| self.supports.value(dof, value, t));
-                let mut differ = samples().map(at).filter(|[first, second]| first != second);
-                if let Some([first, second]) = differ.next_back() {
-                    return Err(Error::Conflict {
-                        node,
-                        component,
-                        first,
-                        second,
-                    });
+                for first in self.held_beside(dof) {
+                    let values = [first, (value, course)];
+                    let at = |t: f64| values.map(|value| self.supports.value(dof, value, t));
+                    let mut differ = samples().map(at).filter(|[first, second]| first != second);
+                    if let Some([first, second]) = differ.next_back() {
+                        return Err(Error::Conflict {
+                            node,
+                            component,
+                            first,
+                            second,
+                        });
+                    }
                 }
             }
         }
+        let all = nodes
+            .iter()
+            .flat_map(|node| components.iter().enumerate().map(move |c| (node, c)));
+        let held = all.filter_map(|(&node, (component, value))| {
+            Some((D * node + component, ((*value)?, course)))
+        });
+        let held = held.collect();
+        if !nodes.iter().any(|node| self.slides(*node)) {
+            let own = self.named(boundary);
+            self.declare(own, held);
+            return Ok(self);
+        }
+        self.always("a support of nodes that slide along a direction")?;
+        self.or_not(|body| {
+            let own = body.named(boundary);
+            body.declare(own, held);
+            body.resolve_all(nodes)
+        })
+    }
+
+    /// # Errors
+    /// A node that does not exist.
+    fn check_nodes(&self, nodes: &[usize]) -> Result<(), Error> {
+        let count = self.mesh.nodes().len();
+        match nodes.iter().find(|node| **node >= count) {
+            None => Ok(()),
+            Some(node) => Err(Error::Setting {
+                name: "node",
+                value: *node as f64,
+                remedy: "name a node of this body's mesh",
+            }),
+        }
+    }
+
+    /// The number of a boundary among those that supports name.
+    fn named(&mut self, boundary: &str) -> usize {
         let known = self.supported.iter().position(|name| name == boundary);
-        let own = known.unwrap_or_else(|| {
+        known.unwrap_or_else(|| {
             self.supported.push(boundary.to_string());
             self.supported.len() - 1
-        });
-        for (&node, (component, value)) in nodes
-            .iter()
-            .flat_map(|node| components.iter().enumerate().map(move |c| (node, c)))
-        {
-            let Some(value) = *value else { continue };
-            let (dof, value) = (D * node + component, (value, course));
-            self.prescribed[dof] = Some(self.supports.value(dof, value, 1.0));
-            self.supports.values[dof] = Some(value);
-            self.support_of[dof].get_or_insert(own);
-        }
-        Ok(self)
+        })
     }
 
     /// Adds a dead traction (force per reference area, UF/UL in the plane, UF/UL² in space) on a
@@ -627,6 +659,7 @@ impl<const D: usize> Body<D> {
         forces: Vec<f64>,
         amplitude: Amplitude,
     ) -> Result<&mut Self, Error> {
+        self.always(origin.kind())?;
         Error::check_finite(origin.kind(), &forces)?;
         if amplitude.is_proportional() {
             let sums = self.proportional.iter_mut().zip(&forces);
@@ -643,6 +676,7 @@ impl<const D: usize> Body<D> {
         origin: Origin,
         add: impl Fn(f64, &mut [f64]) + Send + Sync + 'static,
     ) -> Result<&mut Self, Error> {
+        self.always(origin.kind())?;
         for t in samples() {
             let mut forces = vec![0.0; self.forces.len()];
             add(t, &mut forces);
@@ -653,12 +687,13 @@ impl<const D: usize> Body<D> {
         Ok(self)
     }
 
-    /// The displacement prescribed for each dof at load factor 1 (UL), if any.
+    /// The displacement prescribed for each dof at load factor 1 (UL), if any. Where nodes slide along planes that are not
+    /// perpendicular to an axis, one component is, without what the others add to it.
     pub fn prescribed(&self) -> &[Option<f64>] {
         &self.prescribed
     }
 
-    /// The displacements prescribed at a load factor (UL), in ascending order of the dofs; 0 at the load factor 0, before
+    /// The displacements prescribed at a load factor (UL), as [`Body::prescribed`] in ascending order of the dofs; 0 at the load factor 0, before
     /// the first step.
     pub fn prescribed_at(&self, factor: f64) -> Vec<f64> {
         self.supports.at(factor)
@@ -669,8 +704,17 @@ impl<const D: usize> Body<D> {
         &self.forces
     }
 
-    /// The nodal forces of dead loads at a load factor (all dofs, UF); 0 at the load factor 0, before the first step.
+    /// The nodal forces of dead loads at a load factor (all dofs, UF); 0 at the load factor 0, before the first step. What
+    /// supports that let go have left belongs to them.
     pub fn forces_at(&self, factor: f64) -> Vec<f64> {
+        let mut forces = self.loaded_at(factor);
+        let fading = self.fading(factor);
+        fading.for_each(|(dof, force, _)| forces[dof] += force);
+        forces
+    }
+
+    /// The same without supports.
+    fn loaded_at(&self, factor: f64) -> Vec<f64> {
         let mut forces: Vec<f64> = self.proportional.iter().map(|f| factor * f).collect();
         if factor != 0.0 {
             let loads = self.loads.iter().map(|(_, load)| load);
@@ -702,6 +746,8 @@ impl<const D: usize> Body<D> {
         let mut loads = self.loads.iter().map(|(_, load)| load);
         let mut pressures = self.pressures.iter();
         !(self.supports.is_proportional()
+            && !self.is_switched()
+            && !self.has_rollers()
             && loads.all(Load::is_proportional)
             && pressures.all(Pressure::is_proportional))
     }
@@ -715,11 +761,8 @@ impl<const D: usize> Body<D> {
     /// to 1; values that are not finite are left out.
     pub(super) fn largest(&self) -> (f64, f64) {
         let of = |t: f64| {
-            let largest = self
-                .prescribed_at(t)
-                .iter()
-                .fold(0.0, |m: f64, u| m.max(u.abs()));
-            let forces = self.forces_at(t);
+            let largest = self.largest_prescribed(t);
+            let forces = self.loaded_at(t);
             let dead: f64 = forces.iter().map(|f| f.abs()).sum();
             (largest, dead + self.sum_of_pressures(t))
         };
@@ -760,7 +803,14 @@ impl<const D: usize> Body<D> {
 
     /// The energy over the free dofs, at load factor 0.
     pub(super) fn energy(&self) -> Box<dyn BodyEnergy<D>> {
-        self.with_boundary(self.law.energy(self))
+        let energy = self.with_boundary(self.law.energy(self));
+        match self.ties().is_empty() {
+            true => energy,
+            false => {
+                let full = self.prescribed.iter().flatten().copied().collect();
+                Box::new(Tied::new(energy, self.dofs(), full))
+            }
+        }
     }
 }
 
@@ -826,8 +876,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> 
     }
 
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
-        let dofs = DofMap::new(&body.is_prescribed());
-        let prescribed = body.prescribed.iter().flatten().copied().collect();
+        let (dofs, prescribed) = body.eliminated();
         let (mesh, forces) = (&body.mesh, body.forces.clone());
         let energy = StrainEnergy::<D, E, M>::with_laws(mesh, &self.1, dofs, prescribed, forces);
         match M::QUADRATIC {
@@ -867,8 +916,7 @@ where
     }
 
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {
-        let dofs = DofMap::new(&body.is_prescribed());
-        let prescribed = body.prescribed.iter().flatten().copied().collect();
+        let (dofs, prescribed) = body.eliminated();
         let forces = body.forces.clone();
         Box::new(AveragedVolume::new(
             &body.mesh, &self.0, dofs, prescribed, forces,

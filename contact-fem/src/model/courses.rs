@@ -1,5 +1,6 @@
 //! How the prescribed displacements and the loads of a body change with the load factor, a pseudo-time.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::Body;
@@ -17,6 +18,25 @@ pub(crate) enum Course<const D: usize> {
     Scaled(Amplitude),
     /// The component of a displacement.
     Along(Path<D>),
+    /// A sum of others, whatever the value.
+    Sum(Vec<Part>),
+}
+
+/// A value of a dof along a course, times a factor.
+#[derive(Clone, Copy)]
+pub(crate) struct Part {
+    pub factor: f64,
+    pub dof: usize,
+    pub value: (f64, usize),
+}
+
+impl Part {
+    pub fn times(self, factor: f64) -> Self {
+        Part {
+            factor: factor * self.factor,
+            ..self
+        }
+    }
 }
 
 /// The prescribed displacements of a body.
@@ -28,6 +48,8 @@ pub(crate) struct Supports<const D: usize> {
     pub values: Vec<Option<(f64, usize)>>,
     /// The first is proportional.
     pub courses: Vec<Course<D>>,
+    /// The dofs that are held from a later moment on: where they were then (UL), and the load factor.
+    pub begun: BTreeMap<usize, (f64, f64)>,
 }
 
 impl<const D: usize> Supports<D> {
@@ -36,6 +58,7 @@ impl<const D: usize> Supports<D> {
             values: vec![None; D * X.len()],
             X,
             courses: vec![Course::Scaled(Amplitude::default())],
+            begun: BTreeMap::new(),
         }
     }
 
@@ -44,12 +67,26 @@ impl<const D: usize> Supports<D> {
         self.courses.len() == 1
     }
 
-    /// The value of one dof at time `t` (UL) along a course.
-    pub fn value(&self, dof: usize, (value, course): (f64, usize), t: f64) -> f64 {
+    /// The value of one dof at time `t` (UL) along a course, from where it was when its support began.
+    pub fn value(&self, dof: usize, value: (f64, usize), t: f64) -> f64 {
+        let now = self.course_at(dof, value, t);
+        match self.begun.get(&dof) {
+            None => now,
+            Some((place, since)) => place + (now - self.course_at(dof, value, *since)),
+        }
+    }
+
+    /// The same of a support that holds from the beginning.
+    pub fn course_at(&self, dof: usize, (value, course): (f64, usize), t: f64) -> f64 {
         match &self.courses[course] {
             Course::Scaled(amplitude) => value * amplitude.at(t),
             Course::Along(path) => path(t, &self.X[dof / D])[dof % D],
+            Course::Sum(parts) => parts.iter().map(|part| self.part_at(part, t)).sum(),
         }
+    }
+
+    pub fn part_at(&self, part: &Part, t: f64) -> f64 {
+        part.factor * self.course_at(part.dof, part.value, t)
     }
 
     /// The prescribed displacements at time `t` (UL), in ascending order of the dofs; none at 0, before the first step.

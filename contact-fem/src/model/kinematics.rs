@@ -29,9 +29,14 @@ impl<const D: usize> Kinematics<D> {
         let (mut X, mut first_node) = (Vec::new(), vec![0]);
         let (mut dofs, mut supports) = (DofMap::default(), Vec::new());
         for body in bodies {
+            let first = D * X.len();
             X.extend_from_slice(body.mesh().nodes());
             first_node.push(X.len());
             dofs.extend(&body.is_prescribed());
+            for (dof, others) in body.ties() {
+                let others = others.iter().map(|(other, c)| (first + other, *c));
+                dofs.tie(first + dof, others);
+            }
             supports.push(body.supports().clone());
         }
         Kinematics {
@@ -59,7 +64,11 @@ impl<const D: usize> Kinematics<D> {
 
     /// The largest displacement at `u` and the present load (UL).
     pub fn largest(&self, u: &[f64]) -> f64 {
-        let all = u.iter().chain(&self.prescribed);
+        let tied = self.dofs.ties().iter();
+        let tied: Vec<f64> = tied
+            .map(|tie| self.dofs.value(tie.dof, u, &self.prescribed))
+            .collect();
+        let all = u.iter().chain(&self.prescribed).chain(&tied);
         all.fold(0.0, |largest: f64, u| match u.is_nan() {
             true => f64::INFINITY,
             false => largest.max(u.abs()),
@@ -109,7 +118,8 @@ impl<const D: usize> Kinematics<D> {
         let mut prescribed = vec![0.0; self.dofs.prescribed()];
         gaps.add_forces(lambda, &mut free);
         gaps.add_prescribed_forces(lambda, &mut prescribed);
-        self.nodal(&free, &prescribed)
+        let all = self.dofs.forces(&free, &prescribed);
+        all.chunks_exact(D).map(Vector::from_column_slice).collect()
     }
 
     /// Adds the free components of a body's `increments`, one for each of its dofs (UL), to u.

@@ -10,6 +10,7 @@ mod extent;
 mod handle;
 mod initial_gaps;
 mod kinematics;
+mod phases;
 mod plan;
 mod preflight;
 mod problem;

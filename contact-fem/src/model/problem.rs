@@ -13,6 +13,7 @@ use contact_core::{
     Separable, Stop,
 };
 
+use super::body::Holding;
 use super::contact_set::ContactSet;
 use super::courses;
 use super::kinematics::Kinematics;
@@ -35,8 +36,10 @@ pub struct Problem<const D: usize> {
     pub(super) contact: ContactSet<D>,
     pub(super) ties: Ties<D>,
     /// Whether supports alone hold each body.
-    held: Vec<bool>,
-    scale: Scale,
+    pub(super) held: Vec<bool>,
+    /// What held the bodies before the present phase, if something else does in it.
+    pub(super) last_held: Option<Vec<Holding<D>>>,
+    pub(super) scale: Scale,
     pub(super) audit: Audit<D>,
     /// [`Audit::depths`] in the reference configuration of bodies with a pair, if their overlaps are resolved or adjusted.
     overlaps_at_rest: BTreeMap<[usize; 2], [f64; 2]>,
@@ -83,6 +86,7 @@ impl<const D: usize> Problem<D> {
             ),
             energy: DirectSum::new(energies),
             held: preflight::held(&scene),
+            last_held: None,
             audit,
             overlaps_at_rest,
             scene,
@@ -522,6 +526,23 @@ impl<const D: usize> LoadStepped for Problem<D> {
         Ok(())
     }
 
+    fn check_phases(&mut self, ends: &[f64]) -> Result<(), Error> {
+        Ok(self.check_supports(ends)?)
+    }
+
+    fn begin(
+        &mut self,
+        span: [f64; 2],
+        u: &[f64],
+        solution: Option<&Solution>,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        self.switch_supports(span, u, solution)
+    }
+
+    fn take_back(&mut self) {
+        self.switch_back();
+    }
+
     fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage> {
         if !(self.is_state(u) && self.is_state(last)) {
             return None;
@@ -577,7 +598,8 @@ impl<const D: usize> LoadStepped for Problem<D> {
             if increments.iter().all(|p| *p == 0.0) {
                 continue;
             }
-            let extension = energy.extend(&DofMap::new(&body.is_prescribed()), &increments);
+            let (supports, increments) = body.lifted_by(increments);
+            let extension = energy.extend(&supports, &increments);
             self.kinematics.add_free(index, &extension, &mut lifted);
         }
         lifted

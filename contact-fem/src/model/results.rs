@@ -82,6 +82,14 @@ impl<const D: usize> Problem<D> {
         self.residuals_and_energy(u).0
     }
 
+    /// Forgets them, where energies have changed at a state and a load.
+    pub(super) fn forget_residuals(&mut self) {
+        *self
+            .residuals
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
     fn residuals_and_energy(&self, u: &[f64]) -> (Arc<Vec<Vec<f64>>>, f64) {
         let mut last = self
             .residuals
@@ -109,7 +117,8 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The reactions (UF) of supports and foundations on each body: ∂E/∂U − Cᵀλ, less forces of ties, summed over its prescribed
-    /// dofs, and what its springs do. NaN if `contact_forces` has not one force a node, and where they depend on a `u` that is
+    /// dofs, what is left of those of supports that have let go, and what its springs do. NaN if `contact_forces` has not one force a node,
+    /// and where they depend on a `u` that is
     /// [no state](Problem::is_state).
     pub fn reactions(&self, u: &[f64], contact_forces: &[Vector<D>]) -> Vec<Vector<D>> {
         let bodies = self.scene.ids().zip(self.scene.bodies());
@@ -125,6 +134,15 @@ impl<const D: usize> Problem<D> {
             let held = body.prescribed().iter().enumerate();
             for (dof, _) in held.filter(|(_, prescribed)| prescribed.is_some()) {
                 sum[dof % D] += residual[dof] - contact[dof / D][dof % D];
+            }
+            for (dof, others) in body.ties() {
+                let reaction = residual[*dof] - contact[dof / D][dof % D];
+                others
+                    .iter()
+                    .for_each(|(other, c)| sum[other % D] -= c * reaction);
+            }
+            for (dof, force, _) in body.fading(self.load()) {
+                sum[dof % D] += force;
             }
             if !body.foundations().is_empty() {
                 let own = &U[self.nodes(id)];

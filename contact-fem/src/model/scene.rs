@@ -178,6 +178,11 @@ impl<const D: usize> Scene<D> {
         &self.bodies
     }
 
+    /// The same, to be held otherwise.
+    pub(super) fn bodies_mut(&mut self) -> &mut [Body<D>] {
+        &mut self.bodies
+    }
+
     /// The handles of all bodies, in the order of addition.
     pub fn ids(&self) -> impl ExactSizeIterator<Item = BodyId> + use<D> {
         (0..self.bodies.len()).map(BodyId)
@@ -401,7 +406,7 @@ impl<const D: usize> Scene<D> {
     }
 
     fn switch(&mut self, what: Switched, intervals: &[[f64; 2]]) -> Result<(), Error> {
-        let during = During::new(intervals)?;
+        let during = During::new(intervals, "end of the interval in which contact counts")?;
         self.switched.retain(|(known, _)| *known != what);
         self.switched.push((what, during));
         Ok(())

@@ -1,4 +1,4 @@
-//! When pairs and obstacles count.
+//! When pairs and obstacles count, and supports hold.
 
 use super::Side;
 use super::contact_set::place_of;
@@ -15,18 +15,18 @@ pub(super) enum Switched {
 }
 
 /// Intervals of the load factor, without their beginnings and with their ends.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct During(Vec<[f64; 2]>);
 
 impl During {
     /// # Errors
     /// Intervals that are empty, and ends that are no numbers.
-    pub fn new(intervals: &[[f64; 2]]) -> Result<Self, Error> {
+    pub fn new(intervals: &[[f64; 2]], name: &'static str) -> Result<Self, Error> {
         let is_sound = |[from, to]: &&[f64; 2]| from.is_finite() && to > from;
         match intervals.iter().find(|interval| !is_sound(interval)) {
             None => Ok(During(intervals.to_vec())),
             Some([from, to]) => Err(Error::Setting {
-                name: "end of the interval in which contact counts",
+                name,
                 value: if from.is_finite() { *to } else { *from },
                 remedy: "give pairs of load factors, the end of each beyond its beginning; the end may be infinite",
             }),
@@ -34,9 +34,21 @@ impl During {
     }
 
     /// Whether `t` is in one of them. What counts within the first step is there at rest.
-    fn has(&self, t: f64) -> bool {
+    pub fn has(&self, t: f64) -> bool {
         let mut all = self.0.iter();
         all.any(|[from, to]| (*from < t || (t == 0.0 && *from <= 0.0)) && t <= *to)
+    }
+
+    /// Whether both have some load factor.
+    pub fn meets(&self, other: &Self) -> bool {
+        let meets = |a: &[f64; 2], b: &[f64; 2]| a[0].max(b[0]) < a[1].min(b[1]);
+        let mut all = self.0.iter();
+        all.any(|a| other.0.iter().any(|b| meets(a, b)))
+    }
+
+    /// Beginnings and ends.
+    pub fn times(&self) -> impl Iterator<Item = f64> {
+        self.0.iter().flatten().copied()
     }
 }
 

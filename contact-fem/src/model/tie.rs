@@ -79,6 +79,10 @@ pub enum TieFault {
     Contact,
     /// They were tied before.
     Twice,
+    /// A support along a direction holds one of their bodies.
+    Inclined,
+    /// A support of one of their bodies does not hold in all phases.
+    Switched,
     /// They are too far apart.
     Apart {
         /// A point of one side (UL).
@@ -112,6 +116,14 @@ impl fmt::Display for TieFault {
                 "they are a contact pair, too: tied boundaries do not part, leave out the pair",
             ),
             TieFault::Twice => f.write_str("they are tied already: leave out one of the ties"),
+            TieFault::Inclined => f.write_str(
+                "a support along a direction holds one of the bodies, which ties do not know: turn the scene so that it is along \
+                 an axis, or let contact take the place of the tie",
+            ),
+            TieFault::Switched => f.write_str(
+                "a support of one of the bodies does not hold in all phases, which ties do not know: let it hold in all, or let \
+                 contact take the place of the tie",
+            ),
             TieFault::Apart { x, distance, limit } => write!(
                 f,
                 "they are {distance:.3e} apart at {x:?} against the {limit:.3e} that is granted: move the bodies to each \
@@ -205,6 +217,15 @@ impl<const D: usize> Ties<D> {
             .collect();
         let mut ties = Vec::new();
         for (k, tie) in scene.ties().iter().enumerate() {
+            for side in [&tie.first, &tie.second] {
+                let body = &scene.bodies()[side.body.index()];
+                if body.is_switched() {
+                    return Err(fault_of(scene, tie, TieFault::Switched));
+                }
+                if !body.ties().is_empty() {
+                    return Err(fault_of(scene, tie, TieFault::Inclined));
+                }
+            }
             let [a, b] = &surfaces[k];
             let is_first_finer = a.facet_size() < b.facet_size();
             let orders: &[bool] = match (tie.slave, is_first_finer) {

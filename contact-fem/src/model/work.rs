@@ -67,7 +67,7 @@ pub(crate) struct External<const D: usize> {
     foundations: Vec<Force>,
     loads: Vec<Force>,
     pressures: Vec<Force>,
-    /// The potential of these pressures (UF·UL).
+    /// The potential of these pressures, less that of supports that have let go (UF·UL).
     potential: f64,
     obstacles: Vec<Push<D>>,
 }
@@ -141,13 +141,14 @@ impl<const D: usize> External<D> {
         };
         let displacements: Vec<f64> = problem.displacements(u).iter().flatten().copied().collect();
         let (pressures, potential) = forces_of_pressures(problem, problem.load(), &displacements);
+        let fading: f64 = fading(problem).map(|(dof, f)| f * displacements[dof]).sum();
         External {
             supports: forces_of_supports(problem, |dof| residuals[dof] - contact[dof / D][dof % D]),
             foundations: forces_of_foundations(problem, &displacements),
             loads: forces_of_loads(problem, problem.load()),
             obstacles: obstacles.map(push).collect(),
             pressures,
-            potential,
+            potential: potential - fading,
             displacements,
         }
     }
@@ -219,13 +220,32 @@ fn forces_of_supports<const D: usize>(
         }));
         let first = D * problem.nodes(id).start;
         for (dof, support) in of_dofs.iter().enumerate() {
-            if let Some(support) = support {
+            if let Some(support) = support.filter(|_| !body.has_shares(dof / D)) {
                 let forces = &mut supports[own + support].forces;
                 forces.push((first + dof, reaction(first + dof)));
             }
         }
+        for share in body.shares_of_rollers() {
+            let force = share.share * reaction(first + share.prescribed);
+            supports[own + share.name]
+                .forces
+                .push((first + share.dof, force));
+        }
+        for (dof, force, name) in body.fading(problem.load()) {
+            supports[own + name].forces.push((first + dof, force));
+        }
     }
     supports
+}
+
+/// What supports that have let go do yet, by dofs of all bodies (UF).
+fn fading<const D: usize>(problem: &Problem<D>) -> impl Iterator<Item = (usize, f64)> {
+    let bodies = problem.scene().ids().zip(problem.scene().bodies());
+    bodies.flat_map(|(id, body)| {
+        let first = D * problem.nodes(id).start;
+        let own = body.fading(problem.load());
+        own.map(move |(dof, force, _)| (first + dof, force))
+    })
 }
 
 /// The foundations of all bodies at the displacements U of all dofs (UL); those of one boundary together.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{ExitCode, Termination};
 
-use ipopt_contact::contact_core::{Equilibrium, State};
+use ipopt_contact::contact_core::{Equilibrium, LoadStepped, State};
 use ipopt_contact::contact_fem::element::{Element, P1, P2};
 use ipopt_contact::contact_fem::model::{Problem, Severity};
 use ipopt_contact::contact_fem::nalgebra::SVector;
@@ -117,7 +117,11 @@ where
     let mut findings = scene.preflight();
     let worst = findings.iter().map(|finding| finding.severity).max();
     if worst != Some(Severity::Error) {
-        let problem = scene.problem().map_err(|why| in_file(&why))?;
+        let mut problem = scene.problem().map_err(|why| in_file(&why))?;
+        let phases = simulation.load_steps.phases.iter();
+        let ends: Vec<f64> = phases.map(|phase| phase.until).collect();
+        let ends = if ends.is_empty() { &[1.0] } else { &ends[..] };
+        problem.check_phases(ends).map_err(|why| in_file(&why))?;
         let increments = simulation.load_steps.all_increments();
         file.record(&mut simulation, &problem, ".")
             .map_err(|why| in_file(&why))?;

@@ -1,7 +1,7 @@
 //! What acts on a body's boundary where it is: elastic foundations, and pressures that follow it.
 
 use super::{Body, Origin};
-use crate::assembly::{BodyEnergy, DofMap, OnBoundary, Pressed, Springs, Stretch};
+use crate::assembly::{BodyEnergy, OnBoundary, Pressed, Springs, Stretch};
 use crate::error::Error;
 use crate::program::Amplitude;
 
@@ -104,6 +104,7 @@ impl<const D: usize> Body<D> {
         stiffness: f64,
         stretch: Stretch,
     ) -> Result<&mut Self, Error> {
+        self.always("foundation")?;
         let facets = self.facets(boundary, "foundation")?;
         if !(stiffness > 0.0 && stiffness.is_finite()) {
             return Err(Error::Setting {
@@ -146,6 +147,7 @@ impl<const D: usize> Body<D> {
         pressure: f64,
         amplitude: impl Into<Amplitude>,
     ) -> Result<&mut Self, Error> {
+        self.always("pressure")?;
         let pressed = Pressed::new(&self.mesh, &self.facets(boundary, "pressure")?);
         Error::check_finite("pressure", &[pressure])?;
         if self.is_small_strain() {
@@ -222,7 +224,7 @@ impl<const D: usize> Body<D> {
         if !self.acts_on_boundary() {
             return body;
         }
-        let dofs = DofMap::new(&self.is_prescribed());
+        let (dofs, _) = self.eliminated();
         let springs = self.foundations.iter().map(|own| own.springs.clone());
         let pressed = self.pressures.iter().map(|own| own.pressed.clone());
         let energy = OnBoundary::new(body, dofs, springs.collect(), pressed.collect());

@@ -251,6 +251,34 @@ fn assert_stiffness(variation: &GapVariation, n: usize, what: &str) {
     }
 }
 
+/// Nodes that touch and slide along planes, of which some move.
+#[test]
+fn nodes_that_slide() {
+    let mut scene = Scene::new();
+    let mut sides = Vec::new();
+    for (k, cells) in [4, 3].into_iter().enumerate() {
+        let y = 0.5 * k as f64;
+        let mesh = rectangle(&linspace(0.0, 1.0, cells), &[y, y + 0.5], Diagonals::Rising);
+        let mesh = mesh.and_then(|mesh| mesh.mapped(wavy)).expect("a mesh");
+        let mut body = Body::new(mesh, NeoHookean::new(1.0, 0.3).expect("a law"));
+        let (held, touches) = [("bottom", "top"), ("top", "bottom")][k];
+        body.prescribe(held, [Some(0.05 * k as f64); 2])
+            .expect("a boundary");
+        let mut nodes = body.mesh().boundary_nodes(touches).expect("a boundary");
+        nodes.truncate(3);
+        body.prescribe_nodes_along(&nodes, [1.0, -0.8], 0.01 * k as f64)
+            .expect("rollers");
+        sides.push(scene.add(held, body).on(touches));
+    }
+    scene
+        .contact(sides[0].clone(), sides[1].clone())
+        .expect("a pair");
+    let mut problem = scene.problem().expect("a problem");
+    problem.set_load(1.0).expect("a load");
+    assert_eq!(problem.dofs().ties().len(), 6);
+    assert_varies_as_differences(&problem, FLAT, "nodes that slide");
+}
+
 #[test]
 fn linear_segments() {
     for passes in [Passes::Both, Passes::FirstIsSlave, Passes::SecondIsSlave] {

@@ -68,7 +68,8 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
 fn idle<const D: usize>(scene: &Scene<D>, report: &mut Report) {
     let deformable = |(_, body): &(&String, &Body<D>)| is_deformable(body);
     for (name, body) in scene.names().iter().zip(scene.bodies()).filter(deformable) {
-        let held = body.is_prescribed();
+        let mut held = body.is_prescribed();
+        body.ties().keys().for_each(|dof| held[*dof] = false);
         for (origin, load) in body.loads_at(1.0) {
             let is_idle = load.iter().zip(&held).all(|(f, held)| *f == 0.0 || *held);
             if is_idle && load.iter().any(|f| *f != 0.0) {

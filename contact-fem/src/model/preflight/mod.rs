@@ -106,6 +106,16 @@ pub(super) fn without_surfaces<const D: usize>(
     loads::check(scene, pairs, report);
 }
 
+/// The checks of the supports that hold in a later phase.
+pub(super) fn supports_of_phase<const D: usize>(
+    scene: &Scene<D>,
+    pairs: &[Pair],
+    report: &mut Report,
+) {
+    supports::check(scene, pairs, report);
+    report.take(pressures::rims(scene));
+}
+
 /// The checks that need surfaces and thicknesses.
 pub(super) fn with_surfaces<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     interference::check(setup, report);

@@ -84,7 +84,14 @@ fn free_motions<const D: usize>(body: &Body<D>, part: &[usize], around: &[Vec<us
     let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
     let held = dofs.filter(|&dof| body.prescribed()[dof].is_some());
     let held: Vec<_> = held
-        .map(|dof| equation(dof / D, dof % D, &[(around[dof / D][0], 1.0)]))
+        .map(|dof| {
+            let mut sum = vec![0.0; width];
+            for (dof, c) in body.held_by(dof) {
+                let own = equation(dof / D, dof % D, &[(around[dof / D][0], c)]);
+                sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            }
+            sum
+        })
         .collect();
     let of_all = null_space(joints.chain(held.iter().cloned()), width, HOLDS).ncols();
     // as a whole, the part moves as one piece does

@@ -54,6 +54,14 @@ fn rim<const D: usize>(body: &Body<D>, boundary: &str) -> Result<Vec<Vec<usize>>
 
 /// Whether no pair of free components of these nodes sees what is not symmetric.
 fn is_conservative<const D: usize>(body: &Body<D>, edge: &[usize]) -> bool {
+    // what slides along other planes is not looked into
+    let is_tied = |dof: usize| body.ties().contains_key(&dof);
+    if edge
+        .iter()
+        .any(|node| (D * node..D * (node + 1)).any(is_tied))
+    {
+        return false;
+    }
     let is_free = |i: &usize| {
         let mut nodes = edge.iter();
         nodes.any(|node| body.prescribed()[D * node + i].is_none())
@@ -72,7 +80,9 @@ fn stays_in_plane<const D: usize>(body: &Body<D>, edge: &[usize], axis: usize) -
     let length = (X[edge[0]] - X[edge[1]]).norm();
     let along = |t: f64, node: usize| {
         let dof = D * node + axis;
-        let value = supports.values[dof].map(|value| supports.value(dof, value, t));
+        // where a support takes up a node on its way is not known
+        let held = supports.values[dof].filter(|_| !supports.begun.contains_key(&dof));
+        let value = held.map(|value| supports.value(dof, value, t));
         X[node][axis] + value.unwrap_or(f64::NAN)
     };
     let mut times = std::iter::once(0.0).chain(samples());

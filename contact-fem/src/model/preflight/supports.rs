@@ -124,13 +124,14 @@ pub(in crate::model) fn held_rows<const D: usize>(
 ) -> Vec<Vec<(usize, usize, f64)>> {
     let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
     let held = dofs.filter(|&dof| body.prescribed()[dof].is_some());
-    let held = held.map(|dof| vec![(first + dof / D, dof % D, 1.0)]);
-    let springs = body.stretches();
-    let springs = springs.filter(|own| part.binary_search(&(own[0].0 / D)).is_ok());
-    let springs = springs.map(|own| {
+    let row = |own: &[(usize, f64)]| -> Vec<_> {
         let own = own.iter();
         own.map(|(dof, c)| (first + dof / D, dof % D, *c)).collect()
-    });
+    };
+    let held = held.map(|dof| row(&body.held_by(dof)));
+    let springs = body.stretches();
+    let springs = springs.filter(|own| part.binary_search(&(own[0].0 / D)).is_ok());
+    let springs = springs.map(row);
     held.chain(springs).collect()
 }
 
@@ -242,7 +243,7 @@ fn free_motions<const D: usize>(body: &Body<D>, part: &[usize]) -> Vec<String> {
         };
         (0..modes::<D>()).map(of_mode).collect()
     };
-    let of_dofs = held.iter().map(|dof| row(&[(*dof, 1.0)]));
+    let of_dofs = held.iter().map(|dof| row(&body.held_by(*dof)));
     let of_springs = springs.iter().map(|own| row(own));
     let free = null_space(of_dofs.chain(of_springs), modes::<D>(), HOLDS);
     names::<D>(&free)

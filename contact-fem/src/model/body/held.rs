@@ -1,0 +1,316 @@
+//! Supports that hold in some phases alone.
+
+use super::{Body, Supports};
+use crate::error::Error;
+use crate::model::switches::During;
+
+/// The supports of a body as they were declared, and which of them hold it.
+#[derive(Clone, Default)]
+pub(in crate::model) struct Declarations {
+    all: Vec<Declared>,
+    /// When those hold that are declared now, within [`Body::during`].
+    current: Option<During>,
+    /// Of each dof the declaration that holds it now; empty while all hold at all times.
+    by: Vec<Option<usize>>,
+    /// What supports that have let go leave for their last phase.
+    fading: Fading,
+}
+
+#[derive(Clone)]
+struct Declared {
+    /// Its boundary, by its place among [`Body::support_names`].
+    name: usize,
+    /// Dofs in ascending order, with their values and courses.
+    held: Vec<(usize, (f64, usize))>,
+    /// `None`: at all times.
+    during: Option<During>,
+}
+
+/// Forces (UF) that fall from full to nothing within a phase.
+#[derive(Clone, Default)]
+struct Fading {
+    span: [f64; 2],
+    /// Dof, force and the number of the boundary's name.
+    forces: Vec<(usize, f64, usize)>,
+}
+
+impl Fading {
+    fn share(&self, t: f64) -> f64 {
+        let [from, until] = self.span;
+        ((until - t) / (until - from)).clamp(0.0, 1.0)
+    }
+}
+
+/// What holds a body in a phase, to be put back.
+pub(in crate::model) struct Holding<const D: usize> {
+    supports: Supports<D>,
+    prescribed: Vec<Option<f64>>,
+    support_of: Vec<Option<usize>>,
+    by: Vec<Option<usize>>,
+    fading: Fading,
+}
+
+impl Declarations {
+    /// Whether supports hold that are declared now for some phases alone, or such were declared before.
+    fn is_switched(&self) -> bool {
+        self.current.is_some() || self.all.iter().any(|own| own.during.is_some())
+    }
+
+    /// The values of a dof by declarations that may hold together with those that are declared now.
+    fn beside(&self, dof: usize) -> impl Iterator<Item = (f64, usize)> {
+        let together = |own: &&Declared| match (&own.during, &self.current) {
+            (Some(own), Some(now)) => own.meets(now),
+            _ => true,
+        };
+        let all = self.all.iter().filter(together);
+        all.filter_map(move |own| {
+            let place = own.held.binary_search_by_key(&dof, |(dof, _)| *dof);
+            place.ok().map(|place| own.held[place].1)
+        })
+    }
+}
+
+impl<const D: usize> Body<D> {
+    /// Supports that hold at some load factors t alone, those with `from` < t ≤ `to` for one of the `intervals`: in the phases
+    /// that begin at `from` and end at `to`, which may be infinite. `supports` declares them, by [`Body::prescribe`] and
+    /// whatever else prescribes displacements.
+    ///
+    /// A support that begins later than the run takes nodes where they are, and moves them by what its values grow from then on:
+    /// zero holds them in place. One that ends lets go: its reaction falls to zero in equal shares of the next phase, so that more
+    /// increments make the way smoother. Until then it counts as its reaction. Where another support holds the same component, it
+    /// stays held.
+    ///
+    /// A bar is drawn by 0.1, and its end is let go:
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Body, NeoHookean, Phase, Scene, Simulation};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let mesh = rectangle(&linspace(0.0, 4.0, 8), &linspace(0.0, 1.0, 2), Diagonals::Alternating)?;
+    /// let mut bar = Body::new(mesh, NeoHookean::new(200.0, 0.3)?);
+    /// bar.prescribe("left", [Some(0.0), Some(0.0)])?;
+    /// bar.during(&[[0.0, 1.0]], |bar| bar.prescribe("right", [Some(0.1), Some(0.0)]))?;
+    /// let mut scene = Scene::new();
+    /// let bar = scene.add("bar", bar);
+    /// let mut problem = scene.problem()?;
+    /// let phases = [Phase::new("draw", 1.0, 2), Phase::new("let go", 2.0, 2)];
+    /// let history = Simulation::in_phases(phases).run(&mut problem)?;
+    /// let [drawn, free] = [1, 3].map(|step| &history.steps[step]);
+    /// assert!(drawn.stored_energy > 0.1 && free.stored_energy < 1e-9);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// An interval whose end is not beyond its beginning, numbers that are not, and what `supports` answers: two values for a
+    /// component at the same time, and loads, foundations and supports along other directions than axes, which are not switched. A run whose phases do not
+    /// end where supports are switched is refused before it begins, and so is one in a phase of which nothing holds a body.
+    pub fn during(
+        &mut self,
+        intervals: &[[f64; 2]],
+        supports: impl FnOnce(&mut Self) -> Result<&mut Self, Error>,
+    ) -> Result<&mut Self, Error> {
+        self.always("`during`")?;
+        let name = "end of the interval in which a support holds";
+        self.declared.current = Some(During::new(intervals, name)?);
+        let held = supports(self).map(|_| ());
+        self.declared.current = None;
+        held.map(|()| self)
+    }
+
+    /// # Errors
+    /// Within [`Body::during`].
+    pub(super) fn always(&self, what: &'static str) -> Result<(), Error> {
+        match self.declared.current {
+            None => Ok(()),
+            Some(_) => Err(Error::NotSwitched { what }),
+        }
+    }
+
+    /// Whether some supports do not hold at all times.
+    pub(in crate::model) fn is_switched(&self) -> bool {
+        self.declared.is_switched()
+    }
+
+    /// What a dof is prescribed to by supports that may hold together with one that is declared now: values and courses.
+    pub(super) fn held_beside(&self, dof: usize) -> Vec<(f64, usize)> {
+        match self.is_switched() || self.slides(dof / D) {
+            true => self.declared.beside(dof).collect(),
+            false => self.supports.values[dof].into_iter().collect(),
+        }
+    }
+
+    /// Adds a support of a boundary, by its number, and lets it hold if it does from the beginning.
+    pub(super) fn declare(&mut self, name: usize, mut held: Vec<(usize, (f64, usize))>) {
+        held.sort_unstable_by_key(|(dof, _)| *dof);
+        held.dedup_by_key(|(dof, _)| *dof);
+        let during = self.declared.current.clone();
+        self.declared.all.push(Declared { name, held, during });
+        if self.is_switched() {
+            self.let_hold(&self.holders(0.0));
+        } else if let Some(last) = self.declared.all.last() {
+            for &(dof, value) in &last.held {
+                self.prescribed[dof] = Some(self.supports.value(dof, value, 1.0));
+                self.supports.values[dof] = Some(value);
+                self.support_of[dof].get_or_insert(name);
+            }
+        }
+    }
+
+    /// The value, course and boundary's number of a support that holds a dof at all times.
+    pub(super) fn declared_at_all_times(&self, dof: usize) -> Option<((f64, usize), usize)> {
+        let mut always = self.declared.all.iter().filter(|own| own.during.is_none());
+        always.find_map(|own| {
+            let place = own.held.binary_search_by_key(&dof, |(dof, _)| *dof);
+            place.ok().map(|place| (own.held[place].1, own.name))
+        })
+    }
+
+    /// Whether a support holds a component of a node in some phases alone.
+    pub(super) fn is_switched_at(&self, node: usize) -> bool {
+        let dofs = D * node..D * (node + 1);
+        let mut switched = self.declared.all.iter().filter(|own| own.during.is_some());
+        switched.any(|own| own.held.iter().any(|(dof, _)| dofs.contains(dof)))
+    }
+
+    /// Of each dof the declaration that holds it at `t`.
+    fn holders(&self, t: f64) -> Vec<Option<usize>> {
+        let mut by = vec![None; self.prescribed.len()];
+        for (k, own) in self.declared.all.iter().enumerate() {
+            if own.during.as_ref().is_none_or(|during| during.has(t)) {
+                for (dof, _) in &own.held {
+                    by[*dof].get_or_insert(k);
+                }
+            }
+        }
+        by
+    }
+
+    fn let_hold(&mut self, by: &[Option<usize>]) {
+        for (dof, holder) in by.iter().enumerate() {
+            if self.slides(dof / D) {
+                continue;
+            }
+            let own = holder.map(|k| &self.declared.all[k]);
+            let value = own.and_then(|own| {
+                let place = own.held.binary_search_by_key(&dof, |(dof, _)| *dof);
+                place.ok().map(|place| own.held[place].1)
+            });
+            self.support_of[dof] = own.map(|own| own.name);
+            self.supports.values[dof] = value;
+            self.prescribed[dof] = value.map(|value| self.supports.value(dof, value, 1.0));
+        }
+        self.declared.by = by.to_vec();
+    }
+
+    /// Lets those supports hold that do in a phase. `U` and `reactions` are displacements (UL) and reactions (UF) of all dofs where it
+    /// begins. Returns whether others dofs are held than before, or from other places.
+    pub(in crate::model) fn switch_supports(
+        &mut self,
+        span: [f64; 2],
+        U: &[f64],
+        reactions: &[f64],
+    ) -> bool {
+        let [from, until] = span;
+        self.declared.fading = Fading::default();
+        let by = self.holders(0.5 * (from + until));
+        let before = std::mem::take(&mut self.declared.by);
+        let was_begun = !self.supports.begun.is_empty();
+        if from == 0.0 {
+            self.supports.begun.clear();
+        } else if by == before {
+            self.declared.by = by;
+            return false;
+        }
+        let mut forces = Vec::new();
+        for (dof, (now, then)) in by.iter().zip(&before).enumerate() {
+            if now == then || from == 0.0 {
+                continue;
+            }
+            self.supports.begun.remove(&dof);
+            match (now, then) {
+                (Some(_), _) => {
+                    self.supports.begun.insert(dof, (U[dof], from));
+                }
+                (None, Some(then)) if reactions[dof] != 0.0 => {
+                    forces.push((dof, reactions[dof], self.declared.all[*then].name));
+                }
+                _ => {}
+            }
+        }
+        let is_other = by != before || was_begun;
+        self.let_hold(&by);
+        self.declared.fading = Fading { span, forces };
+        is_other
+    }
+
+    /// Changes supports, or leaves them as they are.
+    pub(super) fn or_not(
+        &mut self,
+        change: impl FnOnce(&mut Self) -> Result<(), Error>,
+    ) -> Result<&mut Self, Error> {
+        let (held, rollers) = (self.holding(), self.rollers.clone());
+        let (names, declared) = (self.supported.len(), self.declared.all.len());
+        let changed = change(self);
+        if changed.is_err() {
+            self.hold_again(held);
+            self.rollers = rollers;
+            self.supported.truncate(names);
+            self.declared.all.truncate(declared);
+        }
+        changed.map(|()| self)
+    }
+
+    /// What holds the body now.
+    pub(in crate::model) fn holding(&self) -> Holding<D> {
+        Holding {
+            supports: self.supports.clone(),
+            prescribed: self.prescribed.clone(),
+            support_of: self.support_of.clone(),
+            by: self.declared.by.clone(),
+            fading: self.declared.fading.clone(),
+        }
+    }
+
+    /// Lets the body be held as it was.
+    pub(in crate::model) fn hold_again(&mut self, holding: Holding<D>) {
+        self.supports = holding.supports;
+        self.prescribed = holding.prescribed;
+        self.support_of = holding.support_of;
+        self.declared.by = holding.by;
+        self.declared.fading = holding.fading;
+    }
+
+    /// Where a support begins or ends within this part of the load, away from its ends: its boundary, and the load factor.
+    pub(in crate::model) fn switch_within(&self, [from, until]: [f64; 2]) -> Option<(&str, f64)> {
+        let close = 1e-9 * (until - from);
+        let all = self.declared.all.iter();
+        let mut times = all.flat_map(|own| {
+            let times = own.during.iter().flat_map(During::times);
+            times.map(|t| (self.supported[own.name].as_str(), t))
+        });
+        times.find(|(_, t)| *t > from + close && *t < until - close)
+    }
+
+    /// What is left at a load factor of the reactions of supports that have let go: dofs, forces (UF) and the numbers of the
+    /// boundaries' names.
+    pub(in crate::model) fn fading(
+        &self,
+        factor: f64,
+    ) -> impl Iterator<Item = (usize, f64, usize)> {
+        let share = self.declared.fading.share(factor);
+        let forces = self.declared.fading.forces.iter();
+        forces.map(move |&(dof, force, name)| (dof, share * force, name))
+    }
+
+    /// The largest displacement (UL) that supports prescribe at a time, whether they hold then or not.
+    pub(super) fn largest_prescribed(&self, t: f64) -> f64 {
+        let largest = |m: f64, u: f64| m.max(u.abs());
+        if !self.is_switched() {
+            return self.prescribed_at(t).into_iter().fold(0.0, largest);
+        }
+        let all = self.declared.all.iter().flat_map(|own| &own.held);
+        let values = all.map(|&(dof, value)| self.supports.course_at(dof, value, t));
+        values.fold(0.0, largest)
+    }
+}

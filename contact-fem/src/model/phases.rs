@@ -1,0 +1,172 @@
+//! Supports that begin and end where phases do.
+
+use contact_core::LoadStepped;
+use contact_core::energy::DirectSum;
+use contact_core::equilibrium::Solution;
+
+use super::body::Holding;
+use super::kinematics::Kinematics;
+use super::preflight::{self, Report};
+use super::{Problem, scale};
+use crate::error::Error;
+
+impl<const D: usize> Problem<D> {
+    /// Whether some supports do not hold at all times.
+    pub(crate) fn is_switched(&self) -> bool {
+        self.scene.bodies().iter().any(|body| body.is_switched())
+    }
+
+    /// Lets those supports hold that do in the phase from `from` to `until`, and returns the free unknowns at `u`, where the
+    /// last phase ended with a solution; `None` if the same dofs are free as before.
+    pub(super) fn switch_supports(
+        &mut self,
+        [from, until]: [f64; 2],
+        u: &[f64],
+        solution: Option<&Solution>,
+    ) -> Result<Option<Vec<f64>>, contact_core::Error> {
+        if !self.is_switched() {
+            return Ok(None);
+        }
+        self.set_load(from)?;
+        let U = self.displacements(u);
+        let mut reactions = match solution {
+            Some(_) => (*self.residuals(u)).clone(),
+            None => vec![Vec::new(); self.scene.bodies().len()],
+        };
+        if let Some(solution) = solution {
+            let contact = self.contact_forces(&solution.gaps, &solution.lambda);
+            for (body, own) in reactions.iter_mut().enumerate() {
+                let contact = contact[self.nodes(body)].iter().flatten();
+                own.iter_mut().zip(contact).for_each(|(r, c)| *r -= c);
+            }
+        }
+        let held = self.holdings();
+        let mut changed = vec![false; held.len()];
+        for (index, own) in reactions.iter_mut().enumerate() {
+            let nodes = self.nodes(index);
+            let displaced: Vec<f64> = U[nodes].iter().flatten().copied().collect();
+            own.resize(displaced.len(), 0.0);
+            let body = &mut self.scene.bodies_mut()[index];
+            if body.is_switched() {
+                changed[index] = body.switch_supports([from, until], &displaced, own);
+            }
+        }
+        self.last_held = None;
+        let unknowns = match changed.contains(&true) {
+            true => {
+                self.last_held = Some(held);
+                self.rebuild(&changed);
+                Some(self.unknowns(&U)?)
+            }
+            false => None,
+        };
+        self.forget_residuals();
+        self.set_load(from)?;
+        Ok(unknowns)
+    }
+
+    /// Lets the bodies be held as before the last [`Problem::switch_supports`] that changed something.
+    pub(super) fn switch_back(&mut self) {
+        let Some(held) = self.last_held.take() else {
+            return;
+        };
+        let bodies = self.scene.bodies_mut().iter_mut().zip(held);
+        bodies.for_each(|(body, held)| body.hold_again(held));
+        let changed: Vec<bool> = self
+            .scene
+            .bodies()
+            .iter()
+            .map(|b| b.is_switched())
+            .collect();
+        self.rebuild(&changed);
+        self.forget_residuals();
+    }
+
+    /// Lets the supports hold that do from the beginning, at the load factor 0.
+    pub(crate) fn rest(&mut self) -> Result<(), Error> {
+        if self.is_switched() {
+            let rest = vec![0.0; self.dofs().free()];
+            self.switch_supports([0.0, f64::MIN_POSITIVE], &rest, None)?;
+            self.last_held = None;
+        }
+        Ok(())
+    }
+
+    /// Checks the supports of each phase of a run; `ends` are the load factors at which phases end.
+    pub(super) fn check_supports(&mut self, ends: &[f64]) -> Result<(), Error> {
+        if !self.is_switched() {
+            return Ok(());
+        }
+        let mut from = 0.0;
+        let held = self.holdings();
+        let mut checked = Ok(());
+        for &until in ends {
+            let phase = [from, until];
+            let bodies = self.scene.bodies().iter().zip(self.scene.names());
+            for (body, name) in bodies {
+                if let Some((boundary, at)) = body.switch_within(phase) {
+                    checked = Err(Error::SwitchWithinPhase {
+                        body: name.clone(),
+                        boundary: boundary.to_string(),
+                        at,
+                        from,
+                        until,
+                    });
+                }
+            }
+            for body in self.scene.bodies_mut() {
+                let nothing = vec![0.0; body.prescribed().len()];
+                if body.is_switched() {
+                    body.switch_supports(phase, &nothing, &nothing);
+                }
+            }
+            let mut report = Report::default();
+            preflight::supports_of_phase(&self.scene, self.scene.pairs(), &mut report);
+            let found = report
+                .accepted()
+                .map(|_| ())
+                .map_err(|error| Error::InPhase {
+                    from,
+                    until,
+                    error: Box::new(error),
+                });
+            checked = checked.and(found);
+            if checked.is_err() {
+                break;
+            }
+            from = until;
+        }
+        let bodies = self.scene.bodies_mut().iter_mut().zip(held);
+        bodies.for_each(|(body, held)| body.hold_again(held));
+        checked
+    }
+
+    fn holdings(&self) -> Vec<Holding<D>> {
+        self.scene
+            .bodies()
+            .iter()
+            .map(|body| body.holding())
+            .collect()
+    }
+
+    /// Takes the free and prescribed dofs of the bodies as they are now, of which some have changed.
+    fn rebuild(&mut self, changed: &[bool]) {
+        let energies = std::mem::replace(&mut self.energy, DirectSum::new(Vec::new()));
+        let energies = energies.into_parts().into_iter();
+        let all = energies.zip(self.scene.bodies()).zip(changed);
+        let energies: Vec<_> = all
+            .map(|((energy, body), changed)| match changed {
+                true => body.energy(),
+                false => energy,
+            })
+            .collect();
+        let geometry = self.contact.geometry;
+        self.kinematics = Kinematics::new(self.scene.bodies());
+        let length = self.kinematics.diagonal();
+        let lengths = (length, self.contact.smallest_facet(length));
+        let overlap = self.contact.resolved_overlap();
+        self.scale = scale::estimate(&self.scene, geometry, &energies, lengths, overlap);
+        self.energy = DirectSum::new(energies);
+        self.held = preflight::held(&self.scene);
+    }
+}
