@@ -229,7 +229,8 @@ pub(super) fn undetermined<const D: usize>(
             });
             let place = |node: usize| -> Vector<D> { x[node] };
             let held = supports.chain(springs).chain(contact);
-            let motions = unheld_motions(held, &place, &nodes);
+            let is_revolved = body.mesh().is_of_revolution();
+            let motions = unheld_motions(held, &place, &nodes, is_revolved);
             if !motions.is_empty() {
                 let body = problem.scene().names()[id.index()].clone();
                 found.push(Undetermined { body, motions });
