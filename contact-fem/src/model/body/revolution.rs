@@ -6,7 +6,7 @@ use super::{Body, Law, rest_moduli_of, slopes_of};
 use crate::assembly::{
     BodyEnergy, DofMap, Laws, QuadraticEnergy, Revolution, StrainEnergy, add_body_force,
 };
-use crate::element::{Element, Order, P1, P2};
+use crate::element::{Element, Order, P1, RingP2};
 use crate::error::Error;
 use crate::material::Material;
 use crate::mesh::Mesh;
@@ -70,7 +70,7 @@ impl Body<2> {
     ) -> Result<Self, Error> {
         Self::revolved(mesh, |mesh| match mesh.order() {
             Order::Linear => Laws::of_regions::<2, P1>(mesh, laws),
-            Order::Quadratic => Laws::of_regions::<2, P2>(mesh, laws),
+            Order::Quadratic => Laws::of_regions::<2, RingP2>(mesh, laws),
         })
     }
 
@@ -84,7 +84,7 @@ impl Body<2> {
     ) -> Result<Self, Error> {
         Self::revolved(mesh, |mesh| match mesh.order() {
             Order::Linear => Laws::graded::<2, P1>(mesh, law),
-            Order::Quadratic => Laws::graded::<2, P2>(mesh, law),
+            Order::Quadratic => Laws::graded::<2, RingP2>(mesh, law),
         })
     }
 
@@ -96,7 +96,7 @@ impl Body<2> {
         let laws = laws(&mesh)?;
         let law: Arc<dyn Law<2>> = match mesh.order() {
             Order::Linear => Arc::new(RevolvedLaw(P1, laws)),
-            Order::Quadratic => Arc::new(RevolvedLaw(P2, laws)),
+            Order::Quadratic => Arc::new(RevolvedLaw(RingP2, laws)),
         };
         let mut body = Body::of(mesh, law);
         if !axis.is_empty() {
