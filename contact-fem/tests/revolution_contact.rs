@@ -65,8 +65,8 @@ const R: f64 = 8.0;
 const MODULI: [f64; 2] = [200.0, 0.3];
 const A: f64 = 0.4;
 
-/// A half of a ball, finer by a half than facets of a/`in_contact` in the contact, pressed by its flat face.
-fn ball(in_contact: usize, order: Order, modulus: f64) -> (Body<2>, f64) {
+/// A half of a ball with facets of a/`in_contact` in the contact.
+fn ball(in_contact: usize, order: Order) -> Body<2> {
     let h = A / in_contact as f64;
     let count = 8 * in_contact;
     let angles = graded(1.5 * PI, TAU, h / R, count).expect("angles");
@@ -81,23 +81,25 @@ fn ball(in_contact: usize, order: Order, modulus: f64) -> (Body<2>, f64) {
     }
     let mesh = mesh.translated([0.0, R]).expect("a mesh");
     let law = LinearElastic::new(MODULI[0], MODULI[1]).expect("a law");
-    let mut ball = Body::of_revolution(mesh, law).expect("a body");
-    let force = 4.0 * modulus * A.powi(3) / (3.0 * R);
-    ball.traction("flat", [0.0, -force / (PI * R * R)])
-        .expect("a load");
-    (ball, force)
+    Body::of_revolution(mesh, law).expect("a body")
 }
 
 /// Hertz's errors: p₀, the L² error of the profile over the surface as a share of its norm, and the radius.
-fn hertz_errors(problem: &Problem<2>, surface: usize, p: &[f64], area: f64, p_0: f64) -> [f64; 3] {
-    let exact = |r: f64| p_0 * (1.0 - r * r / (A * A)).max(0.0).sqrt();
+fn hertz_errors(
+    problem: &Problem<2>,
+    surface: usize,
+    p: &[f64],
+    area: f64,
+    [p_0, a]: [f64; 2],
+) -> [f64; 3] {
+    let exact = |r: f64| p_0 * (1.0 - r * r / (a * a)).max(0.0).sqrt();
     let off = along_the_axis(problem, surface, p, |p, r| (p - exact(r)).powi(2));
     let all = along_the_axis(problem, surface, p, |_, r| exact(r).powi(2));
     let peak = p.iter().fold(0.0_f64, |m, p| m.max(*p));
     [
         (peak / p_0 - 1.0).abs(),
         (off / all).sqrt(),
-        ((area / PI).sqrt() / A - 1.0).abs(),
+        ((area / PI).sqrt() / a - 1.0).abs(),
     ]
 }
 
@@ -107,10 +109,17 @@ fn hertz_on_a_plane() {
     let modulus = MODULI[0] / (1.0 - MODULI[1] * MODULI[1]);
     let p_0 = 2.0 * modulus * A / (PI * R);
     for order in [Order::Linear, Order::Quadratic] {
-        let errors: Vec<[f64; 3]> = [4, 8, 16]
+        let fineness = match order {
+            Order::Linear => [6, 12, 24],
+            Order::Quadratic => [4, 8, 16],
+        };
+        let errors: Vec<[f64; 3]> = fineness
             .into_iter()
             .map(|in_contact| {
-                let (ball, force) = ball(in_contact, order, modulus);
+                let mut ball = ball(in_contact, order);
+                let force = 4.0 * modulus * A.powi(3) / (3.0 * R);
+                ball.traction("flat", [0.0, -force / (PI * R * R)])
+                    .expect("a load");
                 let mut scene = Scene::new();
                 let ball = scene.add("ball", ball);
                 let plane = Obstacle::half_space([0.0; 2], [0.0, 1.0]).expect("a plane");
@@ -125,13 +134,13 @@ fn hertz_on_a_plane() {
                     (resultant / force - 1.0).abs() < 1e-9,
                     "{resultant} {force}"
                 );
-                hertz_errors(&problem, 0, &pressures[0], last.pairs[0].area, p_0)
+                hertz_errors(&problem, 0, &pressures[0], last.pairs[0].area, [p_0, A])
             })
             .collect();
         let rates = [0, 1, 2].map(|k| (errors[1][k] / errors[2][k]).log2());
         println!("{order:?} {errors:?} {rates:?}");
         let least = match order {
-            Order::Linear => [0.02, 0.04],
+            Order::Linear => [0.015, 0.03],
             Order::Quadratic => [0.01, 0.03],
         };
         assert!(
@@ -139,18 +148,21 @@ fn hertz_on_a_plane() {
             "{errors:?}"
         );
         // to one facet and a half
-        assert!(errors[2][2] < 1.5 / 16.0 && rates[1] > 0.5, "{rates:?}");
+        assert!(
+            errors[2][2] < 1.5 / fineness[2] as f64 && (errors[0][1] / errors[2][1]).log2() > 1.5,
+            "{rates:?}"
+        );
     }
 }
 
-/// A ball on a block of the same material; both carry the same pressure.
+/// A ball that is pushed onto a block of the same material; both carry the same pressure.
 #[test]
 fn hertz_on_a_block() {
     let modulus = 0.5 * MODULI[0] / (1.0 - MODULI[1] * MODULI[1]);
-    let p_0 = 2.0 * modulus * A / (PI * R);
     for order in [Order::Linear, Order::Quadratic] {
         let in_contact = 12;
-        let (ball, force) = ball(in_contact, order, modulus);
+        let mut ball = ball(in_contact, order);
+        ball.prescribe("flat", [None, Some(-0.02)]).expect("held");
         let h = 1.07 * A / in_contact as f64;
         let rs = graded(0.0, 2.0 * R, h, 100).expect("radii");
         let depths = graded(0.0, 2.0 * R, h, 50).expect("depths");
@@ -169,8 +181,12 @@ fn hertz_on_a_block() {
             .contact(ball.on("arc"), block.on("top"))
             .expect("a pair");
         let (problem, _, last, pressures) = solved(scene, 1);
+        let force = last.contact_force(ball)[1];
+        let a = (0.75 * force * R / modulus).cbrt();
+        let p_0 = 1.5 * force / (PI * a * a);
+        assert!((a / A - 1.0).abs() < 0.2, "{a}");
         let forces = [
-            last.contact_force(ball)[1],
+            -last.reaction(ball)[1],
             -last.contact_force(block)[1],
             last.reaction(block)[1],
         ];
@@ -184,7 +200,7 @@ fn hertz_on_a_block() {
                 (resultant / force - 1.0).abs() < 1e-9,
                 "{resultant} {force}"
             );
-            let errors = hertz_errors(&problem, surface, p, last.pairs[0].area, p_0);
+            let errors = hertz_errors(&problem, surface, p, last.pairs[0].area, [p_0, a]);
             println!("{order:?} {surface} {errors:?}");
             assert!(
                 errors[0] < 0.03 && errors[1] < 0.06 && errors[2] < 1.5 / 12.0,
