@@ -143,7 +143,8 @@ struct Units {
 impl Units {
     fn new<const D: usize>(problem: &Problem<D>) -> Self {
         let scale = problem.scale();
-        let strain = scale.resolution / scale.area.powf(1.0 / (D as f64 - 1.0));
+        let dimension = if is_revolved(problem) { 3.0 } else { D as f64 };
+        let strain = scale.resolution / scale.area.powf(1.0 / (dimension - 1.0));
         let surfaces = problem.surfaces().iter();
         let noticed = NOTICED * scale.energy / scale.length;
         let softer = |body: &Body<D>| {
