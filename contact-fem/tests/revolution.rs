@@ -246,7 +246,6 @@ fn lame_tube() {
             .collect();
         let rate = |k: usize| (errors[1][k] / errors[2][k]).log2();
         let rates = [0, 1, 2].map(rate);
-        println!("{order:?} {errors:?} {rates:?}");
         let (least, off, finest) = match order {
             Order::Linear => ([1.95, 1.9, 0.95], 3e-4, 1e-2),
             Order::Quadratic => ([3.85, 2.85, 1.85], 3e-6, 2e-4),
@@ -284,7 +283,6 @@ fn lame_sphere() {
             off.fold(0.0, f64::max) / exact(a)
         })
         .collect();
-    println!("{errors:?}");
     assert!(
         errors[2] < 1e-4 && (errors[1] / errors[2]).log2() > 2.7,
         "{errors:?}"
@@ -351,7 +349,6 @@ fn inflation_of_a_tube() {
     let (problem, u, last) = solved(tube, 5);
     let found = 1.0 + at(&problem, &u, [1.0, 0.0])[0];
     let expected = bore(lame, p);
-    println!("{found} {expected}");
     assert!(
         expected > 1.4 && (found / expected - 1.0).abs() < 1e-4,
         "{found} {expected}"
@@ -441,7 +438,6 @@ fn a_pressed_cylinder_is_that_of_space() {
     let fine = of_revolution(16);
     let of_revolution = [of_revolution(4), of_revolution(8)].map(|E| (E / fine - 1.0).abs());
     let in_space = [in_space(2), in_space(4)].map(|E| (E / fine - 1.0).abs());
-    println!("{fine} {of_revolution:?} {in_space:?}");
     assert!(of_revolution[1] < 2e-3, "{of_revolution:?}");
     assert!(
         in_space[1] < 1e-2 && in_space[1] < 0.5 * in_space[0],

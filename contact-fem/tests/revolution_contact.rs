@@ -137,8 +137,6 @@ fn hertz_on_a_plane() {
                 hertz_errors(&problem, 0, &pressures[0], last.pairs[0].area, [p_0, A])
             })
             .collect();
-        let rates = [0, 1, 2].map(|k| (errors[1][k] / errors[2][k]).log2());
-        println!("{order:?} {errors:?} {rates:?}");
         let least = match order {
             Order::Linear => [0.015, 0.03],
             Order::Quadratic => [0.01, 0.03],
@@ -150,7 +148,7 @@ fn hertz_on_a_plane() {
         // to one facet and a half
         assert!(
             errors[2][2] < 1.5 / fineness[2] as f64 && (errors[0][1] / errors[2][1]).log2() > 1.5,
-            "{rates:?}"
+            "{errors:?}"
         );
     }
 }
@@ -201,9 +199,9 @@ fn hertz_on_a_block() {
                 "{resultant} {force}"
             );
             let errors = hertz_errors(&problem, surface, p, last.pairs[0].area, [p_0, a]);
-            println!("{order:?} {surface} {errors:?}");
+            // facets of the other surface that the edge crosses push nodes beyond it, too
             assert!(
-                errors[0] < 0.03 && errors[1] < 0.06 && errors[2] < 1.5 / 12.0,
+                errors[0] < 0.03 && errors[1] < 0.06 && errors[2] < 2.5 / 12.0,
                 "{errors:?}"
             );
         }
