@@ -38,7 +38,7 @@ impl Body<2> {
     /// use contact_fem::{Body, LinearElastic, Scene, Simulation};
     ///
     /// # fn main() -> Result<(), contact_fem::Error> {
-    /// let section = rectangle(&linspace(1.0, 2.0, 16), &[0.0, 0.1], Diagonals::Rising)?.quadratic();
+    /// let section = rectangle(&linspace(1.0, 2.0, 32), &[0.0, 0.1], Diagonals::Rising)?.quadratic();
     /// let mut tube = Body::of_revolution(section, LinearElastic::new(100.0, 0.25)?)?;
     /// tube.symmetry("bottom")?.symmetry("top")?.pressure("left", 3.0)?;
     /// let mut scene = Scene::new();
