@@ -602,6 +602,88 @@ fn laws_from_a_file() {
     }
 }
 
+/// A tube of two layers of one law under a pressure inside is Lamé's; what does not go with `revolution` is named.
+#[test]
+fn bodies_of_revolution_from_a_file() {
+    let folder = fresh("revolution");
+    // two squares side by side, of regions 7 and 3, between the radii 1 and 3
+    let mesh = "6 4 6  1 0 0  2 0 0  3 0 0  3 1 0  2 1 0  1 1 0  1 2 5 7  1 5 6 7  2 3 4 3  2 4 5 3 \
+                1 2 1  2 3 1  3 4 2  4 5 3  5 6 3  6 1 4";
+    fs::write(folder.join("strip.msh"), mesh).expect("written");
+    let text = r#"
+        [[body]]
+        name = "tube"
+        mesh = { rectangle = { x = { from = 1, to = 3, count = 20 }, y = [0, 0.2] } }
+        quadratic = true
+        revolution = true
+        law = "linear-elastic"
+        young = 100
+        poisson = 0.25
+        symmetry = ["bottom", "top"]
+        pressures = [{ on = "left", pressure = 2 }]
+    "#;
+    let energy = |text: &str| -> Result<f64, String> {
+        let file = SceneFile::parse(text, &folder).map_err(|why| why.to_string())?;
+        let scene = file.scene::<2>().map_err(|why| why.to_string())?;
+        let mut problem = scene.problem().map_err(|why| why.to_string())?;
+        let mut simulation = file.simulation().map_err(|why| why.to_string())?;
+        let history = simulation.run(&mut problem).expect("a run");
+        Ok(history.last().expect("a step").stored_energy)
+    };
+    // ½ p 2πa h u(a), u(a) = (1 + ν)/E p a²/(b² − a²) ((1 − 2ν) a + b²/a)
+    let lame = 0.5 * 2.0 * std::f64::consts::TAU * 0.2 * (1.25 / 100.0 * 2.0 / 8.0 * (0.5 + 9.0));
+    let stored = energy(text).expect("a run");
+    assert!((stored / lame - 1.0).abs() < 1e-5, "{stored} {lame}");
+
+    let laws = text
+        .replace(
+            "{ rectangle = { x = { from = 1, to = 3, count = 20 }, y = [0, 0.2] } }",
+            "\"strip.msh\"",
+        )
+        .replace("young = 100\n        poisson = 0.25", "laws = [{ region = 3, young = 100, poisson = 0.25 }, { region = 7, young = 100, poisson = 0.25 }]")
+        .replace("[\"bottom\", \"top\"]", "[1, 3]")
+        .replace("on = \"left\"", "on = 4");
+    let coarse = energy(&laws).expect("a run");
+    assert!((coarse / (5.0 * lame) - 1.0).abs() < 0.02, "{coarse}");
+
+    for (sound, wrong, named) in [
+        ("from = 1, to = 3", "from = -1, to = 3", "has the radius -1"),
+        (
+            "revolution = true",
+            "revolution = true\nplane-stress = true",
+            "no sheet",
+        ),
+        (
+            "quadratic = true",
+            "averaged-volumes = true",
+            "`averaged-volumes` is not for `revolution`",
+        ),
+    ] {
+        let refused = energy(&text.replace(sound, wrong)).expect_err(wrong);
+        assert!(refused.contains(named), "{wrong}: {refused}");
+    }
+    let both = format!(
+        "{text}\n[[body]]\nname = \"sheet\"\nmesh = {{ rectangle = {{ x = [5, 6], y = [0, 1] }} }}\nlaw = \
+         \"linear-elastic\"\nyoung = 1\npoisson = 0\nsymmetry = [\"bottom\", \"left\"]"
+    );
+    let refused = energy(&both).expect_err("both kinds");
+    assert!(
+        refused.contains("`tube` is one of revolution, and body `sheet`"),
+        "{refused}"
+    );
+    let solid = text.replace(
+        "rectangle = { x = { from = 1, to = 3, count = 20 }, y = [0, 0.2] }",
+        "cuboid = { low = [0, 0, 0], size = [1, 1, 1], divisions = [1, 1, 1] }",
+    );
+    let file = SceneFile::parse(&solid, &folder).expect("read");
+    let refused = file
+        .scene::<3>()
+        .map(|_| ())
+        .expect_err("a body of space")
+        .to_string();
+    assert!(refused.contains("meshes of the half-plane"), "{refused}");
+}
+
 /// Pressures and foundations of a file are those of the body; errors name their keys and entries.
 #[test]
 fn pressures_and_foundations_from_a_file() {

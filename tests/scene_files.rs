@@ -938,7 +938,7 @@ fn recipes_run() {
         assert_eq!(code, Some(0), "{name}: {told}");
         names.push(name);
     }
-    assert_eq!(names, ["pin", "wedge", "slide", "blocks"]);
+    assert_eq!(names, ["pin", "wedge", "slide", "ball", "blocks"]);
 
     // what the script reads is there; the script itself runs where Python is
     let script = blocks("docs/cookbook.md", "python").concat();

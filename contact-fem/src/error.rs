@@ -25,6 +25,27 @@ pub enum Error {
         "`Body::with_averaged_volumes` is for linear cells, and the mesh is quadratic: take `Body::new`, which does not lock there"
     )]
     AveragedQuadratic,
+    /// A node of a body of revolution on the other side of the axis.
+    #[error(
+        "node {node} of a body of revolution has the radius {radius:.3e}: mesh the half of its section with r = x₁ ≥ 0 alone, or move it by `Mesh::translated`"
+    )]
+    NegativeRadius {
+        /// Which node.
+        node: usize,
+        /// Its first coordinate (UL).
+        radius: f64,
+    },
+    /// Bodies of revolution together with bodies of the plane.
+    #[error(
+        "body `{revolved}` is one of revolution, and body `{plane}` is not: a scene has bodies of one of the two kinds; \
+         make all of them by `Body::of_revolution`, or none"
+    )]
+    MixedRevolution {
+        /// A body of revolution.
+        revolved: String,
+        /// A body of the plane.
+        plane: String,
+    },
     /// A cell without volume.
     #[error(
         "cell {cell} is degenerate (volume {volume:.3e} at size {size:.3e}): merge or move its nodes"

@@ -1,9 +1,9 @@
 //! Finite elements for frictionless contact: meshes, materials, assembly, the weak
 //! non-penetration constraints, and scenes that put them together.
 //!
-//! The space dimension `D` (2: plane strain or plane stress, 3) is a const generic throughout; a scene in the
+//! The space dimension `D` (2: plane strain, plane stress or bodies of revolution; 3) is a const generic throughout; a scene in the
 //! plane instantiates no code for space. Any consistent units work: UF for force, UL for length;
-//! plane energies and forces are per unit thickness.
+//! plane energies and forces are per unit thickness, those of bodies of revolution of the whole circumference.
 //!
 //! The names follow the paper: `X` reference and `x = X + u` current position, `F = I + ∇u`,
 //! `J = det F`, `P = ∂ψ/∂F`. *Slave* and *master* are roles within one pass only, since every pair

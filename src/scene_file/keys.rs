@@ -177,6 +177,8 @@ pub(super) struct BodyKeys {
     #[serde(default)]
     pub(super) plane_stress: bool,
     #[serde(default)]
+    pub(super) revolution: bool,
+    #[serde(default)]
     pub(super) symmetry: Vec<Name>,
     #[serde(default)]
     pub(super) supports: Vec<SupportKeys>,

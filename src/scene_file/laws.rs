@@ -161,6 +161,11 @@ where
     if keys.plane_stress {
         return refused("not for `plane-stress`, where nothing locks: leave it out");
     }
+    if keys.revolution {
+        return refused(
+            "not for `revolution`: leave it out, or take `quadratic`, which does not lock",
+        );
+    }
     if !keys.laws.is_empty() {
         return refused("for one law, and `laws` are several: leave it out, or take `quadratic`");
     }
@@ -168,7 +173,7 @@ where
     place.of(Body::with_averaged_volumes(mesh, law))
 }
 
-/// A body in plane strain or space, or in plane stress.
+/// A body in plane strain or space, in plane stress, or of revolution.
 fn elastic<const D: usize, L: Material<D> + Material<3>>(
     place: &Place<'_>,
     keys: &BodyKeys,
@@ -179,19 +184,31 @@ where
     P1: Element<D>,
     P2: Element<D>,
 {
-    if !keys.plane_stress {
-        return plain(place, keys, mesh, law);
-    }
+    let (key, what) = match (keys.plane_stress, keys.revolution) {
+        (false, false) => return plain(place, keys, mesh, law),
+        (true, true) => {
+            let what = "a body of revolution is no sheet: leave `plane-stress` or `revolution` out";
+            return Err(place.key("revolution").wrong(what));
+        }
+        (true, false) => (
+            "plane-stress",
+            "`plane-stress` is for meshes of the plane: leave it out",
+        ),
+        (false, true) => (
+            "revolution",
+            "`revolution` is for meshes of the half-plane r ≥ 0: leave it out",
+        ),
+    };
     // D is known to be 2 where the mesh is one of the plane
     let mesh: Box<dyn Any> = Box::new(mesh);
     let body: Option<Box<dyn Any>> = match mesh.downcast::<Mesh<2>>() {
+        Ok(mesh) if keys.revolution => Some(Box::new(revolved(place, keys, *mesh, law)?)),
         Ok(mesh) => Some(Box::new(sheet(place, keys, *mesh, law)?)),
         Err(_) => None,
     };
     let body = body.and_then(|body| body.downcast::<Body<D>>().ok());
-    let what = "`plane-stress` is for meshes of the plane: leave it out";
     body.map(|body| *body)
-        .ok_or_else(|| place.key("plane-stress").wrong(what))
+        .ok_or_else(|| place.key(key).wrong(what))
 }
 
 /// A body in plane stress.
@@ -202,6 +219,26 @@ fn sheet<L: Material<3>>(
     law: impl Fn(&Constants) -> Result<L, Error>,
 ) -> Result<Body<2>, Error> {
     plain(place, keys, mesh, |c| Ok(PlaneStress(law(c)?)))
+}
+
+/// A body of revolution.
+fn revolved<L: Material<3>>(
+    place: &Place<'_>,
+    keys: &BodyKeys,
+    mesh: Mesh<2>,
+    law: impl Fn(&Constants) -> Result<L, Error>,
+) -> Result<Body<2>, Error> {
+    let at = place.key("revolution");
+    match given(place, keys, law)? {
+        Given::One(law) => at.of(Body::of_revolution(mesh, law)),
+        Given::OfRegions(laws) => {
+            let body = Body::of_revolution_with_laws(mesh, laws);
+            match body {
+                Err(why @ contact_fem::Error::NegativeRadius { .. }) => at.of(Err(why)),
+                other => place.key("laws").of(other),
+            }
+        }
+    }
 }
 
 /// A body of one law, or of one a region.
@@ -215,8 +252,26 @@ where
     P1: Element<D>,
     P2: Element<D>,
 {
+    match given(place, keys, law)? {
+        Given::One(law) => Ok(Body::new(mesh, law)),
+        Given::OfRegions(laws) => place.key("laws").of(Body::with_laws(mesh, laws)),
+    }
+}
+
+/// One law, or one a region.
+enum Given<L> {
+    One(L),
+    OfRegions(Vec<(String, L)>),
+}
+
+/// The laws that the keys of a body give.
+fn given<L>(
+    place: &Place<'_>,
+    keys: &BodyKeys,
+    law: impl Fn(&Constants) -> Result<L, Error>,
+) -> Result<Given<L>, Error> {
     if keys.laws.is_empty() {
-        return Ok(Body::new(mesh, law(&of_body(place, keys)?)?));
+        return Ok(Given::One(law(&of_body(place, keys)?)?));
     }
     let own = [keys.young, keys.poisson, keys.share];
     if own.iter().any(Option::is_some) || keys.terms.is_some() {
@@ -242,7 +297,7 @@ where
         .enumerate()
         .map(one)
         .collect::<Result<_, Error>>()?;
-    place.key("laws").of(Body::with_laws(mesh, laws))
+    Ok(Given::OfRegions(laws))
 }
 
 /// The constants of a body of one law.

@@ -3,7 +3,8 @@
 use contact_core::Energy;
 use contact_core::linear::SymmetricPattern;
 
-use super::strain_energy::{Point, median_diagonal, nodes_of, points_of};
+use super::kinematics::{Point, nodes_of, points_of};
+use super::strain_energy::median_diagonal;
 use super::{BodyEnergy, CellState, Dof, DofMap, StrainEnergy};
 use crate::element::{Element, P1};
 use crate::material::{Deformation, Material, Volumetric};

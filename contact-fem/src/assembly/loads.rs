@@ -6,7 +6,7 @@ use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
 /// Adds the nodal forces (all dofs, UF) of a traction f(X) (force per reference area) on facets,
-/// given by their nodes.
+/// given by their nodes. Those of a body of revolution are for the whole circumference.
 ///
 /// On flat facets the quadrature is exact for tractions up to degree 3 in the plane and 2 in space,
 /// for linear and quadratic elements. For other tractions the quadrature error does not reduce the
@@ -21,7 +21,8 @@ pub fn add_traction<const D: usize>(
     for nodes in facets {
         let facet = Facet::gather(mesh.order(), nodes, mesh.nodes());
         for (weight, lambda) in rule.points() {
-            let f = traction(&facet.point(lambda)) * (weight * facet.normal(lambda).norm());
+            let X = facet.point(lambda);
+            let f = traction(&X) * (weight * facet.normal(lambda).norm() * mesh.ring(&X));
             for (&node, N) in nodes.iter().zip(facet_shapes(mesh.order(), lambda)) {
                 for i in 0..D {
                     forces[D * node + i] += N * f[i];
@@ -31,7 +32,8 @@ pub fn add_traction<const D: usize>(
     }
 }
 
-/// Adds the nodal forces (all dofs, UF) of a body force b(X) (force per reference volume). The
+/// Adds the nodal forces (all dofs, UF) of a body force b(X) (force per reference volume), of a body of revolution for the whole
+/// circumference. The
 /// quadrature is exact on straight cells if b times a shape function has degree 5 at most, and on
 /// curved cells for a constant b.
 pub fn add_body_force<const D: usize, E: Element<D>>(
@@ -44,7 +46,7 @@ pub fn add_body_force<const D: usize, E: Element<D>>(
             let N = E::shapes(&xi);
             let shapes = || cell.iter().zip(N.as_ref());
             let X: Vector<D> = shapes().map(|(&node, N)| mesh.nodes()[node] * *N).sum();
-            let b = force(&X) * (weight * mesh.jacobian(k, &xi));
+            let b = force(&X) * (weight * mesh.jacobian(k, &xi) * mesh.ring(&X));
             for (&node, N) in shapes() {
                 for i in 0..D {
                     forces[D * node + i] += N * b[i];

@@ -4,6 +4,7 @@ mod averaged;
 mod boundary;
 mod dofs;
 mod extension;
+mod kinematics;
 mod laws;
 mod loads;
 mod quadratic;
@@ -17,6 +18,7 @@ mod trial;
 pub use averaged::AveragedVolume;
 pub(crate) use boundary::{OnBoundary, Pressed, Springs, Stretch};
 pub use dofs::{Dof, DofMap, Tie};
+pub use kinematics::{Cartesian, Kinematics, Point, Revolution, RingPoint};
 pub use laws::Laws;
 pub use loads::{add_body_force, add_traction};
 pub use quadratic::QuadraticEnergy;
@@ -64,7 +66,7 @@ pub struct CellState<const D: usize> {
     pub J: f64,
     /// Cauchy stress σ (UF/UL²).
     pub sigma: Matrix<D>,
-    /// σ_zz in plane strain (UF/UL²); zero in plane stress and in space.
+    /// σ_zz in plane strain (UF/UL²), and the stress around the axis of a body of revolution; zero in plane stress and in space.
     pub sigma_zz: f64,
 }
 

@@ -3,15 +3,15 @@
 use contact_core::Energy;
 use contact_core::linear::SymmetricPattern;
 
+use super::kinematics::{Cartesian, Kinematics};
 use super::{BodyEnergy, CellState, DofMap, StrainEnergy};
 use crate::element::Element;
-use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
 /// E(u) = E₀ + g₀·u + ½ uᵀK u over the free unknowns; E₀ and g₀ depend on the load, K does not.
-pub struct QuadraticEnergy<const D: usize, E: Element<D>, M: Material<D>> {
-    elastic: StrainEnergy<D, E, M>,
+pub struct QuadraticEnergy<const D: usize, E: Element<D>, M, K: Kinematics<D, E, M> = Cartesian> {
+    elastic: StrainEnergy<D, E, M, K>,
     /// K (UF/UL), one value for each entry of the pattern.
     K: Vec<f64>,
     /// ∇E at u = 0, without load and what it grows by to full load: loads are proportional.
@@ -24,13 +24,17 @@ pub struct QuadraticEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     E_0: f64,
 }
 
-impl<const D: usize, E: Element<D>, M: Material<D>> QuadraticEnergy<D, E, M> {
+impl<const D: usize, E: Element<D>, M, K> QuadraticEnergy<D, E, M, K>
+where
+    M: Clone + Send + Sync + 'static,
+    K: Kinematics<D, E, M>,
+{
     /// Assembles K.
     ///
     /// # Panics
-    /// If the law is not linear: see [`Material::QUADRATIC`].
-    pub fn new(mut elastic: StrainEnergy<D, E, M>) -> Self {
-        assert!(M::QUADRATIC, "a quadratic energy needs a linear law");
+    /// If the law is not linear: see [`Kinematics::QUADRATIC`].
+    pub fn new(mut elastic: StrainEnergy<D, E, M, K>) -> Self {
+        assert!(K::QUADRATIC, "a quadratic energy needs a linear law");
         let n = elastic.dofs();
         let rest = vec![0.0; n];
         let mut K = vec![0.0; elastic.hessian_pattern().len()];
@@ -59,7 +63,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> QuadraticEnergy<D, E, M> {
     }
 }
 
-impl<const D: usize, E: Element<D>, M: Material<D>> Energy for QuadraticEnergy<D, E, M> {
+impl<const D: usize, E: Element<D>, M, K> Energy for QuadraticEnergy<D, E, M, K>
+where
+    M: Clone + Send + Sync + 'static,
+    K: Kinematics<D, E, M>,
+{
     fn dofs(&self) -> usize {
         self.elastic.dofs()
     }
@@ -96,7 +104,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for QuadraticEnergy<D
     }
 }
 
-impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for QuadraticEnergy<D, E, M> {
+impl<const D: usize, E: Element<D>, M, K> BodyEnergy<D> for QuadraticEnergy<D, E, M, K>
+where
+    M: Clone + Send + Sync + 'static,
+    K: Kinematics<D, E, M>,
+{
     fn set_load(&mut self, factor: f64) {
         self.elastic.set_load(factor);
         let [still, slope, curvature] = self.E_rest;

@@ -7,30 +7,26 @@ use contact_core::linear::SymmetricPattern;
 
 use super::dofs::{Dof, DofMap};
 use super::extension::Extension;
+use super::kinematics::{Cartesian, Kinematics, nodes_of};
 use super::laws::Laws;
 use super::scatter::{SlotMap, pattern_and_slots};
 use super::trial::Trial;
 use super::{BodyEnergy, CellState};
 use crate::element::Element;
-use crate::material::{Deformation, Material};
+use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::parallel;
-use crate::tensor::{Matrix, Vector, inverse_transpose, unit_vector};
-
-/// One quadrature point: its weight times reference volume, and ∂N_a/∂X.
-#[derive(Clone, Copy)]
-pub(super) struct Point<const D: usize, E: Element<D>> {
-    pub weight: f64,
-    pub gradients: E::PerNode<Vector<D>>,
-}
+use crate::tensor::{Matrix, Vector};
 
 /// The total potential energy of one body (equation (2) of the paper).
-pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
+///
+/// `K` tells how displacements strain the law `M`.
+pub struct StrainEnergy<const D: usize, E: Element<D>, M, K: Kinematics<D, E, M> = Cartesian> {
     laws: Laws<M>,
     dofs: DofMap,
     /// The nodes of the assembled cells, and their quadrature points cell by cell.
     cells: Vec<E::PerNode<usize>>,
-    points: Vec<Point<D, E>>,
+    points: Vec<K::Point>,
     /// External forces on all dofs and prescribed displacements, both at full load.
     full_forces: Vec<f64>,
     full_prescribed: Vec<f64>,
@@ -40,7 +36,7 @@ pub struct StrainEnergy<const D: usize, E: Element<D>, M: Material<D>> {
     slots: SlotMap<D>,
     /// The harmonic extension of the prescribed displacements, built on first use.
     extension: Mutex<Option<Extension<D>>>,
-    trial: Mutex<Trial<D>>,
+    trial: Mutex<Trial<K::At>>,
     typical_stiffness: f64,
 }
 
@@ -65,13 +61,30 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
         prescribed: Vec<f64>,
         forces: Vec<f64>,
     ) -> Self {
+        Self::with_kinematics(mesh, laws, dofs, prescribed, forces)
+    }
+}
+
+impl<const D: usize, E: Element<D>, M, K> StrainEnergy<D, E, M, K>
+where
+    M: Clone + Send + Sync + 'static,
+    K: Kinematics<D, E, M>,
+{
+    /// As [`StrainEnergy::with_laws`], with any kinematics.
+    pub fn with_kinematics(
+        mesh: &Mesh<D>,
+        laws: &Laws<M>,
+        dofs: DofMap,
+        prescribed: Vec<f64>,
+        forces: Vec<f64>,
+    ) -> Self {
         let is_free =
             |&node: &usize| (0..D).any(|i| matches!(dofs.get(D * node + i), Dof::Free(_)));
         let assembled = (0..mesh.len()).filter(|&k| mesh.cell(k).iter().any(is_free));
         let assembled: Vec<usize> = assembled.collect();
         let cells = assembled.iter().map(|&k| nodes_of::<D, E>(mesh.cell(k)));
         let cells: Vec<E::PerNode<usize>> = cells.collect();
-        let points = cells.iter().flat_map(|cell| points_of::<D, E>(mesh, cell));
+        let points = cells.iter().flat_map(|cell| K::points(mesh, cell));
         let points = points.collect();
         let (pattern, slots) = pattern_and_slots(&dofs, cells.iter().map(AsRef::as_ref));
         let mut energy = StrainEnergy {
@@ -104,7 +117,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
     }
 
     /// The assembled cells with their quadrature points.
-    fn assembled(&self) -> impl Iterator<Item = (&E::PerNode<usize>, &[Point<D, E>])> {
+    fn assembled(&self) -> impl Iterator<Item = (&E::PerNode<usize>, &[K::Point])> {
         self.cells
             .iter()
             .zip(self.points.chunks_exact(E::QUADRATURE.len()))
@@ -129,8 +142,8 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             let nodes = cell.as_ref();
             for (k, &a) in nodes.iter().enumerate() {
                 for (l, &b) in nodes[..=k].iter().enumerate() {
-                    let dN = |p: &Point<D, E>| [k, l].map(|n| p.gradients.as_ref()[n]);
-                    let products = points.iter().map(|p| (p.weight, dN(p)));
+                    let dN = |p: &K::Point| [k, l].map(|n| K::gradients(p).as_ref()[n]);
+                    let products = points.iter().map(|p| (K::weight(p), dN(p)));
                     let sum = products.map(|(w, [dN_a, dN_b])| w * dN_a.dot(&dN_b)).sum();
                     entries.push((a, b, sum));
                 }
@@ -140,17 +153,17 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
     }
 
     /// Calls `evaluate` with the deformations at u, one for each quadrature point.
-    fn evaluate(&self, u: &[f64], evaluate: impl FnOnce(&[Deformation<D>])) {
+    fn evaluate(&self, u: &[f64], evaluate: impl FnOnce(&[K::At])) {
         // not under the lock: while a thread waits for others, rayon may give it work that comes here again
         let mut trial = std::mem::take(&mut *lock(&self.trial));
         evaluate(trial.at(u, |deformations| {
-            deformations.resize(self.points.len(), Deformation::new(Matrix::identity()));
+            deformations.resize(self.points.len(), K::rest());
             let size = E::QUADRATURE.len();
             parallel::fill(deformations, size, |k, deformations| {
                 let local = self.gather(&self.cells[k], u);
                 let points = &self.points[k * size..(k + 1) * size];
                 for (at, point) in deformations.iter_mut().zip(points) {
-                    *at = Deformation::new(point.deformation(&local));
+                    *at = K::at(point, &local);
                 }
             });
         }));
@@ -175,11 +188,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
             let (mut energy, mut forces) = (0.0, E::per_node(Vector::zeros()));
             for q in k * size..(k + 1) * size {
                 let (point, law) = (&self.points[q], self.laws.at(q));
-                let at = Deformation::of_quadratic_law(point.deformation(&local));
-                energy += point.weight * law.energy_density(&at);
-                let P = law.stress(&at) * point.weight;
-                let nodes = forces.as_mut().iter_mut().zip(point.gradients.as_ref());
-                nodes.for_each(|(force, dN)| *force += P * dN);
+                let at = K::at_for_quadratic(point, &local);
+                energy += K::weight(point) * K::energy_density(law, &at);
+                let shares = K::forces(law, &at, point);
+                let nodes = forces.as_mut().iter_mut().zip(shares.as_ref());
+                nodes.for_each(|(force, share)| *force += share);
             }
             (energy, forces)
         };
@@ -214,14 +227,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> StrainEnergy<D, E, M> {
     /// Calls `add(dof, force)` with the internal forces ∫ P ∇N_a dX, cell by cell.
     fn internal_forces(&self, u: &[f64], mut add: impl FnMut(usize, f64) + Send) {
         self.evaluate(u, |at| {
-            let forces = |q: usize| {
-                let point = &self.points[q];
-                let P = self.laws.at(q).stress(&at[q]) * point.weight;
-                let mut forces = E::per_node(Vector::zeros());
-                let nodes = forces.as_mut().iter_mut().zip(point.gradients.as_ref());
-                nodes.for_each(|(force, dN)| *force = P * dN);
-                forces
-            };
+            let forces = |q: usize| K::forces(self.laws.at(q), &at[q], &self.points[q]);
             parallel::in_order(at.len(), forces, |q, forces| {
                 let cell = self.cells[q / E::QUADRATURE.len()];
                 for (&a, force) in cell.as_ref().iter().zip(forces.as_ref()) {
@@ -253,47 +259,11 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl<const D: usize, E: Element<D>> Point<D, E> {
-    /// F = I + Σ_a u_a ⊗ ∇N_a.
-    pub(super) fn deformation(&self, local: &E::PerNode<Vector<D>>) -> Matrix<D> {
-        let mut F = Matrix::<D>::identity();
-        for (v, dN) in local.as_ref().iter().zip(self.gradients.as_ref()) {
-            F.ger(1.0, v, dN, 1.0);
-        }
-        F
-    }
-}
-
-pub(super) fn nodes_of<const D: usize, E: Element<D>>(cell: &[usize]) -> E::PerNode<usize> {
-    let mut nodes = E::per_node(0);
-    nodes.as_mut().copy_from_slice(cell);
-    nodes
-}
-
-/// The quadrature points of one cell: ∂N/∂X = (∂X/∂ξ)⁻ᵀ ∂N/∂ξ.
-pub(super) fn points_of<const D: usize, E: Element<D>>(
-    mesh: &Mesh<D>,
-    cell: &E::PerNode<usize>,
-) -> impl Iterator<Item = Point<D, E>> {
-    E::QUADRATURE.iter().map(move |&(weight, xi)| {
-        let mut gradients = E::shape_gradients(&Vector::from(xi));
-        let mut dX = Matrix::<D>::zeros();
-        for (&a, dN) in cell.as_ref().iter().zip(gradients.as_ref()) {
-            dX.ger(1.0, &mesh.nodes()[a], dN, 1.0);
-        }
-        let inverse = inverse_transpose(&dX);
-        gradients
-            .as_mut()
-            .iter_mut()
-            .for_each(|dN| *dN = inverse * *dN);
-        Point {
-            weight: weight * crate::tensor::determinant(&dX),
-            gradients,
-        }
-    })
-}
-
-impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E, M> {
+impl<const D: usize, E: Element<D>, M, K> Energy for StrainEnergy<D, E, M, K>
+where
+    M: Clone + Send + Sync + 'static,
+    K: Kinematics<D, E, M>,
+{
     fn dofs(&self) -> usize {
         self.dofs.free()
     }
@@ -302,7 +272,8 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     fn value(&self, u: &[f64]) -> f64 {
         let mut energy = 0.0;
         self.evaluate(u, |at| {
-            let share = |q: usize| self.points[q].weight * self.laws.at(q).energy_density(&at[q]);
+            let share =
+                |q: usize| K::weight(&self.points[q]) * K::energy_density(self.laws.at(q), &at[q]);
             parallel::in_order(at.len(), share, |_, share| energy += share);
         });
         self.with_potential(energy, u)
@@ -336,13 +307,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
                 let own = k * size..(k + 1) * size;
                 let points = self.points[own.clone()].iter().zip(&at[own.clone()]);
                 for (q, (point, at)) in own.zip(points) {
-                    let A = self.laws.at(q).contraction(at);
-                    let dN = point.gradients.as_ref();
-                    for (a, row) in blocks.as_mut().iter_mut().enumerate() {
-                        for (b, block) in row.as_mut()[..=a].iter_mut().enumerate() {
-                            *block += A(&dN[a], &dN[b]) * point.weight;
-                        }
-                    }
+                    K::add_stiffness(self.laws.at(q), at, point, &mut blocks);
                 }
                 blocks
             };
@@ -362,11 +327,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     }
 
     fn is_quadratic(&self) -> bool {
-        M::QUADRATIC
+        K::QUADRATIC
     }
 
     fn domain_len(&self) -> usize {
-        if M::NEEDS_POSITIVE_J {
+        if K::NEEDS_POSITIVE_J {
             self.points.len()
         } else {
             0
@@ -374,16 +339,22 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Energy for StrainEnergy<D, E
     }
 
     fn domain(&self, u: &[f64], d: &mut [f64]) {
-        if !M::NEEDS_POSITIVE_J {
+        if !K::NEEDS_POSITIVE_J {
             return;
         }
         self.evaluate(u, |at| {
-            at.iter().zip(d).for_each(|(at, d)| *d = at.J);
+            at.iter()
+                .zip(d)
+                .for_each(|(at, d)| *d = K::volume_ratio(at));
         });
     }
 }
 
-impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEnergy<D, E, M> {
+impl<const D: usize, E: Element<D>, M, K> BodyEnergy<D> for StrainEnergy<D, E, M, K>
+where
+    M: Clone + Send + Sync + 'static,
+    K: Kinematics<D, E, M>,
+{
     fn set_load(&mut self, factor: f64) {
         self.factor = factor;
         let full = self.full_prescribed.iter();
@@ -424,19 +395,7 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
             let mut local = E::per_node(Vector::zeros());
             let displacements = local.as_mut().iter_mut().zip(cell);
             displacements.for_each(|(v, &a)| *v = U[a]);
-            let mut mean = Matrix::zeros();
-            let mut volume = 0.0;
-            for point in points_of::<D, E>(mesh, &nodes) {
-                mean += point.deformation(&local) * point.weight;
-                volume += point.weight;
-            }
-            let at = Deformation::new(mean / volume);
-            let (sigma, sigma_zz) = self.laws.at_centre(k).cauchy_stress(&at);
-            CellState {
-                J: at.J,
-                sigma,
-                sigma_zz,
-            }
+            K::state(self.laws.at_centre(k), K::points(mesh, &nodes), &local)
         };
         mesh.cells().enumerate().map(state).collect()
     }
@@ -445,19 +404,10 @@ impl<const D: usize, E: Element<D>, M: Material<D>> BodyEnergy<D> for StrainEner
         if self.cells.is_empty() {
             return f64::INFINITY;
         }
-        let at = Deformation::new(Matrix::identity());
-        let modulus = |law: &M| {
-            let contraction = law.contraction(&at);
-            let axis = |i: usize| unit_vector::<D>(i);
-            // λ + 2μ and μ, of which E/(1 − ν²) is made
-            let stretched = contraction(&axis(0), &axis(0))[(0, 0)];
-            let sheared = contraction(&axis(1), &axis(1))[(0, 0)];
-            4.0 * sheared * (stretched - sheared) / stretched
-        };
         self.laws
             .all()
             .iter()
-            .map(modulus)
+            .map(K::contact_modulus)
             .fold(f64::INFINITY, f64::min)
     }
 

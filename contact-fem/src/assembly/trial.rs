@@ -1,17 +1,15 @@
 //! The data that all evaluations at one trial u share.
 
-use crate::material::Deformation;
-
 /// The deformation at every quadrature point at the most recent u.
 ///
 /// A solver evaluates domain, value, gradient and Hessian at the same u one after the other.
-pub(super) struct Trial<const D: usize> {
+pub(super) struct Trial<At> {
     u: Vec<f64>,
     is_valid: bool,
-    points: Vec<Deformation<D>>,
+    points: Vec<At>,
 }
 
-impl<const D: usize> Default for Trial<D> {
+impl<At> Default for Trial<At> {
     fn default() -> Self {
         Trial {
             u: Vec::new(),
@@ -21,13 +19,9 @@ impl<const D: usize> Default for Trial<D> {
     }
 }
 
-impl<const D: usize> Trial<D> {
+impl<At> Trial<At> {
     /// The deformations at u; `fill` sets all of them, in place of those of another u, if they are not stored.
-    pub fn at(
-        &mut self,
-        u: &[f64],
-        fill: impl FnOnce(&mut Vec<Deformation<D>>),
-    ) -> &[Deformation<D>] {
+    pub fn at(&mut self, u: &[f64], fill: impl FnOnce(&mut Vec<At>)) -> &[At] {
         if !(self.is_valid && self.u == u) {
             self.is_valid = false; // until the deformations are complete
             fill(&mut self.points);

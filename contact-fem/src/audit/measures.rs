@@ -58,10 +58,23 @@ impl<const D: usize> Audit<D> {
             } else {
                 ratio
             };
-            inverted_simplices += usize::from(ratio <= 0.0);
+            let radius = |x: &[Vector<D>]| {
+                let corners = cell.nodes[..=D].iter();
+                corners.map(|&a| x[a][0]).sum::<f64>()
+            };
+            let is_beyond = self.is_revolved && {
+                let mut corners = cell.nodes[..=D].iter();
+                corners.any(|&a| x[a][0] < 0.0)
+            };
+            inverted_simplices += usize::from(ratio <= 0.0 || is_beyond);
             if self.is_linear[cell.body] {
                 let H = F - Matrix::identity();
-                strain = (H + H.transpose()).norm_squared().max(strain);
+                let around = match self.is_revolved {
+                    true => radius(x) / radius(&self.reference) - 1.0,
+                    false => 0.0,
+                };
+                let own = (H + H.transpose()).norm_squared() + (2.0 * around).powi(2);
+                strain = own.max(strain);
                 rotation = (H - H.transpose()).norm_squared().max(rotation);
             }
             if ratio < goal && self.orders[cell.body] == Order::Linear {

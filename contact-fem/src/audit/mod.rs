@@ -40,6 +40,8 @@ pub struct Audit<const D: usize> {
     reference: Vec<Vector<D>>,
     /// The inverse of each simplex's edges in the reference configuration (1/UL).
     inverses: Vec<Matrix<D>>,
+    /// Whether the bodies are ones of revolution.
+    is_revolved: bool,
     /// Whether a body's law is for small strains.
     is_linear: Vec<bool>,
     /// The order of each body's cells.
@@ -68,9 +70,10 @@ pub struct Findings<const D: usize> {
     /// The worst overlap of each two bodies, and of each body with itself, that overlap.
     pub overlaps: Vec<Overlap<D>>,
     /// The number of simplices whose volume is not positive, or that of quadratic cells in which the volume ratio is not
-    /// positive everywhere if that is larger.
+    /// positive everywhere if that is larger. Simplices of a body of revolution beyond the axis count, too.
     pub inverted: usize,
-    /// The smallest volume ratio within the cells, and where it is; `None` without cells.
+    /// The smallest volume ratio within the cells, and where it is; `None` without cells. Of a body of revolution it is the ratio of
+    /// areas in the half-plane, without the stretch around the axis.
     pub least_volume: Option<LeastVolume<D>>,
     /// The largest norm of ½(∇u + ∇uᵀ) in bodies with a law for small strains; 0 without such.
     pub strain: f64,
@@ -124,6 +127,7 @@ impl<const D: usize> Audit<D> {
             inverses: topology.cells.iter().map(inverse).collect(),
             topology,
             reference: X.to_vec(),
+            is_revolved: scene.bodies().iter().any(|b| b.mesh().is_of_revolution()),
             is_linear: scene.bodies().iter().map(|b| b.is_small_strain()).collect(),
             orders: scene.bodies().iter().map(|b| b.mesh().order()).collect(),
             obstacles: scene

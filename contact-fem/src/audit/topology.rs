@@ -82,7 +82,12 @@ impl<const D: usize> Topology<D> {
                     quadratic.push(Quadratic { nodes, body, of });
                 }
             }
-            for facet in mesh.exterior() {
+            // inside, a body of revolution meets itself on the axis
+            let is_axis = |facet: &&[usize]| {
+                let mut nodes = facet.iter();
+                mesh.is_of_revolution() && nodes.all(|&a| mesh.nodes()[a][0] == 0.0)
+            };
+            for facet in mesh.exterior().filter(|facet| !is_axis(facet)) {
                 faces.extend(
                     facet_pieces::<D>(mesh, facet)
                         .into_iter()

@@ -110,7 +110,7 @@ impl Certificate {
             Condition::Overlap => Some(deepest_of(problem, &audit.overlaps, &|_| true)),
             Condition::Unopposed => Some(deepest_of(problem, &audit.overlaps, &is_unopposed)),
             Condition::SmallStrain => has_small_strain.then(|| audit.strain.max(audit.rotation)),
-            Condition::Moment => Some(moment(&positions, mutual)),
+            Condition::Moment => (!is_revolved(problem)).then(|| moment(&positions, mutual)),
             Condition::Closed => Some(closed as f64),
             Condition::OtherSide => units.other_side(problem, u),
             Condition::Dropped => Some(dropped as f64),
@@ -144,7 +144,8 @@ struct Units {
 impl Units {
     fn new<const D: usize>(problem: &Problem<D>) -> Self {
         let scale = problem.scale();
-        let strain = scale.resolution / scale.area.powf(1.0 / (D as f64 - 1.0));
+        let dimension = if is_revolved(problem) { 3.0 } else { D as f64 };
+        let strain = scale.resolution / scale.area.powf(1.0 / (dimension - 1.0));
         let surfaces = problem.surfaces().iter();
         let noticed = NOTICED * scale.energy / scale.length;
         let softer = |body: &Body<D>| {
@@ -200,6 +201,12 @@ impl Units {
         let rows = problem.rows_at(&others, u, Sampling::Nodes);
         (!others.is_empty()).then(|| deepest(&self.relative(&rows, u, &others)))
     }
+}
+
+/// Whether the bodies are ones of revolution.
+fn is_revolved<const D: usize>(problem: &Problem<D>) -> bool {
+    let mut bodies = problem.scene().bodies().iter();
+    bodies.any(|body| body.mesh().is_of_revolution())
 }
 
 /// The forces of the rows between bodies on all nodes (UF); `None` if there are no others.
@@ -328,6 +335,15 @@ impl Residual {
         let (residuals, U) = (problem.residuals(u), problem.displacements(u));
         // what ties do to one body, and the opposite to the other, is a load like contact
         let contact = problem.with_tie_forces(u, contact);
+        let is_revolved = is_revolved(problem);
+        let resultant_of = |sum: &Vector<D>| {
+            let mut sum = *sum;
+            if is_revolved {
+                // around the axis, what points away from it cancels
+                sum[0] = 0.0;
+            }
+            sum
+        };
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = &residuals[body];
             let (loads, springs) = on_boundary(problem, body, &U);
@@ -362,7 +378,7 @@ impl Residual {
                     }
                 }
             }
-            let norms = resultants.iter().map(Vector::norm);
+            let norms = resultants.iter().map(|sum| resultant_of(sum).norm());
             resultant = norms.fold(resultant, f64::max);
             free = worse(over(rest_free, largest), free);
             forces.push(largest);
@@ -370,7 +386,7 @@ impl Residual {
         Residual {
             free,
             forces,
-            sum: sum.norm(),
+            sum: resultant_of(&sum).norm(),
             resultant,
         }
     }

@@ -14,7 +14,7 @@ pub struct Moving<const D: usize> {
     surface: Arc<Surface<D>>,
     x: Vec<Vector<D>>,
     normals: Vec<Vector<D>>,
-    /// |s_a| of the sums s_a whose directions are the normals.
+    /// |s_a| of the sums s_a whose directions are the normals; 0 on an axis of revolution, where they do not turn.
     lengths: Vec<f64>,
 }
 
@@ -26,7 +26,14 @@ impl<const D: usize> Moving<D> {
         Moving {
             surface: Arc::clone(surface),
             x,
-            lengths: sums.iter().map(Vector::norm).collect(),
+            lengths: sums
+                .iter()
+                .enumerate()
+                .map(|(a, sum)| match surface.is_on_axis(a) {
+                    true => 0.0,
+                    false => sum.norm(),
+                })
+                .collect(),
             normals: sums.into_iter().map(normals::unit).collect(),
         }
     }

@@ -27,6 +27,11 @@ pub(super) fn sums<const D: usize>(surface: &Surface<D>, x: &[Vector<D>]) -> Vec
             sums[node] += unit(facet_normal(&tangent)) * node_weight(&tangent, k);
         }
     }
+    if surface.is_of_revolution() {
+        // with their mirror images beyond the axis
+        let axis = (0..sums.len()).filter(|a| surface.is_on_axis(*a));
+        axis.for_each(|a| sums[a][0] = 0.0);
+    }
     sums
 }
 

@@ -49,6 +49,8 @@ const UNLOADED: f64 = 1e-6;
 const TANGENTIAL: f64 = 1e-2;
 /// Below this share of the sum of all forces the resultants balance nothing.
 const BALANCED: f64 = 1e-3;
+/// Below this share the normal components of forces on a surface of revolution have hardly any resultant along the axis.
+const STEEP: f64 = 0.1;
 /// What forces have more than their components along the normals is borne along each motion up to this share of those.
 const OBLIQUE: f64 = 0.25;
 /// Iterations for the resultants; most take one or two.
@@ -166,16 +168,21 @@ impl<const D: usize> Weights<D> {
         let mut areas = vec![Vector::zeros(); of.x.len()];
         let mut normals = areas.clone();
         let rule = FacetRule::<D>::gauss(3);
-        let facets = surface.facets().zip(surface.reference());
-        for ((nodes, reference), facet) in facets.zip(surface.facets_at(of.x)) {
+        let facets = surface.facets().enumerate();
+        for ((f, nodes), facet) in facets.zip(surface.facets_at(of.x)) {
             for (w, lambda) in rule.points() {
                 let n = facet.normal(lambda);
-                let n = n * (w * reference.normal(lambda).norm() / n.norm());
+                let n = n * (w * surface.measure(f, lambda) / n.norm());
                 for (&a, N) in nodes.iter().zip(facet_shapes(surface.order(), lambda)) {
                     areas[a] += n * N;
                     normals[a] += n * (N * N);
                 }
             }
+        }
+        // on an axis of revolution what points away from it cancels around
+        for a in (0..areas.len()).filter(|a| surface.is_on_axis(*a)) {
+            areas[a][0] = 0.0;
+            normals[a][0] = 0.0;
         }
         for (n, averaged) in normals.iter_mut().zip(of.normals) {
             let size = n.norm();
@@ -234,11 +241,11 @@ impl<const D: usize> Weights<D> {
     fn sharpen(&self, surface: &Surface<D>, means: &mut [f64]) {
         let [mut sums, mut sizes] = [0, 1].map(|_| vec![0.0; means.len()]);
         let rule = FacetRule::<D>::gauss(3);
-        for (nodes, reference) in surface.facets().zip(surface.reference()) {
+        for (f, nodes) in surface.facets().enumerate() {
             let rows = nodes[..surface.test_nodes()].iter();
             let rows: Vec<usize> = rows.filter_map(|&a| self.tests[a]).collect();
             for (w, lambda) in rule.points() {
-                let w = w * reference.normal(lambda).norm();
+                let w = w * surface.measure(f, lambda);
                 let tests = || rows.iter().zip(surface.test_functions(lambda));
                 let finite = tests().filter(|(row, _)| means[**row].is_finite());
                 let mean: f64 = finite.map(|(&row, phi)| means[row] * phi).sum();
@@ -270,7 +277,16 @@ impl<const D: usize> Weights<D> {
         let centre = Vector::<D>::from_fn(|i, _| weighted(&|a| of.x[a][i]));
         let radius = weighted(&|a| (of.x[a] - centre).norm_squared()).sqrt();
         let length = radius.max(of.surface.smallest_facet());
-        let motion = |a: usize, v: &Vector<D>| moment_of(&((of.x[a] - centre) / length), v);
+        let is_revolved = of.surface.is_of_revolution();
+        let motion = |a: usize, v: &Vector<D>| match is_revolved {
+            // the one rigid motion is that along the axis
+            true => {
+                let mut motion = Motion::zeros();
+                motion[1] = v[1];
+                motion
+            }
+            false => moment_of(&((of.x[a] - centre) / length), v),
+        };
         let nodes = 0..trial.len();
         let along: Vec<Motion> = nodes.clone().map(|a| motion(a, &self.normals[a])).collect();
         let weight: Vec<Motion> = nodes.clone().map(|a| motion(a, &self.areas[a])).collect();
@@ -303,7 +319,15 @@ impl<const D: usize> Weights<D> {
             let Some((svd, (Some(U), Some(V)))) = svd.map(|svd| (svd, (svd.u, svd.v_t))) else {
                 break;
             };
-            let largest = svd.singular_values.max();
+            let largest = match is_revolved {
+                // what the motion would be worth on a surface across the axis
+                true => {
+                    let pressing = pressures.iter().zip(&self.areas);
+                    let pressing = pressing.filter(|(p, _)| **p > 0.0);
+                    pressing.map(|(_, area)| area.norm()).sum()
+                }
+                false => svd.singular_values.max(),
+            };
             let mut change = Motion::zeros();
             let mut reachable = Motion::zeros();
             for (k, &value) in svd.singular_values.iter().enumerate() {
@@ -324,7 +348,8 @@ impl<const D: usize> Weights<D> {
         }
         let mut pressures = at(&shift);
         // around a pin or in a fold, forces cancel: what is kept is the sum of their normal components
-        if whole.norm() < BALANCED * total {
+        let is_steep = is_revolved && normal.norm() < STEEP * total;
+        if whole.norm() < BALANCED * total || is_steep {
             let nodes = || self.normals.iter().enumerate();
             let wanted: f64 = nodes().map(|(a, n)| -forces[a].dot(n)).sum();
             let own = nodes().map(|(a, n)| (a, self.areas[a].dot(n)));
@@ -374,10 +399,10 @@ pub fn tractions<const D: usize>(
     };
     let rule = FacetRule::<D>::gauss(3);
     let mut mass = Vec::new();
-    for (facet, reference) in surface.facets().zip(surface.reference()) {
+    for (f, facet) in surface.facets().enumerate() {
         let numbers = numbers(facet);
         for (w, lambda) in rule.points() {
-            let w = w * reference.normal(lambda).norm();
+            let w = w * surface.measure(f, lambda);
             let phi = surface.test_functions(lambda);
             for (k, &row) in numbers.iter().enumerate() {
                 for (l, &col) in numbers[..=k].iter().enumerate() {

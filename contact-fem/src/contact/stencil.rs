@@ -73,7 +73,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
         self.point.number
     }
 
-    /// w_q: the quadrature weight times the reference measure (UL in the plane, UL² in space).
+    /// w_q: the quadrature weight times the reference measure (UL in the plane, UL² in space and of revolution).
     pub fn weight(&self) -> f64 {
         self.point.weight
     }
@@ -224,7 +224,6 @@ pub(crate) fn on_obstacle<const D: usize>(
     let mut projected = Vec::new();
     for (index, nodes) in slave.facets().enumerate() {
         let facet = Facet::gather(slave.order(), nodes, &positions);
-        let reference = &slave.reference()[index];
         for (k, (weight, lambda)) in rule.points().iter().enumerate() {
             let x = facet.point(lambda);
             let gap = obstacle.distance(&x);
@@ -240,7 +239,7 @@ pub(crate) fn on_obstacle<const D: usize>(
                 number: index * rule.points().len() + k,
                 facet: index,
                 lambda: *lambda,
-                weight: reference.normal(lambda).norm() * weight,
+                weight: slave.measure(index, lambda) * weight,
                 x,
                 projection: Projection {
                     facet: 0,
@@ -315,7 +314,7 @@ fn on_facets<const D: usize>(
                 number,
                 facet: index,
                 lambda: *lambda,
-                weight: weight * reference.normal(lambda).norm(),
+                weight: weight * slave.measure(index, lambda),
                 x: seeker.x,
                 projection,
             }));

@@ -1,6 +1,7 @@
 //! A contact surface: facets of one body's boundary.
 
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 
 use super::normals::averaged;
 use crate::element::{Facet, FacetShapes, Order, facet_edge, facet_shapes};
@@ -23,6 +24,8 @@ pub struct Surface<const D: usize> {
     /// X of the nodes, and their averaged normals in the reference configuration.
     X: Vec<Vector<D>>,
     N: Vec<Vector<D>>,
+    /// Whether its body is one of revolution about the axis r = 0, with r as the first coordinate.
+    is_revolved: bool,
     /// For each facet and corner, whether the side opposite the corner is on the rim of the
     /// surface.
     rim: Vec<[bool; D]>,
@@ -39,11 +42,29 @@ impl<const D: usize> Surface<D> {
         facets: impl Iterator<Item = &'a [usize]> + Clone,
         X: &[Vector<D>],
     ) -> Self {
+        Self::of_body((body, false), order, facets, X)
+    }
+
+    /// The same of a body that may be one of revolution, as the flag tells.
+    pub(crate) fn of_body<'a>(
+        (body, is_revolved): (usize, bool),
+        order: Order,
+        facets: impl Iterator<Item = &'a [usize]> + Clone,
+        X: &[Vector<D>],
+    ) -> Self {
         let mut nodes: Vec<usize> = facets.clone().flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
         let number: HashMap<usize, usize> = nodes.iter().copied().zip(0..).collect();
-        let rim = rim::<D>(facets.clone());
+        let mut rim = rim::<D>(facets.clone());
+        if is_revolved {
+            // beyond the axis, the surface goes on as its mirror image
+            for (facet, sides) in facets.clone().zip(&mut rim) {
+                let sides = sides.iter_mut().enumerate();
+                let is_axis = |k: usize| (0..D).all(|c| c == k || X[facet[c]][0] == 0.0);
+                sides.for_each(|(k, side)| *side &= !is_axis(k));
+            }
+        }
         let mut rim_corners = vec![false; nodes.len()];
         for (facet, sides) in facets.clone().zip(&rim) {
             for (k, _) in sides.iter().enumerate().filter(|(_, on_rim)| **on_rim) {
@@ -56,6 +77,7 @@ impl<const D: usize> Surface<D> {
             order,
             X: nodes.iter().map(|&node| X[node]).collect(),
             N: Vec::new(),
+            is_revolved,
             rim,
             rim_corners,
             reference: facets
@@ -155,8 +177,30 @@ impl<const D: usize> Surface<D> {
             || corner.is_some_and(|k| self.rim_corners[self.facet(facet)[k]])
     }
 
+    /// Whether the surface is one of revolution.
+    pub(crate) fn is_of_revolution(&self) -> bool {
+        self.is_revolved
+    }
+
+    /// Whether node `a`, a position in [`Surface::nodes`], is on the axis of a body of revolution.
+    pub(super) fn is_on_axis(&self, a: usize) -> bool {
+        self.is_revolved && self.X[a][0] == 0.0
+    }
+
+    /// The reference measure of a facet at λ (UL in the plane, UL² in space and of revolution): quadrature weights are to be
+    /// multiplied by it.
+    pub(crate) fn measure(&self, facet: usize, lambda: &Vector<D>) -> f64 {
+        let reference = &self.reference[facet];
+        let measure = reference.normal(lambda).norm();
+        match self.is_revolved {
+            true => measure * TAU * reference.point(lambda)[0],
+            false => measure,
+        }
+    }
+
     /// φ_i(λ) for the nodes of a facet that have a test function: all nodes, or only the corners of
-    /// a quadratic triangle, whose quadratic corner functions have mean zero.
+    /// a quadratic triangle, whose quadratic corner functions have mean zero, and of a quadratic segment of a body of revolution,
+    /// where the one on the axis has mean zero.
     pub fn test_functions(&self, lambda: &Vector<D>) -> FacetShapes {
         facet_shapes(self.test_order(), lambda)
     }
@@ -178,7 +222,10 @@ impl<const D: usize> Surface<D> {
 
     /// The degree of the test functions.
     pub(super) fn test_order(&self) -> Order {
-        if D == 2 { self.order } else { Order::Linear }
+        match D == 2 && !self.is_revolved {
+            true => self.order,
+            false => Order::Linear,
+        }
     }
 
     /// The typical length of a facet (UL): the (D−1)-th root of the mean measure.
@@ -231,14 +278,15 @@ impl<const D: usize> Surface<D> {
         neighbours
     }
 
-    /// For each node its share of the reference area (UL in the plane, UL² in space): of the halves of quadratic segments and the
+    /// For each node its share of the reference area (UL in the plane, UL² in space and of revolution): of the halves of quadratic segments and the
     /// quarters of quadratic triangles, nodes share each equally.
     pub fn node_areas(&self) -> Vec<f64> {
         let mut areas = vec![0.0; self.nodes.len()];
-        for (facet, measure) in self.facets().zip(self.measures()) {
+        for (f, (facet, measure)) in self.facets().zip(self.measures()).enumerate() {
             let is_quadratic_segment = facet.len() > D && D == 2;
             for (k, &a) in facet.iter().enumerate() {
                 areas[a] += measure
+                    * self.ring_of_share(f, k)
                     * match (is_quadratic_segment, k < D) {
                         (true, true) => 0.25,
                         (true, false) => 0.5,
@@ -250,6 +298,23 @@ impl<const D: usize> Surface<D> {
             }
         }
         areas
+    }
+
+    /// 2πR in the middle of the share that the `k`-th node of a facet has of it, of a body of revolution (UL); else 1.
+    fn ring_of_share(&self, facet: usize, k: usize) -> f64 {
+        if !self.is_revolved {
+            return 1.0;
+        }
+        let own = match self.order {
+            Order::Linear => 0.75,
+            Order::Quadratic => 0.875,
+        };
+        let mut lambda = Vector::repeat(0.5);
+        if k < D {
+            lambda = Vector::repeat(1.0 - own);
+            lambda[k] = own;
+        }
+        TAU * self.reference[facet].point(&lambda)[0]
     }
 
     /// The length of the smallest facet (UL).

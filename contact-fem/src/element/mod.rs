@@ -7,6 +7,7 @@ mod facet;
 mod facet_rule;
 mod p1;
 pub(crate) mod p2;
+mod ring;
 pub(crate) mod volume;
 
 pub use facet::{
@@ -16,6 +17,7 @@ pub use facet_rule::FacetRule;
 pub use p1::P1;
 pub(crate) use p2::CELL_EDGES;
 pub use p2::P2;
+pub use ring::RingP2;
 
 use crate::tensor::Vector;
 

@@ -5,6 +5,7 @@ pub mod generators;
 mod places;
 mod quadratic;
 pub mod read;
+mod revolution;
 pub mod write;
 
 use std::collections::BTreeMap;
@@ -40,6 +41,8 @@ pub struct Mesh<const D: usize> {
     region: Option<i32>,
     /// Named sets of cells.
     regions: BTreeMap<String, Vec<usize>>,
+    /// Whether it is the half-plane section of a body of revolution.
+    is_revolved: bool,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -103,6 +106,7 @@ impl<const D: usize> Mesh<D> {
             labels: BTreeMap::new(),
             region: None,
             regions: BTreeMap::new(),
+            is_revolved: false,
         };
         mesh.check_edges()?;
         mesh.check_cells()?;
@@ -251,7 +255,8 @@ impl<const D: usize> Mesh<D> {
         self.cells.chunks_exact(self.order.cell_nodes::<D>())
     }
 
-    /// The area or volume of a cell (UL²/UL³), positive; exact for curved cells, too.
+    /// The area or volume of a cell (UL²/UL³), positive; exact for curved cells, too. Of a body of revolution it is that of the
+    /// section.
     pub fn volume(&self, cell: usize) -> f64 {
         match self.order {
             Order::Linear => self.straight_volume(cell),

@@ -2,6 +2,7 @@
 
 mod boundary;
 mod held;
+mod revolution;
 mod rollers;
 
 use std::sync::Arc;
@@ -845,6 +846,28 @@ fn rest_moduli<const D: usize>(law: &impl Material<D>) -> (f64, f64) {
     (along(1), along(0))
 }
 
+/// The same of several laws.
+fn rest_moduli_of<const D: usize>(laws: &[impl Material<D>]) -> (f64, f64) {
+    let mut all = laws.iter().map(rest_moduli);
+    let first = all.next().unwrap_or((f64::NAN, f64::NAN));
+    all.fold(first, |(shear, longitudinal), own| {
+        let ratio = (longitudinal / shear).max(own.1 / own.0);
+        let softer = shear.min(own.0);
+        (softer, softer * ratio)
+    })
+}
+
+/// See [`Body::law_slopes`].
+fn slopes_of<const D: usize>(laws: &[impl Material<D>]) -> [f64; 2] {
+    let sampled = laws.iter().step_by(laws.len().div_ceil(SAMPLED));
+    let nan_max = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
+    sampled
+        .map(conformance::slopes)
+        .fold([0.0; 2], |worst, own| {
+            std::array::from_fn(|k| nan_max(own[k], worst[k]))
+        })
+}
+
 impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> {
     fn is_small_strain(&self) -> bool {
         M::QUADRATIC
@@ -855,24 +878,11 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Law<D> for ElasticLaw<E, M> 
     }
 
     fn rest_moduli(&self) -> (f64, f64) {
-        let mut all = self.1.all().iter().map(rest_moduli);
-        let first = all.next().unwrap_or((f64::NAN, f64::NAN));
-        all.fold(first, |(shear, longitudinal), own| {
-            let ratio = (longitudinal / shear).max(own.1 / own.0);
-            let softer = shear.min(own.0);
-            (softer, softer * ratio)
-        })
+        rest_moduli_of(self.1.all())
     }
 
     fn slopes(&self) -> [f64; 2] {
-        let laws = self.1.all();
-        let sampled = laws.iter().step_by(laws.len().div_ceil(SAMPLED));
-        let nan_max = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
-        sampled
-            .map(conformance::slopes)
-            .fold([0.0; 2], |worst, own| {
-                std::array::from_fn(|k| nan_max(own[k], worst[k]))
-            })
+        slopes_of(self.1.all())
     }
 
     fn energy(&self, body: &Body<D>) -> Box<dyn BodyEnergy<D>> {

@@ -130,8 +130,8 @@ impl<const D: usize> ContactSet<D> {
             let facet = |nodes: &[usize]| nodes.iter().map(|a| a + offset).collect();
             let facets: Vec<Vec<usize>> = facets.into_iter().map(facet).collect();
             let facets = facets.iter().map(Vec::as_slice);
-            let surface = Surface::new(body, mesh.order(), facets, &kinematics.X);
-            Arc::new(surface)
+            let body = (body, mesh.is_of_revolution());
+            Arc::new(Surface::of_body(body, mesh.order(), facets, &kinematics.X))
         };
         let surfaces: Vec<_> = sides.iter().map(surface).collect();
         let extent = |surface: &Arc<Surface<D>>| Extent::of(surface, &kinematics.X);

@@ -40,10 +40,19 @@ pub(super) fn estimate<const D: usize>(
     Scale {
         length: strain * length,
         resolution: strain * facet * finer,
-        area: facet.powi(D as i32 - 1),
+        area: facet.powi(match is_revolved(scene) {
+            true => 2,
+            false => D as i32 - 1,
+        }),
         roundoff: f64::EPSILON / strain, // strains are differences of F and I
         energy: stiffness * (strain * length).powi(2),
     }
+}
+
+/// Whether the bodies are ones of revolution.
+fn is_revolved<const D: usize>(scene: &Scene<D>) -> bool {
+    let mut bodies = scene.bodies().iter();
+    bodies.any(|body| body.mesh().is_of_revolution())
 }
 
 /// The typical stiffness (UF/UL) of the softest body that has free unknowns. With the scale of a

@@ -81,6 +81,8 @@ pub enum TieFault {
     Twice,
     /// A support along a direction holds one of their bodies.
     Inclined,
+    /// Their bodies are of revolution.
+    Revolution,
     /// A support of one of their bodies does not hold in all phases.
     Switched,
     /// They are too far apart.
@@ -119,6 +121,9 @@ impl fmt::Display for TieFault {
             TieFault::Inclined => f.write_str(
                 "a support along a direction holds one of the bodies, which ties do not know: turn the scene so that it is along \
                  an axis, or let contact take the place of the tie",
+            ),
+            TieFault::Revolution => f.write_str(
+                "their bodies are of revolution, whose rings have no ties: mesh them as one body with `of_revolution_with_laws`",
             ),
             TieFault::Switched => f.write_str(
                 "a support of one of the bodies does not hold in all phases, which ties do not know: let it hold in all, or let \
@@ -221,6 +226,9 @@ impl<const D: usize> Ties<D> {
                 let body = &scene.bodies()[side.body.index()];
                 if body.is_switched() {
                     return Err(fault_of(scene, tie, TieFault::Switched));
+                }
+                if body.mesh().is_of_revolution() {
+                    return Err(fault_of(scene, tie, TieFault::Revolution));
                 }
                 if !body.ties().is_empty() {
                     return Err(fault_of(scene, tie, TieFault::Inclined));

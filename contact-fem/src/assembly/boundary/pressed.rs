@@ -1,5 +1,7 @@
 //! Boundaries under a pressure that follows them.
 
+use std::f64::consts::TAU;
+
 use crate::element::{Facet, FacetRule, FacetShapes, Order, facet_shapes, facet_slopes};
 use crate::mesh::Mesh;
 use crate::tensor::{Matrix, Vector};
@@ -9,13 +11,16 @@ use crate::tensor::{Matrix, Vector};
 /// Their vector areas a_k = ∫ N_k n da at the nodes are polynomials in x. A pressure p does the forces −p a_k. They have a
 /// potential p V if the a_k are the derivatives of some V: where the rim is closed, held, or slides in planes perpendicular
 /// to an axis. V is then the volume that the boundary sweeps, the integral of a·dU along any path.
+///
+/// Areas and volumes of a body of revolution are those of the whole circumference, 2πr times the ones in the half-plane.
 #[derive(Clone, Debug)]
 pub(crate) struct Pressed<const D: usize> {
     order: Order,
+    is_revolved: bool,
     /// The nodes of each facet, and X there (UL), flat.
     nodes: Vec<usize>,
     X: Vec<Vector<D>>,
-    /// Exact for N n, of degree 4 at most.
+    /// Exact for N n, of degree 4 at most, and for r N n, of degree 5.
     rule: FacetRule<D>,
     /// On a path between two states; exact for squares.
     path: FacetRule<2>,
@@ -27,6 +32,7 @@ impl<const D: usize> Pressed<D> {
         let nodes = facets.concat();
         Pressed {
             order: mesh.order(),
+            is_revolved: mesh.is_of_revolution(),
             X: nodes.iter().map(|&a| mesh.nodes()[a]).collect(),
             nodes,
             rule: FacetRule::gauss(3),
@@ -52,11 +58,19 @@ impl<const D: usize> Pressed<D> {
     pub fn add_areas(&self, U: &[f64], factor: f64, forces: &mut [f64]) {
         for (nodes, facet) in self.facets(U) {
             for (weight, lambda) in self.rule.points() {
-                let area = facet.normal(lambda) * (factor * weight);
+                let area = facet.normal(lambda) * (factor * weight * self.ring(&facet, lambda));
                 for (a, N) in nodes.iter().zip(facet_shapes(self.order, lambda)) {
                     (0..D).for_each(|i| forces[D * a + i] += N * area[i]);
                 }
             }
+        }
+    }
+
+    /// 2πr at a point of a body of revolution, else 1.
+    fn ring(&self, facet: &Facet<D>, lambda: &Vector<D>) -> f64 {
+        match self.is_revolved {
+            true => TAU * facet.point(lambda)[0],
+            false => 1.0,
         }
     }
 
@@ -103,7 +117,15 @@ impl<const D: usize> Pressed<D> {
             let mut blocks = [[Matrix::<D>::zeros(); 6]; 6];
             for (weight, lambda) in self.rule.points() {
                 let N = facet_shapes(self.order, lambda);
-                let by_node = normal_slopes(&facet, &facet_slopes(self.order, lambda));
+                let mut by_node = normal_slopes(&facet, &facet_slopes(self.order, lambda));
+                if self.is_revolved {
+                    let (ring, normal) = (self.ring(&facet, lambda), facet.normal(lambda));
+                    for (slope, N) in by_node.iter_mut().zip(&N).take(nodes.len()) {
+                        *slope *= ring;
+                        // the radius grows with r of the node
+                        (0..D).for_each(|i| slope[(i, 0)] += TAU * N * normal[i]);
+                    }
+                }
                 for (row, N) in blocks.iter_mut().zip(N).take(nodes.len()) {
                     for (block, slope) in row.iter_mut().zip(&by_node) {
                         *block += slope * (weight * N);

@@ -41,6 +41,7 @@ impl Springs {
             for (weight, lambda) in rule.points() {
                 let normal = facet.normal(lambda);
                 let area = normal.norm();
+                let ring = mesh.ring(&facet.point(lambda));
                 let directions: Vec<Vector<D>> = match stretch {
                     Stretch::Any => (0..D).map(unit_vector).collect(),
                     Stretch::Normal => vec![normal / area],
@@ -55,7 +56,7 @@ impl Springs {
                     for &(row, r) in &shares {
                         for &(col, c) in shares.iter().filter(|(col, _)| *col <= row) {
                             let entry = entries.entry((row, col)).or_insert(0.0);
-                            *entry += stiffness * weight * area * r * c;
+                            *entry += stiffness * weight * area * ring * r * c;
                         }
                     }
                     stretches.push(shares);

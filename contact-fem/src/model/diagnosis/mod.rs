@@ -220,7 +220,9 @@ pub(super) fn undetermined<const D: usize>(
             .map(of_cluster)
             .filter(|row: &Vec<_>| !row.is_empty());
         let place = |node: usize| -> Vector<D> { x[node] };
-        let motions = unheld_motions(supports.chain(contact), &place, &nodes);
+        let first_body = &problem.scene().bodies()[cluster.parts[0].0];
+        let is_revolved = first_body.mesh().is_of_revolution();
+        let motions = unheld_motions(supports.chain(contact), &place, &nodes, is_revolved);
         if !motions.is_empty() {
             let body = problem.scene().names()[cluster.parts[0].0].clone();
             found.push(Undetermined { body, motions });

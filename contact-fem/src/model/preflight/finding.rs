@@ -139,6 +139,7 @@ impl Finding {
             Error::ObstacleDistance { obstacle, .. } => (FindingKind::Input, &[obstacle]),
             Error::GeometryNotChosen { small, large } => (FindingKind::Geometry, &[small, large]),
             Error::Negligible { .. } => (FindingKind::RoundOff, &[]),
+            Error::MixedRevolution { revolved, plane } => (FindingKind::Input, &[revolved, plane]),
             Error::BodyExists { name, .. } => (FindingKind::Input, &[name]),
             _ => (FindingKind::Input, &[]),
         };

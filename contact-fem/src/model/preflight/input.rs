@@ -31,6 +31,21 @@ pub(super) fn names<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     Ok(())
 }
 
+/// Checks that all bodies are of revolution, or none.
+pub(super) fn kinds<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
+    let first = |is_revolved: bool| {
+        let mut bodies = scene.bodies().iter().zip(scene.names());
+        bodies.find(|(body, _)| body.mesh().is_of_revolution() == is_revolved)
+    };
+    match (first(true), first(false)) {
+        (Some((_, revolved)), Some((_, plane))) => Err(Error::MixedRevolution {
+            revolved: revolved.clone(),
+            plane: plane.clone(),
+        }),
+        _ => Ok(()),
+    }
+}
+
 /// Checks that the settings are within their ranges.
 pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let setting = |name, value, remedy| {

@@ -99,7 +99,9 @@ fn stretches<const D: usize>(scene: &Scene<D>, size: f64) -> Vec<f64> {
     let thinnest = deformable().map(mean_thickness).fold(size, f64::min);
     let stretch = |body: &Body<D>| {
         let force = body.largest().1;
-        let stretch = force / softest / size.powi(D as i32 - 2) * (size / thinnest).powi(3);
+        let is_in_space = D == 3 || body.mesh().is_of_revolution();
+        let across = if is_in_space { size } else { 1.0 };
+        let stretch = force / softest / across * (size / thinnest).powi(3);
         // laws without stiffness at rest tell nothing
         if stretch.is_finite() && stretch >= 0.0 {
             stretch

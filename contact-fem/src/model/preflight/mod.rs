@@ -97,6 +97,7 @@ pub(super) fn without_surfaces<const D: usize>(
     if report.take(input::settings(scene)).is_none() {
         return;
     }
+    report.take(input::kinds(scene));
     report.take(input::forces(scene));
     report.take(input::laws(scene));
     report.take(tie::check(scene));

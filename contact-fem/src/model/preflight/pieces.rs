@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::limits::{HOLDS, MOST_PIECES};
-use super::supports::{mode, modes, null_space};
+use super::supports::{mode_of, modes, null_space};
 use super::{Finding, FindingKind, Report, Severity};
 use crate::mesh::Mesh;
 use crate::model::Body;
@@ -61,17 +61,19 @@ fn free_motions<const D: usize>(body: &Body<D>, part: &[usize], around: &[Vec<us
     if number.len() > MOST_PIECES {
         return 0;
     }
+    let is_revolved = body.mesh().is_of_revolution();
     let nodes = body.mesh().nodes();
     let centre = part.iter().map(|&a| nodes[a]).sum::<Vector<D>>() / part.len() as f64;
     let extents = part.iter().map(|&a| (nodes[a] - centre).norm());
     let extent = extents.fold(f64::MIN_POSITIVE, f64::max);
-    let width = modes::<D>() * number.len();
+    let width = modes::<D>(is_revolved) * number.len();
     let equation = |node: usize, component: usize, pieces: &[(usize, f64)]| {
         let arm = (nodes[node] - centre) / extent;
         let mut row = vec![0.0; width];
         for (piece, sign) in pieces {
-            let first = modes::<D>() * number.get(piece).copied().unwrap_or_default();
-            (0..modes::<D>()).for_each(|k| row[first + k] = sign * mode(k, &arm, component));
+            let first = modes::<D>(is_revolved) * number.get(piece).copied().unwrap_or_default();
+            (0..modes::<D>(is_revolved))
+                .for_each(|k| row[first + k] = sign * mode_of(is_revolved, k, &arm, component));
         }
         row
     };
@@ -96,11 +98,11 @@ fn free_motions<const D: usize>(body: &Body<D>, part: &[usize], around: &[Vec<us
     let of_all = null_space(joints.chain(held.iter().cloned()), width, HOLDS).ncols();
     // as a whole, the part moves as one piece does
     let whole = held.iter().map(|row| {
-        let columns = row.chunks(modes::<D>());
+        let columns = row.chunks(modes::<D>(is_revolved));
         let sum = |k: usize| columns.clone().map(|of_piece| of_piece[k]).sum();
-        (0..modes::<D>()).map(sum).collect()
+        (0..modes::<D>(is_revolved)).map(sum).collect()
     });
-    let rigid = null_space(whole, modes::<D>(), HOLDS).ncols();
+    let rigid = null_space(whole, modes::<D>(is_revolved), HOLDS).ncols();
     of_all.saturating_sub(rigid)
 }
 

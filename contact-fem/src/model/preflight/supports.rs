@@ -17,7 +17,11 @@ const ALONG: f64 = 1e-6;
 /// one displacement is prescribed if there is no obstacle; names the motions that contact alone holds.
 pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &mut Report) {
     let held = |body: &Body<D>| {
-        body.prescribed().iter().any(Option::is_some) || !body.foundations().is_empty()
+        // of revolution, the axis holds nodes that nobody has supported
+        let counts = |dof: usize| !body.mesh().is_of_revolution() || dof % D == 1;
+        let mut prescribed = body.prescribed().iter().enumerate();
+        prescribed.any(|(dof, value)| value.is_some() && counts(dof))
+            || !body.foundations().is_empty()
     };
     if !scene.bodies().iter().any(held) && scene.obstacles().is_empty() {
         report.take::<()>(Err(Error::NoSupport));
@@ -42,7 +46,7 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
                 body: name.clone(),
                 node: part[0],
                 free,
-                modes: modes::<D>(),
+                modes: modes::<D>(scene.bodies()[*body].mesh().is_of_revolution()),
                 motions: motions.join(", "),
             }));
             continue;
@@ -112,7 +116,9 @@ impl Cluster {
             .parts
             .iter()
             .flat_map(|(body, part)| held_rows(&scene.bodies()[*body], first[*body], part));
-        unheld_motions(rows, &place, &own.collect())
+        let first_body = &scene.bodies()[self.parts[0].0];
+        let is_revolved = first_body.mesh().is_of_revolution();
+        unheld_motions(rows, &place, &own.collect(), is_revolved)
     }
 }
 
@@ -191,14 +197,24 @@ pub(in crate::model) fn held<const D: usize>(scene: &Scene<D>) -> Vec<bool> {
     held
 }
 
-/// The number of rigid motions in ℝᴰ.
-pub(super) const fn modes<const D: usize>() -> usize {
-    D * (D + 1) / 2
+/// The number of rigid motions in ℝᴰ; of a body of revolution the one along its axis.
+pub(super) const fn modes<const D: usize>(is_revolved: bool) -> usize {
+    if is_revolved { 1 } else { D * (D + 1) / 2 }
+}
+
+/// The displacement of component `component` at `arm` from the centre of mode `k` of a body that may be one of revolution.
+pub(super) fn mode_of<const D: usize>(
+    is_revolved: bool,
+    k: usize,
+    arm: &Vector<D>,
+    component: usize,
+) -> f64 {
+    mode::<D>(if is_revolved { 1 } else { k }, arm, component)
 }
 
 /// The displacement of component `component` at `arm` from the centre of mode `k`: translations, then
 /// rotations.
-pub(super) fn mode<const D: usize>(k: usize, arm: &Vector<D>, component: usize) -> f64 {
+fn mode<const D: usize>(k: usize, arm: &Vector<D>, component: usize) -> f64 {
     if k < D {
         return f64::from(u8::from(component == k));
     }
@@ -234,27 +250,31 @@ fn free_motions<const D: usize>(body: &Body<D>, part: &[usize]) -> Vec<String> {
     let extent = held_nodes()
         .map(|X| (X - centre).norm())
         .fold(f64::MIN_POSITIVE, f64::max);
+    let is_revolved = body.mesh().is_of_revolution();
     let row = |shares: &[(usize, f64)]| {
         let of_mode = |k: usize| {
             let terms = shares.iter().map(|(dof, share)| {
-                share * mode(k, &((nodes[dof / D] - centre) / extent), dof % D)
+                let arm = (nodes[dof / D] - centre) / extent;
+                share * mode_of(is_revolved, k, &arm, dof % D)
             });
             terms.sum()
         };
-        (0..modes::<D>()).map(of_mode).collect()
+        (0..modes::<D>(is_revolved)).map(of_mode).collect()
     };
     let of_dofs = held.iter().map(|dof| row(&body.held_by(*dof)));
     let of_springs = springs.iter().map(|own| row(own));
-    let free = null_space(of_dofs.chain(of_springs), modes::<D>(), HOLDS);
+    let width = modes::<D>(is_revolved);
+    let free = null_space(of_dofs.chain(of_springs), width, HOLDS);
     names::<D>(&free)
 }
 
 /// The names of independent rigid motions of the part with these `nodes` that all `rows` annul; a row is a list of node,
-/// component and coefficient. `place` tells the position of a node (UL).
+/// component and coefficient. `place` tells the position of a node (UL), the flag whether the body is one of revolution.
 pub(in crate::model) fn unheld_motions<const D: usize>(
     rows: impl Iterator<Item = Vec<(usize, usize, f64)>>,
     place: &dyn Fn(usize) -> Vector<D>,
     nodes: &BTreeSet<usize>,
+    is_revolved: bool,
 ) -> Vec<String> {
     let count = nodes.len().max(1) as f64;
     let centre = nodes.iter().map(|&a| place(a)).sum::<Vector<D>>() / count;
@@ -263,13 +283,15 @@ pub(in crate::model) fn unheld_motions<const D: usize>(
     let in_modes = |row: Vec<(usize, usize, f64)>| {
         let of_mode = |k: usize| {
             let terms = row.iter().map(|&(node, component, c)| {
-                c * mode(k, &((place(node) - centre) / extent), component)
+                let arm = (place(node) - centre) / extent;
+                c * mode_of(is_revolved, k, &arm, component)
             });
             terms.sum()
         };
-        (0..modes::<D>()).map(of_mode).collect()
+        (0..modes::<D>(is_revolved)).map(of_mode).collect()
     };
-    names::<D>(&null_space(rows.map(in_modes), modes::<D>(), HOLDS))
+    let width = modes::<D>(is_revolved);
+    names::<D>(&null_space(rows.map(in_modes), width, HOLDS))
 }
 
 /// An orthonormal basis, column by column, of the vectors that all `rows` of `width` numbers annul. Singular
@@ -312,6 +334,10 @@ fn decompose(matrix: DMatrix<f64>) -> Option<(Vec<f64>, Option<DMatrix<f64>>)> {
 
 /// Names of the motions with these modes, column by column: along and about coordinate axes where possible.
 fn names<const D: usize>(free: &DMatrix<f64>) -> Vec<String> {
+    if free.nrows() == 1 {
+        let along = (0..free.ncols()).map(|_| "translation along the axis".to_string());
+        return along.collect();
+    }
     let turns = free.rows(D, free.nrows() - D).into_owned();
     let rows = |matrix: &DMatrix<f64>| -> Vec<Vec<f64>> {
         matrix
