@@ -823,6 +823,50 @@ fn what_cannot_be_tied() {
     ));
 }
 
+/// What eliminates displacements in ways of its own, and bodies of revolution.
+#[test]
+fn what_ties_do_not_know() {
+    let law = LinearElastic::new(1.0, 0.0).expect("a law");
+    let block = |y: f64, n: usize| {
+        let (x, y) = (linspace(0.0, 1.0, n), linspace(y, y + 1.0, 2));
+        rectangle(&x, &y, Diagonals::Rising).expect("a mesh")
+    };
+    let fault = |lower: Body<2>, upper: Body<2>| {
+        let mut scene = Scene::new();
+        let (lower, upper) = (scene.add("lower", lower), scene.add("upper", upper));
+        scene
+            .tie(lower.on("top"), upper.on("bottom"))
+            .expect("a tie");
+        match scene.problem() {
+            Err(Error::Tie { why, .. }) => why,
+            Err(other) => panic!("{other}"),
+            Ok(_) => panic!("no error"),
+        }
+    };
+    let lower = || {
+        let mut lower = Body::new(block(0.0, 3), law);
+        lower
+            .prescribe("bottom", [Some(0.0); 2])
+            .expect("a support");
+        lower
+    };
+    let mut inclined = Body::new(block(1.0, 4), law);
+    inclined
+        .prescribe_along("top", [1.0, 1.0], 0.0)
+        .expect("a support");
+    assert_eq!(fault(lower(), inclined), TieFault::Inclined);
+    let mut switched = Body::new(block(1.0, 4), law);
+    switched
+        .during(&[[0.0, 0.5]], |body| body.prescribe("top", [Some(0.0); 2]))
+        .expect("a support");
+    assert_eq!(fault(lower(), switched), TieFault::Switched);
+    let ring = |y: f64, n: usize| Body::<2>::of_revolution(block(y, n), law).expect("a body");
+    let mut held = ring(0.0, 3);
+    held.prescribe("bottom", [None, Some(0.0)])
+        .expect("a support");
+    assert_eq!(fault(held, ring(1.0, 4)), TieFault::Revolution);
+}
+
 /// A thick pipe of two tied rings, quarters of which are modelled by curved quadratic cells that do not match, under inner
 /// pressure: Lamé's displacement u = p a²/(b² − a²) ((1 + ν)/E) ((1 − 2ν) r + b²/r) in plane strain.
 #[test]
