@@ -293,6 +293,13 @@ impl LoadSteps {
                 });
             }
             let length = phase.until - began;
+            if !(began + length / phase.increments as f64 > began) {
+                return Err(Error::Setting {
+                    name: "phase until",
+                    value: phase.until.to_string(),
+                    remedy: "let its increments be numbers that add something to the load factor",
+                });
+            }
             if let Some(Adaptive { least, largest }) = phase.adaptive {
                 let shortest = length / Self::MOST_INCREMENTS as f64;
                 if !(least >= shortest && least <= largest) {

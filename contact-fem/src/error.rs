@@ -46,6 +46,16 @@ pub enum Error {
         /// A body of the plane.
         plane: String,
     },
+    /// A body so far from the origin that its cells are lost in the round-off of their coordinates.
+    #[error(
+        "coordinates of body `{body}` are rounded to {share:.1e} of the smallest height of a cell: move all meshes towards the origin"
+    )]
+    FarFromOrigin {
+        /// The body.
+        body: String,
+        /// The distance of neighbouring numbers, as a share of the smallest height of a cell.
+        share: f64,
+    },
     /// A cell without volume.
     #[error(
         "cell {cell} is degenerate (volume {volume:.3e} at size {size:.3e}): merge or move its nodes"

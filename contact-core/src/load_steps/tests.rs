@@ -737,6 +737,11 @@ fn wrong_phases_are_refused() {
         (vec![phase(1.0, 1), phase(1.0, 1)], "`phase until` = 1"),
         (vec![phase(f64::NAN, 1)], "`phase until` = NaN"),
         (vec![phase(f64::INFINITY, 1)], "`phase until` = inf"),
+        (vec![phase(5e-324, 3)], "`phase until` = 0.000"),
+        (
+            vec![phase(1.0, 1), phase(1.0 + f64::EPSILON, 3)],
+            "`phase until` = 1.000",
+        ),
         (vec![phase(1.0, 0)], "`phase increments` = 0"),
         (vec![phase(1.0, usize::MAX), phase(2.0, 5)], "`increments`"),
     ] {

@@ -44,6 +44,8 @@ impl<const D: usize> Motion<'_, D> {
     /// The smallest depth of a passage, half-way through a body, as a share of the facet size. A
     /// shallower node has only slid along the surface: weak constraints allow such penetrations.
     const GRAZED: f64 = 0.01;
+    /// The cosine of normals that are those of the two sides of a thin obstacle.
+    const OPPOSITE: f64 = -0.5;
     /// The number of time intervals in which sign changes of a node's height over a facet are sought.
     /// The height is a polynomial of degree D in time, so that few intervals suffice.
     const INTERVALS: usize = 8;
@@ -114,25 +116,39 @@ impl<const D: usize> Motion<'_, D> {
             let before = obstacle.pose().place(&from.back(&self.before[node]));
             let way = (self.after[node] - before).norm();
             let stride = least.max(way / Self::STRIDES);
+            if !(way > 0.0 && way.is_finite()) {
+                return None;
+            }
             let (mut time, mut came, mut deepest) = (0.0, None, 0.0_f64);
-            while way > 0.0 && way.is_finite() && time <= 1.0 {
+            // whether the last stride was longer than to the obstacle, and may have gone through
+            let mut is_blind = false;
+            loop {
                 let x = before * (1.0 - time) + self.after[node] * time;
                 let distance = obstacle.distance(&x);
                 if distance > 0.0 {
                     let n = obstacle.normal(&x);
-                    let leaves = came.is_some_and(|from: Vector<D>| from.dot(&n) < 0.0);
-                    if leaves && deepest > least {
+                    let turn = came.map_or(1.0, |from: Vector<D>| from.dot(&n));
+                    // a thin obstacle is not deep
+                    let is_inside = is_blind || deepest > 0.0;
+                    if turn < 0.0 && deepest > least || turn < Self::OPPOSITE && is_inside {
                         return Some(way);
                     }
                     (came, deepest) = (Some(n), 0.0);
                 } else {
                     // a node that starts inside came from where it is nearest
-                    came = came.or_else(|| Some(obstacle.normal(&x)));
+                    let from = *came.get_or_insert_with(|| obstacle.normal(&x));
                     deepest = deepest.max(-distance);
+                    // it ends where contact would push it out on the other side
+                    if time >= 1.0 && from.dot(&obstacle.normal(&x)) < Self::OPPOSITE {
+                        return Some(way);
+                    }
                 }
-                time += distance.abs().max(stride) / way;
+                if time >= 1.0 {
+                    return None;
+                }
+                is_blind = distance.abs() < stride;
+                time = (time + distance.abs().max(stride) / way).min(1.0);
             }
-            None
         };
         let ways = slave.nodes().iter().filter_map(way_through);
         ways.reduce(f64::max)
@@ -236,6 +252,7 @@ impl<const D: usize> Motion<'_, D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::Obstacle;
     use crate::element::Order;
     use crate::mesh::Mesh;
     use crate::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
@@ -330,6 +347,50 @@ mod tests {
             ([0.1, 0.1, -0.1001], [0.9, 0.8, -0.1001]),
         ] {
             assert_eq!(pair.through(from, to), [None, None], "{from:?} {to:?}");
+        }
+    }
+
+    /// Plates thinner than a facet, one of which lets a stride through, one of which is hardly deep, and one that would push out nodes
+    /// on its far side. Motion beside a plate, a little into it, along it and around its end is no passage.
+    #[test]
+    fn through_thin_obstacles() {
+        let line = |n| linspace(0.0, 1.0, n);
+        let mesh = rectangle(&line(4), &line(4), Diagonals::Rising).expect("a mesh");
+        let facets: Vec<Vec<usize>> = mesh.exterior().map(<[usize]>::to_vec).collect();
+        let X = mesh.nodes().to_vec();
+        let surface = Surface::new(0, Order::Linear, facets.iter().map(Vec::as_slice), &X);
+        let through = |thick: f64, from: [f64; 2], to: [f64; 2]| {
+            let plate = Obstacle::cuboid([-1.0, -thick], [2.0, 0.0]).expect("a plate");
+            let plate = Placed::new(&plate, 0.25);
+            let moved =
+                |by: [f64; 2]| -> Vec<_> { X.iter().map(|X| X + Vector::from(by)).collect() };
+            let motion = Motion {
+                before: &moved(from),
+                after: &moved(to),
+            };
+            motion.through_obstacle(&surface, &plate, plate.pose())
+        };
+        for thick in [1e-6, 1e-3, 1e-2, 0.05] {
+            for from in [0.0, 1e-9, -1e-9, 0.02] {
+                for to in [-thick, -thick + 1e-9, -thick - 1e-9, -0.15, -0.3] {
+                    let found = through(thick, [0.0, from], [0.0, to]);
+                    let way = from - to;
+                    assert!(
+                        found.is_some_and(|found| (found - way).abs() < 1e-12),
+                        "{thick} {from} {to}: {found:?}"
+                    );
+                }
+            }
+            for (from, to) in [
+                ([0.0, 0.0], [0.0, -0.4 * thick]), // a little into it
+                ([0.0, 0.0], [0.5, 0.0]),          // on it
+                ([0.0, 0.0], [2.5, 0.0]),          // and off its end
+                ([3.0, 0.0], [3.0, -0.5]),         // beside it
+                ([0.0, 0.0], [0.0, 0.3]),          // away
+            ] {
+                let found = through(thick, from, to);
+                assert_eq!(found, None, "{thick} {from:?} {to:?}");
+            }
         }
     }
 

@@ -39,7 +39,14 @@ exit codes: 0 done, of compare all within the tolerances; 1 not converged, of co
 3 of run a certificate that does not hold; 130 stopped";
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments = std::env::args_os().skip(1);
+    let arguments: Result<Vec<String>, _> = arguments.map(|word| word.into_string()).collect();
+    let arguments = match arguments {
+        Ok(arguments) => arguments,
+        Err(word) => {
+            return exit::<ExitCode>(Err(format!("{word:?} is not UTF-8: rename the file")));
+        }
+    };
     let asks = |word: &String| word == "--help" || word == "-h";
     if arguments.iter().any(asks) {
         print(USAGE);

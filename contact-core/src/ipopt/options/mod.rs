@@ -59,7 +59,8 @@ use crate::nlp::Structure;
 /// [`OptionError::Refused`] says why. That is `option_file_name`, `skip_finalize_solution_call`,
 /// `check_derivatives_for_naninf` (every value of every function is checked before Ipopt sees it),
 /// `dependency_detector`, `jacobian_approximation`, `nlp_scaling_constr_target_gradient`, `warm_start_target_mu`, a
-/// `bound_mult_init_method` of "mu-based", a `slack_move` of 0, and a `limited_memory_max_history` of 0 or above 1000. An option that
+/// `bound_mult_init_method` of "mu-based", a `slack_move` of 0, a `limited_memory_max_history` of 0 or above 1000, an `output_file`, which overwrites any other, and
+/// numbers of steps between two iterates without bound. An option that
 /// neither Ipopt 3.11.9 nor 3.14.19 registers is refused, too: all of theirs were tried, with random values.
 ///
 /// With the prefix `resto.`, as in `resto.max_iter`, an option is for the restoration phase alone. There is no other
@@ -67,7 +68,7 @@ use crate::nlp::Structure;
 ///
 /// Numbers must be finite and between −1e30 and 1e30, the largest of Ipopt's defaults: some larger ones make Ipopt
 /// crash or iterate without end. Exceptions are `max_cpu_time` and `max_wall_time`, up to ∞ for no limit, and
-/// `nlp_lower_bound_inf` and `nlp_upper_bound_inf`, ±∞ for bounds of any size. Ipopt keeps six digits.
+/// `nlp_lower_bound_inf` and `nlp_upper_bound_inf`, ±∞ for bounds of any size, and beyond ±1e6. Ipopt keeps six digits.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
     entries: Vec<(String, OptionValue)>,

@@ -13,7 +13,7 @@ struct Refusal {
     remedy: &'static str,
 }
 
-const REFUSALS: [Refusal; 17] = [
+const REFUSALS: [Refusal; 22] = [
     Refusal {
         name: "max_soc",
         restoration_only: false,
@@ -34,6 +34,41 @@ const REFUSALS: [Refusal; 17] = [
         is_refused: is_endless,
         why: "Ipopt then refines one solution so often between two iterates, where it looks at no limit",
         remedy: "choose at most 1000; Ipopt's own default is 10",
+    },
+    Refusal {
+        name: "quality_function_max_section_steps",
+        restoration_only: false,
+        is_refused: is_endless,
+        why: "Ipopt then searches for one μ so often between two iterates, where it looks at no limit",
+        remedy: "choose at most 1000; Ipopt's own default is 8",
+    },
+    Refusal {
+        name: "alpha_red_factor",
+        restoration_only: false,
+        is_refused: |value| number(value).is_some_and(|share| share > 0.99),
+        why: "Ipopt then shortens one step so often between two iterates, where it looks at no limit",
+        remedy: "choose at most 0.99; Ipopt's own default is 0.5",
+    },
+    Refusal {
+        name: "output_file",
+        restoration_only: false,
+        is_refused: |value| !is_word(value, ""),
+        why: "Ipopt then overwrites whatever file has this name",
+        remedy: "leave the option out, and take the log by `Solver::set_log`",
+    },
+    Refusal {
+        name: "nlp_lower_bound_inf",
+        restoration_only: false,
+        is_refused: |value| !number(value).is_some_and(|bound| bound <= -1e6),
+        why: "Ipopt then takes finite bounds for none",
+        remedy: "choose at most -1e6; Ipopt's own default is -1e19",
+    },
+    Refusal {
+        name: "nlp_upper_bound_inf",
+        restoration_only: false,
+        is_refused: |value| !number(value).is_some_and(|bound| bound >= 1e6),
+        why: "Ipopt then takes finite bounds for none",
+        remedy: "choose at least 1e6; Ipopt's own default is 1e19",
     },
     Refusal {
         name: "option_file_name",
@@ -136,6 +171,14 @@ const REFUSALS: [Refusal; 17] = [
     },
 ];
 
+fn number(value: &OptionValue) -> Option<f64> {
+    match *value {
+        OptionValue::Number(number) => Some(number),
+        OptionValue::Integer(number) => Some(number.into()),
+        OptionValue::Text(_) => None,
+    }
+}
+
 fn is_word(value: &OptionValue, word: &str) -> bool {
     matches!(value, OptionValue::Text(text) if text.eq_ignore_ascii_case(word))
 }
@@ -207,6 +250,30 @@ mod tests {
         }
     }
 
+    #[test]
+    fn bounds_count_steps_end_and_files_stay() {
+        let number = |value: f64| OptionValue::Number(value);
+        for (name, allowed, wrong) in [
+            ("alpha_red_factor", number(0.99), number(0.999_999_99)),
+            (
+                "nlp_lower_bound_inf",
+                number(f64::NEG_INFINITY),
+                number(2.0),
+            ),
+            (
+                "nlp_lower_bound_inf",
+                OptionValue::Integer(-1_000_000),
+                number(-10.0),
+            ),
+            ("nlp_upper_bound_inf", number(1e6), number(1e-300)),
+            ("output_file", "".into(), "a.csv".into()),
+        ] {
+            check(name, &allowed).expect("allowed");
+            let refused = check(name, &wrong).expect_err("refused").to_string();
+            assert!(refused.contains(name), "{refused}");
+        }
+    }
+
     /// Found by the fuzzer: `slack_move` 0, and invalid accesses in the matching of MUMPS, seen by valgrind.
     #[test]
     fn slacks_of_zero_are_not_asked_for() {
@@ -225,6 +292,7 @@ mod tests {
             "min_refinement_steps",
             "resto.max_refinement_steps",
             "limited_memory_max_history",
+            "quality_function_max_section_steps",
         ] {
             check(name, &OptionValue::Integer(1000)).expect("allowed");
             for many in [1001, 1_038_577_779] {

@@ -45,6 +45,8 @@ pub enum FindingKind {
     ThinBody,
     /// A cell is a sliver. The value is its longest edge, divided by its smallest height.
     Sliver,
+    /// A body is so far from the origin that its coordinates are rounded. The value is by how much, as a share of a cell's smallest height.
+    FarFromOrigin,
     /// Quadratic contact facets are straight along a curve. The value is the largest angle between two of them (degrees).
     StraightFacets,
     /// Tied boundaries are not in one place. The value is their distance (UL).

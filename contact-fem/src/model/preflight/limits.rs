@@ -87,3 +87,7 @@ pub(super) const SLOPE_OF_DISTANCE: f64 = 1e-3;
 /// Tied boundaries of bodies for large strains that are further apart, as a share of the facet size, are worth a warning: a rotation by a
 /// right angle stretches the facets there by about as much.
 pub(super) const TIED_APART: f64 = 1e-3;
+
+/// Round-off of coordinates, as a share of a cell's smallest height: beyond the first worth a warning, beyond the second refused, as
+/// strains of a hundredth are off by more than a thousandth then.
+pub(super) const ROUNDED: [f64; 2] = [1e-9, 1e-5];

@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::limits::{COINCIDES, SLIVER, THIN};
+use super::limits::{COINCIDES, ROUNDED, SLIVER, THIN};
 use super::{Finding, FindingKind, Report, Setup, Severity};
+use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::model::{Pair, Side};
 use crate::tensor::{Vector, facet_normal};
@@ -17,6 +18,33 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         seam(setup, body, report);
         thickness(setup, body, report);
         sliver(setup, body, report);
+        far(setup, body, report);
+    }
+}
+
+/// Compares the round-off of a body's coordinates with the smallest height of a cell.
+fn far<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Report) {
+    let (mesh, name) = (
+        setup.scene.bodies()[body].mesh(),
+        &setup.scene.names()[body],
+    );
+    let farthest = mesh.nodes().iter().map(|X| X.amax()).fold(0.0, f64::max);
+    let heights = (0..mesh.len()).map(|cell| {
+        let (longest, height) = extent(mesh, cell);
+        height.min(longest)
+    });
+    let share = f64::EPSILON * farthest / heights.fold(f64::INFINITY, f64::min);
+    if share > ROUNDED[1] {
+        let body = name.clone();
+        report.take::<()>(Err(Error::FarFromOrigin { body, share }));
+    } else if share > ROUNDED[0] {
+        let finding = Finding::new(Severity::Warning, FindingKind::FarFromOrigin, &[name]);
+        report.add(finding.measured(share, ROUNDED[0]).says(
+            format!(
+                "coordinates of body `{name}` are rounded to {share:.1e} of the smallest height of a cell"
+            ),
+            "move all meshes towards the origin",
+        ));
     }
 }
 
@@ -148,6 +176,12 @@ fn sliver<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Report
 
 /// The longest edge of a cell divided by its smallest height.
 fn aspect<const D: usize>(mesh: &Mesh<D>, cell: usize) -> f64 {
+    let (longest, height) = extent(mesh, cell);
+    longest / height
+}
+
+/// The longest edge of a cell and its smallest height (UL).
+fn extent<const D: usize>(mesh: &Mesh<D>, cell: usize) -> (f64, f64) {
     let x: Vec<Vector<D>> = mesh
         .corners(cell)
         .iter()
@@ -160,5 +194,5 @@ fn aspect<const D: usize>(mesh: &Mesh<D>, cell: usize) -> f64 {
         let normal = facet_normal(&side);
         (normal.dot(&(x[k] - side[0])) / normal.norm()).abs()
     };
-    longest / (0..=D).map(height).fold(f64::INFINITY, f64::min)
+    (longest, (0..=D).map(height).fold(f64::INFINITY, f64::min))
 }

@@ -278,9 +278,17 @@ impl<const D: usize> Plan<'_, D> {
     fn check(&self) -> Result<(), Error> {
         file::check_name(&self.folder, &self.name)?;
         let pictures = [&self.picture, &self.pressure_picture].into_iter();
-        let pictures = pictures.filter(|name| !name.is_empty());
-        let mut names = self.own_files.iter().chain(pictures);
-        names.try_for_each(|name| check_file_name(&self.folder, name))
+        let mut pictures = pictures.filter(|name| !name.is_empty());
+        let mut names = self.own_files.iter().chain(pictures.clone());
+        names.try_for_each(|name| check_file_name(&self.folder, name))?;
+        // so that none takes the place of a table or a state
+        match pictures.find(|name| !name.ends_with(".svg")) {
+            Some(name) => {
+                let why = format!("{name:?} must end with .svg: pictures are in this format");
+                Err(file::failed(&self.folder, why))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Draws the pictures, and lists the files that the caller adds.
