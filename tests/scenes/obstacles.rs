@@ -36,6 +36,40 @@ fn apart<const D: usize>(runs: [&(Problem<D>, History<D>); 2]) -> f64 {
     apart.fold(0.0, f64::max) / largest
 }
 
+/// A block pressed on a rigid plate does not come through, however thin that is: the energy is that on a thick one, or the run
+/// does not complete.
+#[test]
+fn thin_plates() {
+    let energy = |thickness: f64, increments: usize| {
+        let line = || linspace(0.0, 1.0, 4);
+        let mesh = rectangle(&line(), &line(), Diagonals::Rising).expect("a mesh");
+        let mut block = Body::new(mesh, NeoHookean::new(100.0, 0.3).expect("a law"));
+        block
+            .prescribe("top", [Some(0.0), Some(-0.3)])
+            .expect("a support");
+        let mut scene = Scene::new();
+        let block = scene.add("block", block);
+        let plate = Obstacle::cuboid([-1.0, -thickness], [2.0, 0.0]).expect("a plate");
+        let side = block.on("bottom");
+        scene.obstacle("plate", side, plate).expect("a side");
+        let mut problem = scene.problem().expect("a sound scene");
+        let history = Simulation::with_increments(increments).run(&mut problem);
+        let history = history.expect("no misuse");
+        let last = history.last().filter(|_| history.is_complete());
+        last.map(|last| last.energy)
+    };
+    let thick = energy(0.5, 2).expect("complete");
+    assert!(thick > 1.0, "{thick}");
+    for thickness in [0.1, 0.03, 0.01, 0.001] {
+        for increments in [1, 2, 10] {
+            let found = energy(thickness, increments);
+            let is_right = found.is_none_or(|found| (found / thick - 1.0).abs() < 1e-8);
+            assert!(is_right, "{thickness} {increments}: {found:?} for {thick}");
+        }
+    }
+    assert!(energy(0.03, 2).is_some(), "steps are cut");
+}
+
 /// The arch on a half-space is the arch on a meshed foundation, with as many rows and fewer nodes.
 #[test]
 fn signorini_is_that_of_a_meshed_foundation() {

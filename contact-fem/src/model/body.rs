@@ -165,7 +165,7 @@ impl<const D: usize> Body<D> {
     /// A body of linear elements that do not lock where the law is nearly incompressible: changes of volume are averaged
     /// around the nodes, see [`AveragedVolume`].
     ///
-    /// At ν = 0.4999 triangles come to within 1 % of quadratic ones of half the number along a side (`contact-fem/tests/locking.rs`), where plain
+    /// At ν = 0.4999 triangles come to within 1 % of quadratic ones of half the number along a side (`contact-fem/tests/bodies/locking.rs`), where plain
     /// ones are off by factors; tetrahedra to 7 %, where plain ones are off by 12 %.
     ///
     /// Each node is coupled with the neighbours of its neighbours; factors are larger for it, in space several times.

@@ -1,0 +1,12 @@
+//! Scenes of one or a few bodies against theory, integrated equations and each other: one program, which shares what it compiles.
+
+mod boundaries;
+mod locking;
+mod plane_stress;
+mod regions;
+mod revolution;
+mod revolution_contact;
+mod rollers;
+mod supports;
+mod switches;
+mod ties;
