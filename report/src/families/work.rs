@@ -14,7 +14,7 @@ const DISCS: &str = "work-discs";
 const SLIDING: &str = "work-sliding";
 /// The families' own meshes: segments of the hole, and cells of the floor's height.
 const SEGMENTS: usize = 48;
-const CELLS: usize = 8;
+const CELLS: usize = 12;
 /// The way of the disc along the floor (UL).
 const ALONG: f64 = 1.5;
 
