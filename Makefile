@@ -5,7 +5,7 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -13,6 +13,7 @@ help:
 	@echo "make test-ipopt-3.14   the tests of the Ipopt binding with a binary Ipopt 3.14, fetched aside"
 	@echo "make test-blas         all tests with each BLAS, as on an old processor, and compiled for this one"
 	@echo "make valgrind          the tests of the Ipopt binding under memcheck"
+	@echo "make asan              the tests of the Ipopt binding under AddressSanitizer, which takes a nightly toolchain"
 	@echo "make miri              its gate for callbacks under Miri, which takes a nightly toolchain"
 	@echo "make lint              formatting, clippy and documentation, warnings as errors"
 	@echo "make deny              licences, versions, sources and known defects of the crates below, by cargo-deny"
@@ -63,6 +64,12 @@ test-blas: install
 
 valgrind: install
 	@./scripts/valgrind.sh
+
+# Takes a nightly toolchain. The doctor measures memory, which is the sanitizer's here, as does the test of limited address spaces.
+asan: install
+	RUSTFLAGS=-Zsanitizer=address CXXFLAGS=-fsanitize=address ASAN_OPTIONS=detect_leaks=0 $(CARGO) +nightly test \
+		-p contact-core --no-default-features --features ipopt --target x86_64-unknown-linux-gnu --lib --tests \
+		--target-dir target/asan -- --skip a_factor_that_does_not_fit --skip diagnosis_names --skip more_workspace
 
 # Takes a nightly toolchain with the component miri. What calls Ipopt cannot run there.
 miri: install

@@ -291,5 +291,5 @@ pub(crate) fn solve<E: Equilibrium + ?Sized>(
     reduced.expanded(solution)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "linear"))]
 mod tests;
