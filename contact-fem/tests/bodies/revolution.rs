@@ -515,3 +515,72 @@ fn what_is_refused() {
     scene.add("tube", own);
     assert!(matches!(scene.problem().err(), Some(Error::FreeRim { .. })));
 }
+
+/// A ring that slides on a cone with its apex in the origin, under σ n on all other faces: u = a X, as it is for a body that is free,
+/// with σ = E a/(1 − 2ν) and the energy 3 a σ/2 in each unit of volume.
+#[test]
+fn a_ring_on_a_cone() {
+    let (young, nu, a, angle) = (100.0, 0.3, 1e-3, 0.3_f64);
+    let stress = young * a / (1.0 - 2.0 * nu);
+    for order in ORDERS {
+        let (r, z) = (linspace(1.0, 2.0, 4), linspace(0.0, 1.0, 3));
+        let mesh = rectangle(&r, &z, Diagonals::Alternating).expect("a mesh");
+        let mesh = mesh.mapped(|X| Vector::<2>::new(X[0], X[1] + X[0] * angle.tan()));
+        let mesh = of_order(mesh.expect("a mesh"), order);
+        let law = LinearElastic::new(young, nu).expect("a law");
+        let mut ring = Body::of_revolution(mesh, law).expect("a body");
+        let up = [-angle.sin(), angle.cos()];
+        ring.prescribe_along("bottom", up, 0.0).expect("a cone");
+        for (face, n) in [("left", [-1.0, 0.0]), ("right", [1.0, 0.0]), ("top", up)] {
+            ring.traction(face, n.map(|n| stress * n)).expect("a load");
+        }
+        let (problem, u, last) = solved(ring, 1);
+        let nodes = problem.reference().iter().zip(problem.displacements(&u));
+        let off = nodes.map(|(X, u)| (u - X * a).norm());
+        let off = off.fold(0.0, f64::max) / (2.0 * a);
+        assert!(off < 1e-10, "{order:?}: {off}");
+        let energy = 1.5 * a * stress * PI * (4.0 - 1.0);
+        assert!((last.stored_energy / energy - 1.0).abs() < 1e-10);
+        // what the cone bears of the pull upwards on the top, 2π r dr of its section
+        let pull = stress * PI * (4.0 - 1.0);
+        assert!((last.reactions[0][1] / pull + 1.0).abs() < 1e-10);
+    }
+}
+
+/// A cylinder is drawn, and its top let go: it goes back, and its axis has stayed.
+#[test]
+fn a_cylinder_that_is_let_go() {
+    let mesh = rectangle(
+        &linspace(0.0, 1.0, 3),
+        &linspace(0.0, 2.0, 5),
+        Diagonals::Rising,
+    );
+    let law = NeoHookean::new(100.0, 0.3).expect("a law");
+    let mut body = Body::of_revolution(mesh.expect("a mesh"), law).expect("a body");
+    body.prescribe("bottom", [None, Some(0.0)]).expect("held");
+    body.during(&[[0.0, 1.0]], |body| {
+        body.prescribe("top", [Some(0.0), Some(0.3)])
+    })
+    .expect("a support");
+    let mut scene = Scene::new();
+    scene.add("cylinder", body);
+    let mut problem = scene.problem().expect("a problem");
+    let phases = [
+        contact_fem::Phase::new("draw", 1.0, 2),
+        contact_fem::Phase::new("let go", 2.0, 2),
+    ];
+    let history = Simulation::in_phases(phases)
+        .run(&mut problem)
+        .expect("a run");
+    assert!(history.is_complete(), "{}", history.run.ending);
+    assert!(history.steps[1].stored_energy > 1.0);
+    let u = problem.displacements(&history.run.state.u);
+    let largest = u.iter().map(|u| u.amax()).fold(0.0, f64::max);
+    assert!(largest < 1e-9, "{largest}");
+    let mut axis = problem
+        .reference()
+        .iter()
+        .zip(&u)
+        .filter(|(X, _)| X[0] == 0.0);
+    assert!(axis.all(|(_, u)| u[0] == 0.0));
+}

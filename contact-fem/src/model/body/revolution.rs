@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Body, Law, rest_moduli_of, slopes_of};
 use crate::assembly::{
-    BodyEnergy, DofMap, Laws, QuadraticEnergy, Revolution, StrainEnergy, add_body_force,
+    BodyEnergy, Laws, QuadraticEnergy, Revolution, StrainEnergy, add_body_force,
 };
 use crate::element::{Element, Order, P1, RingP2};
 use crate::error::Error;
@@ -129,8 +129,7 @@ impl<E: Element<2>, M: Material<3>> Law<2> for RevolvedLaw<E, M> {
     }
 
     fn energy(&self, body: &Body<2>) -> Box<dyn BodyEnergy<2>> {
-        let dofs = DofMap::new(&body.is_prescribed());
-        let prescribed = body.prescribed.iter().flatten().copied().collect();
+        let (dofs, prescribed) = body.eliminated();
         let (mesh, forces) = (&body.mesh, body.forces.clone());
         let energy = StrainEnergy::<2, E, M, Revolution>::with_kinematics(
             mesh, &self.1, dofs, prescribed, forces,
