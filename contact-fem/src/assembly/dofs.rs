@@ -21,7 +21,7 @@ impl Dof {
 
 /// A dof that free ones add to: u = ū + Σ c u_i, with the prescribed ū. Nodes that slide along a plane have one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tie {
+pub struct DependentDof {
     /// The dof.
     pub dof: usize,
     /// Index of ū among the prescribed unknowns.
@@ -37,7 +37,7 @@ pub struct DofMap {
     free: usize,
     prescribed: usize,
     /// In ascending order of dofs.
-    ties: Vec<Tie>,
+    ties: Vec<DependentDof>,
 }
 
 impl DofMap {
@@ -71,7 +71,7 @@ impl DofMap {
             Dof::Prescribed(_) => None,
         });
         let free = free.collect();
-        self.ties.push(Tie {
+        self.ties.push(DependentDof {
             dof,
             prescribed,
             free,
@@ -79,7 +79,7 @@ impl DofMap {
     }
 
     /// The dofs that free ones add to, in ascending order; most bodies have none.
-    pub fn ties(&self) -> &[Tie] {
+    pub fn ties(&self) -> &[DependentDof] {
         &self.ties
     }
 
@@ -93,7 +93,7 @@ impl DofMap {
             .chain(tied.into_iter().flat_map(|tie| tie.free.iter().copied()))
     }
 
-    fn tie_of(&self, dof: usize) -> Option<&Tie> {
+    fn tie_of(&self, dof: usize) -> Option<&DependentDof> {
         let place = self.ties.binary_search_by_key(&dof, |tie| tie.dof);
         place.ok().map(|place| &self.ties[place])
     }
@@ -164,7 +164,7 @@ impl DofMap {
     }
 }
 
-impl Tie {
+impl DependentDof {
     fn added(&self, free: &[f64]) -> f64 {
         self.free.iter().map(|(i, c)| c * free[*i]).sum()
     }

@@ -17,7 +17,7 @@ mod trial;
 
 pub use averaged::AveragedVolume;
 pub(crate) use boundary::{OnBoundary, Pressed, Springs, Stretch};
-pub use dofs::{Dof, DofMap, Tie};
+pub use dofs::{DependentDof, Dof, DofMap};
 pub use kinematics::{Cartesian, Kinematics, Point, Revolution, RingPoint};
 pub use laws::Laws;
 pub use loads::{add_body_force, add_traction};

@@ -5,9 +5,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use contact_fem::certificate::Limits;
 use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
-use contact_fem::model::{InitialGaps, Integration, Problem, WorkSource};
+use contact_fem::model::{InitialGaps, Integration, WorkSource};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Error, LinearElastic, Mesh, NeoHookean, Obstacle, Scene, Simulation};
+
+use crate::common::{at, bore, ended};
 
 fn grid(x: [f64; 2], y: [f64; 2], cells: [usize; 2]) -> Mesh<2> {
     let (xs, ys) = (
@@ -15,16 +17,6 @@ fn grid(x: [f64; 2], y: [f64; 2], cells: [usize; 2]) -> Mesh<2> {
         linspace(y[0], y[1], cells[1]),
     );
     rectangle(&xs, &ys, Diagonals::Rising).expect("a mesh")
-}
-
-/// u at the node at X.
-fn at<const D: usize>(problem: &Problem<D>, u: &[f64], X: [f64; D]) -> Vector<D> {
-    let X = Vector::from(X);
-    let nodes = problem.reference().iter();
-    let found = nodes
-        .zip(problem.displacements(u))
-        .find(|(Y, _)| (*Y - X).norm() < 1e-9);
-    found.expect("a node").1
 }
 
 /// A beam between planes of symmetry on springs, under p (1 + cos qx): the mean sinks by p/k, and the wave is that of
@@ -43,16 +35,8 @@ fn beam_on_an_elastic_foundation() {
     let mut scene = Scene::new();
     let beam = scene.add("beam", beam);
     let mut problem = scene.problem().expect("a problem");
-    let history = Simulation::with_increments(1)
-        .run(&mut problem)
-        .expect("a run");
-    assert!(history.is_complete(), "{}", history.run.ending);
+    let history = ended(&mut problem, 1);
     let last = history.last().expect("a step");
-    assert!(
-        last.certificate.holds(&Limits::default()),
-        "{:?}",
-        last.certificate
-    );
     let bending = young * height.powi(3) / 12.0 * q.powi(4);
     // shear: G of half E, on 5/6 of the section
     let bending = bending / (1.0 + height * height / 12.0 * q * q * 2.0 / (5.0 / 6.0));
@@ -106,16 +90,8 @@ fn a_block_on_springs_in_contact() {
     // meshes that do not match, without error
     scene.integration = Some(Integration::Exact);
     let mut problem = scene.problem().expect("a problem");
-    let history = Simulation::with_increments(2)
-        .run(&mut problem)
-        .expect("a run");
-    assert!(history.is_complete(), "{}", history.run.ending);
+    let history = ended(&mut problem, 2);
     let last = history.last().expect("a step");
-    assert!(
-        last.certificate.holds(&Limits::default()),
-        "{:?}",
-        last.certificate
-    );
     let pressure = by / (2.0 / 100.0 + 1.0 / 20.0 + 1.0 / k);
     for (body, sign) in [(lower, 1.0), (upper, -1.0)] {
         let found = last.reaction(body)[1] * sign;
@@ -180,54 +156,6 @@ fn what_springs_do_not_hold() {
     );
 }
 
-/// Radial stress (first Piola–Kirchhoff) of the library's neo-Hookean law by the principal stretches of plane strain.
-fn stress(lame: [f64; 2], along: f64, across: f64) -> f64 {
-    let [lambda, mu] = lame;
-    mu * (along - 1.0 / along) + lambda * (along * across).ln() / along
-}
-
-/// The radius to which the bore of a tube, 1 to 2 wide, grows under a pressure p: dP/dR = (P_θ − P)/R and dr/dR = the stretch
-/// that has the stress P, from P = −p r/R at R = 1 to P = 0 at R = 2, by Runge and Kutta's method and bisection.
-fn bore(lame: [f64; 2], p: f64) -> f64 {
-    let slope = |R: f64, r: f64, P: f64| {
-        let around = r / R;
-        let (mut low, mut high) = (1e-3, 1e3);
-        for _ in 0..80 {
-            let middle = 0.5 * (low + high);
-            match stress(lame, middle, around) < P {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
-        (low, (stress(lame, around, low) - P) / R)
-    };
-    let at_rim = |bore: f64| {
-        let (mut r, mut P, steps) = (bore, -p * bore, 200);
-        let h = 1.0 / f64::from(steps);
-        for k in 0..steps {
-            let R = 1.0 + h * f64::from(k);
-            let a = slope(R, r, P);
-            let b = slope(R + 0.5 * h, r + 0.5 * h * a.0, P + 0.5 * h * a.1);
-            let c = slope(R + 0.5 * h, r + 0.5 * h * b.0, P + 0.5 * h * b.1);
-            let d = slope(R + h, r + h * c.0, P + h * c.1);
-            r += h / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0);
-            P += h / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1);
-        }
-        P
-    };
-    // the larger the bore, the more is pulled at the rim
-    let (mut low, mut high) = (1.0, 2.0);
-    assert!(at_rim(low) < 0.0 && at_rim(high) > 0.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        match at_rim(middle) < 0.0 {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    low
-}
-
 /// A quarter of a tube of rubber, whose bore grows by nearly a half.
 #[test]
 fn inflation_of_a_tube() {
@@ -248,16 +176,8 @@ fn inflation_of_a_tube() {
     let mut scene = Scene::new();
     let tube = scene.add("tube", tube);
     let mut problem = scene.problem().expect("a problem");
-    let history = Simulation::with_increments(5)
-        .run(&mut problem)
-        .expect("a run");
-    assert!(history.is_complete(), "{}", history.run.ending);
+    let history = ended(&mut problem, 5);
     let last = history.last().expect("a step");
-    assert!(
-        last.certificate.holds(&Limits::default()),
-        "{:?}",
-        last.certificate
-    );
     let u = &history.run.state.u;
     let found = 1.0 + at(&problem, u, [1.0, 0.0])[0];
     let expected = bore(lame, p);
@@ -295,16 +215,8 @@ fn a_membrane_pressure_on_a_block_over_a_ball() {
         .obstacle("ball", block.on("bottom"), ball)
         .expect("a side");
     let mut problem = scene.problem().expect("a problem");
-    let history = Simulation::with_increments(8)
-        .run(&mut problem)
-        .expect("a run");
-    assert!(history.is_complete(), "{}", history.run.ending);
+    let history = ended(&mut problem, 8);
     let last = history.last().expect("a step");
-    assert!(
-        last.certificate.holds(&Limits::default()),
-        "{:?}",
-        last.certificate
-    );
     let force = last.obstacle_force(ball)[1];
     assert!((force / (-p * width) - 1.0).abs() < 1e-6, "{force}");
     let u = &history.run.state.u;

@@ -1,6 +1,7 @@
 //! Scenes of one or a few bodies against theory, integrated equations and each other: one program, which shares what it compiles.
 
 mod boundaries;
+mod common;
 mod locking;
 mod plane_stress;
 mod regions;

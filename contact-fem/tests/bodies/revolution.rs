@@ -5,7 +5,6 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use contact_core::{Energy, LoadStepped};
 use contact_fem::assembly::{DofMap, Revolution, StrainEnergy};
-use contact_fem::certificate::Limits;
 use contact_fem::element::{Element, Order, P1, RingP2};
 use contact_fem::mesh::generators::{Diagonals, extrude, linspace, quarter_disc, rectangle};
 use contact_fem::model::{FindingKind, Problem, Severity};
@@ -14,6 +13,8 @@ use contact_fem::{
     Body, Error, LinearElastic, Material, Mesh, MooneyRivlin, NeoHookean, Ogden, Scene, Simulation,
     StVenantKirchhoff, StepRecord,
 };
+
+use crate::common::{at, bore, ended};
 
 fn grid(r: [f64; 2], z: [f64; 2], cells: [usize; 2]) -> Mesh<2> {
     let (rs, zs) = (
@@ -40,24 +41,9 @@ fn solved<const D: usize>(
     let mut scene = Scene::new();
     scene.add("body", body);
     let mut problem = scene.problem().expect("a problem");
-    let history = Simulation::with_increments(increments)
-        .run(&mut problem)
-        .expect("a run");
-    assert!(history.is_complete(), "{}", history.run.ending);
+    let history = ended(&mut problem, increments);
     let last = history.last().expect("a step").clone();
-    let certificate = &last.certificate;
-    assert!(certificate.holds(&Limits::default()), "{certificate:?}");
     (problem, history.run.state.u, last)
-}
-
-/// u at the node at X.
-fn at<const D: usize>(problem: &Problem<D>, u: &[f64], X: [f64; D]) -> Vector<D> {
-    let X = Vector::from(X);
-    let nodes = problem.reference().iter();
-    let found = nodes
-        .zip(problem.displacements(u))
-        .find(|(Y, _)| (*Y - X).norm() < 1e-9);
-    found.expect("a node").1
 }
 
 /// Gradient and Hessian against central differences of value and gradient, on a distorted mesh that touches the axis.
@@ -287,49 +273,6 @@ fn lame_sphere() {
         errors[2] < 1e-4 && (errors[1] / errors[2]).log2() > 2.7,
         "{errors:?}"
     );
-}
-
-/// The radial stress P of a Neo-Hookean tube in plane strain with the stretches along and across the radius.
-fn stress([lambda, mu]: [f64; 2], along: f64, across: f64) -> f64 {
-    mu * (along - 1.0 / along) + lambda * (along * across).ln() / along
-}
-
-/// The radius to which the bore of a tube, 1 to 2 wide, grows under a pressure p, by shooting.
-fn bore(lame: [f64; 2], p: f64) -> f64 {
-    let slope = |R: f64, r: f64, P: f64| {
-        let around = r / R;
-        let (mut low, mut high) = (1e-3, 1e3);
-        for _ in 0..80 {
-            let middle = 0.5 * (low + high);
-            match stress(lame, middle, around) < P {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
-        (low, (stress(lame, around, low) - P) / R)
-    };
-    let at_rim = |bore: f64| {
-        let (mut r, mut P, steps) = (bore, -p * bore, 400);
-        let h = 1.0 / f64::from(steps);
-        for k in 0..steps {
-            let R = 1.0 + h * f64::from(k);
-            // Heun's method
-            let a = slope(R, r, P);
-            let b = slope(R + h, r + h * a.0, P + h * a.1);
-            r += 0.5 * h * (a.0 + b.0);
-            P += 0.5 * h * (a.1 + b.1);
-        }
-        P
-    };
-    let (mut low, mut high) = (1.0, 2.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        match at_rim(middle) < 0.0 {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    low
 }
 
 /// A tube of rubber whose bore grows by nearly a half under a pressure that follows it.
