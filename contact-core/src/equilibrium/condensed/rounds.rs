@@ -89,7 +89,7 @@ impl Rounds<'_> {
             }
             ratios.push(residual.ratio);
             self.check_progress(&ratios, &residual)?;
-            self.round(at, residual.forces, bound)?;
+            self.round(at, residual.forces)?;
         }
         Err(Halt::Failed(format!(
             "gaps or forces are not in equilibrium after {ROUNDS} rounds: {:.1e} times the bound on forces is left",
@@ -98,7 +98,7 @@ impl Rounds<'_> {
     }
 
     /// One proximal step from the `residual` f + Cᵀλ − K u.
-    fn round(&mut self, at: &mut Iterate, mut residual: Vec<f64>, bound: f64) -> Result<(), Halt> {
+    fn round(&mut self, at: &mut Iterate, mut residual: Vec<f64>) -> Result<(), Halt> {
         self.stiffness.solve(&mut residual)?;
         at.u.iter_mut()
             .zip(&residual)
@@ -106,10 +106,6 @@ impl Rounds<'_> {
         let mut gaps = self.gaps(&at.u);
         let acting = (0..self.rows.len()).filter(|&k| at.lambda[k] > 0.0);
         self.extend(acting.filter(|&k| !self.compliance.holds(k)).collect())?;
-        let bound = match self.bound(&at.u) {
-            now if bound > 0.0 => SHARE * now.min(bound),
-            now => SHARE * now,
-        };
         let mut is_final = false;
         loop {
             let overlap = self.bound(&at.u);
@@ -123,7 +119,8 @@ impl Rounds<'_> {
             }
             is_final = more.is_empty();
             self.extend(more)?;
-            let bound = if is_final { bound } else { ROUGH * bound };
+            // of this u, since contact alone may move bodies, as in an interference fit
+            let bound = if is_final { SHARE } else { SHARE * ROUGH } * overlap;
             let change = self.complement(&gaps, bound, &mut at.lambda)?;
             let mut step = vec![0.0; at.u.len()];
             self.rows.add_forces(&change, &mut step);

@@ -461,22 +461,48 @@ fn random_problems_satisfy_the_conditions_of_a_minimum() {
             };
             rows.push((row, 0.2 * random.f64()));
         }
-        let problem = Quadratic::new(&K, &load, &rows);
-        let solution = solve(&problem);
-        assert_eq!(solution.outcome, Outcome::Converged, "{case}");
-        let mut g = vec![0.0; n];
-        problem.gradient(&solution.state.u, &mut g);
-        let mut forces = vec![0.0; n];
-        solution.gaps.add_forces(&solution.lambda, &mut forces);
-        let left = g.iter().zip(&forces).map(|(g, f)| (g - f).abs());
-        assert!(left.fold(0.0, f64::max) < 1e-10, "{case}");
-        let mut c = vec![0.0; m];
-        solution.gaps.value(&solution.state.u, &mut c);
-        for (c, l) in c.iter().zip(&solution.lambda) {
-            assert!(
-                *c > -1e-8 && *l >= 0.0 && (c * l).abs() < 1e-8,
-                "{case}: {c:e} {l:e}"
-            );
-        }
+        assert_minimum(&Quadratic::new(&K, &load, &rows), case);
     }
+}
+
+/// Bodies without a load whose contact begins closed by a tenth: all rows of random ones can be met, most depend on each other.
+#[test]
+fn interference_alone_moves_bodies() {
+    let mut random = Rng::with_seed(8);
+    for case in 0..200 {
+        let n = random.usize(2..12);
+        let A = DMatrix::from_fn(n, n, |_, _| random.f64() - 0.5);
+        let K = &A * A.transpose() + DMatrix::identity(n, n) * 0.1;
+        let common: Vec<f64> = (0..n).map(|_| random.f64() - 0.5).collect();
+        let rows: Vec<(Vec<f64>, f64)> = (0..random.usize(n..3 * n))
+            .map(|_| {
+                let weights: Vec<f64> = (0..n).map(|_| random.f64()).collect();
+                let product: f64 = weights.iter().zip(&common).map(|(a, u)| a * u.abs()).sum();
+                (weights, -0.1 * product)
+            })
+            .collect();
+        let solution = assert_minimum(&Quadratic::new(&K, &vec![0.0; n], &rows), case);
+        assert!(solution.lambda.iter().any(|l| *l > 0.0), "{case}");
+    }
+}
+
+/// Solves a problem; the solution satisfies the conditions of Karush, Kuhn and Tucker.
+fn assert_minimum(problem: &Quadratic, case: usize) -> Solution {
+    let solution = solve(problem);
+    assert_eq!(solution.outcome, Outcome::Converged, "{case}");
+    let mut g = vec![0.0; problem.dofs()];
+    problem.gradient(&solution.state.u, &mut g);
+    let mut forces = vec![0.0; problem.dofs()];
+    solution.gaps.add_forces(&solution.lambda, &mut forces);
+    let left = g.iter().zip(&forces).map(|(g, f)| (g - f).abs());
+    assert!(left.fold(0.0, f64::max) < 1e-10, "{case}");
+    let mut c = vec![0.0; solution.lambda.len()];
+    solution.gaps.value(&solution.state.u, &mut c);
+    for (c, l) in c.iter().zip(&solution.lambda) {
+        assert!(
+            *c > -1e-8 && *l >= 0.0 && (c * l).abs() < 1e-8,
+            "{case}: {c:e} {l:e}"
+        );
+    }
+    solution
 }
