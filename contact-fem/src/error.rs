@@ -497,22 +497,29 @@ pub enum Error {
         /// What was declared.
         what: &'static str,
     },
-    /// A support that begins or ends within a phase.
+    /// A support, a pair or an obstacle that is switched on or off within a phase.
     #[error(
-        "the support on `{boundary}` of body `{body}` begins or ends at load factor {at}, within a phase from {from} to {until}: end a \
-         phase there"
+        "{what} begins or ends at load factor {at}, within the phase from {from} to {until}: end a phase there"
     )]
     SwitchWithinPhase {
-        /// The body.
-        body: String,
-        /// The boundary; empty for supports of nodes.
-        boundary: String,
-        /// Where the support begins or ends.
+        /// Which.
+        what: String,
+        /// Where it begins or ends.
         at: f64,
         /// Where the phase begins.
         from: f64,
         /// Where it ends.
         until: f64,
+    },
+    /// A support, a pair or an obstacle that no phase of the run has.
+    #[error(
+        "{what} counts at no load factor of the run, which ends at {last}: change when it counts, or leave it out"
+    )]
+    NeverCounts {
+        /// Which.
+        what: String,
+        /// Where the last phase ends.
+        last: f64,
     },
     /// What the checks find in a later phase, with the supports that hold then.
     #[error("in the phase from load factor {from} to {until}: {error}")]

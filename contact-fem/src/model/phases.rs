@@ -92,6 +92,43 @@ impl<const D: usize> Problem<D> {
         Ok(())
     }
 
+    /// Checks that supports, pairs and obstacles are switched where phases end, and that each counts in some phase; `ends` are the
+    /// load factors at which phases end.
+    pub(super) fn check_switches(&self, ends: &[f64]) -> Result<(), Error> {
+        let scene = &self.scene;
+        let supports = scene.bodies().iter().zip(scene.names());
+        let supports = supports.flat_map(|(body, name)| {
+            let all = body.switched();
+            all.map(move |(boundary, during)| {
+                let what = match boundary {
+                    "" => format!("a support of nodes of body `{name}`"),
+                    boundary => format!("the support on `{boundary}` of body `{name}`"),
+                };
+                (what, during)
+            })
+        });
+        let contact = scene.switched().iter();
+        let contact = contact.map(|(what, during)| (scene.name_of_switched(what), during));
+        let last = ends.last().copied().unwrap_or(0.0);
+        for (what, during) in supports.chain(contact) {
+            if !during.begins_before(last) {
+                return Err(Error::NeverCounts { what, last });
+            }
+            let begins = std::iter::once(0.0).chain(ends.iter().copied());
+            for (from, until) in begins.zip(ends.iter().copied()) {
+                if let Some(at) = during.within([from, until]) {
+                    return Err(Error::SwitchWithinPhase {
+                        what,
+                        at,
+                        from,
+                        until,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Checks the supports of each phase of a run; `ends` are the load factors at which phases end.
     pub(super) fn check_supports(&mut self, ends: &[f64]) -> Result<(), Error> {
         if !self.is_switched() {
@@ -102,18 +139,6 @@ impl<const D: usize> Problem<D> {
         let mut checked = Ok(());
         for &until in ends {
             let phase = [from, until];
-            let bodies = self.scene.bodies().iter().zip(self.scene.names());
-            for (body, name) in bodies {
-                if let Some((boundary, at)) = body.switch_within(phase) {
-                    checked = Err(Error::SwitchWithinPhase {
-                        body: name.clone(),
-                        boundary: boundary.to_string(),
-                        at,
-                        from,
-                        until,
-                    });
-                }
-            }
             for body in self.scene.bodies_mut() {
                 let nothing = vec![0.0; body.prescribed().len()];
                 if body.is_switched() {

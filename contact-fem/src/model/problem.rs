@@ -527,6 +527,7 @@ impl<const D: usize> LoadStepped for Problem<D> {
     }
 
     fn check_phases(&mut self, ends: &[f64]) -> Result<(), Error> {
+        self.check_switches(ends)?;
         Ok(self.check_supports(ends)?)
     }
 

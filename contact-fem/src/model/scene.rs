@@ -363,14 +363,15 @@ impl<const D: usize> Scene<D> {
     }
 
     /// Lets the contact of two boundaries count at some load factors t alone, those with `from` < t ≤ `to` for one of the
-    /// `intervals`: in the phases that end at `to` and begin at `from`. End a phase where something is switched, since a load
-    /// step has one set of pairs, that of its end. `to` may be infinite.
+    /// `intervals`: in the phases that end at `to` and begin at `from`. A phase must end where something is switched. `to` may be
+    /// infinite.
     ///
     /// While a pair does not count, it has no rows, no forces and no gaps, and its bodies may overlap, which neither the
     /// certificate nor the ending of a load step holds against them. Where it counts again, the load step must part them.
     ///
     /// # Errors
-    /// Boundaries that are no pair, an interval whose end is not beyond its beginning, and numbers that are not.
+    /// Boundaries that are no pair, an interval whose end is not beyond its beginning, and numbers that are not. A run refuses
+    /// intervals that begin or end within a phase ([`Error::SwitchWithinPhase`]) or meet none ([`Error::NeverCounts`]).
     pub fn contact_during(
         &mut self,
         first: &Side,
@@ -382,7 +383,10 @@ impl<const D: usize> Scene<D> {
             [&pair.first, &pair.second] == both || [&pair.second, &pair.first] == both
         };
         if !self.all_pairs()?.iter().any(is_named) {
-            let of = |side: &Side| format!("`{}` of body {}", side.boundary, side.body.index());
+            let of = |side: &Side| match self.names.get(side.body.index()) {
+                Some(name) => format!("`{}` of body `{name}`", side.boundary),
+                None => format!("`{}` of body {}", side.boundary, side.body.index()),
+            };
             return Err(Error::NoPair {
                 first: of(first),
                 second: of(second),
@@ -410,6 +414,23 @@ impl<const D: usize> Scene<D> {
         self.switched.retain(|(known, _)| *known != what);
         self.switched.push((what, during));
         Ok(())
+    }
+
+    /// What is switched, as errors call it.
+    pub(super) fn name_of_switched(&self, what: &Switched) -> String {
+        let of = |side: &Side| {
+            format!(
+                "`{}` of body `{}`",
+                side.boundary,
+                self.names[side.body.index()]
+            )
+        };
+        match what {
+            Switched::Pair(first, second) => {
+                format!("the contact of {} with {}", of(first), of(second))
+            }
+            Switched::Obstacle(index) => format!("obstacle `{}`", self.obstacle_names[*index]),
+        }
     }
 
     /// The pairs and obstacles that do not count at all times, and when they do.

@@ -46,9 +46,16 @@ impl During {
         all.any(|a| other.0.iter().any(|b| meets(a, b)))
     }
 
-    /// Beginnings and ends.
-    pub fn times(&self) -> impl Iterator<Item = f64> {
-        self.0.iter().flatten().copied()
+    /// Whether some load factor of a run that ends at `end` is in one of them.
+    pub fn begins_before(&self, end: f64) -> bool {
+        self.0.iter().any(|[from, to]| *from < end && *to > 0.0)
+    }
+
+    /// A beginning or an end within a phase, away from its ends.
+    pub fn within(&self, [from, until]: [f64; 2]) -> Option<f64> {
+        let close = 1e-9 * (until - from);
+        let mut times = self.0.iter().flatten().copied();
+        times.find(|t| *t > from + close && *t < until - close)
     }
 }
 

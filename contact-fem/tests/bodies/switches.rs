@@ -155,3 +155,52 @@ fn wrong_switches() {
             .is_err()
     );
 }
+
+/// Pairs and obstacles are switched where phases end, and count in some phase.
+#[test]
+fn switches_meet_the_phases() {
+    let told = |intervals: &[[f64; 2]], ends: &[f64]| {
+        let mut scene = Scene::new();
+        let mut body = block([0.0, 0.0], [1.0, 1.0], [1, 1], true);
+        body.prescribe("top", [Some(0.0), Some(-0.01)])
+            .expect("a support");
+        let block = scene.add("block", body);
+        let floor = Obstacle::half_space([0.0; 2], [0.0, 1.0]).expect("a floor");
+        let floor = scene
+            .obstacle("floor", block.on("bottom"), floor)
+            .expect("a side");
+        scene
+            .obstacle_during(floor, intervals)
+            .expect("an interval");
+        let mut problem = scene.problem().expect("a problem");
+        let phases: Vec<Phase> = ends.iter().map(|&end| Phase::new("", end, 1)).collect();
+        let run = Simulation::in_phases(phases).run(&mut problem);
+        run.err().map(|error| error.to_string())
+    };
+    assert_eq!(told(&[[0.0, 1.0]], &[1.0, 2.0]), None);
+    assert_eq!(told(&[[1.0, 7.0]], &[1.0, 2.0]), None);
+    for (interval, what) in [
+        (
+            [0.0, 0.5],
+            "at load factor 0.5, within the phase from 0 to 1",
+        ),
+        (
+            [1.25, 9.0],
+            "at load factor 1.25, within the phase from 1 to 2",
+        ),
+        (
+            [2.0, 3.0],
+            "counts at no load factor of the run, which ends at 2",
+        ),
+        (
+            [-3.0, 0.0],
+            "counts at no load factor of the run, which ends at 2",
+        ),
+    ] {
+        let told = told(&[interval], &[1.0, 2.0]).expect("refused");
+        assert!(
+            told.contains("obstacle `floor`") && told.contains(what),
+            "{told}"
+        );
+    }
+}

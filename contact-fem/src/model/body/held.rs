@@ -281,15 +281,10 @@ impl<const D: usize> Body<D> {
         self.declared.fading = holding.fading;
     }
 
-    /// Where a support begins or ends within this part of the load, away from its ends: its boundary, and the load factor.
-    pub(in crate::model) fn switch_within(&self, [from, until]: [f64; 2]) -> Option<(&str, f64)> {
-        let close = 1e-9 * (until - from);
+    /// The supports that do not hold at all times: the name of each one's boundary, empty for nodes, and when it holds.
+    pub(in crate::model) fn switched(&self) -> impl Iterator<Item = (&str, &During)> {
         let all = self.declared.all.iter();
-        let mut times = all.flat_map(|own| {
-            let times = own.during.iter().flat_map(During::times);
-            times.map(|t| (self.supported[own.name].as_str(), t))
-        });
-        times.find(|(_, t)| *t > from + close && *t < until - close)
+        all.filter_map(|own| Some((self.supported[own.name].as_str(), own.during.as_ref()?)))
     }
 
     /// What is left at a load factor of the reactions of supports that have let go: dofs, forces (UF) and the numbers of the
