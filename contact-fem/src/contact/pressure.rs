@@ -12,7 +12,7 @@ use crate::element::{FacetRule, facet_edge, facet_shapes};
 use crate::error::Error;
 use crate::tensor::Vector;
 
-/// What the recovery takes of one surface of a pair. All slices have one entry for each of the surface's nodes.
+/// What the recovery takes of one surface of a pair, or of several pairs whose contact zones meet on it. All slices have one entry for each of the surface's nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Pressed<'a, const D: usize> {
     /// The surface.
@@ -21,18 +21,18 @@ pub struct Pressed<'a, const D: usize> {
     pub x: &'a [Vector<D>],
     /// Its averaged normals there.
     pub normals: &'a [Vector<D>],
-    /// The contact forces of the pair (UF).
+    /// The contact forces (UF).
     pub forces: &'a [Vector<D>],
     /// Those of the passes in which the surface is the slave (UF).
     pub own: &'a [Vector<D>],
-    /// The gaps to the other surface (UL), positive = open; `None` where there is none in reach.
+    /// The gaps to the nearest other surface (UL), positive = open; `None` where there is none in reach.
     pub gaps: &'a [Option<f64>],
     /// The nodes of the other surface that carry a force, with the distance between nodes there (UL); empty where that surface
     /// does not deform.
     pub facing: &'a [(Vector<D>, f64)],
-    /// E* of the two bodies (UF/UL²): 1/E* = Σ (1 − ν²)/E over those that are not rigid. It is infinite, and gaps do not matter,
-    /// if both are.
-    pub modulus: f64,
+    /// At each node E* of the two bodies (UF/UL²): 1/E* = Σ (1 − ν²)/E over those that are not rigid. It is infinite, and gaps
+    /// do not matter, if both are.
+    pub moduli: &'a [f64],
 }
 
 /// r h/E*: what a node's gap weighs against the mean pressure around it, as a share of the stiffness of a half-space to a
@@ -62,7 +62,7 @@ const SWEEPS: usize = 1000;
 type Motion = SVector<f64, 6>;
 
 impl<const D: usize> Pressed<'_, D> {
-    /// The pressure at the nodes (UF/UL or UF/UL² of reference area). It is nowhere negative, and zero at nodes without a
+    /// The pressure at the nodes (UF/UL or UF/UL², of the area where contact is searched). It is nowhere negative, and zero at nodes without a
     /// contact force. If the forces are those of a constant pressure on a smooth surface and the surfaces touch, it is that one. Its
     /// own nodal forces, p_a ∫ N_a n ds, have the resultant and the moment of the forces' components along the normals, and of what
     /// forces have beside these up to a quarter more along each motion: a shallow cap bears nothing in its plane, and an arc no
@@ -89,9 +89,9 @@ impl<const D: usize> Pressed<'_, D> {
                 if !loaded[a] || mean.abs() <= UNLOADED * largest {
                     return None;
                 }
-                let gap = self.gaps[a].filter(|_| self.modulus.is_finite());
+                let gap = self.gaps[a].filter(|_| self.moduli[a].is_finite());
                 let share = (own[a] / mean).clamp(0.0, 1.0);
-                let stiffness = GAP_WEIGHT * self.modulus * degree / sizes[a];
+                let stiffness = GAP_WEIGHT * self.moduli[a] * degree / sizes[a];
                 let worth = gap.map_or(0.0, |gap| share * stiffness * gap);
                 let size = mean.abs();
                 Some(mean - worth.clamp(-LARGEST_ADDITION * size, size))
@@ -114,7 +114,7 @@ impl<const D: usize> Pressed<'_, D> {
         }
         let facing = RTree::bulk_load(facing);
         let neighbours = self.surface.neighbours();
-        let areas = self.surface.node_areas();
+        let areas = self.surface.node_areas(self.x);
         let mut seen_from = vec![usize::MAX; trial.len()];
         let mut within = Vec::new();
         let of_node = |(a, own): (usize, &Option<f64>)| {
@@ -168,11 +168,9 @@ impl<const D: usize> Weights<D> {
         let mut areas = vec![Vector::zeros(); of.x.len()];
         let mut normals = areas.clone();
         let rule = FacetRule::<D>::gauss(3);
-        let facets = surface.facets().enumerate();
-        for ((f, nodes), facet) in facets.zip(surface.facets_at(of.x)) {
+        for (nodes, facet) in surface.facets().zip(surface.facets_at(of.x)) {
             for (w, lambda) in rule.points() {
-                let n = facet.normal(lambda);
-                let n = n * (w * surface.measure(f, lambda) / n.norm());
+                let n = facet.normal(lambda) * (w * surface.ring(&facet, lambda));
                 for (&a, N) in nodes.iter().zip(facet_shapes(surface.order(), lambda)) {
                     areas[a] += n * N;
                     normals[a] += n * (N * N);
@@ -228,7 +226,7 @@ impl<const D: usize> Weights<D> {
         };
         let loaded = (0..of.x.len()).map(is_loaded).collect();
         if count < self.tests.len() {
-            self.sharpen(of.surface, &mut means);
+            self.sharpen(of, &mut means);
         }
         let at_node = |a: usize| {
             let shares = shares(&self.tests, &self.ends, a);
@@ -238,14 +236,15 @@ impl<const D: usize> Weights<D> {
     }
 
     /// Takes from the mean at each test function a part of what a further mean would add: p̄ + α (p̄ − M p̄).
-    fn sharpen(&self, surface: &Surface<D>, means: &mut [f64]) {
+    fn sharpen(&self, of: &Pressed<'_, D>, means: &mut [f64]) {
+        let surface = of.surface;
         let [mut sums, mut sizes] = [0, 1].map(|_| vec![0.0; means.len()]);
         let rule = FacetRule::<D>::gauss(3);
-        for (f, nodes) in surface.facets().enumerate() {
+        for (nodes, facet) in surface.facets().zip(surface.facets_at(of.x)) {
             let rows = nodes[..surface.test_nodes()].iter();
             let rows: Vec<usize> = rows.filter_map(|&a| self.tests[a]).collect();
             for (w, lambda) in rule.points() {
-                let w = w * surface.measure(f, lambda);
+                let w = w * facet.normal(lambda).norm() * surface.ring(&facet, lambda);
                 let tests = || rows.iter().zip(surface.test_functions(lambda));
                 let finite = tests().filter(|(row, _)| means[**row].is_finite());
                 let mean: f64 = finite.map(|(&row, phi)| means[row] * phi).sum();
@@ -486,7 +485,7 @@ mod tests {
             own: forces,
             gaps,
             facing: &[],
-            modulus: 1.0,
+            moduli: &vec![1.0; gaps.len()],
         };
         pressed.pressures()
     }
@@ -514,7 +513,7 @@ mod tests {
                 own: &forces,
                 gaps: &vec![None; x.len()],
                 facing: &facing,
-                modulus: 1.0,
+                moduli: &vec![1.0; x.len()],
             };
             pressed.pressures()
         };
@@ -600,7 +599,7 @@ mod tests {
             own: &forces,
             gaps: &vec![None; x.len()],
             facing: &facing,
-            modulus: 1.0,
+            moduli: &vec![1.0; x.len()],
         };
         for (a, p) in pressed.pressures().iter().enumerate() {
             let expected = if inside(a) { 3.0 } else { 0.0 };
@@ -706,7 +705,7 @@ mod tests {
                 own: &forces,
                 gaps: &vec![None; x.len()],
                 facing,
-                modulus: 1.0,
+                moduli: &vec![1.0; x.len()],
             };
             for (a, p) in pressed.pressures().iter().enumerate() {
                 let is_corner = (x[a][0] as usize % 2, x[a][1] as usize % 2) == (0, 0);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::normals::averaged;
-use crate::element::{Facet, FacetShapes, Order, facet_edge, facet_shapes};
+use crate::element::{Facet, FacetRule, FacetShapes, Order, facet_edge, facet_shapes};
 use crate::tensor::Vector;
 
 /// The facets of a body that may touch another surface; the surface's own nodes are numbered from
@@ -191,10 +191,14 @@ impl<const D: usize> Surface<D> {
     /// multiplied by it.
     pub(crate) fn measure(&self, facet: usize, lambda: &Vector<D>) -> f64 {
         let reference = &self.reference[facet];
-        let measure = reference.normal(lambda).norm();
+        reference.normal(lambda).norm() * self.ring(reference, lambda)
+    }
+
+    /// 2πR at the point λ of a facet, which is anywhere, of a body of revolution (UL); else 1.
+    pub(super) fn ring(&self, facet: &Facet<D>, lambda: &Vector<D>) -> f64 {
         match self.is_revolved {
-            true => measure * TAU * reference.point(lambda)[0],
-            false => measure,
+            true => TAU * facet.point(lambda)[0],
+            false => 1.0,
         }
     }
 
@@ -278,19 +282,22 @@ impl<const D: usize> Surface<D> {
         neighbours
     }
 
-    /// For each node its share of the reference area (UL in the plane, UL² in space and of revolution): of the halves of quadratic segments and the
-    /// quarters of quadratic triangles, nodes share each equally.
-    pub fn node_areas(&self) -> Vec<f64> {
+    /// For each node its share of the area (UL in the plane, UL² in space and of revolution), where the surface's nodes are at `x`
+    /// (UL): of the halves of quadratic segments and the quarters of quadratic triangles, nodes share each equally.
+    pub fn node_areas(&self, x: &[Vector<D>]) -> Vec<f64> {
         let mut areas = vec![0.0; self.nodes.len()];
-        for (f, (facet, measure)) in self.facets().zip(self.measures()).enumerate() {
-            let is_quadratic_segment = facet.len() > D && D == 2;
-            for (k, &a) in facet.iter().enumerate() {
+        let rule = FacetRule::<D>::gauss(3);
+        for (facet, nodes) in self.facets_at(x).zip(self.facets()) {
+            let points = rule.points().iter();
+            let measure: f64 = points.map(|(w, l)| w * facet.normal(l).norm()).sum();
+            let is_quadratic_segment = nodes.len() > D && D == 2;
+            for (k, &a) in nodes.iter().enumerate() {
                 areas[a] += measure
-                    * self.ring_of_share(f, k)
+                    * self.ring(&facet, &self.middle_of_share(k))
                     * match (is_quadratic_segment, k < D) {
                         (true, true) => 0.25,
                         (true, false) => 0.5,
-                        _ if facet.len() == D => 1.0 / D as f64,
+                        _ if nodes.len() == D => 1.0 / D as f64,
                         // a quadratic triangle: of four parts, corners have a third of one each
                         (false, true) => 1.0 / 12.0,
                         (false, false) => 0.25,
@@ -300,11 +307,8 @@ impl<const D: usize> Surface<D> {
         areas
     }
 
-    /// 2πR in the middle of the share that the `k`-th node of a facet has of it, of a body of revolution (UL); else 1.
-    fn ring_of_share(&self, facet: usize, k: usize) -> f64 {
-        if !self.is_revolved {
-            return 1.0;
-        }
+    /// λ in the middle of the share that the `k`-th node has of a facet in the plane.
+    fn middle_of_share(&self, k: usize) -> Vector<D> {
         let own = match self.order {
             Order::Linear => 0.75,
             Order::Quadratic => 0.875,
@@ -314,7 +318,7 @@ impl<const D: usize> Surface<D> {
             lambda = Vector::repeat(1.0 - own);
             lambda[k] = own;
         }
-        TAU * self.reference[facet].point(&lambda)[0]
+        lambda
     }
 
     /// The length of the smallest facet (UL).

@@ -48,7 +48,7 @@ pub struct Snapshot<const D: usize> {
     /// u at every node (UL).
     pub displacements: Vec<Vector<D>>,
     /// The recovered contact pressure at every node (UF/UL in the plane, UF/UL² in space, ≥ 0), see [`Problem::pressures`]:
-    /// 0 outside the contact surfaces, the sum over the surfaces where several meet.
+    /// 0 outside the contact surfaces, the largest where several meet in a corner.
     pub pressures: Vec<f64>,
     /// The consistent contact pressure, see [`Problem::consistent_pressures`], likewise.
     pub consistent_pressures: Vec<f64>,
@@ -57,7 +57,8 @@ pub struct Snapshot<const D: usize> {
     pub gaps: Vec<f64>,
     /// Whether every node is open, touches or presses.
     pub statuses: Vec<Status>,
-    /// The outward unit normal of the contact surface at every node where contact is searched; zero outside of the surfaces.
+    /// The outward unit normal of the contact surface at every node where contact is searched; of the one with the larger pressure where
+    /// two meet, and zero outside of the surfaces.
     pub contact_normals: Vec<Vector<D>>,
     /// The contact force Cᵀλ on every node (UF).
     pub contact_forces: Vec<Vector<D>>,
@@ -150,13 +151,19 @@ impl<const D: usize> Snapshot<D> {
             problem.surface_pressures(&states),
             problem.consistent_pressures(u, gaps, lambda)?,
         ];
-        for (sums, of_surfaces) in [&mut pressures, &mut consistent_pressures]
-            .into_iter()
-            .zip(of_surfaces)
+        // a node in a corner has its largest pressure and the normal there
+        let mut contact_normals = vec![Vector::<D>::zeros(); displacements.len()];
+        let [of_surfaces, consistent] = of_surfaces;
+        let surfaces = problem.surfaces().iter().zip(problem.contact_normals(u));
+        for ((surface, normals), (own, consistent)) in
+            surfaces.zip(of_surfaces.iter().zip(&consistent))
         {
-            for (surface, values) in problem.surfaces().iter().zip(of_surfaces) {
-                for (&node, p) in surface.nodes().iter().zip(values) {
-                    sums[node] += p;
+            for (k, &node) in surface.nodes().iter().enumerate() {
+                let is_first = contact_normals[node].norm() == 0.0;
+                if is_first || own[k] > pressures[node] || own[k].is_nan() {
+                    pressures[node] = own[k];
+                    consistent_pressures[node] = consistent[k];
+                    contact_normals[node] = normals[k];
                 }
             }
         }
@@ -175,12 +182,6 @@ impl<const D: usize> Snapshot<D> {
         }
         let pressing = pressures.iter().enumerate().filter(|(_, p)| **p > 0.0);
         pressing.for_each(|(node, _)| statuses[node] = Status::Pressing);
-        let mut contact_normals = vec![Vector::zeros(); displacements.len()];
-        for (surface, normals) in problem.surfaces().iter().zip(problem.contact_normals(u)) {
-            for (&node, normal) in surface.nodes().iter().zip(normals) {
-                contact_normals[node] = normal;
-            }
-        }
         let bodies = problem.scene().bodies().iter().zip(problem.body_energies());
         let (mut cells, mut averages) = (Vec::new(), Vec::new());
         for (k, (body, energy)) in bodies.enumerate() {
