@@ -703,9 +703,9 @@ fn pressures_and_foundations_from_a_file() {
 
         [[obstacle]]
         name = "tool"
-        cuboid = { low = [-2, 0], high = [4, 1] }
+        cuboid = { low = [-2, -9], high = [4, -8] }
         on = [["upper", 1]]
-        during = [[1, 2]]
+        during = [[0, 1]]
     "#;
     let path = two_bodies(&folder, text);
     let scene = |text: &str| SceneFile::parse(text, &folder).map(|file| file.scene::<2>());
@@ -736,8 +736,8 @@ fn pressures_and_foundations_from_a_file() {
         ("stiffness = 50", "stifness = 50", "stifness"),
         ("pressure = 4", "pressure = nan", "`pressures`"),
         ("on = 4", "on = 9", "`pressures`"),
-        ("during = [[1, 2]]", "during = [[2, 1]]", "`during`"),
-        ("during = [[1, 2]]", "during = [[1, 2], [3, 2]]", "`during`"),
+        ("during = [[0, 1]]", "during = [[2, 1]]", "`during`"),
+        ("during = [[0, 1]]", "during = [[0, 1], [3, 2]]", "`during`"),
     ] {
         let refused = match scene(&text.replace(good, bad)) {
             Ok(scene) => scene.err().map(|error| error.to_string()),

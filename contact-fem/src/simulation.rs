@@ -41,8 +41,8 @@ pub struct StepRecord<const D: usize> {
     pub pairs: Vec<PairRecord<D>>,
     /// What each tie transmits, in the order of declaration.
     pub ties: Vec<TieRecord<D>>,
-    /// The smallest and the largest contact pressure at the nodes of all contact surfaces (UF/UL or UF/UL² of reference area); zero
-    /// without such surfaces.
+    /// The smallest and the largest contact pressure at the nodes of all contact surfaces (UF/UL or UF/UL²); zero without such
+    /// surfaces.
     pub pressures: [f64; 2],
     /// The smallest volume ratio at the quadrature points of all assembled cells; `+∞` for small-strain laws.
     pub min_j: f64,
@@ -238,7 +238,7 @@ impl<const D: usize> StepRecord<D> {
         self.works.iter().map(|record| record.work).sum()
     }
 
-    /// The reference area in contact, over all pairs (UL in the plane, UL² in space).
+    /// The area in contact, over all pairs (UL in the plane, UL² in space).
     pub fn contact_area(&self) -> f64 {
         self.pairs.iter().map(|pair| pair.area).sum()
     }

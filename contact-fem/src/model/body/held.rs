@@ -76,9 +76,13 @@ impl<const D: usize> Body<D> {
     /// whatever else prescribes displacements.
     ///
     /// A support that begins later than the run takes nodes where they are, and moves them by what its values grow from then on:
-    /// zero holds them in place. One that ends lets go: its reaction falls to zero in equal shares of the next phase, so that more
-    /// increments make the way smoother. Until then it counts as its reaction. Where another support holds the same component, it
-    /// stays held.
+    /// zero holds them in place. One that ends lets go: its reaction becomes dead forces on its nodes, which fall to zero in equal shares of the next phase. Until
+    /// then they count as its reaction. Where another support holds the same component, it stays held.
+    ///
+    /// Under dead forces, a body at large strains may find another equilibrium than the one that it comes back from, above all one
+    /// of quadratic cells, whose forces at the corners of a support are large and of either sign. The certificate does not see that;
+    /// work that is far from the stored energy tells it ([`StepRecord::work`](crate::simulation::StepRecord::work)). To let go safely,
+    /// move the support back by an amplitude first.
     ///
     /// A bar is drawn by 0.1, and its end is let go:
     /// ```

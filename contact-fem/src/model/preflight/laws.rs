@@ -48,8 +48,8 @@ fn rotation<const D: usize>(body: &Body<D>, name: &String, report: &mut Report) 
 }
 
 /// The rotation (radians) that the prescribed displacements of a body have as a rigid motion, the best fit to nodes of which
-/// all components are prescribed. It is a rotation only where they move as a rigid body does: what the
-/// fit leaves is taken off.
+/// all components are prescribed: u = sin θ n × r − (1 − cos θ) r⊥ beside their mean, with r⊥ across the axis n. It is a
+/// rotation only where they move as a rigid body does, that is where the fit leaves little.
 fn prescribed_rotation<const D: usize>(body: &Body<D>) -> f64 {
     let nodes = body
         .mesh()
@@ -86,14 +86,21 @@ fn prescribed_rotation<const D: usize>(body: &Body<D>) -> f64 {
         Ok(inverse) if largest > 0.0 => inverse * moment,
         _ => return 0.0,
     };
-    let left = held
-        .iter()
-        .map(|(X, u)| (u - mean - turn.cross(&(X - centre))).norm_squared());
-    let fitted = held
-        .iter()
-        .map(|(X, _)| turn.cross(&(X - centre)).norm_squared());
+    let axis = match D {
+        2 => Vector3::z(),
+        _ => turn.try_normalize(0.0).unwrap_or_else(Vector3::zeros),
+    };
+    let across = |X: &Vector3<f64>| (X - centre) - axis * axis.dot(&(X - centre));
+    let sums = held.iter().fold((0.0, 0.0), |sums, (X, u)| {
+        let r = across(X);
+        (sums.0 + r.dot(&(u - mean)), sums.1 + r.norm_squared())
+    });
+    let along = if sums.1 > 0.0 { sums.0 / sums.1 } else { 0.0 };
+    let fit = |X: &Vector3<f64>| turn.cross(&(X - centre)) + along * across(X);
+    let left = held.iter().map(|(X, u)| (u - mean - fit(X)).norm_squared());
+    let fitted = held.iter().map(|(X, _)| fit(X).norm_squared());
     match left.sum::<f64>() <= fitted.sum::<f64>() * 0.25 {
-        true => turn.norm(),
+        true => turn.norm().atan2(1.0 + along),
         false => 0.0,
     }
 }

@@ -521,7 +521,11 @@ fn laws_for_small_strains() {
         &turned(3.0, body()),
         FindingKind::Rotation,
     );
-    assert!((found.value - 8.0).abs() < 0.1, "{found}");
+    assert!((found.value - 8.0).abs() < 1e-9, "{found}");
+    for degrees in [45.0, 90.0, 135.0, 179.0] {
+        let found = of(&turned(degrees, body()), FindingKind::Rotation);
+        assert!((found[0].value - degrees).abs() < 1e-9, "{degrees}");
+    }
     assert_eq!(turned(8.0, Body::new(unit(0.0), large())).preflight(), []);
 }
 

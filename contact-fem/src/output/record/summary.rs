@@ -24,6 +24,11 @@ use crate::output::history::source_name;
 use crate::simulation::{History, StepRecord};
 use crate::tensor::Vector;
 
+/// The share of the largest stored energy that work and stored energy may be apart without a warning.
+const UNSTORED: f64 = 0.1;
+/// What is round-off of energies, as a share of the scene's [`Scale::energy`](contact_core::Scale::energy).
+const NEGLIGIBLE: f64 = 1e-13;
+
 /// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL. Values that
 /// require a converged step are null if there is none, and so are values that do not apply.
 #[derive(Serialize)]
@@ -63,7 +68,7 @@ pub(super) struct Summary {
     /// The smallest and the largest contact pressure at the nodes of all contact surfaces.
     pressure_min: Option<f64>,
     pressure_max: Option<f64>,
-    /// The reference area in contact, over all pairs.
+    /// The area in contact, over all pairs.
     contact_area: Option<f64>,
     /// Area, resultant, centre and largest pressure of each pair.
     pairs: Vec<Value>,
@@ -96,6 +101,22 @@ pub(super) struct Summary {
     /// The summary as text.
     #[serde(skip)]
     table: String,
+}
+
+/// Says so where work and stored energy are far apart; `energy` is what matters in the scene (UF·UL).
+fn unstored<const D: usize>(records: &[StepRecord<D>], energy: f64) -> Option<String> {
+    let last = records.last()?;
+    let apart = (last.work() - last.stored_energy).abs();
+    let most = records.iter().map(|record| record.stored_energy);
+    let most = most.fold(0.0, f64::max);
+    let is_far = apart > UNSTORED * most && apart > NEGLIGIBLE * energy;
+    is_far.then(|| {
+        format!(
+            "warning            work and stored energy are {:.0} % of the largest stored energy apart: take more increments; if that does \
+             not help, a body has snapped from one equilibrium to another",
+            100.0 * apart / most
+        )
+    })
 }
 
 impl Summary {
@@ -141,11 +162,12 @@ impl Summary {
         ];
         table.extend(last.map(|record| {
             format!(
-                "work               {:>10} UF·UL, {:.1e} UF·UL of them not stored",
+                "work               {:>10} UF·UL by the trapezoidal rule, {:.1e} UF·UL more than is stored",
                 number(Some(record.work())),
                 record.work() - record.stored_energy
             )
         }));
+        table.extend(unstored(records, problem.scale().energy));
         table.extend(undetermined.iter().map(|Undetermined { body, motions }| {
             let motions = motions.join(", ");
             format!("undetermined       body `{body}`: {motions}")
