@@ -12,7 +12,8 @@ use crate::element::{FacetRule, facet_edge, facet_shapes};
 use crate::error::Error;
 use crate::tensor::Vector;
 
-/// What the recovery takes of one surface of a pair, or of several pairs whose contact zones meet on it. All slices have one entry for each of the surface's nodes.
+/// What the recovery takes of one surface of a pair, or of several pairs whose contact zones meet on it. Slices have one entry for each
+/// of the surface's nodes, but for `facing`.
 #[derive(Clone, Copy, Debug)]
 pub struct Pressed<'a, const D: usize> {
     /// The surface.
@@ -62,8 +63,8 @@ const SWEEPS: usize = 1000;
 type Motion = SVector<f64, 6>;
 
 impl<const D: usize> Pressed<'_, D> {
-    /// The pressure at the nodes (UF/UL or UF/UL², of the area where contact is searched). It is nowhere negative, and zero at nodes without a
-    /// contact force. If the forces are those of a constant pressure on a smooth surface and the surfaces touch, it is that one. Its
+    /// The pressure at the nodes (UF/UL or UF/UL², of the area where contact is searched). It is nowhere negative there, and zero at
+    /// nodes without a contact force. If the forces are those of a constant pressure on a smooth surface and the surfaces touch, it is that one. Its
     /// own nodal forces, p_a ∫ N_a n ds, have the resultant and the moment of the forces' components along the normals, and of what
     /// forces have beside these up to a quarter more along each motion: a shallow cap bears nothing in its plane, and an arc no
     /// moment about its centre. Where the forces cancel, as around a pin, the sum of their normal components is kept. The resultant

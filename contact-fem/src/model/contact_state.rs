@@ -221,13 +221,8 @@ impl<const D: usize> Problem<D> {
         let pairs = self.declared_pairs();
         let mut shares = Vec::new();
         for (pair, &([a, b], ..)) in pairs.iter().enumerate() {
-            if self.contact.is_near(
-                Pass {
-                    slave: a,
-                    master: b,
-                },
-                moved,
-            ) {
+            let [slave, master] = [a, b];
+            if self.contact.is_near(Pass { slave, master }, moved) {
                 shares.push(self.share(pair, [a, b], u, (gaps, lambda)));
                 if a != b && b < self.surfaces().len() {
                     shares.push(self.share(pair, [b, a], u, (gaps, lambda)));

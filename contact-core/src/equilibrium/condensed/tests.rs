@@ -465,7 +465,7 @@ fn random_problems_satisfy_the_conditions_of_a_minimum() {
     }
 }
 
-/// Bodies without a load whose contact begins closed by a tenth: all rows of random ones can be met, most depend on each other.
+/// Bodies without a load that overlap at the start. More rows than unknowns act, and one displacement satisfies them all.
 #[test]
 fn interference_alone_moves_bodies() {
     let mut random = Rng::with_seed(8);
