@@ -5,6 +5,9 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
+# That of the quick measurements and of random scenes. `dev` uses what `make test` compiled.
+PROFILE ?= release
+
 .PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
 
 help:
@@ -43,13 +46,13 @@ demo: install
 
 # The dev profile optimises here and keeps its checks for overflow. The first line covers units, integration tests,
 # doctests and the build of the examples; the second runs one that asserts its numbers; the third is what does without
-# Ipopt, the fourth the same with threads, the fifth what does without libclang; the others, fewer output formats.
+# Ipopt and shares its work among threads, the fourth what does without libclang; the others, fewer features.
 test: install
 	$(CARGO) test --workspace
 	$(CARGO) run -p contact-core --example hanging_chain
-	$(CARGO) test -p contact-core -p contact-fem --no-default-features --lib
 	$(CARGO) test -p contact-core -p contact-fem --no-default-features --features threads --lib --test threads
 	$(CARGO) test -p ipopt-contact-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
+	$(CARGO) check -p contact-core -p contact-fem --no-default-features --lib --profile test
 	$(CARGO) check -p ipopt-contact --no-default-features
 	$(CARGO) check -p contact-fem --features vtk
 	$(CARGO) check -p contact-fem --features csv
@@ -102,7 +105,7 @@ report: install
 	$(CARGO) run --release -p ipopt-contact-report
 
 report-quick: install
-	$(CARGO) run --release -p ipopt-contact-report -- --quick
+	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-report -- --quick
 
 # MESHES="a.mesh b.mesh" are further meshes of the ball, as scripts/ball.geo makes them.
 pressures: install
@@ -114,9 +117,9 @@ extremes: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --solver ipopt --coarse --out out/extremes-ipopt
 
 extremes-quick: install
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --out out/extremes-quick
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --solver ipopt --out out/extremes-quick-ipopt
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --coarse --solver newton --out out/extremes-newton
+	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-scenes --bin extremes -- --quick --out out/extremes-quick
+	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-scenes --bin extremes -- --quick --solver ipopt --out out/extremes-quick-ipopt
+	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-scenes --bin extremes -- --coarse --solver newton --out out/extremes-newton
 
 needs: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin needs
@@ -149,4 +152,4 @@ fuzz-binding: install
 
 # A case has a number, which the program takes as its third argument to show it again.
 fuzz-scenes: install
-	$(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes -- $(SECONDS) $(SEED)
+	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-scenes --bin fuzz_scenes -- $(SECONDS) $(SEED)

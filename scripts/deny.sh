@@ -10,7 +10,7 @@ if ! cargo deny --version >/dev/null 2>&1; then
     tools=${CARGO_TARGET_DIR:-$PWD/target}/tools
     if [[ ! -x $tools/bin/cargo-deny ]]; then
         say "Installing cargo-deny in $tools"
-        CARGO_TARGET_DIR=$tools/build cargo install --quiet --locked --version 0.20.2 --root "$tools" cargo-deny </dev/null
+        CARGO_TARGET_DIR=$tools/build cargo install --debug --quiet --locked --version 0.20.2 --root "$tools" cargo-deny </dev/null
         rm -rf "$tools/build"
     fi
     PATH=$tools/bin:$PATH
