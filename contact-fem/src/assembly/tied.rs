@@ -136,6 +136,10 @@ impl<const D: usize> BodyEnergy<D> for Tied<D> {
         self.body.set_pressures(pressures);
     }
 
+    fn set_softening(&mut self, stiffness: f64) {
+        self.body.set_softening(stiffness);
+    }
+
     fn prescribed(&self) -> &[f64] {
         &self.prescribed
     }

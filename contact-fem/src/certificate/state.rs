@@ -318,7 +318,8 @@ struct Residual {
     forces: Vec<f64>,
     /// |Σ reactions, those of foundations included, + Σ loads + Σ forces of obstacles| (UF).
     sum: f64,
-    /// The largest of all resultants of reactions, loads and contact forces on a body (UF).
+    /// The largest of all resultants of reactions, loads and contact forces on a body (UF); around an axis, what points away from it
+    /// is summed by its amount.
     resultant: f64,
 }
 
@@ -335,15 +336,6 @@ impl Residual {
         let (residuals, U) = (problem.residuals(u), problem.displacements(u));
         // what ties do to one body, and the opposite to the other, is a load like contact
         let contact = problem.with_tie_forces(u, contact);
-        let is_revolved = is_revolved(problem);
-        let resultant_of = |sum: &Vector<D>| {
-            let mut sum = *sum;
-            if is_revolved {
-                // around the axis, what points away from it cancels
-                sum[0] = 0.0;
-            }
-            sum
-        };
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = &residuals[body];
             let (loads, springs) = on_boundary(problem, body, &U);
@@ -378,21 +370,25 @@ impl Residual {
                     }
                 }
             }
-            let norms = resultants.iter().map(|sum| resultant_of(sum).norm());
+            let norms = resultants.iter().map(|sum| sum.norm());
             resultant = norms.fold(resultant, f64::max);
             free = worse(over(rest_free, largest), free);
             forces.push(largest);
         }
+        if is_revolved(problem) {
+            // around the axis, what points away from it cancels
+            sum[0] = 0.0;
+        }
         Residual {
             free,
             forces,
-            sum: resultant_of(&sum).norm(),
+            sum: sum.norm(),
             resultant,
         }
     }
 }
 
-/// The loads on a body, and the forces of its foundations (UF), none if it has none, at the displacements U of all nodes.
+/// The loads on a body, and the forces of its springs (UF), none if it has none, at the displacements U of all nodes.
 fn on_boundary<const D: usize>(
     problem: &Problem<D>,
     body: usize,
@@ -400,11 +396,16 @@ fn on_boundary<const D: usize>(
 ) -> (Vec<f64>, Vec<f64>) {
     let owner = &problem.scene().bodies()[body];
     let mut loads = owner.forces_at(problem.load());
-    if !owner.acts_on_boundary() {
+    if !owner.acts_on_boundary() && !owner.softens() {
         return (loads, Vec::new());
     }
     let own = U[problem.nodes(body)].iter().flatten();
     let own: Vec<f64> = own.copied().collect();
     owner.add_pressures(problem.load(), &own, &mut loads);
-    (loads, owner.foundation_forces(&own))
+    let mut springs = owner.foundation_forces(&own);
+    if owner.softens() {
+        let fading = owner.fading(problem.load(), &own);
+        fading.for_each(|(dof, force, _)| springs[dof] += force);
+    }
+    (loads, springs)
 }

@@ -7,7 +7,7 @@ mod rollers;
 
 use std::sync::Arc;
 
-use super::courses::{Course, Load, Origin, Supports};
+use super::courses::{Course, Load, Origin, Path, Supports};
 use crate::assembly::{
     AveragedVolume, BodyEnergy, Laws, QuadraticEnergy, StrainEnergy, Tied, add_body_force,
     add_traction,
@@ -339,7 +339,7 @@ impl<const D: usize> Body<D> {
         path: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
     ) -> Result<&mut Self, Error> {
         let nodes = self.nodes_to_support(boundary)?;
-        self.hold_along((boundary, &nodes), path)
+        self.hold_along((boundary, &nodes), Arc::new(path), None)
     }
 
     /// Moves a boundary rigidly: its nodes go along circles and lines, exactly.
@@ -351,7 +351,8 @@ impl<const D: usize> Body<D> {
         boundary: &str,
         motion: Motion<D>,
     ) -> Result<&mut Self, Error> {
-        self.prescribe_path(boundary, move |t, X| motion.at(t, X) - X)
+        let nodes = self.nodes_to_support(boundary)?;
+        self.hold_moving((boundary, &nodes), motion)
     }
 
     /// Moves the whole body rigidly, as a tool.
@@ -360,20 +361,31 @@ impl<const D: usize> Body<D> {
     /// As [`Body::prescribe_path`].
     pub fn prescribe_motion_of_all(&mut self, motion: Motion<D>) -> Result<&mut Self, Error> {
         let nodes: Vec<usize> = (0..self.mesh.nodes().len()).collect();
-        self.hold_along(("", &nodes), move |t, X| motion.at(t, X) - X)
+        self.hold_moving(("", &nodes), motion)
+    }
+
+    fn hold_moving(
+        &mut self,
+        nodes: (&str, &[usize]),
+        motion: Motion<D>,
+    ) -> Result<&mut Self, Error> {
+        let own = motion.clone();
+        let path = move |t: f64, X: &Vector<D>| own.at(t, X) - X;
+        self.hold_along(nodes, Arc::new(path), Some(motion))
     }
 
     fn hold_along(
         &mut self,
         (boundary, nodes): (&str, &[usize]),
-        path: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
+        path: Path<D>,
+        motion: Option<Motion<D>>,
     ) -> Result<&mut Self, Error> {
         for t in samples() {
             let values = nodes.iter().map(|&a| path(t, &self.mesh.nodes()[a]));
             let values: Vec<f64> = values.flat_map(|u| u.data.0[0]).collect();
             Error::check_finite("prescribed displacement", &values)?;
         }
-        self.supports.courses.push(Course::Along(Arc::new(path)));
+        self.supports.courses.push(Course::Along(path, motion));
         let course = self.supports.courses.len() - 1;
         self.hold((boundary, nodes), [Some(0.0); D], course)
     }
@@ -705,12 +717,11 @@ impl<const D: usize> Body<D> {
         &self.forces
     }
 
-    /// The nodal forces of dead loads at a load factor (all dofs, UF); 0 at the load factor 0, before the first step. What
-    /// supports that let go have left belongs to them.
+    /// The nodal forces of dead loads at a load factor (all dofs, UF); 0 at the load factor 0, before the first step. Forces that
+    /// supports have left which let go belong to them.
     pub fn forces_at(&self, factor: f64) -> Vec<f64> {
         let mut forces = self.loaded_at(factor);
-        let fading = self.fading(factor);
-        fading.for_each(|(dof, force, _)| forces[dof] += force);
+        self.add_fading_forces(factor, &mut forces);
         forces
     }
 

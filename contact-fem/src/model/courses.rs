@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Body;
 use crate::error::Error;
-use crate::program::Amplitude;
+use crate::program::{Amplitude, Motion};
 use crate::tensor::Vector;
 
 /// A displacement or a force by time and reference position.
@@ -16,8 +16,8 @@ pub(crate) type Path<const D: usize> = Arc<dyn Fn(f64, &Vector<D>) -> Vector<D> 
 pub(crate) enum Course<const D: usize> {
     /// The value times an amplitude.
     Scaled(Amplitude),
-    /// The component of a displacement.
-    Along(Path<D>),
+    /// The component of a displacement, which may be that of a rigid motion.
+    Along(Path<D>, Option<Motion<D>>),
     /// A sum of others, whatever the value.
     Sum(Vec<Part>),
 }
@@ -72,15 +72,36 @@ impl<const D: usize> Supports<D> {
         let now = self.course_at(dof, value, t);
         match self.begun.get(&dof) {
             None => now,
-            Some((place, since)) => place + (now - self.course_at(dof, value, *since)),
+            Some((place, since)) => {
+                match (&self.courses[value.1], self.begun_at(dof / D, *since)) {
+                    (Course::Along(_, Some(motion)), Some(x)) => {
+                        let start = motion.pose(*since).back(&x);
+                        (motion.at(t, &start) - self.X[dof / D])[dof % D]
+                    }
+                    _ => place + (now - self.course_at(dof, value, *since)),
+                }
+            }
         }
+    }
+
+    /// Where a node was (UL) when a support of all its components began at the load factor `since`.
+    fn begun_at(&self, node: usize, since: f64) -> Option<Vector<D>> {
+        let mut x = self.X[node];
+        for i in 0..D {
+            let (place, own) = self.begun.get(&(D * node + i))?;
+            x[i] += place;
+            if *own != since {
+                return None;
+            }
+        }
+        Some(x)
     }
 
     /// The same of a support that holds from the beginning.
     pub fn course_at(&self, dof: usize, (value, course): (f64, usize), t: f64) -> f64 {
         match &self.courses[course] {
             Course::Scaled(amplitude) => value * amplitude.at(t),
-            Course::Along(path) => path(t, &self.X[dof / D])[dof % D],
+            Course::Along(path, _) => path(t, &self.X[dof / D])[dof % D],
             Course::Sum(parts) => parts.iter().map(|part| self.part_at(part, t)).sum(),
         }
     }

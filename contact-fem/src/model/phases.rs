@@ -7,6 +7,7 @@ use contact_core::equilibrium::Solution;
 use super::body::Holding;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Report};
+use super::work::External;
 use super::{Problem, scale};
 use crate::error::Error;
 
@@ -29,12 +30,14 @@ impl<const D: usize> Problem<D> {
         }
         self.set_load(from)?;
         let U = self.displacements(u);
+        let mut stored = 0.0;
         let mut reactions = match solution {
             Some(_) => (*self.residuals(u)).clone(),
             None => vec![Vec::new(); self.scene.bodies().len()],
         };
         if let Some(solution) = solution {
             let contact = self.contact_forces(&solution.gaps, &solution.lambda);
+            stored = External::new(self, u, (&contact, &[])).stored(self.energy_at(u));
             for (body, own) in reactions.iter_mut().enumerate() {
                 let contact = contact[self.nodes(body)].iter().flatten();
                 own.iter_mut().zip(contact).for_each(|(r, c)| *r -= c);
@@ -51,6 +54,7 @@ impl<const D: usize> Problem<D> {
                 changed[index] = body.switch_supports([from, until], &displaced, own);
             }
         }
+        self.let_soften(stored);
         self.last_held = None;
         let unknowns = match changed.contains(&true) {
             true => {
@@ -63,6 +67,23 @@ impl<const D: usize> Problem<D> {
         self.forget_residuals();
         self.set_load(from)?;
         Ok(unknowns)
+    }
+
+    /// Makes springs of what supports leave that let go bodies at large strains; those halfway through the phase would store as much as
+    /// the bodies have `stored` (UF·UL), if they carried the reactions.
+    fn let_soften(&mut self, stored: f64) {
+        let (force, length) = (self.scale.energy / self.scale.length, self.scale.length);
+        let bodies = self.scene.bodies_mut().iter_mut();
+        let yielding: Vec<_> = bodies.filter(|body| !body.is_small_strain()).collect();
+        let squares: f64 = yielding.iter().map(|body| body.squares_released()).sum();
+        let stiffness = 0.5 * squares / stored;
+        let is_usable = stiffness > 0.0 && stiffness.is_finite();
+        let stiffness = if is_usable { stiffness } else { force / length };
+        for body in yielding {
+            if body.squares_released() > 0.0 {
+                body.soften(stiffness);
+            }
+        }
     }
 
     /// Lets the bodies be held as before the last [`Problem::switch_supports`] that changed something.

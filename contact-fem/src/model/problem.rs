@@ -522,6 +522,7 @@ impl<const D: usize> LoadStepped for Problem<D> {
                 false => energy.set_load(factor),
             }
             energy.set_pressures(&body.pressures_at(factor));
+            energy.set_softening(body.softening_stiffness(factor));
         }
         Ok(())
     }

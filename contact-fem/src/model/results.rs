@@ -141,12 +141,12 @@ impl<const D: usize> Problem<D> {
                     .iter()
                     .for_each(|(other, c)| sum[other % D] -= c * reaction);
             }
-            for (dof, force, _) in body.fading(self.load()) {
+            let own = U[self.nodes(id)].iter().flatten();
+            let U: Vec<f64> = own.copied().collect();
+            for (dof, force, _) in body.fading(self.load(), &U) {
                 sum[dof % D] += force;
             }
             if !body.foundations().is_empty() {
-                let own = &U[self.nodes(id)];
-                let U: Vec<f64> = own.iter().flatten().copied().collect();
                 let springs = body.foundation_forces(&U).into_iter().enumerate();
                 springs.for_each(|(dof, force)| sum[dof % D] += force);
             }

@@ -67,7 +67,7 @@ pub(crate) struct External<const D: usize> {
     foundations: Vec<Force>,
     loads: Vec<Force>,
     pressures: Vec<Force>,
-    /// The potential of these pressures, less that of supports that have let go (UF·UL).
+    /// The potential of these pressures and of supports that have let go (UF·UL).
     potential: f64,
     obstacles: Vec<Push<D>>,
 }
@@ -105,7 +105,7 @@ impl<const D: usize> External<D> {
         };
         let displacements = vec![0.0; D * problem.reference().len()];
         External {
-            supports: forces_of_supports(problem, |_| 0.0),
+            supports: forces_of_supports(problem, |_| 0.0, &displacements),
             foundations: forces_of_foundations(problem, &displacements),
             loads: forces_of_loads(problem, 0.0),
             pressures: forces_of_pressures(problem, 0.0, &displacements).0,
@@ -141,14 +141,14 @@ impl<const D: usize> External<D> {
         };
         let displacements: Vec<f64> = problem.displacements(u).iter().flatten().copied().collect();
         let (pressures, potential) = forces_of_pressures(problem, problem.load(), &displacements);
-        let fading: f64 = fading(problem).map(|(dof, f)| f * displacements[dof]).sum();
+        let reaction = |dof: usize| residuals[dof] - contact[dof / D][dof % D];
         External {
-            supports: forces_of_supports(problem, |dof| residuals[dof] - contact[dof / D][dof % D]),
+            supports: forces_of_supports(problem, reaction, &displacements),
             foundations: forces_of_foundations(problem, &displacements),
             loads: forces_of_loads(problem, problem.load()),
             obstacles: obstacles.map(push).collect(),
             pressures,
-            potential: potential - fading,
+            potential: potential + potential_of_fading(problem, &displacements),
             displacements,
         }
     }
@@ -205,10 +205,12 @@ impl<const D: usize> External<D> {
     }
 }
 
-/// The supports of all bodies by the boundary that they name, with their reaction (UF) at each dof.
+/// The supports of all bodies by the boundary that they name, with their reaction (UF) at each dof, at the displacements U of all
+/// dofs (UL).
 fn forces_of_supports<const D: usize>(
     problem: &Problem<D>,
     reaction: impl Fn(usize) -> f64,
+    U: &[f64],
 ) -> Vec<Force> {
     let mut supports = Vec::new();
     for (id, body) in problem.scene().ids().zip(problem.scene().bodies()) {
@@ -231,21 +233,22 @@ fn forces_of_supports<const D: usize>(
                 .forces
                 .push((first + share.dof, force));
         }
-        for (dof, force, name) in body.fading(problem.load()) {
+        let displaced = &U[first..D * problem.nodes(id).end];
+        for (dof, force, name) in body.fading(problem.load(), displaced) {
             supports[own + name].forces.push((first + dof, force));
         }
     }
     supports
 }
 
-/// What supports that have let go do yet, by dofs of all bodies (UF).
-fn fading<const D: usize>(problem: &Problem<D>) -> impl Iterator<Item = (usize, f64)> {
+/// The potential of supports that have let go (UF·UL) at the displacements U of all dofs (UL).
+fn potential_of_fading<const D: usize>(problem: &Problem<D>, U: &[f64]) -> f64 {
     let bodies = problem.scene().ids().zip(problem.scene().bodies());
-    bodies.flat_map(|(id, body)| {
-        let first = D * problem.nodes(id).start;
-        let own = body.fading(problem.load());
-        own.map(move |(dof, force, _)| (first + dof, force))
-    })
+    let potentials = bodies.map(|(id, body)| {
+        let own = D * problem.nodes(id).start..D * problem.nodes(id).end;
+        body.potential_of_fading(problem.load(), &U[own])
+    });
+    potentials.sum()
 }
 
 /// The foundations of all bodies at the displacements U of all dofs (UL); those of one boundary together.

@@ -1,4 +1,4 @@
-//! Energies of a body's boundary: elastic foundations, and pressures that follow it.
+//! Energies of a body's boundary: elastic foundations, pressures that follow it, and springs that supports leave which let go.
 
 mod pressed;
 mod springs;
@@ -15,7 +15,7 @@ use super::{BodyEnergy, CellState, Dof, DofMap};
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
-/// The energy of a body and of its boundary: E + Σ ½ UᵀS U + Σ p V.
+/// The energy of a body and of its boundary: E + Σ ½ UᵀS U + Σ p V + Σ ½ s (U − U₀)².
 ///
 /// The Hessian has the pattern of the body's: the nodes of a facet are nodes of a cell.
 pub(crate) struct OnBoundary<const D: usize> {
@@ -23,12 +23,18 @@ pub(crate) struct OnBoundary<const D: usize> {
     dofs: DofMap,
     springs: Vec<Springs>,
     /// What the springs add to the Hessian: slots and values (UF/UL).
-    stiffness: Vec<(usize, f64)>,
+    entries: Vec<(usize, f64)>,
     pressed: Vec<Pressed<D>>,
     /// For each of them the slots of its pairs; `None` where a dof is prescribed.
     slots: Vec<Vec<Option<usize>>>,
     /// The present pressures (UF/UL in the plane, UF/UL² in space).
     pressures: Vec<f64>,
+    /// Dofs on springs of one stiffness, and where these are fixed, U₀ (UL).
+    softening: Vec<(usize, f64)>,
+    /// The places of their diagonal entries in the Hessian.
+    diagonal: Vec<usize>,
+    /// The present stiffness s (UF/UL).
+    stiffness: f64,
 }
 
 impl<const D: usize> OnBoundary<D> {
@@ -45,9 +51,9 @@ impl<const D: usize> OnBoundary<D> {
             _ => None,
         };
         let entries = springs.iter().flat_map(Springs::entries);
-        let stiffness = entries.filter_map(|&(r, c, s)| Some((slot((r, c))?, s)));
+        let entries = entries.filter_map(|&(r, c, s)| Some((slot((r, c))?, s)));
         OnBoundary {
-            stiffness: stiffness.collect(),
+            entries: entries.collect(),
             slots: pressed
                 .iter()
                 .map(|own| own.pairs().map(slot).collect())
@@ -55,9 +61,24 @@ impl<const D: usize> OnBoundary<D> {
             pressures: vec![0.0; pressed.len()],
             pressed,
             springs,
+            softening: Vec::new(),
+            diagonal: Vec::new(),
+            stiffness: 0.0,
             dofs,
             body,
         }
+    }
+
+    /// Puts free dofs on springs that are fixed at the displacements U₀ (UL).
+    pub fn with_softening(mut self, softening: Vec<(usize, f64)>) -> Self {
+        let pattern = self.body.hessian_pattern();
+        let slot = |(dof, _): &(usize, f64)| match self.dofs.get(*dof) {
+            Dof::Free(i) => pattern.slot(i, i),
+            _ => None,
+        };
+        self.diagonal = softening.iter().filter_map(slot).collect();
+        self.softening = softening;
+        self
     }
 
     /// The displacements of all dofs (UL).
@@ -70,8 +91,21 @@ impl<const D: usize> OnBoundary<D> {
         for (own, p) in self.pushed() {
             own.add_areas(U, *p, forces);
         }
+        for &(dof, place) in &self.softening {
+            forces[dof] += self.stiffness * (U[dof] - place);
+        }
         let springs = self.springs.iter();
-        springs.map(|own| own.add_forces(U, forces)).sum()
+        let stored: f64 = springs.map(|own| own.add_forces(U, forces)).sum();
+        stored + self.stored_in_softening(U)
+    }
+
+    /// Σ ½ s (U − U₀)².
+    fn stored_in_softening(&self, U: &[f64]) -> f64 {
+        let squares = self
+            .softening
+            .iter()
+            .map(|(dof, place)| (U[*dof] - place).powi(2));
+        0.5 * self.stiffness * squares.sum::<f64>()
     }
 
     /// Σ p V.
@@ -96,7 +130,7 @@ impl<const D: usize> Energy for OnBoundary<D> {
     fn value(&self, u: &[f64]) -> f64 {
         let U = self.expanded(u);
         let stored: f64 = self.springs.iter().map(|own| own.energy(&U)).sum();
-        self.body.value(u) + stored + self.potential(&U)
+        self.body.value(u) + stored + self.stored_in_softening(&U) + self.potential(&U)
     }
 
     fn gradient(&self, u: &[f64], g: &mut [f64]) {
@@ -117,9 +151,10 @@ impl<const D: usize> Energy for OnBoundary<D> {
 
     fn hessian(&self, u: &[f64], values: &mut [f64]) {
         self.body.hessian(u, values);
-        self.stiffness
-            .iter()
-            .for_each(|(slot, s)| values[*slot] += s);
+        let entries = self.entries.iter();
+        entries.for_each(|(slot, s)| values[*slot] += s);
+        let diagonal = self.diagonal.iter();
+        diagonal.for_each(|slot| values[*slot] += self.stiffness);
         let all = self.pressed.iter().zip(&self.pressures).zip(&self.slots);
         let mut pushed = all.filter(|((_, p), _)| **p != 0.0).peekable();
         if pushed.peek().is_none() {
@@ -161,6 +196,10 @@ impl<const D: usize> BodyEnergy<D> for OnBoundary<D> {
     fn set_pressures(&mut self, pressures: &[f64]) {
         let own = self.pressures.iter_mut().zip(pressures);
         own.for_each(|(own, p)| *own = *p);
+    }
+
+    fn set_softening(&mut self, stiffness: f64) {
+        self.stiffness = stiffness;
     }
 
     fn prescribed(&self) -> &[f64] {

@@ -221,13 +221,14 @@ impl<const D: usize> Body<D> {
 
     /// The energy of the body with what acts on its boundary.
     pub(super) fn with_boundary(&self, body: Box<dyn BodyEnergy<D>>) -> Box<dyn BodyEnergy<D>> {
-        if !self.acts_on_boundary() {
+        let softening = self.softening();
+        if !self.acts_on_boundary() && softening.is_empty() {
             return body;
         }
         let (dofs, _) = self.eliminated();
         let springs = self.foundations.iter().map(|own| own.springs.clone());
         let pressed = self.pressures.iter().map(|own| own.pressed.clone());
         let energy = OnBoundary::new(body, dofs, springs.collect(), pressed.collect());
-        Box::new(energy)
+        Box::new(energy.with_softening(softening))
     }
 }

@@ -12,7 +12,7 @@ pub(in crate::model) struct Declarations {
     current: Option<During>,
     /// Of each dof the declaration that holds it now; empty while all hold at all times.
     by: Vec<Option<usize>>,
-    /// What supports that have let go leave for their last phase.
+    /// What supports that have let go leave for the next phase.
     fading: Fading,
 }
 
@@ -26,18 +26,47 @@ struct Declared {
     during: Option<During>,
 }
 
-/// Forces (UF) that fall from full to nothing within a phase.
+/// What supports that have let go do within a phase.
 #[derive(Clone, Default)]
 struct Fading {
     span: [f64; 2],
-    /// Dof, force and the number of the boundary's name.
-    forces: Vec<(usize, f64, usize)>,
+    released: Vec<Released>,
+    /// The stiffness, halfway, of the springs that they become (UF/UL); `None`: they become forces, which fall in equal shares.
+    stiffness: Option<f64>,
+}
+
+/// A dof that a support has let go.
+#[derive(Clone)]
+struct Released {
+    dof: usize,
+    /// Its displacement (UL) and the reaction (UF) when the phase began.
+    place: f64,
+    reaction: f64,
+    /// The number of the boundary's name.
+    name: usize,
 }
 
 impl Fading {
-    fn share(&self, t: f64) -> f64 {
+    /// What is left of the phase at `t`, from 1 to 0.
+    fn left(&self, t: f64) -> f64 {
         let [from, until] = self.span;
         ((until - t) / (until - from)).clamp(0.0, 1.0)
+    }
+
+    /// The stiffness of the springs at `t` (UF/UL): it falls from infinity to zero; 0 without springs, and where the phase begins.
+    fn stiffness_at(&self, t: f64) -> f64 {
+        match (self.stiffness, self.left(t)) {
+            (Some(halfway), left) if left < 1.0 => halfway * left / (1.0 - left),
+            _ => 0.0,
+        }
+    }
+
+    /// The force (UF) of a released dof at `t` and the displacement `u` (UL).
+    fn force(&self, own: &Released, t: f64, u: f64) -> f64 {
+        match self.stiffness {
+            Some(_) => self.stiffness_at(t) * (own.place - u),
+            None => self.left(t) * own.reaction,
+        }
     }
 }
 
@@ -76,13 +105,13 @@ impl<const D: usize> Body<D> {
     /// whatever else prescribes displacements.
     ///
     /// A support that begins later than the run takes nodes where they are, and moves them by what its values grow from then on:
-    /// zero holds them in place. One that ends lets go: its reaction becomes dead forces on its nodes, which fall to zero in equal shares of the next phase. Until
-    /// then they count as its reaction. Where another support holds the same component, it stays held.
+    /// zero holds them in place. A rigid motion goes on from there, so that the boundary keeps the shape that it has.
     ///
-    /// Under dead forces, a body at large strains may find another equilibrium than the one that it comes back from, above all one
-    /// of quadratic cells, whose forces at the corners of a support are large and of either sign. The certificate does not see that;
-    /// work that is far from the stored energy tells it ([`StepRecord::work`](crate::simulation::StepRecord::work)). To let go safely,
-    /// move the support back by an amplitude first.
+    /// A support that ends lets go over the next phase. Until the end of that phase, what it still does counts as its reaction.
+    /// On a body of small strains, its reaction falls to zero in equal shares. On any other, it becomes springs, one for each
+    /// component of a node that it held, fixed where the node was: k (1 − s)/s is their stiffness in the share s of the phase. It falls from
+    /// infinity to zero, and halfway, springs that carried the reactions would store as much energy as the bodies did: k = Σ r²/2W. Springs cannot turn
+    /// a body over, as forces that keep their direction can. Where another support holds the same component, it stays held.
     ///
     /// A bar is drawn by 0.1, and its end is let go:
     /// ```
@@ -226,7 +255,7 @@ impl<const D: usize> Body<D> {
             self.declared.by = by;
             return false;
         }
-        let mut forces = Vec::new();
+        let mut released = Vec::new();
         for (dof, (now, then)) in by.iter().zip(&before).enumerate() {
             if now == then || from == 0.0 {
                 continue;
@@ -236,16 +265,54 @@ impl<const D: usize> Body<D> {
                 (Some(_), _) => {
                     self.supports.begun.insert(dof, (U[dof], from));
                 }
-                (None, Some(then)) if reactions[dof] != 0.0 => {
-                    forces.push((dof, reactions[dof], self.declared.all[*then].name));
-                }
+                (None, Some(then)) if reactions[dof] != 0.0 => released.push(Released {
+                    dof,
+                    place: U[dof],
+                    reaction: reactions[dof],
+                    name: self.declared.all[*then].name,
+                }),
                 _ => {}
             }
         }
         let is_other = by != before || was_begun;
         self.let_hold(&by);
-        self.declared.fading = Fading { span, forces };
+        self.declared.fading = Fading {
+            span,
+            released,
+            stiffness: None,
+        };
         is_other
+    }
+
+    /// Σ r² over the reactions (UF) of supports that let go in this phase.
+    pub(in crate::model) fn squares_released(&self) -> f64 {
+        let released = self.declared.fading.released.iter();
+        released.map(|own| own.reaction * own.reaction).sum()
+    }
+
+    /// Whether what they leave are springs.
+    pub(crate) fn softens(&self) -> bool {
+        self.declared.fading.stiffness.is_some()
+    }
+
+    /// Lets what they leave be springs, of a stiffness (UF/UL) halfway through the phase.
+    pub(in crate::model) fn soften(&mut self, halfway: f64) {
+        self.declared.fading.stiffness = Some(halfway);
+    }
+
+    /// The springs that they leave: dofs, and their displacements when the phase began (UL).
+    pub(super) fn softening(&self) -> Vec<(usize, f64)> {
+        let fading = &self.declared.fading;
+        let released = fading
+            .released
+            .iter()
+            .filter(|_| fading.stiffness.is_some());
+        released.map(|own| (own.dof, own.place)).collect()
+    }
+
+    /// Their stiffness at a load factor (UF/UL).
+    pub(in crate::model) fn softening_stiffness(&self, factor: f64) -> f64 {
+        self.declared.fading.stiffness_at(factor)
     }
 
     /// Changes supports, or leaves them as they are.
@@ -291,15 +358,39 @@ impl<const D: usize> Body<D> {
         all.filter_map(|own| Some((self.supported[own.name].as_str(), own.during.as_ref()?)))
     }
 
-    /// What is left at a load factor of the reactions of supports that have let go: dofs, forces (UF) and the numbers of the
-    /// boundaries' names.
-    pub(in crate::model) fn fading(
+    /// What supports that have let go still do at a load factor and the displacements U of all dofs (UL): dofs, forces (UF) and
+    /// the numbers of the boundaries' names.
+    pub(crate) fn fading(
         &self,
         factor: f64,
+        U: &[f64],
     ) -> impl Iterator<Item = (usize, f64, usize)> {
-        let share = self.declared.fading.share(factor);
-        let forces = self.declared.fading.forces.iter();
-        forces.map(move |&(dof, force, name)| (dof, share * force, name))
+        let fading = &self.declared.fading;
+        let released = fading.released.iter();
+        released.map(move |own| (own.dof, fading.force(own, factor, U[own.dof]), own.name))
+    }
+
+    /// The potential of these forces (UF·UL): what springs store, or −f·U.
+    pub(in crate::model) fn potential_of_fading(&self, factor: f64, U: &[f64]) -> f64 {
+        let fading = &self.declared.fading;
+        let released = fading.released.iter();
+        let terms = released.map(|own| {
+            let (u, force) = (U[own.dof], fading.force(own, factor, U[own.dof]));
+            match fading.stiffness {
+                Some(_) => 0.5 * force * (own.place - u),
+                None => -force * u,
+            }
+        });
+        terms.sum()
+    }
+
+    /// Adds those that do not depend on displacements to the forces on all dofs (UF).
+    pub(super) fn add_fading_forces(&self, factor: f64, forces: &mut [f64]) {
+        let fading = &self.declared.fading;
+        if fading.stiffness.is_none() {
+            let released = fading.released.iter();
+            released.for_each(|own| forces[own.dof] += fading.force(own, factor, own.place));
+        }
     }
 
     /// The largest displacement (UL) that supports prescribe at a time, whether they hold then or not.

@@ -75,5 +75,7 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
             ),
             "move them apart, or set `Scene::overlaps` if they are to pass through each other",
         ));
+    } else if setup.scene.overlaps == Overlaps::Refused {
+        report.take(overlap::check_others(setup));
     }
 }

@@ -31,6 +31,23 @@ pub(super) fn check<const D: usize>(
     })
 }
 
+/// Checks that no two bodies without a contact pair are in one place: the audit, which looks for nodes and edges in cells, does not
+/// see bodies whose exteriors coincide.
+pub(super) fn check_others<const D: usize>(setup: &Setup<'_, D>) -> Result<(), Error> {
+    let bodies = setup.scene.bodies().iter();
+    let boxes: Vec<_> = bodies.map(|body| body.mesh().bounding_box()).collect();
+    let meet = |a: usize, b: usize| {
+        (0..D).all(|i| boxes[a].0[i] < boxes[b].1[i] && boxes[b].0[i] < boxes[a].1[i])
+    };
+    for b in 0..boxes.len() {
+        for a in (0..b).filter(|&a| meet(a, b) && !setup.contact.is_pair([a, b])) {
+            coincident(setup, a, b)?;
+            coincident(setup, b, a)?;
+        }
+    }
+    Ok(())
+}
+
 /// A contact node that starts inside the other body of its pass.
 pub(super) struct Inside<const D: usize> {
     /// The node, by its scene number, and its position (UL).

@@ -247,6 +247,14 @@ fn bodies_that_start_inside_each_other() {
     );
     assert_eq!(found.severity, Severity::Warning);
     assert_eq!(undeclared(0.6, Overlaps::Allowed).preflight(), []);
+    // in one place, no node is inside and no edge crosses a face
+    let found = of(
+        &undeclared(0.0, Overlaps::Refused),
+        FindingKind::Interference,
+    );
+    assert_eq!((found.len(), found[0].severity), (1, Severity::Error));
+    let allowed = undeclared(0.0, Overlaps::Allowed);
+    assert!(of(&allowed, FindingKind::Interference).is_empty());
 }
 
 #[test]
