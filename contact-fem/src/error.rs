@@ -519,7 +519,7 @@ pub enum Error {
         /// The direction, of length 1.
         direction: Vec<f64>,
         /// The boundaries of the first and of the second support; nodes of no boundary have the empty name.
-        on: [String; 2],
+        on: Box<[String; 2]>,
         /// The first value (UL).
         first: f64,
         /// The second value (UL).
@@ -539,7 +539,7 @@ pub enum Error {
         /// Its position (UL).
         x: Vec<f64>,
         /// The boundaries of the first and of the second support; nodes of no boundary have the empty name.
-        on: [String; 2],
+        on: Box<[String; 2]>,
         /// The angle between the directions (degrees).
         angle: f64,
         /// The displacement along the first direction (UL).

@@ -435,7 +435,7 @@ impl<const D: usize> Body<D> {
                             x: self.mesh.nodes()[node].iter().copied().collect(),
                             component,
                             direction: unit_vector::<D>(component).iter().copied().collect(),
-                            on: [name.unwrap_or_default(), boundary.to_string()],
+                            on: Box::new([name.unwrap_or_default(), boundary.to_string()]),
                             first,
                             second,
                             at,

@@ -596,7 +596,7 @@ fn supports_that_are_nearly_parallel() {
         else {
             panic!("{refused:?}");
         };
-        assert_eq!(on, ["left", "bottom"].map(String::from));
+        assert_eq!(*on, ["left", "bottom"].map(String::from));
         assert!((found.to_radians() / angle - 1.0).abs() < 1e-6, "{found}");
         assert_eq!([first, second, at], [0.1, 0.2, 1.0]);
         let (sin, cos) = angle.sin_cos();

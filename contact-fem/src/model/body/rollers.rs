@@ -422,12 +422,12 @@ impl<const D: usize> Body<D> {
     }
 
     /// The boundaries of two supports.
-    fn names_of(&self, row: Option<&Row<D>>, plane: &Plane<D>) -> [String; 2] {
+    fn names_of(&self, row: Option<&Row<D>>, plane: &Plane<D>) -> Box<[String; 2]> {
         let first = row.map(|row| self.supported[row.name].clone());
-        [
+        Box::new([
             first.unwrap_or_default(),
             self.supported[plane.name].clone(),
-        ]
+        ])
     }
 
     /// Prescribes the pivots of a node's rows, and ties them to its other components.
