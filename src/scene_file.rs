@@ -44,6 +44,8 @@ mod place;
 mod program;
 mod record;
 mod run;
+mod told;
+mod words;
 
 use std::fmt;
 use std::fs::File;
@@ -59,6 +61,7 @@ use place::Place;
 
 pub use changes::Change;
 pub use run::{Departure, Solver};
+pub use words::in_keys;
 
 /// Why a scene file cannot be used. Each contains what is wrong, its value and the remedy.
 #[derive(thiserror::Error)]
@@ -73,7 +76,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// No TOML, or keys and values that a scene does not have.
-    #[error("the scene file: {0}")]
+    #[error("the scene file: {}", words::of_keys(&.0.to_string()))]
     Text(#[from] toml::de::Error),
     /// A part of the scene whose values do not fit together.
     #[error("{part}: {what}")]
@@ -84,7 +87,7 @@ pub enum Error {
         what: String,
     },
     /// What the library refuses.
-    #[error("{part}: {source}")]
+    #[error("{part}: {}", in_keys(&source.to_string()))]
     Refused {
         /// The body, contact or obstacle, with its line, and the key.
         part: String,
@@ -144,12 +147,14 @@ impl SceneFile {
     /// Reads a text whose mesh files are relative to `folder`.
     ///
     /// # Errors
-    /// No TOML, an unknown key, a key that is missing, a value of the wrong kind.
+    /// No TOML, an unknown key, a key that is missing, a value of the wrong kind, a number that is not finite.
     pub fn parse(text: &str, folder: impl Into<PathBuf>) -> Result<Self, Error> {
+        let keys = toml::from_str(text)?;
+        place::check_numbers(text)?;
         Ok(SceneFile {
             folder: folder.into(),
             text: text.into(),
-            keys: toml::from_str(text)?,
+            keys,
             is_straight: false,
         })
     }
@@ -164,7 +169,7 @@ impl SceneFile {
             return Err(self.place().wrong(what));
         };
         let at = self.body_place(0).key("mesh");
-        at.of(first.mesh.dimension(&self.folder))
+        first.mesh.dimension(&at, &self.folder)
     }
 
     fn place(&self) -> Place<'_> {

@@ -350,6 +350,25 @@ impl LoadSteps {
         self.phases.last().map_or(1.0, |phase| phase.until)
     }
 
+    /// All that a run refuses before its first solve: settings out of range, a problem that the solver does not treat, what
+    /// changes within a phase, and too little memory.
+    ///
+    /// # Errors
+    /// As [`LoadSteps::run`] before its first solve.
+    pub fn check<P: LoadStepped>(
+        &self,
+        problem: &mut P,
+        solver: &dyn Equilibrium,
+    ) -> Result<(), Error> {
+        self.validate()?;
+        solver.validate()?;
+        solver.check(problem)?;
+        problem.check_phases(&self.ends())?;
+        #[cfg(feature = "linear")]
+        crate::memory::check_run(solver, &*problem, self.budget.memory)?;
+        Ok(())
+    }
+
     /// Raises the load from zero, where `start` is converged, to full load, or to the end of the last phase. `solver` solves each step;
     /// `observe` sees every converged step and may stop the run.
     ///
@@ -365,15 +384,11 @@ impl LoadSteps {
         start: State,
         mut observe: impl FnMut(&Step<'_, P>) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
-        self.validate()?;
-        solver.validate()?;
+        self.check(problem, solver)?;
         Error::check_vector("start.u", &start.u, problem.energy().dofs())?;
         if let Some(guess) = &self.guess {
             Error::check_vector("guess.u", &guess.u, problem.energy().dofs())?;
         }
-        problem.check_phases(&self.ends())?;
-        #[cfg(feature = "linear")]
-        crate::memory::check_run(&*solver, &*problem, self.budget.memory)?;
         let mut path = Path {
             settings: self,
             stop: self.stop.with_budget(self.budget)?,

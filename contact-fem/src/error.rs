@@ -38,7 +38,7 @@ pub enum Error {
     /// Bodies of revolution together with bodies of the plane.
     #[error(
         "body `{revolved}` is one of revolution, and body `{plane}` is not: a scene has bodies of one of the two kinds; \
-         make all of them by `Body::of_revolution`, or none"
+         make all of them bodies of revolution, or none"
     )]
     MixedRevolution {
         /// A body of revolution.
@@ -161,9 +161,7 @@ pub enum Error {
         known: Vec<String>,
     },
     /// A name of a region that does not exist in the mesh.
-    #[error(
-        "no region is called `{name}`; this mesh has {known:?}, and `Mesh::name_region` adds others"
-    )]
+    #[error("no region is called `{name}`; this mesh has {known:?}: name one of them")]
     UnknownRegion {
         /// The name that was given.
         name: String,
@@ -227,6 +225,17 @@ pub enum Error {
         /// What acts on it: a support, a foundation, a traction or a pressure.
         what: &'static str,
     },
+    /// A plane of symmetry that is none.
+    #[error(
+        "boundary `{name}` is no plane of symmetry: its nodes are not in one plane, but up to {thickness:.3e} apart across the nearest \
+         one; name facets in one plane, each plane by itself"
+    )]
+    NotPlane {
+        /// The name of the boundary.
+        name: String,
+        /// How far its nodes are apart across the plane that is closest to all of them (UL).
+        thickness: f64,
+    },
     /// A boundary name that is in use.
     #[error("a boundary is called `{name}` already: choose another name")]
     BoundaryExists {
@@ -245,14 +254,16 @@ pub enum Error {
         bodies: usize,
     },
     /// A body with an empty name.
-    #[error("body number {body}, counted from 0, has no name: give `Scene::add` one")]
+    #[error("body number {} from the first has no name: give it one", body + 1)]
     UnnamedBody {
         /// Its number in the order of addition.
         body: usize,
     },
     /// Two bodies with the same name.
     #[error(
-        "two bodies are called `{name}`, numbers {bodies:?} counted from 0: rename one of them"
+        "two bodies are called `{name}`, number {} and number {} from the first: rename one of them",
+        bodies[0] + 1,
+        bodies[1] + 1
     )]
     BodyExists {
         /// The name.
@@ -261,7 +272,7 @@ pub enum Error {
         bodies: [usize; 2],
     },
     /// An obstacle with an empty name.
-    #[error("obstacle number {obstacle}, counted from 0, has no name: give `Scene::obstacle` one")]
+    #[error("obstacle number {} from the first has no name: give it one", obstacle + 1)]
     UnnamedObstacle {
         /// Its number in the order of declaration.
         obstacle: usize,
@@ -476,17 +487,69 @@ pub enum Error {
         /// The smallest share that is accepted.
         limit: f64,
     },
-    /// One dof prescribed twice with different values.
-    #[error("component {component} of node {node} is prescribed twice: {first} and {second}")]
+    /// Loads or prescribed displacements beyond what bodies could follow.
+    #[error(
+        "{what} of body `{body}` would move it by {share:.1e} times the size of the scene, and at most {limit:.0e} is accepted: check \
+         units and powers of ten"
+    )]
+    Excessive {
+        /// The body.
+        body: String,
+        /// Prescribed displacements, or loads.
+        what: &'static str,
+        /// The displacement, of loads that of a bar as large as the scene, divided by the diagonal of the scene.
+        share: f64,
+        /// The largest share that is accepted.
+        limit: f64,
+    },
+    /// Two supports that prescribe different displacements along one direction.
+    #[error(
+        "the displacement along {} of the node at {x:?} is prescribed twice, by {}: {first} and {second} at load factor {at}; give \
+         both one value there, or take the nodes that both have out of one of them",
+        along(direction),
+        supports(on)
+    )]
     Conflict {
         /// Which node.
         node: usize,
-        /// Which component.
+        /// Its position (UL).
+        x: Vec<f64>,
+        /// Which component, or the largest one of the direction.
         component: usize,
+        /// The direction, of length 1.
+        direction: Vec<f64>,
+        /// The boundaries of the first and of the second support; nodes of no boundary have the empty name.
+        on: Box<[String; 2]>,
         /// The first value (UL).
         first: f64,
         /// The second value (UL).
         second: f64,
+        /// The load factor at which they have these values.
+        at: f64,
+    },
+    /// Supports along directions that are almost one, and whose values do not fit.
+    #[error(
+        "{} hold the node at {x:?} along directions that are only {angle:.2e}° apart, by {first} and {second} at load factor {at}, which \
+         together move it by {displacement:.1e}; give both the same direction, or values that fit together",
+        supports(on)
+    )]
+    NearlyParallel {
+        /// Which node.
+        node: usize,
+        /// Its position (UL).
+        x: Vec<f64>,
+        /// The boundaries of the first and of the second support; nodes of no boundary have the empty name.
+        on: Box<[String; 2]>,
+        /// The angle between the directions (degrees).
+        angle: f64,
+        /// The displacement along the first direction (UL).
+        first: f64,
+        /// The displacement along the second one (UL).
+        second: f64,
+        /// The component that follows from both (UL).
+        displacement: f64,
+        /// The load factor at which they have these values.
+        at: f64,
     },
     /// What cannot hold in some phases alone.
     #[error(
@@ -589,6 +652,25 @@ pub enum Error {
         /// Why.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+/// The names of two supports.
+fn supports(on: &[String; 2]) -> String {
+    let [first, second] = on.each_ref().map(|name| match name.as_str() {
+        "" => "nodes".to_string(),
+        name => format!("`{name}`"),
+    });
+    format!("the supports on {first} and on {second}")
+}
+
+/// The axis that a unit vector is along, or its components.
+fn along(direction: &[f64]) -> String {
+    let axes = direction.iter().zip(["x", "y", "z"]);
+    let mut other = axes.filter(|(n, _)| **n != 0.0);
+    match (other.next(), other.next()) {
+        (Some((_, axis)), None) => axis.into(),
+        _ => format!("{direction:.4?}"),
+    }
 }
 
 /// The `Display` message: `main` and `unwrap` print an error by `Debug`.

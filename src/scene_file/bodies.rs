@@ -6,7 +6,7 @@ use contact_fem::{Body, Mesh, Scene};
 
 use super::contact::Bodies;
 use super::keys::{
-    BodyKeys, BoundaryKeys, CurvedKeys, FoundationKeys, HalfSpace, PressureKeys, SupportKeys,
+    BodyKeys, BoundaryKeys, CurvedKeys, FoundationKeys, HalfSpace, Name, PressureKeys, SupportKeys,
     TractionKeys,
 };
 use super::laws;
@@ -35,7 +35,10 @@ impl SceneFile {
     }
 
     pub(super) fn body_place(&self, index: usize) -> Place<'_> {
-        let name = format!("body {}", self.keys.body[index].name);
+        let name = match self.keys.body[index].name.as_str() {
+            "" => format!("body {}", index + 1),
+            name => format!("body {name}"),
+        };
         self.place().part("body", index, name)
     }
 
@@ -50,6 +53,13 @@ impl SceneFile {
     {
         let (mut names, mut ids) = (Vec::new(), Vec::new());
         for (k, keys) in self.keys.body.iter().enumerate() {
+            if let Some(other) = names.iter().position(|name| *name == keys.name) {
+                let line = self.body_place(other).line();
+                return Err(self.body_place(k).key("name").wrong(format!(
+                    "two bodies are called `{}`, this one and that of line {line}: rename one of them",
+                    keys.name
+                )));
+            }
             ids.push(scene.add(&keys.name, self.body(&self.body_place(k), keys)?));
             names.push(keys.name.as_str());
         }
@@ -73,10 +83,10 @@ impl SceneFile {
         }
         let at = place.key("mesh");
         let found = match keys.laws.is_empty() {
-            true => keys.mesh.mesh(&self.folder, region.as_deref()),
-            false => keys.mesh.with_regions(&self.folder),
+            true => keys.mesh.mesh(&at, &self.folder, region.as_deref()),
+            false => keys.mesh.with_regions(&at, &self.folder),
         };
-        let mut mesh = match at.of(found)? {
+        let mut mesh = match found? {
             Found::Mesh(mesh) => mesh,
             Found::Regions(names) => {
                 let names = names.join(", ");
@@ -131,7 +141,8 @@ impl SceneFile {
             at.of(body.symmetry(&name.to_string()))?;
         }
         for (k, support) in keys.supports.iter().enumerate() {
-            support.hold(&place.entry("supports", k), &mut body)?;
+            let held = support.hold(&place.entry("supports", k), &mut body);
+            held.map_err(|why| keys.against(place, k, why))?;
         }
         for (k, traction) in keys.tractions.iter().enumerate() {
             traction.load(&place.entry("tractions", k), &mut body)?;
@@ -230,6 +241,41 @@ impl BoundaryKeys {
 }
 
 impl BodyKeys {
+    /// The error of a support that another one contradicts, with the line of that one, too.
+    fn against(&self, place: &Place<'_>, k: usize, error: Error) -> Error {
+        use contact_fem::Error as Refused;
+        let Error::Refused { part, source } = error else {
+            return error;
+        };
+        let on = match &*source {
+            Refused::Conflict { on, .. } | Refused::NearlyParallel { on, .. } => on,
+            _ => return Error::Refused { part, source },
+        };
+        // this one may be either
+        let own = self.supports[k].on.as_ref().map(ToString::to_string);
+        let first = match own.unwrap_or_default() == on[0] {
+            true => &on[1],
+            false => &on[0],
+        };
+        let is_first = |on: &Name| on.to_string() == *first;
+        let mut supports = self.supports[..k].iter();
+        let support = supports.position(|own| match &own.on {
+            Some(on) => is_first(on),
+            None => first.is_empty(),
+        });
+        let symmetry = self.symmetry.iter().position(is_first);
+        let other = match (support, symmetry) {
+            (Some(j), _) => place.entry("supports", j),
+            (None, Some(j)) => place.entry("symmetry", j),
+            (None, None) => return Error::Refused { part, source },
+        };
+        let part = match other.line() {
+            line if line == place.entry("supports", k).line() => part,
+            line => format!("{part}, against line {line}"),
+        };
+        Error::Refused { part, source }
+    }
+
     /// The body force.
     fn weigh<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
         let (at, in_time) = (place.key("body-force"), place.key("body-force-amplitude"));
@@ -284,6 +330,7 @@ impl SupportKeys {
         let Some(during) = &self.during else {
             return self.hold_now(place, body);
         };
+        self.check_growth(place, during)?;
         let mut held = Ok(());
         let switched = body.during(during, |body| {
             held = self.hold_now(place, body);
@@ -291,6 +338,24 @@ impl SupportKeys {
         });
         place.key("during").of(switched)?;
         held
+    }
+
+    /// Refuses values that move nothing, since their amplitude does not change while the support holds.
+    fn check_growth(&self, place: &Place<'_>, during: &[[f64; 2]]) -> Result<(), Error> {
+        let values = [("x", self.x), ("y", self.y), ("z", self.z), ("by", self.by)];
+        let mut values = values.into_iter();
+        let given = values.find(|(_, value)| value.is_some_and(|value| value != 0.0));
+        let (Some((key, Some(value))), Some(amplitude)) = (given, &self.amplitude) else {
+            return Ok(());
+        };
+        // what holds from the beginning moves from rest to its first value
+        match during.iter().all(|own| own[0] > 0.0 && amplitude.is_constant(*own)) {
+            true => Err(place.key(key).wrong(format!(
+                "`{key} = {value}` has no effect: the support begins later, moves nodes by what its value grows from then on, and its \
+                 amplitude stays the same: write 0 to hold them where they are, or change the amplitude while it holds"
+            ))),
+            false => Ok(()),
+        }
     }
 
     fn hold_now<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
@@ -348,9 +413,13 @@ impl SupportKeys {
             })?;
             return Ok(());
         }
-        let held_on = match name.is_some() {
-            true => place.key("on"),
-            false => place.clone(),
+        let is_boundary = name
+            .as_ref()
+            .is_none_or(|name| body.mesh().boundary(name).is_ok());
+        let held_on = match (is_boundary, direction.is_some()) {
+            (false, _) => place.key("on"),
+            (true, true) => place.key("along"),
+            (true, false) => place.clone(),
         };
         let held = match (name, moves) {
             (Some(name), Some(moves)) => body.prescribe_motion(&name, moves),

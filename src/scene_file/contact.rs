@@ -25,10 +25,23 @@ impl Bodies<'_> {
         }
     }
 
-    /// A boundary of a body.
-    pub(super) fn side(&self, place: &Place<'_>, side: &SideKeys) -> Result<Side, Error> {
+    /// A boundary of a body of the scene, at `place`.
+    pub(super) fn side<const D: usize>(
+        &self,
+        scene: &Scene<D>,
+        place: &Place<'_>,
+        side: &SideKeys,
+    ) -> Result<Side, Error> {
         let body = self.named(place, &side.body)?;
-        Ok(body.on(side.boundary.to_string()))
+        let name = side.boundary.to_string();
+        place.of(scene.bodies()[body.index()].mesh().boundary(&name))?;
+        Ok(body.on(name))
+    }
+}
+
+impl SideKeys {
+    fn is(&self, other: &SideKeys) -> bool {
+        self.body == other.body && self.boundary.to_string() == other.boundary.to_string()
     }
 }
 
@@ -39,12 +52,27 @@ impl SceneFile {
         bodies: &Bodies<'_>,
     ) -> Result<(), Error> {
         for (k, keys) in self.keys.contact.iter().enumerate() {
-            let place = self
-                .place()
-                .part("contact", k, format!("contact {}", k + 1));
+            let place = self.contact_place(k);
+            let mut before = self.keys.contact[..k].iter();
+            if let Some(other) = before.position(|other| other.is_of(keys)) {
+                let line = self.contact_place(other).line();
+                return Err(place.wrong(format!(
+                    "contact {}, line {line}, has these sides already: leave one of them out",
+                    other + 1
+                )));
+            }
             keys.add(&place, scene, bodies)?;
         }
         Ok(())
+    }
+
+    pub(super) fn contact_place(&self, k: usize) -> Place<'_> {
+        let name = format!("contact {}", k + 1);
+        self.place().part("contact", k, name)
+    }
+
+    pub(super) fn tie_place(&self, k: usize) -> Place<'_> {
+        self.place().part("tie", k, format!("tie {}", k + 1))
     }
 
     pub(super) fn add_ties<const D: usize>(
@@ -53,10 +81,10 @@ impl SceneFile {
         bodies: &Bodies<'_>,
     ) -> Result<(), Error> {
         for (k, keys) in self.keys.tie.iter().enumerate() {
-            let place = self.place().part("tie", k, format!("tie {}", k + 1));
+            let place = self.tie_place(k);
             let tie = Tie {
-                first: bodies.side(&place.key("first"), &keys.first)?,
-                second: bodies.side(&place.key("second"), &keys.second)?,
+                first: bodies.side(scene, &place.key("first"), &keys.first)?,
+                second: bodies.side(scene, &place.key("second"), &keys.second)?,
                 slave: match keys.slave {
                     None | Some(TiedSlaveKeys::Finer) => TiedSlave::Finer,
                     Some(TiedSlaveKeys::First) => TiedSlave::First,
@@ -71,6 +99,29 @@ impl SceneFile {
 }
 
 impl ContactKeys {
+    /// The two sides that may touch.
+    fn sides(&self) -> Option<[&SideKeys; 2]> {
+        match (&self.first, &self.second, &self.itself) {
+            (Some(first), Some(second), _) => Some([first, second]),
+            (None, None, Some(side)) => Some([side, side]),
+            _ => None,
+        }
+    }
+
+    /// Whether two contacts have the same sides.
+    fn is_of(&self, other: &ContactKeys) -> bool {
+        match (self.sides(), other.sides()) {
+            (Some([a, b]), Some([c, d])) => (a.is(c) && b.is(d)) || (a.is(d) && b.is(c)),
+            _ => false,
+        }
+    }
+
+    /// All sides that it names.
+    pub(super) fn all_sides(&self) -> impl Iterator<Item = &SideKeys> {
+        let named = [&self.first, &self.second, &self.itself];
+        named.into_iter().flatten().chain(&self.surfaces)
+    }
+
     fn add<const D: usize>(
         &self,
         place: &Place<'_>,
@@ -86,9 +137,17 @@ impl ContactKeys {
             return Err(place.key("during").wrong(what));
         }
         match (&self.first, &self.second, &self.itself, &self.surfaces[..]) {
+            (Some(first), Some(second), None, []) if first.is(second) => {
+                let what = format!(
+                    "`first` and `second` are one boundary: give `self = [\"{}\", …]` in their place if it may touch itself, or name \
+                     another one",
+                    second.body
+                );
+                Err(place.key("second").wrong(what))
+            }
             (Some(first), Some(second), None, []) => {
-                let first = bodies.side(&place.key("first"), first)?;
-                let second = bodies.side(&place.key("second"), second)?;
+                let first = bodies.side(scene, &place.key("first"), first)?;
+                let second = bodies.side(scene, &place.key("second"), second)?;
                 let passes = match self.passes {
                     None | Some(PassKeys::Both) => Passes::Both,
                     Some(PassKeys::FirstIsSlave) => Passes::FirstIsSlave,
@@ -104,12 +163,14 @@ impl ContactKeys {
             }
             (None, None, Some(side), []) => {
                 let at = place.key("self");
-                at.of(scene.self_contact(bodies.side(&at, side)?))
+                let side = bodies.side(scene, &at, side)?;
+                at.of(scene.self_contact(side))
             }
             (None, None, None, [_, ..]) => {
                 for (k, side) in self.surfaces.iter().enumerate() {
                     let at = place.entry("surfaces", k);
-                    at.of(scene.contact_surface(bodies.side(&at, side)?))?;
+                    let side = bodies.side(scene, &at, side)?;
+                    at.of(scene.contact_surface(side))?;
                 }
                 Ok(())
             }

@@ -64,6 +64,7 @@ pub(super) struct OutputKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct ReactionKeys {
     pub(super) of: Vec<String>,
+    pub(super) on: Option<Name>,
     pub(super) along: Vec<f64>,
 }
 
@@ -83,9 +84,33 @@ pub(super) enum Combine {
     Anderson,
 }
 
+/// As in a file.
+impl fmt::Display for Formulation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Formulation::InteriorPoint => "interior-point",
+            Formulation::PenalizedSlack => "penalized-slack",
+            Formulation::Penalty => "penalty",
+        })
+    }
+}
+
+/// As in a file.
+impl fmt::Display for Combine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Combine::Plain => "plain",
+            Combine::Anderson => "anderson",
+        })
+    }
+}
+
 /// The value of an option of Ipopt.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "an option of Ipopt is a whole number, a number or a text"
+)]
 pub(super) enum OptionKeys {
     Integer(i32),
     Number(f64),
@@ -134,7 +159,10 @@ pub(super) struct PhaseKeys {
 
 /// A constant, or pairs of time and value with straight lines between them.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "an amplitude is a number, or a list of pairs of time and value, as [[0, 0], [1, 1]]"
+)]
 pub(super) enum AmplitudeKeys {
     Constant(f64),
     Table(Vec<(f64, f64)>),
@@ -205,7 +233,10 @@ pub(super) struct RegionKeys {
 
 /// A label or a name.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "a boundary or a region is a label, as 1, or a name, as \"top\""
+)]
 pub(super) enum Name {
     Label(i64),
     Name(String),
@@ -331,7 +362,7 @@ impl TryFrom<Vec<Name>> for SideKeys {
     fn try_from(names: Vec<Name>) -> Result<Self, String> {
         match <[Name; 2]>::try_from(names) {
             Ok([Name::Name(body), boundary]) => Ok(SideKeys { body, boundary }),
-            _ => Err("give the name of a body and one label, as [\"block\", 3]".into()),
+            _ => Err("a side is the name of a body and one boundary of it, a label or a name, as [\"block\", 3]".into()),
         }
     }
 }

@@ -9,10 +9,13 @@ use contact_fem::mesh::generators::{
     Diagonals, annulus, cuboid, cuboid_graded, cylinder, disc, eighth_sphere, equilateral_disc,
     extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,
 };
-use contact_fem::{Error, Mesh, MeshFile};
+use contact_fem::{Mesh, MeshFile};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+
+use super::Error;
+use super::place::Place;
 
 /// A file, or a mesh that the library makes.
 #[derive(Clone, Debug)]
@@ -151,38 +154,72 @@ pub(super) struct StepsKeys {
 }
 
 impl Grid {
-    fn values(&self) -> Result<Vec<f64>, Error> {
-        let steps = match self {
-            Grid::Values(values) => return Ok(values.clone()),
-            Grid::Steps(steps) => steps,
+    /// Its values, which ascend.
+    fn values(&self, place: &Place<'_>) -> Result<Vec<f64>, Error> {
+        let values = match self {
+            Grid::Values(values) => values.clone(),
+            Grid::Steps(steps) => return steps.values(place),
         };
+        if values.len() < 2 {
+            let count = values.len();
+            return Err(place.wrong(format!(
+                "a grid needs two values at least, and it has {count}: add others"
+            )));
+        }
+        match values.windows(2).find(|pair| pair[1] <= pair[0]) {
+            Some(pair) => Err(place.wrong(format!(
+                "the values of a grid must ascend, and {} follows {}: sort them",
+                pair[1], pair[0]
+            ))),
+            None => Ok(values),
+        }
+    }
+}
+
+impl StepsKeys {
+    fn values(&self, place: &Place<'_>) -> Result<Vec<f64>, Error> {
         let StepsKeys {
             from, to, count, ..
-        } = *steps;
-        match (steps.first, steps.last) {
+        } = *self;
+        if to <= from {
+            let what =
+                format!("a grid must ascend, and it goes from {from} to {to}: exchange them");
+            return Err(place.key("to").wrong(what));
+        }
+        if count == 0 {
+            let what = "a grid needs one step at least, and `count` is 0";
+            return Err(place.key("count").wrong(what));
+        }
+        match (self.first, self.last) {
             (None, None) => Ok(linspace(from, to, count)),
-            (Some(first), None) => graded(from, to, first, count),
+            (Some(first), None) => place.of(graded(from, to, first, count)),
             (None, Some(last)) => {
-                // the same steps backwards
-                let mut values = graded(to, from, last, count)?;
+                // the same steps backwards, whose first one is the last
+                let mut values = match graded(to, from, last, count) {
+                    Err(contact_fem::Error::Setting { name: "first", .. }) => {
+                        return Err(place.key("last").wrong(format!(
+                            "the last step {last} must be positive and shorter than the whole length, and with {count} steps, none \
+                             may be a thousand times as long as the next: choose another one"
+                        )));
+                    }
+                    values => place.of(values)?,
+                };
                 values.reverse();
                 Ok(values)
             }
-            (Some(_), Some(last)) => Err(Error::Setting {
-                name: "last",
-                value: last,
-                remedy: "give a grid its `first` or its `last` step, not both",
-            }),
+            (Some(_), Some(_)) => Err(place.key("last").wrong(
+                "a grid has its `first` or its `last` step, not both: leave one of them out",
+            )),
         }
     }
 }
 
 impl MeshKeys {
     /// The dimension of its cells.
-    pub(super) fn dimension(&self, folder: &Path) -> Result<usize, Error> {
+    pub(super) fn dimension(&self, place: &Place<'_>, folder: &Path) -> Result<usize, Error> {
         match self {
             MeshKeys::File(path) => {
-                let file = MeshFile::read(folder.join(path))?;
+                let file = place.of(MeshFile::read(folder.join(path)))?;
                 let kinds = file.elements().iter().map(|block| block.kind.dimension());
                 Ok(kinds.max().unwrap_or(0))
             }
@@ -199,13 +236,17 @@ impl MeshKeys {
     }
 
     /// All bodies of a file as one mesh, whose regions they are; or the mesh that is made, which has none.
-    pub(super) fn with_regions<const D: usize>(&self, folder: &Path) -> Result<Found<D>, Error> {
+    pub(super) fn with_regions<const D: usize>(
+        &self,
+        place: &Place<'_>,
+        folder: &Path,
+    ) -> Result<Found<D>, Error> {
         match self {
             MeshKeys::File(path) => {
-                let file = MeshFile::read(folder.join(path))?;
-                Ok(Found::Mesh(file.with_regions()?))
+                let file = place.of(MeshFile::read(folder.join(path)))?;
+                Ok(Found::Mesh(place.of(file.with_regions())?))
             }
-            MeshKeys::Made(_) => self.mesh(folder, None),
+            MeshKeys::Made(_) => self.mesh(place, folder, None),
         }
     }
 
@@ -213,23 +254,24 @@ impl MeshKeys {
     /// has another dimension.
     pub(super) fn mesh<const D: usize>(
         &self,
+        place: &Place<'_>,
         folder: &Path,
         region: Option<&str>,
     ) -> Result<Found<D>, Error> {
         match self {
             MeshKeys::File(path) => {
-                let file = MeshFile::read(folder.join(path))?;
+                let file = place.of(MeshFile::read(folder.join(path)))?;
                 if let Some(region) = region {
-                    return Ok(Found::Mesh(file.body(region)?));
+                    return Ok(Found::Mesh(place.of(file.body(region))?));
                 }
-                let mut all = file.bodies::<D>()?;
+                let mut all = place.of(file.bodies::<D>())?;
                 Ok(match all.len() {
                     1 => Found::Mesh(all.swap_remove(0).1),
                     _ => Found::Regions(all.into_iter().map(|(name, _)| name).collect()),
                 })
             }
             MeshKeys::Made(made) => {
-                let mesh: Box<dyn Any> = made.mesh(folder)?;
+                let mesh: Box<dyn Any> = made.mesh(place, folder)?;
                 Ok(mesh
                     .downcast()
                     .map_or(Found::OtherDimension, |mesh| Found::Mesh(*mesh)))
@@ -247,60 +289,81 @@ pub(super) enum Found<const D: usize> {
 }
 
 impl Made {
+    /// Its key.
+    fn name(&self) -> &'static str {
+        match self {
+            Made::Rectangle(_) => "rectangle",
+            Made::Annulus(_) => "annulus",
+            Made::Disc(_) => "disc",
+            Made::EquilateralDisc(_) => "equilateral-disc",
+            Made::HalfDisc(_) => "half-disc",
+            Made::QuarterDisc(_) => "quarter-disc",
+            Made::Cuboid(_) => "cuboid",
+            Made::CuboidGraded(_) => "cuboid-graded",
+            Made::Cylinder(_) => "cylinder",
+            Made::Sphere(_) => "sphere",
+            Made::Hemisphere(_) => "hemisphere",
+            Made::EighthSphere(_) => "eighth-sphere",
+            Made::Extrude(_) => "extrude",
+        }
+    }
+
     /// A `Mesh<2>` or a `Mesh<3>`.
-    fn mesh(&self, folder: &Path) -> Result<Box<dyn Any>, Error> {
-        let sector = |keys: &SectorKeys| -> Result<(Vec<f64>, Vec<f64>, Diagonals), Error> {
-            Ok((
-                keys.radii.values()?,
-                keys.angles.values()?,
-                keys.diagonals.into(),
-            ))
-        };
-        Ok(match self {
+    fn mesh(&self, place: &Place<'_>, folder: &Path) -> Result<Box<dyn Any>, Error> {
+        fn of<const D: usize>(
+            place: &Place<'_>,
+            mesh: Result<Mesh<D>, contact_fem::Error>,
+        ) -> Result<Box<dyn Any>, Error> {
+            Ok(Box::new(place.of(mesh)?))
+        }
+        let at = &place.key(self.name());
+        let grid = |key: &'static str, grid: &Grid| grid.values(&at.key(key));
+        match self {
             Made::Rectangle(keys) => {
-                let (x, y) = (keys.x.values()?, keys.y.values()?);
-                Box::new(rectangle(&x, &y, keys.diagonals.into())?)
+                let (x, y) = (grid("x", &keys.x)?, grid("y", &keys.y)?);
+                of(at, rectangle(&x, &y, keys.diagonals.into()))
             }
             Made::Annulus(keys) => {
-                let radii = keys.radii.values()?;
-                Box::new(annulus(&radii, keys.segments, keys.diagonals.into())?)
+                let radii = grid("radii", &keys.radii)?;
+                of(at, annulus(&radii, keys.segments, keys.diagonals.into()))
             }
-            Made::Disc(keys) => Box::new(disc(keys.radius, keys.segments, keys.rings, keys.phase)?),
-            Made::EquilateralDisc(keys) => Box::new(equilateral_disc(keys.radius, keys.rings)?),
-            Made::HalfDisc(keys) => {
-                let (radii, angles, diagonals) = sector(keys)?;
-                Box::new(half_disc(&radii, &angles, diagonals)?)
+            Made::Disc(keys) => of(at, disc(keys.radius, keys.segments, keys.rings, keys.phase)),
+            Made::EquilateralDisc(keys) => of(at, equilateral_disc(keys.radius, keys.rings)),
+            Made::HalfDisc(keys) | Made::QuarterDisc(keys) => {
+                let radii = grid("radii", &keys.radii)?;
+                let angles = grid("angles", &keys.angles)?;
+                let make = match self {
+                    Made::HalfDisc(_) => half_disc,
+                    _ => quarter_disc,
+                };
+                of(at, make(&radii, &angles, keys.diagonals.into()))
             }
-            Made::QuarterDisc(keys) => {
-                let (radii, angles, diagonals) = sector(keys)?;
-                Box::new(quarter_disc(&radii, &angles, diagonals)?)
-            }
-            Made::Cuboid(keys) => Box::new(cuboid(keys.low, keys.size, keys.divisions)?),
+            Made::Cuboid(keys) => of(at, cuboid(keys.low, keys.size, keys.divisions)),
             Made::CuboidGraded(CuboidGradedKeys { x, y, z }) => {
-                Box::new(cuboid_graded(&x.values()?, &y.values()?, &z.values()?)?)
+                let (x, y, z) = (grid("x", x)?, grid("y", y)?, grid("z", z)?);
+                of(at, cuboid_graded(&x, &y, &z))
             }
-            Made::Cylinder(keys) => {
-                Box::new(cylinder(keys.radius, keys.height, keys.rings, keys.layers)?)
-            }
-            Made::Sphere(keys) => Box::new(sphere(keys.radius, keys.shells)?),
-            Made::Hemisphere(keys) => Box::new(hemisphere(keys.radius, keys.shells)?),
-            Made::EighthSphere(keys) => Box::new(eighth_sphere(keys.radius, keys.shells)?),
+            Made::Cylinder(keys) => of(
+                at,
+                cylinder(keys.radius, keys.height, keys.rings, keys.layers),
+            ),
+            Made::Sphere(keys) => of(at, sphere(keys.radius, keys.shells)),
+            Made::Hemisphere(keys) => of(at, hemisphere(keys.radius, keys.shells)),
+            Made::EighthSphere(keys) => of(at, eighth_sphere(keys.radius, keys.shells)),
             Made::Extrude(keys) => {
                 let [low, high] = &keys.caps;
-                match keys.plane.mesh::<2>(folder, None)? {
-                    Found::Mesh(plane) => {
-                        Box::new(extrude(&plane, &keys.z.values()?, [low, high])?)
+                let plane = at.key("plane");
+                match keys.plane.mesh::<2>(&plane, folder, None)? {
+                    Found::Mesh(mesh) => {
+                        let z = grid("z", &keys.z)?;
+                        of(at, extrude(&mesh, &z, [low, high]))
                     }
-                    _ => {
-                        return Err(Error::Setting {
-                            name: "plane",
-                            value: keys.plane.dimension(folder)? as f64,
-                            remedy: "extrude one mesh in the plane: a file of one body, or a table such as `rectangle`",
-                        });
-                    }
+                    _ => Err(plane.wrong(
+                        "is no one mesh in the plane: give a file of one body, or a table such as `rectangle`",
+                    )),
                 }
             }
-        })
+        }
     }
 }
 

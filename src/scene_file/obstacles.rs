@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use contact_fem::model::Side;
 use contact_fem::{Obstacle, Scene};
 
 use super::contact::Bodies;
@@ -18,23 +19,24 @@ impl SceneFile {
         bodies: &Bodies<'_>,
     ) -> Result<(), Error> {
         for (k, keys) in self.keys.obstacle.iter().enumerate() {
-            let name = format!("obstacle {}", keys.name);
-            let place = self.place().part("obstacle", k, name);
+            let place = self.obstacle_place(k);
             let shape = keys.shape(&place, &self.folder)?;
             let shape = match motion(&place, &keys.motion)? {
                 Some(motion) => shape.moving(motion),
                 None => shape,
             };
             let sides = keys.on.iter().enumerate();
-            let mut sides = sides.map(|(k, side)| bodies.side(&place.entry("on", k), side));
+            let sides = sides.map(|(k, side)| bodies.side(scene, &place.entry("on", k), side));
+            let sides: Vec<Side> = sides.collect::<Result<_, Error>>()?;
+            let mut sides = sides.into_iter();
             let Some(first) = sides.next() else {
                 let what = "`on` is empty: name the boundaries that may touch it";
                 return Err(place.key("on").wrong(what));
             };
             let at = place.key("on");
-            let obstacle = at.of(scene.obstacle(&keys.name, first?, shape))?;
+            let obstacle = at.of(scene.obstacle(&keys.name, first, shape))?;
             for other in sides {
-                at.of(scene.contact_obstacle(other?, obstacle))?;
+                at.of(scene.contact_obstacle(other, obstacle))?;
             }
             if let Some(during) = &keys.during {
                 let switched = scene.obstacle_during(obstacle, during);
@@ -42,6 +44,14 @@ impl SceneFile {
             }
         }
         Ok(())
+    }
+
+    pub(super) fn obstacle_place(&self, k: usize) -> Place<'_> {
+        let name = match self.keys.obstacle[k].name.as_str() {
+            "" => format!("obstacle {}", k + 1),
+            name => format!("obstacle {name}"),
+        };
+        self.place().part("obstacle", k, name)
     }
 }
 
@@ -144,7 +154,7 @@ fn surface<const D: usize>(
 ) -> Result<Obstacle<D>, Error> {
     match keys {
         MeshKeys::File(path) => place.of(Obstacle::read(folder.join(path))),
-        MeshKeys::Made(_) => match place.of(keys.mesh::<D>(folder, None))? {
+        MeshKeys::Made(_) => match keys.mesh::<D>(place, folder, None)? {
             Found::Mesh(mesh) => place.of(Obstacle::of_mesh(&mesh)),
             _ => Err(place.wrong(format!("it is not in {D} dimensions, as the first body is"))),
         },

@@ -1,8 +1,11 @@
 //! Places in a scene file, which errors name by part, line and key.
 
+use std::borrow::Cow;
+
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::Error;
+use super::{Error, in_keys};
 
 /// A part of a scene file, or a key in it.
 #[derive(Clone, Debug)]
@@ -16,9 +19,9 @@ pub(super) struct Place<'a> {
     depth: usize,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Step {
-    Key(&'static str),
+    Key(Cow<'static, str>),
     Entry(usize),
 }
 
@@ -45,9 +48,9 @@ impl<'a> Place<'a> {
     }
 
     /// A key of this table.
-    pub(super) fn key(&self, key: &'static str) -> Self {
+    pub(super) fn key(&self, key: impl Into<Cow<'static, str>>) -> Self {
         let mut place = self.clone();
-        place.way.push(Step::Key(key));
+        place.way.push(Step::Key(key.into()));
         place
     }
 
@@ -68,10 +71,20 @@ impl<'a> Place<'a> {
 
     /// Names this place in an error of the library.
     pub(super) fn of<T>(&self, result: Result<T, contact_fem::Error>) -> Result<T, Error> {
-        result.map_err(|source| Error::Refused {
-            part: self.named(),
+        result.map_err(|source| self.refused(source))
+    }
+
+    /// An error of the library about this place, or about the key in it that the error names.
+    pub(super) fn refused(&self, source: contact_fem::Error) -> Error {
+        let own = match &source {
+            contact_fem::Error::Setting { name, .. } => key_of(name),
+            _ => None,
+        };
+        let own = own.map(|key| self.key(key)).filter(Self::is_there);
+        Error::Refused {
+            part: own.as_ref().unwrap_or(self).named(),
             source: Box::new(source),
-        })
+        }
     }
 
     /// As many components as the space has dimensions.
@@ -81,10 +94,13 @@ impl<'a> Place<'a> {
             .map_err(|_| self.wrong(format!("has {} components and needs {D}", values.len())))
     }
 
-    /// The part, the line, and the key with those that lead to it.
-    fn named(&self) -> String {
+    /// The part, the line, and the key with those that lead to it; of the file as a whole its name alone.
+    pub(super) fn named(&self) -> String {
+        if self.way.is_empty() {
+            return self.part.clone();
+        }
         let keys = self.way[self.depth..].iter().filter_map(|step| match step {
-            Step::Key(key) => Some(*key),
+            Step::Key(key) => Some(key.as_ref()),
             Step::Entry(_) => None,
         });
         let keys: Vec<&str> = keys.collect();
@@ -96,19 +112,33 @@ impl<'a> Place<'a> {
     }
 
     /// The line on which it begins, or what it would be in.
-    fn line(&self) -> usize {
-        let mut at = 0;
+    pub(super) fn line(&self) -> usize {
+        self.found().0
+    }
+
+    /// Whether the file has it.
+    fn is_there(&self) -> bool {
+        self.found().1
+    }
+
+    /// The line on which it begins, or what it would be in, and whether it is there.
+    fn found(&self) -> (usize, bool) {
+        let (mut at, mut is_there) = (0, false);
         // the text was parsed before
         if let Ok(table) = DeTable::parse(self.text) {
             let top = DeValue::Table(table.into_inner());
             let mut value = &top;
+            is_there = true;
             for step in &self.way {
                 let next = match (step, value) {
-                    (Step::Key(key), DeValue::Table(table)) => table.get(*key),
+                    (Step::Key(key), DeValue::Table(table)) => table.get(key.as_ref()),
                     (Step::Entry(index), DeValue::Array(list)) => list.get(*index),
                     _ => None,
                 };
-                let Some(next) = next else { break };
+                let Some(next) = next else {
+                    is_there = false;
+                    break;
+                };
                 // arrays of tables have no place of their own
                 if next.span().end > 0 {
                     at = next.span().start;
@@ -116,7 +146,66 @@ impl<'a> Place<'a> {
                 value = next.get_ref();
             }
         }
-        let before = self.text.get(..at).unwrap_or_default();
-        1 + before.bytes().filter(|&byte| byte == b'\n').count()
+        (line_of(self.text, at), is_there)
+    }
+}
+
+/// The key of a setting of the library, if it is one.
+fn key_of(name: &str) -> Option<String> {
+    let name = name.split('[').next()?;
+    let told = format!("`{name}`");
+    let key = in_keys(&told).into_owned();
+    let key = key.strip_prefix('`')?.strip_suffix('`')?;
+    (!key.contains(['`', ' '])).then(|| key.to_string())
+}
+
+/// The line of a byte.
+fn line_of(text: &str, at: usize) -> usize {
+    let before = text.get(..at).unwrap_or_default();
+    1 + before.bytes().filter(|&byte| byte == b'\n').count()
+}
+
+/// Keys whose numbers may be infinite.
+const ENDLESS: [&str; 2] = ["during", "reach"];
+
+/// Refuses numbers that are not finite, which TOML has.
+///
+/// # Errors
+/// The first one, with its line and the keys that lead to it.
+pub(super) fn check_numbers(text: &str) -> Result<(), Error> {
+    fn check(
+        text: &str,
+        keys: &mut Vec<String>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Result<(), Error> {
+        match value.get_ref() {
+            DeValue::Float(number) => {
+                let number = number.as_str();
+                if !(number.contains("inf") || number.contains("nan")) {
+                    return Ok(());
+                }
+                let (line, key) = (line_of(text, value.span().start), keys.join("."));
+                Err(Error::Part {
+                    part: format!("line {line}, `{key}`"),
+                    what: format!("{number} is not finite: give a number"),
+                })
+            }
+            DeValue::Array(list) => list.iter().try_for_each(|own| check(text, keys, own)),
+            DeValue::Table(table) => inner(text, keys, table),
+            _ => Ok(()),
+        }
+    }
+    fn inner(text: &str, keys: &mut Vec<String>, table: &DeTable<'_>) -> Result<(), Error> {
+        let own = table.iter().map(|(key, value)| (key.get_ref(), value));
+        for (key, value) in own.filter(|(key, _)| !ENDLESS.contains(&key.as_ref())) {
+            keys.push(key.to_string());
+            check(text, keys, value)?;
+            keys.pop();
+        }
+        Ok(())
+    }
+    match DeTable::parse(text) {
+        Ok(table) => inner(text, &mut Vec::new(), table.get_ref()),
+        Err(why) => Err(why.into()),
     }
 }

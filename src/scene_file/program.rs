@@ -1,13 +1,13 @@
 //! Courses in time: amplitudes, motions and phases.
 
-use contact_core::Phase;
+use contact_core::{LoadSteps, Phase};
 use contact_fem::{Amplitude, Motion};
 
-use super::keys::{AmplitudeKeys, MotionKeys, PhaseKeys};
+use super::keys::{AmplitudeKeys, MotionKeys};
 use super::place::Place;
 use super::{Error, SceneFile};
 
-/// The amplitude at `place`; without one, in proportion to the load factor.
+/// The amplitude at `place`; without one, in proportion to time.
 pub(super) fn amplitude(
     place: &Place<'_>,
     keys: Option<&AmplitudeKeys>,
@@ -63,18 +63,62 @@ impl SceneFile {
             );
             return Err(self.place().key("increments").wrong(what));
         }
-        let phase = |(k, keys): (usize, &PhaseKeys)| {
-            let phase = Phase::new(&keys.name, keys.until, keys.increments);
-            match (keys.least_step, keys.largest_step) {
-                (None, None) => Ok(phase),
-                (Some(least), Some(largest)) => Ok(phase.adaptive(least, largest)),
-                _ => {
-                    let name = format!("phase {}", keys.name);
-                    let place = self.place().part("phase", k, name);
-                    Err(place.wrong("adaptive steps need `least-step` and `largest-step`"))
-                }
+        let mut phases = Vec::new();
+        for (k, keys) in self.keys.phase.iter().enumerate() {
+            let name = format!("phase {}", keys.name);
+            let place = self.place().part("phase", k, name);
+            let mut before = self.keys.phase[..k].iter();
+            if before.any(|other| other.name == keys.name) {
+                let what = "a phase before it has this name: give it another one, by which tables tell them apart";
+                return Err(place.key("name").wrong(what));
             }
+            let phase = Phase::new(&keys.name, keys.until, keys.increments);
+            phases.push(match (keys.least_step, keys.largest_step) {
+                (None, None) => phase,
+                (Some(least), Some(largest)) => phase.adaptive(least, largest),
+                (Some(_), None) => {
+                    let what = "adaptive steps need `largest-step`, too: give it, or leave `least-step` out";
+                    return Err(place.key("least-step").wrong(what));
+                }
+                (None, Some(_)) => {
+                    let what = "adaptive steps need `least-step`, too: give it, or leave `largest-step` out";
+                    return Err(place.key("largest-step").wrong(what));
+                }
+            });
+            // those before are sound
+            let steps = LoadSteps {
+                phases: phases.clone(),
+                ..LoadSteps::default()
+            };
+            if let Err(why) = steps.validate() {
+                let key = match &why {
+                    contact_core::Error::Setting { name, .. } => match *name {
+                        "phase until" => "until",
+                        "phase least step" => "least-step",
+                        "phase largest step" => "largest-step",
+                        _ => "increments",
+                    },
+                    _ => "until",
+                };
+                return place.key(key).of(Err(why.into()));
+            }
+        }
+        Ok(phases)
+    }
+}
+
+impl AmplitudeKeys {
+    /// Whether it has the same value at all times from `from` to `to`.
+    pub(super) fn is_constant(&self, [from, to]: [f64; 2]) -> bool {
+        let AmplitudeKeys::Table(pairs) = self else {
+            return true;
         };
-        self.keys.phase.iter().enumerate().map(phase).collect()
+        // that the table is sound was checked
+        let Ok(amplitude) = Amplitude::table(pairs) else {
+            return false;
+        };
+        let within = pairs.iter().map(|(t, _)| *t);
+        let mut within = within.filter(|t| (from..=to).contains(t)).chain([to]);
+        within.all(|t| amplitude.at(t) == amplitude.at(from))
     }
 }

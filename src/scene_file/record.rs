@@ -8,14 +8,15 @@ use contact_fem::output::record::Recording;
 use contact_fem::tensor::Vector;
 use contact_fem::{BodyId, Simulation, StepRecord};
 
-use super::keys::ReactionKeys;
+use super::keys::{BodyKeys, ReactionKeys};
+use super::place::Place;
 use super::{Error, SceneFile};
 
 impl SceneFile {
     /// Records a run of this file to `folder`, with the file's `output`.
     ///
     /// # Errors
-    /// A reaction of bodies that there are not, or along no direction.
+    /// A reaction of bodies or boundaries that there are not, or along no direction.
     pub fn record<'a, const D: usize, S: Equilibrium>(
         &self,
         simulation: &'a mut Simulation<S>,
@@ -25,11 +26,14 @@ impl SceneFile {
         let output = &self.keys.output;
         let mut recording = simulation.record(folder);
         let plan = &mut recording.plan;
+        let place = self.place().key("output");
         if let Some(name) = &output.name {
             plan.name.clone_from(name);
+            checked(&place.key("name"), plan.check())?;
         }
         if let Some(picture) = &output.picture {
             plan.picture.clone_from(picture);
+            checked(&place.key("picture"), plan.check())?;
         }
         plan.vtu_every = output.vtu_every.unwrap_or(plan.vtu_every);
         plan.half_way = output.half_way.unwrap_or(plan.half_way);
@@ -39,33 +43,72 @@ impl SceneFile {
         }
     }
 
-    /// The force of the supports of some bodies along a direction.
+    /// The force of the supports of some bodies, or of those on one boundary of them, along a direction.
     fn reaction<const D: usize>(
         &self,
         keys: &ReactionKeys,
         problem: &Problem<D>,
     ) -> Result<impl Fn(&StepRecord<D>) -> f64 + use<D>, Error> {
         let place = self.place().key("output").key("reaction");
+        if keys.of.is_empty() {
+            let what = "is empty: name the bodies whose supports count";
+            return Err(place.key("of").wrong(what));
+        }
         let names = problem.scene().names();
-        let of: Result<Vec<BodyId>, Error> = keys
-            .of
-            .iter()
-            .map(|body| {
-                let index = names.iter().position(|name| name == body);
-                let unknown = || {
-                    place
-                        .key("of")
-                        .wrong(format!("there is no body `{body}`: there are {names:?}"))
-                };
-                index.map(BodyId::from).ok_or_else(unknown)
-            })
-            .collect();
-        let of = of?;
-        let along = Vector::<D>::from(place.key("along").vector(&keys.along)?);
-        Ok(move |record: &StepRecord<D>| {
-            of.iter()
-                .map(|&body| record.reaction(body).dot(&along))
-                .sum()
+        let mut of = Vec::new();
+        for body in &keys.of {
+            let Some(index) = names.iter().position(|name| name == body) else {
+                let what = format!("there is no body `{body}`: there are {names:?}");
+                return Err(place.key("of").wrong(what));
+            };
+            of.push(BodyId::from(index));
+        }
+        let at = place.key("along");
+        let along = Vector::<D>::from(at.vector(&keys.along)?);
+        let unit = along.try_normalize(0.0).ok_or_else(|| {
+            at.wrong("has no length: give the direction along which the force is measured")
+        })?;
+        let on = keys.on.as_ref().map(ToString::to_string);
+        if let Some(on) = &on {
+            let bodies = self
+                .keys
+                .body
+                .iter()
+                .filter(|own| keys.of.contains(&own.name));
+            let is_held = |own: &BodyKeys| {
+                let supports = own
+                    .supports
+                    .iter()
+                    .filter_map(|support| support.on.as_ref());
+                supports
+                    .chain(&own.symmetry)
+                    .chain(own.foundations.iter().map(|own| &own.on))
+                    .any(|name| name.to_string() == *on)
+            };
+            if !bodies.into_iter().any(is_held) {
+                return Err(place.key("on").wrong(format!(
+                    "no support of these bodies is on `{on}`: name a boundary that `supports`, `symmetry` or `foundations` name, or leave `on` out"
+                )));
+            }
+        }
+        Ok(move |record: &StepRecord<D>| match &on {
+            None => of
+                .iter()
+                .map(|&body| record.reaction(body).dot(&unit))
+                .sum(),
+            Some(on) => {
+                let all = record.support_reactions.iter();
+                let own = all.filter(|(side, _)| side.boundary == *on && of.contains(&side.body));
+                own.map(|(_, force)| force.dot(&unit)).sum()
+            }
         })
+    }
+}
+
+/// What is wrong with the name of a file, whose folder is not known yet.
+fn checked(place: &Place<'_>, names: Result<(), contact_fem::Error>) -> Result<(), Error> {
+    match names {
+        Err(contact_fem::Error::Write { source, .. }) => Err(place.wrong(source.to_string())),
+        names => place.of(names),
     }
 }

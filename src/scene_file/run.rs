@@ -8,9 +8,10 @@ use contact_core::ipopt::{self, Options};
 use contact_core::nlp::{Bounds, Pattern, Structure};
 use contact_core::{
     Acceleration, Automatic, Condensed, CondensedNewton, Continuation, Equilibrium, InteriorPoint,
-    Literal, Method, PenalizedSlack, Penalty, Retry,
+    Literal, LoadStepped, Method, PenalizedSlack, Penalty, Retry,
 };
 use contact_fem::Simulation;
+use contact_fem::model::Problem;
 use serde::Deserialize;
 
 use super::keys::{Combine, Formulation, OptionKeys};
@@ -66,6 +67,20 @@ pub enum Departure {
     Predictor,
 }
 
+/// As in a file.
+impl fmt::Display for Departure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Departure::Acceleration => "acceleration",
+            Departure::WarmStarts => "warm-starts",
+            Departure::Units => "units",
+            Departure::Guard => "guard",
+            Departure::Lift => "lift",
+            Departure::Predictor => "predictor",
+        })
+    }
+}
+
 /// Solvers with the same settings.
 struct Solvers {
     make: Box<dyn Fn() -> Box<dyn Equilibrium>>,
@@ -116,6 +131,31 @@ impl SceneFile {
         self.run_by(solver, Box::new(kept))
     }
 
+    /// What a run refuses before its first solve, with its place in the file; `simulation` is one of this file.
+    ///
+    /// # Errors
+    /// A problem that the solver does not treat, supports and contacts that change within a phase, a phase in which something is loose, too
+    /// little memory, values that overflow.
+    pub fn check<const D: usize>(
+        &self,
+        simulation: &Simulation<Box<dyn Equilibrium>>,
+        problem: &mut Problem<D>,
+    ) -> Result<(), Error> {
+        let steps = &simulation.load_steps;
+        let checked = steps.check(problem, &*simulation.solver);
+        checked.map_err(|why| self.refused(why.into()))?;
+        // loads and displacements where phases end, and at the first increment
+        let first = match steps.phases.first() {
+            Some(phase) => phase.until / phase.increments as f64,
+            None => 1.0 / steps.increments as f64,
+        };
+        let ends = steps.phases.iter().map(|phase| phase.until);
+        let times = ends.chain([steps.end(), first, 0.0]);
+        let mut times = times.map(|time| problem.set_load(time));
+        let loaded = times.try_for_each(|loaded| loaded);
+        loaded.map_err(|why| self.refused(why.into()))
+    }
+
     /// Refuses keys of one solver where another solves.
     fn check_keys(&self, solver: Solver) -> Result<(), Error> {
         let keys = &self.keys;
@@ -129,12 +169,12 @@ impl SceneFile {
             ("ipopt-tolerance", told(keys.ipopt_tolerance)),
         ];
         let of_ipopt = [
-            ("method", keys.method.map(|method| format!("{method:?}"))),
+            ("method", keys.method.map(|method| method.to_string())),
             ("complementarity", told(keys.complementarity)),
             ("penetration", told(keys.penetration)),
             (
                 "acceleration",
-                keys.acceleration.map(|value| format!("{value:?}")),
+                keys.acceleration.map(|value| value.to_string()),
             ),
             ("depth", keys.depth.map(|depth| depth.to_string())),
             ("ipopt", keys.ipopt.keys().next().cloned()),
@@ -155,7 +195,7 @@ impl SceneFile {
         let departures = self.keys.departures.as_deref().unwrap_or_default();
         if let (Some(first), true) = (departures.first(), solver != Solver::Literal) {
             return Err(self.place().key("departures").wrong(format!(
-                "the departure {first:?} has no effect with the solver {solver}: leave `departures` out, or take literal"
+                "the departure {first} has no effect with the solver {solver}: leave `departures` out, or take literal"
             )));
         }
         Ok(())
@@ -266,6 +306,11 @@ impl SceneFile {
                 )));
             }
             (Some(Combine::Plain), None) => fixed_point.acceleration = Acceleration::Plain,
+            (_, Some(0)) => {
+                return Err(self.place().key("depth").wrong(
+                    "`depth = 0` keeps no difference: give 1 or more, or take `acceleration = \"plain\"`",
+                ));
+            }
             (_, Some(depth)) => fixed_point.acceleration = Acceleration::Anderson(depth),
             (_, None) => {}
         }
@@ -294,7 +339,14 @@ impl SceneFile {
             let solver = ipopt::Solver::new(any, &options);
             solver.map(drop).map_err(|why| why.to_string())
         });
-        made.map_err(|why| self.place().key("ipopt").wrong(why))?;
+        made.map_err(|why| {
+            let at = self.place().key("ipopt");
+            // the option that it names
+            let own = self.keys.ipopt.keys();
+            let own = own.filter(|name| why.contains(&format!("`{name}`"))).max();
+            own.map_or(at.clone(), |name| at.key(name.clone()))
+                .wrong(why)
+        })?;
         Ok(options)
     }
 
@@ -312,9 +364,8 @@ impl SceneFile {
             simulation.load_steps.max_halvings = 0;
         }
         let checked = simulation.solver.validate();
-        checked
-            .and_then(|()| simulation.load_steps.validate())
-            .map_err(|why| self.place().wrong(why.to_string()))?;
+        let checked = checked.and_then(|()| simulation.load_steps.validate());
+        checked.map_err(|why| self.refused(why.into()))?;
         Ok(simulation)
     }
 }

@@ -112,7 +112,8 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
 
     fn validate(&self) -> Result<(), Error> {
         let remedy = "choose a value between 0 and 1; the default is 1e-6";
-        check_settings(self.tolerance, self.max_iterations, remedy)
+        check_settings(self.tolerance, self.max_iterations, remedy)?;
+        self.method.validate()
     }
 
     fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {

@@ -43,7 +43,7 @@ pub use literal::{Departures, Literal};
 #[cfg(feature = "linear")]
 pub use newton::CondensedNewton;
 #[cfg(feature = "resume")]
-pub use resumable::Resumable;
+pub use resumable::{Kept, Resumable, kept};
 pub use retry::Retry;
 
 use std::fmt;
@@ -75,6 +75,14 @@ pub trait Equilibrium {
     /// # Errors
     /// The first setting that is out of range.
     fn validate(&self) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Checks that the solver treats problems of this kind; called before a run starts. The default accepts any.
+    ///
+    /// # Errors
+    /// What [`Equilibrium::solve`] would refuse in any state, such as an energy that is not quadratic.
+    fn check(&self, _problem: &dyn ContactProblem) -> Result<(), Error> {
         Ok(())
     }
 
@@ -134,6 +142,10 @@ impl<E: Equilibrium + ?Sized> Equilibrium for &mut E {
         (**self).validate()
     }
 
+    fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        (**self).check(problem)
+    }
+
     fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
         (**self).memory(problem)
     }
@@ -159,6 +171,10 @@ impl<E: Equilibrium + ?Sized> Equilibrium for Box<E> {
 
     fn validate(&self) -> Result<(), Error> {
         (**self).validate()
+    }
+
+    fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        (**self).check(problem)
     }
 
     fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {

@@ -201,8 +201,66 @@ impl<F: Fn() -> E, E: Equilibrium> Equilibrium for Resumable<F, E> {
         self.solver.validate()
     }
 
+    fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        self.solver.check(problem)
+    }
+
     fn memory(&self, problem: &dyn ContactProblem) -> Option<MemoryNeed> {
         self.solver.memory(problem)
+    }
+}
+
+/// What the file of a run that is to go on has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kept {
+    /// Load steps that converged.
+    pub steps: usize,
+    /// The largest load factor of these.
+    pub until: f64,
+}
+
+/// What a file has for a run to resume; `None` if it is not there, or has no load step that converged. Whether it belongs to a run is told
+/// when that begins.
+///
+/// # Errors
+/// A file that cannot be read, or is none of a run.
+pub fn kept(path: impl AsRef<Path>) -> Result<Option<Kept>, Error> {
+    let path = path.as_ref();
+    let failed = |error| failed(path, "read", error);
+    match path.metadata() {
+        Err(_) => return Ok(None),
+        Ok(known) if !known.is_file() => return Err(foreign(path, "is no regular file")),
+        Ok(_) => {}
+    }
+    let mut file = File::open(path).map_err(failed)?;
+    let mut magic = Vec::new();
+    let head = Read::by_ref(&mut file).take(MAGIC.len() as u64);
+    { head }.read_to_end(&mut magic).map_err(failed)?;
+    if !MAGIC.starts_with(&magic) {
+        return Err(foreign(path, "is no file of a run to resume"));
+    }
+    let header: Option<Header> = record(&mut file).map_err(failed)?;
+    if header.is_none_or(|header| header.version != VERSION) {
+        return Ok(None);
+    }
+    let mut kept: Option<Kept> = None;
+    loop {
+        let group: Option<Vec<Answer>> = record(&mut file).map_err(failed)?;
+        let Some(group) = group else {
+            return Ok(kept);
+        };
+        let is_reached = |answer: &&Answer| answer.solution.outcome == Outcome::Converged;
+        for answer in group.iter().filter(is_reached) {
+            let to = f64::from_bits(answer.question.to);
+            let before = kept.unwrap_or(Kept {
+                steps: 0,
+                until: 0.0,
+            });
+            kept = Some(Kept {
+                steps: before.steps + 1,
+                until: to.max(before.until),
+            });
+        }
     }
 }
 

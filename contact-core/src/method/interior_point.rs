@@ -96,9 +96,13 @@ impl Method for InteriorPoint {
         memory(energy, &self.options)
     }
 
-    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+    fn validate(&self) -> Result<(), Error> {
         check_tolerance("tolerance", self.tolerance)?;
-        check_tolerance("complementarity", self.complementarity)?;
+        check_tolerance("complementarity", self.complementarity)
+    }
+
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        self.validate()?;
         let settings = self.settings(subproblem);
         if !self.is_quadratic_program(subproblem, start) {
             return self.solve(settings, subproblem, start);

@@ -75,6 +75,14 @@ pub trait Method {
         None
     }
 
+    /// Checks the settings; called before a run starts.
+    ///
+    /// # Errors
+    /// The first setting that is out of range.
+    fn validate(&self) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// Solves from `start`. Failure to converge is reported by [`Minimum::solved`], not by `Err`.
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error>;
 }
@@ -90,6 +98,10 @@ impl<M: Method + ?Sized> Method for &mut M {
 
     fn memory(&self, energy: &dyn Energy) -> Option<MemoryNeed> {
         (**self).memory(energy)
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        (**self).validate()
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
@@ -108,6 +120,10 @@ impl<M: Method + ?Sized> Method for Box<M> {
 
     fn memory(&self, energy: &dyn Energy) -> Option<MemoryNeed> {
         (**self).memory(energy)
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        (**self).validate()
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {

@@ -117,14 +117,19 @@ impl Penalization {
     /// A bound counts as active from this share of it on.
     const AT_BOUND: f64 = 0.999;
 
+    /// Checks the settings.
+    pub(super) fn validate(&self) -> Result<(), Error> {
+        self.continuation.validate()?;
+        check_tolerance("tolerance", self.tolerance)
+    }
+
     /// Solves for increasing μ, beginning with the μ of the last solution if `start` has multipliers.
     pub(super) fn minimize(
         &mut self,
         problem: &Penalized<'_>,
         start: &State,
     ) -> Result<Minimum, Error> {
-        self.continuation.validate()?;
-        check_tolerance("tolerance", self.tolerance)?;
+        self.validate()?;
         let Continuation {
             start: first,
             limit,

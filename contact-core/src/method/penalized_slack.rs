@@ -45,9 +45,14 @@ impl Method for PenalizedSlack {
         memory(energy, &self.penalization.options)
     }
 
-    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+    fn validate(&self) -> Result<(), Error> {
         let remedy = "choose a positive multiple of the length scale, such as 1";
         Error::check_setting(self.bound > 0.0, "bound", self.bound, remedy)?;
+        self.penalization.validate()
+    }
+
+    fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
+        self.validate()?;
         let problem = Penalized {
             subproblem,
             weights: vec![1.0; subproblem.gaps.len()],

@@ -64,6 +64,10 @@ impl Method for Penalty {
         memory(energy, &self.penalization.options)
     }
 
+    fn validate(&self) -> Result<(), Error> {
+        self.penalization.validate()
+    }
+
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
         let area = subproblem.scale.area;
         let weights = subproblem.gaps.weights().iter();

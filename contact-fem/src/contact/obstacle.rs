@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::closed_surface::ClosedSurface;
 use crate::error::Error;
 use crate::mesh::{Mesh, read::MeshFile};
-use crate::program::{Motion, Pose, axis_of, direction};
+use crate::program::{Motion, Pose, axis_of, direction, samples};
 use crate::tensor::{Matrix, Vector};
 
 /// A signed distance (UL) by position (UL).
@@ -240,6 +240,20 @@ impl<const D: usize> Obstacle<D> {
         self.motion
             .as_ref()
             .map_or(Pose::rest(), |motion| motion.pose(t))
+    }
+
+    /// The centre of a ball whose first coordinate is not 0.
+    pub(crate) fn ring(&self) -> Option<Vector<D>> {
+        match &self.shape {
+            Shape::Round { centre, .. } if centre[0] != 0.0 => Some(*centre),
+            _ => None,
+        }
+    }
+
+    /// Whether it moves otherwise than along the last axis, up to pseudo-time 1.
+    pub(crate) fn leaves_axis(&self) -> bool {
+        let is_axial = |pose: &Pose<D>| pose.R == Matrix::<D>::identity() && pose.c[0] == 0.0;
+        samples().any(|t| !is_axial(&self.pose(t)))
     }
 
     fn round(centre: [f64; D], axis: Vector<D>, radius: f64, sign: f64) -> Result<Self, Error> {

@@ -276,10 +276,9 @@ impl<const D: usize> Body<D> {
                 (n, thickness) if thickness <= PLANE * size => {
                     self.hold_plane((boundary, &nodes), n.into(), (0.0, Amplitude::default()))
                 }
-                (_, thickness) => Err(Error::Setting {
-                    name: "thickness of the plane of symmetry",
-                    value: thickness,
-                    remedy: "name facets in one plane",
+                (_, thickness) => Err(Error::NotPlane {
+                    name: boundary.to_string(),
+                    thickness,
                 }),
             },
         }
@@ -438,14 +437,20 @@ impl<const D: usize> Body<D> {
                 let dof = D * node + component;
                 for first in self.held_beside(dof) {
                     let values = [first, (value, course)];
-                    let at = |t: f64| values.map(|value| self.supports.value(dof, value, t));
-                    let mut differ = samples().map(at).filter(|[first, second]| first != second);
-                    if let Some([first, second]) = differ.next_back() {
+                    let at = |t: f64| (t, values.map(|value| self.supports.value(dof, value, t)));
+                    let all = samples().map(at);
+                    let mut differ = all.filter(|(_, [first, second])| first != second);
+                    if let Some((at, [first, second])) = differ.next_back() {
+                        let name = self.support_of[dof].map(|name| self.supported[name].clone());
                         return Err(Error::Conflict {
                             node,
+                            x: self.mesh.nodes()[node].iter().copied().collect(),
                             component,
+                            direction: unit_vector::<D>(component).iter().copied().collect(),
+                            on: Box::new([name.unwrap_or_default(), boundary.to_string()]),
                             first,
                             second,
+                            at,
                         });
                     }
                 }
@@ -808,6 +813,16 @@ impl<const D: usize> Body<D> {
         self.law.rest_moduli()
     }
 
+    /// For each dof, whether it is prescribed at all times, as far as one support is.
+    pub(super) fn is_always_prescribed(&self) -> Vec<bool> {
+        match self.is_switched() {
+            true => (0..self.prescribed.len())
+                .map(|dof| self.declared_at_all_times(dof).is_some())
+                .collect(),
+            false => self.is_prescribed(),
+        }
+    }
+
     /// For each dof, whether it is prescribed.
     pub(super) fn is_prescribed(&self) -> Vec<bool> {
         self.prescribed.iter().map(Option::is_some).collect()
@@ -1043,7 +1058,9 @@ mod tests {
             .expect("0 is 0 in any course");
         let conflict = body.prescribe("right", [None, Some(2.0)]).err();
         let told = conflict.expect("a conflict").to_string();
-        assert!(told.ends_with("prescribed twice: 6 and 2"), "{told}");
+        let expected = "the displacement along y of the node at [1.0, 1.0] is prescribed twice, by the supports on `top` and on \
+                        `right`: 6 and 2 at load factor 1;";
+        assert!(told.starts_with(expected), "{told}");
         // nodes row by row: the left ones are 0 and 2
         assert_eq!(body.prescribed_at(5.0), [0.0, 0.0, 6.0, 0.0, 6.0]);
         assert_eq!(body.prescribed_at(0.0), [0.0; 5]);

@@ -86,29 +86,52 @@ impl<const D: usize> Problem<D> {
     }
 }
 
+/// "1 body", "2 bodies".
+fn counted(count: usize) -> String {
+    match count {
+        1 => "1 body".into(),
+        _ => format!("{count} bodies"),
+    }
+}
+
 impl fmt::Display for ScenePlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bodies: usize = self.groups.iter().map(Vec::len).sum();
         let largest = self.groups.iter().map(Vec::len).max().unwrap_or(0);
         write!(
             f,
-            "{} bodies: {} linear, {} prescribed, {} held by supports; contact may join {bodies} to {} groups of at most {largest}",
-            bodies + self.prescribed.len(),
+            "{}: {} with a law for small strains, {} prescribed as a whole, {} held by supports alone",
+            counted(bodies + self.prescribed.len()),
             self.linear.len(),
             self.prescribed.len(),
             self.held.len(),
-            self.groups.len(),
         )?;
-        if !self.at_rest.is_empty() {
-            write!(f, "; {} stay as they are", self.at_rest.len())?;
-        }
-        match self.apart.iter().map(|(_, below)| *below).reduce(f64::min) {
-            Some(below) => write!(
+        match (self.groups.len(), largest) {
+            (_, 0 | 1) => f.write_str("; each is solved by itself")?,
+            (1, _) => write!(f, "; contact or ties may join {}", counted(largest))?,
+            (groups, _) => write!(
                 f,
-                "; {} pairs of bodies stay open up to displacements of {below:.1e} or more",
-                self.apart.len()
+                "; contact or ties may join {} to {groups} groups, of {} at most",
+                counted(bodies),
+                counted(largest)
+            )?,
+        }
+        match self.at_rest.len() {
+            0 => {}
+            1 => f.write_str("; 1 body stays as it is")?,
+            count => write!(f, "; {count} bodies stay as they are")?,
+        }
+        let below = self.apart.iter().map(|(_, below)| *below);
+        match (below.reduce(f64::min), self.apart.len()) {
+            (None, _) => Ok(()),
+            (Some(below), 1) => write!(
+                f,
+                "; 1 pair of bodies stays open while displacements are below {below:.1e}"
             ),
-            None => Ok(()),
+            (Some(below), count) => write!(
+                f,
+                "; {count} pairs of bodies stay open while displacements are below {below:.1e}"
+            ),
         }
     }
 }
@@ -159,7 +182,8 @@ mod tests {
         assert_eq!(plan.held, [base, tool, beside]);
         assert_eq!(plan.linear, [base]);
         assert_eq!(plan.prescribed, [tool]);
-        let told = "4 bodies: 1 linear, 1 prescribed, 3 held by supports; contact may join 3 to 2 groups of at most 2";
+        let told = "4 bodies: 1 with a law for small strains, 1 prescribed as a whole, 3 held by supports alone; contact or ties may \
+                    join 3 bodies to 2 groups, of 2 bodies at most";
         assert_eq!(plan.to_string(), told);
     }
 
@@ -192,8 +216,7 @@ mod tests {
         assert_eq!(pair, [0, 1].map(BodyId::from));
         // a gap of 0.2 between facets of 0.1
         assert!((below - 0.1 / 8.0).abs() < 1e-12, "{below}");
-        let told =
-            "1 stay as they are; 1 pairs of bodies stay open up to displacements of 1.2e-2 or more";
+        let told = "1 body stays as it is; 1 pair of bodies stays open while displacements are below 1.2e-2";
         assert!(plan.to_string().ends_with(told), "{plan}");
     }
 

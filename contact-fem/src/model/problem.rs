@@ -116,6 +116,11 @@ impl<const D: usize> Problem<D> {
         &self.findings
     }
 
+    /// The same, to tell them in other words or to add others.
+    pub fn findings_mut(&mut self) -> &mut Vec<Finding> {
+        &mut self.findings
+    }
+
     /// As [`Problem::findings`], for a run in `increments` equal load increments. A step longer than the search
     /// radius is then a warning; where no step is, the finding is left out.
     pub fn findings_in(&self, increments: usize) -> Vec<Finding> {

@@ -633,14 +633,22 @@ impl<const D: usize> Scene<D> {
     /// # }
     /// ```
     pub fn preflight(&self) -> Vec<Finding> {
+        self.report().into_findings()
+    }
+
+    /// All errors for which [`Scene::problem`] refuses the scene, in the order of the findings of [`Scene::preflight`].
+    pub fn errors(&self) -> Vec<Error> {
+        self.report().into_errors()
+    }
+
+    fn report(&self) -> Report {
         let mut report = Report::default();
         let pairs = report.take(self.all_pairs());
         let declared = pairs.as_deref().unwrap_or(&self.pairs);
-        preflight::without_surfaces(self, declared, &mut report);
-        let geometry = report.take(self.geometry(declared));
-        if self.bodies.is_empty() {
-            return report.into_findings();
+        if !preflight::without_surfaces(self, declared, &mut report) {
+            return report;
         }
+        let geometry = report.take(self.geometry(declared));
         let kinematics = Kinematics::new(&self.bodies);
         let ties = report.take(Ties::new(self, &kinematics));
         let geometry = geometry.unwrap_or(Geometry::Current);
@@ -655,7 +663,7 @@ impl<const D: usize> Scene<D> {
             },
             &mut report,
         );
-        report.into_findings()
+        report
     }
 
     /// Checks the scene and builds its contact problem, at load factor 0. Warnings and notes of the checks are

@@ -569,3 +569,80 @@ fn the_fixed_point_finds_the_same() {
     println!("{off:.1e}");
     assert!(off < 1e-7, "{off:.1e}");
 }
+
+/// Two supports along directions that are close move a node by what their values leave over the sine of the angle. Beyond 20 times the
+/// values they are refused, with boundaries, place, angle and values at full load.
+#[test]
+fn supports_that_are_nearly_parallel() {
+    let held = |by: f64, angle: f64| {
+        let mut body = square();
+        body.prescribe_along("left", [1.0, 0.0], 0.1)
+            .expect("rollers");
+        let (sin, cos) = angle.sin_cos();
+        let held = body.prescribe_along("bottom", [cos, sin], by).err();
+        (held, body)
+    };
+    for angle in [1e-3, 1e-7] {
+        let (refused, body) = held(0.2, angle);
+        let Some(Error::NearlyParallel {
+            on,
+            angle: found,
+            first,
+            second,
+            displacement,
+            at,
+            ..
+        }) = refused
+        else {
+            panic!("{refused:?}");
+        };
+        assert_eq!(*on, ["left", "bottom"].map(String::from));
+        assert!((found.to_radians() / angle - 1.0).abs() < 1e-6, "{found}");
+        assert_eq!([first, second, at], [0.1, 0.2, 1.0]);
+        let (sin, cos) = angle.sin_cos();
+        let exact = (0.2 - 0.1 * cos) / sin;
+        assert!((displacement / exact - 1.0).abs() < 1e-6, "{displacement}");
+        // it is left as it was
+        assert_eq!(body.prescribed(), {
+            let mut alone = square();
+            let rollers = alone.prescribe_along("left", [1.0, 0.0], 0.1);
+            rollers.expect("rollers").prescribed().to_vec()
+        });
+        // the displacement (0.1, 0.03) along both
+        let (fits, body) = held(0.1 * cos + 0.03 * sin, angle);
+        assert!(fits.is_none(), "{fits:?}");
+        let corner = body.prescribed()[1].expect("held");
+        // the sum loses what it has to beside 0.1
+        assert!((corner - 0.03).abs() < 1e-15 / angle, "{corner}");
+    }
+    // at 30°, ten times the value is sound
+    let (fits, _) = held(0.9, 30.0_f64.to_radians());
+    assert!(fits.is_none(), "{fits:?}");
+}
+
+/// What is prescribed twice is told by boundaries, place and direction, at the load factor at which it differs.
+#[test]
+fn conflicts_name_supports() {
+    let mut body = square();
+    body.prescribe("left", [Some(0.1), None]).expect("held");
+    let refused = body.prescribe_along("bottom", [-2.0, 0.0], 0.1).err();
+    let told = refused.expect("a conflict").to_string();
+    let expected = "along x of the node at [-1.0, -1.0] is prescribed twice, by the supports on `left` and on `bottom`: 0.1 and -0.1 at load \
+                    factor 1;";
+    assert!(told.contains(expected), "{told}");
+    // both are 0 at the end
+    let back = Amplitude::table(&[(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)]).expect("a table");
+    let mut body = square();
+    body.prescribe("left", [Some(0.0), Some(0.0)])
+        .expect("held");
+    let refused = body
+        .prescribe_along_in_time("bottom", [3.0, 4.0], 0.5, back)
+        .err();
+    let told = refused.expect("a conflict").to_string();
+    assert!(told.contains("along [0.6000, 0.8000]"), "{told}");
+    // the last of the sixteenths
+    assert!(
+        told.contains(": 0 and 0.0625 at load factor 0.9375;"),
+        "{told}"
+    );
+}

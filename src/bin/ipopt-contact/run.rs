@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::process::{ExitCode, Termination};
 
-use ipopt_contact::contact_core::{Equilibrium, LoadStepped, State};
+use ipopt_contact::contact_core::equilibrium::{Kept, kept};
+use ipopt_contact::contact_core::{Equilibrium, State};
 use ipopt_contact::contact_fem::element::{Element, P1, P2};
-use ipopt_contact::contact_fem::model::{Problem, Severity};
+use ipopt_contact::contact_fem::model::{Finding, Problem, Severity};
 use ipopt_contact::contact_fem::nalgebra::SVector;
 use ipopt_contact::contact_fem::output::compare::{Nodes, fields_at};
 use ipopt_contact::contact_fem::output::record::print;
@@ -80,16 +81,34 @@ where
         }
         simulation.load_steps.increments = number.ok_or_else(needed)?;
     }
-    let scene = file.scene::<D>().map_err(|why| in_file(&why))?;
-    let mut problem = scene.problem().map_err(|why| in_file(&why))?;
+    let mut problem = file.problem::<D>().map_err(|why| in_file(&why))?;
     if let Some(folder) = words.option("start") {
         simulation.load_steps.guess = Some(guess(&problem, Path::new(folder))?);
     }
+    // before a file is written
+    let checked = file.check(&simulation, &mut problem);
+    checked.map_err(|why| in_file(&why))?;
     let recording = file
         .record(&mut simulation, &problem, out)
         .map_err(|why| in_file(&why))?;
-    let recorded = recording.run(&mut problem).map_err(|why| why.to_string())?;
+    if words.option("resume").is_some() {
+        print(resumed(&Path::new(out).join("run.resume"))?);
+    }
+    let recorded = recording.run(&mut problem);
+    let recorded = recorded.map_err(|why| in_file(&file.refused(why)))?;
     Ok(recorded.report())
+}
+
+/// Where a run that is to be resumed begins.
+fn resumed(path: &Path) -> Result<String, String> {
+    let kept = kept(path).map_err(|why| why.to_string())?;
+    let file = path.display();
+    Ok(match kept {
+        Some(Kept { steps, until }) => format!(
+            "resume: {steps} increments, up to time {until}, are taken from {file}; the run goes on from there"
+        ),
+        None => format!("resume: {file} has no increment yet; the run begins at time 0"),
+    })
 }
 
 /// The exit code of a scene with warnings.
@@ -114,21 +133,29 @@ where
     };
     let mut simulation = simulation.map_err(|why| in_file(&why))?;
     let scene = file.scene::<D>().map_err(|why| in_file(&why))?;
-    let mut findings = scene.preflight();
-    let worst = findings.iter().map(|finding| finding.severity).max();
-    if worst != Some(Severity::Error) {
-        let mut problem = scene.problem().map_err(|why| in_file(&why))?;
-        let phases = simulation.load_steps.phases.iter();
-        let ends: Vec<f64> = phases.map(|phase| phase.until).collect();
-        let ends = if ends.is_empty() { &[1.0] } else { &ends[..] };
-        problem.check_phases(ends).map_err(|why| in_file(&why))?;
-        let increments = simulation.load_steps.all_increments();
-        file.record(&mut simulation, &problem, ".")
-            .map_err(|why| in_file(&why))?;
-        findings = problem.findings_in(increments);
-        print(format!("plan: {}", problem.plan()));
-        print(format!("solver: {}", simulation.solver.choice(&problem)));
-    }
+    let refused = file.errors(&scene);
+    let findings: Vec<Finding> = match refused.is_empty() {
+        false => {
+            let findings = scene.preflight().into_iter();
+            let others = findings.filter(|finding| finding.severity != Severity::Error);
+            others.map(|finding| file.told(&finding)).collect()
+        }
+        true => {
+            let mut problem = file.problem().map_err(|why| in_file(&why))?;
+            let checked = file.check(&simulation, &mut problem);
+            checked.map_err(|why| in_file(&why))?;
+            let increments = simulation.load_steps.all_increments();
+            let choice = simulation.solver.choice(&problem);
+            file.record(&mut simulation, &problem, ".")
+                .map_err(|why| in_file(&why))?;
+            print(format!("plan: {}", problem.plan()));
+            print(format!("solver: {choice}"));
+            problem.findings_in(increments)
+        }
+    };
+    refused
+        .iter()
+        .for_each(|why| print(format!("error: {path}: {why}")));
     findings.iter().for_each(print);
     let count = |severity| {
         findings
@@ -136,16 +163,27 @@ where
             .filter(|finding| finding.severity == severity)
             .count()
     };
-    let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
+    let (errors, warnings) = (refused.len(), count(Severity::Warning));
+    let notes = count(Severity::Note);
     print(format!(
-        "{path}: {errors} errors, {warnings} warnings, {} notes",
-        count(Severity::Note)
+        "{path}: {}, {}, {}",
+        counted(errors, "error"),
+        counted(warnings, "warning"),
+        counted(notes, "note")
     ));
     Ok(match (errors, warnings) {
         (0, 0) => ExitCode::SUCCESS,
         (0, _) => ExitCode::from(WARNED),
         _ => ExitCode::from(REFUSED),
     })
+}
+
+/// "1 error", "2 errors".
+fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    }
 }
 
 fn solver(name: &str) -> Result<Solver, String> {

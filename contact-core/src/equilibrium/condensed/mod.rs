@@ -248,6 +248,17 @@ impl Equilibrium for Condensed {
         Ok(solution.checked())
     }
 
+    fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        check_energy(problem)?;
+        match problem.has_exact_gaps() {
+            true => Ok(()),
+            false => {
+                let u = vec![0.0; problem.energy().dofs()];
+                check_gaps(&problem.linearize_near(&u, 0.0)?)
+            }
+        }
+    }
+
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
         Choice {
             solver: NAME,
@@ -340,6 +351,11 @@ impl Condensed {
 /// Checks the start, and that this solver treats the energy and the bounds.
 fn check_start(problem: &dyn ContactProblem, start: &State) -> Result<(), Error> {
     check_unbounded(problem, start, "Condensed")?;
+    check_energy(problem)
+}
+
+/// Checks that this solver treats the energy.
+fn check_energy(problem: &dyn ContactProblem) -> Result<(), Error> {
     match problem.energy().is_quadratic() {
         true => Ok(()),
         false => Err(Error::Untreated {

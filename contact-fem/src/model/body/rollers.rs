@@ -17,6 +17,9 @@ const AXIS: f64 = 1e-14;
 const PARALLEL: f64 = 1e-9;
 /// Two supports that hold a node in one direction may differ by this share of their values.
 const SAME: f64 = 1e-12;
+/// Supports of a node may together move it by so many times what each of them does. By values that do not fit, planes at an angle
+/// of 6° do.
+const APART: f64 = 20.0;
 
 /// The nodes that planes hold, and what follows from that.
 #[derive(Clone, Default)]
@@ -54,8 +57,9 @@ struct Row<const D: usize> {
     a: Vector<D>,
     parts: Vec<Part>,
     pivot: usize,
-    /// What it was at first.
+    /// What it was at first, and its value.
     given: Vector<D>,
+    value: Part,
     name: usize,
 }
 
@@ -292,26 +296,29 @@ impl<const D: usize> Body<D> {
             let dof = D * node + i;
             if let Some((value, name)) = self.declared_at_all_times(dof) {
                 let a = Vector::from_fn(|k, _| f64::from(u8::from(k == i)));
+                let value = Part {
+                    factor: 1.0,
+                    dof,
+                    value,
+                };
                 rows.push(Row {
                     a,
-                    parts: vec![Part {
-                        factor: 1.0,
-                        dof,
-                        value,
-                    }],
+                    parts: vec![value],
                     pivot: i,
                     given: a,
+                    value,
                     name,
                 });
             }
         }
         for plane in planes {
             let (mut a, dof) = (plane.n, D * node);
-            let mut parts = vec![Part {
+            let own = Part {
                 factor: 1.0,
                 dof,
                 value: plane.value,
-            }];
+            };
+            let mut parts = vec![own];
             for row in &rows {
                 let factor = a[row.pivot];
                 a -= row.a * factor;
@@ -320,12 +327,13 @@ impl<const D: usize> Body<D> {
             }
             let pivot = a.iamax();
             if a[pivot].abs() < PARALLEL {
-                self.agree(node, plane, &parts)?;
+                self.agree(node, plane, &rows, &parts)?;
                 continue;
             }
             let factor = 1.0 / a[pivot];
             a *= factor;
             let parts: Vec<Part> = parts.iter().map(|part| part.times(factor)).collect();
+            self.fit(node, plane, &rows, &parts)?;
             for row in &mut rows {
                 let factor = row.a[pivot];
                 row.a -= a * factor;
@@ -340,6 +348,7 @@ impl<const D: usize> Body<D> {
                 parts,
                 pivot,
                 given: plane.n,
+                value: own,
                 name: plane.name,
             });
         }
@@ -349,21 +358,76 @@ impl<const D: usize> Body<D> {
 
     /// # Errors
     /// If a plane that other supports hold a node along is elsewhere: `parts` are not zero.
-    fn agree(&self, node: usize, plane: &Plane<D>, parts: &[Part]) -> Result<(), Error> {
-        for t in samples() {
+    fn agree(
+        &self,
+        node: usize,
+        plane: &Plane<D>,
+        rows: &[Row<D>],
+        parts: &[Part],
+    ) -> Result<(), Error> {
+        for t in samples().rev() {
             let values = parts.iter().map(|part| self.supports.part_at(part, t));
             let (sum, size) = values.fold((0.0, 0.0), |(sum, size), v| (sum + v, size + v.abs()));
             if sum.abs() > SAME * size {
                 let second = self.supports.course_at(D * node, plane.value, t);
                 return Err(Error::Conflict {
                     node,
+                    x: self.mesh.nodes()[node].iter().copied().collect(),
                     component: plane.n.iamax(),
+                    direction: plane.n.iter().copied().collect(),
+                    on: self.names_of(nearest(plane, rows), plane),
                     first: second - sum,
                     second,
+                    at: t,
                 });
             }
         }
         Ok(())
+    }
+
+    /// # Errors
+    /// If a plane, together with the other supports of a node, moves it much further than each of them: `parts` are the component that
+    /// follows from all of them.
+    fn fit(
+        &self,
+        node: usize,
+        plane: &Plane<D>,
+        rows: &[Row<D>],
+        parts: &[Part],
+    ) -> Result<(), Error> {
+        let Some(other) = nearest(plane, rows) else {
+            return Ok(());
+        };
+        for t in samples().rev() {
+            let at = |part: &Part| self.supports.part_at(part, t);
+            let sum: f64 = parts.iter().map(at).sum();
+            let second = self.supports.course_at(D * node, plane.value, t);
+            let others = rows.iter().map(|row| at(&row.value).abs());
+            let largest = others.fold(second.abs(), f64::max);
+            if sum.abs() > APART * largest {
+                let sine = (plane.n - other.given * other.given.dot(&plane.n)).norm();
+                return Err(Error::NearlyParallel {
+                    node,
+                    x: self.mesh.nodes()[node].iter().copied().collect(),
+                    on: self.names_of(Some(other), plane),
+                    angle: sine.min(1.0).asin().to_degrees(),
+                    first: at(&other.value),
+                    second,
+                    displacement: sum.abs(),
+                    at: t,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The boundaries of two supports.
+    fn names_of(&self, row: Option<&Row<D>>, plane: &Plane<D>) -> Box<[String; 2]> {
+        let first = row.map(|row| self.supported[row.name].clone());
+        Box::new([
+            first.unwrap_or_default(),
+            self.supported[plane.name].clone(),
+        ])
     }
 
     /// Prescribes the pivots of a node's rows, and ties them to its other components.
@@ -409,6 +473,12 @@ impl<const D: usize> Body<D> {
         }
         self.rollers.shares.insert(node, shares);
     }
+}
+
+/// The support of a node whose direction is closest to that of a plane.
+fn nearest<'a, const D: usize>(plane: &Plane<D>, rows: &'a [Row<D>]) -> Option<&'a Row<D>> {
+    let cosine = |row: &&Row<D>| row.given.dot(&plane.n).abs();
+    rows.iter().max_by(|a, b| cosine(a).total_cmp(&cosine(b)))
 }
 
 impl<const D: usize> super::Supports<D> {

@@ -70,6 +70,9 @@ pub enum FindingKind {
     RoundOff,
     /// Bodies differ in size or stiffness as units do. The value is the ratio.
     Units,
+    /// In a scene of revolution, what looks like one thing in the half-plane is another one around the axis, such as a ball beside it.
+    /// The value of such a ball is the radius of the ring (UL).
+    Revolution,
 }
 
 /// A finding of [`Scene::preflight`](super::super::Scene::preflight).
@@ -95,8 +98,8 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// A finding without place and value.
-    pub(super) fn new(severity: Severity, kind: FindingKind, bodies: &[&String]) -> Self {
+    /// A finding without place, value and words, about bodies or obstacles of these names.
+    pub fn new(severity: Severity, kind: FindingKind, bodies: &[&String]) -> Self {
         Finding {
             severity,
             kind,
@@ -121,8 +124,9 @@ impl Finding {
         self
     }
 
-    /// With words.
-    pub(super) fn says(mut self, what: String, remedy: impl Into<String>) -> Self {
+    /// With words: what is found, and what to do about it.
+    #[must_use]
+    pub fn says(mut self, what: String, remedy: impl Into<String>) -> Self {
         (self.what, self.remedy) = (what, remedy.into());
         self
     }
@@ -141,6 +145,7 @@ impl Finding {
             Error::ObstacleDistance { obstacle, .. } => (FindingKind::Input, &[obstacle]),
             Error::GeometryNotChosen { small, large } => (FindingKind::Geometry, &[small, large]),
             Error::Negligible { .. } => (FindingKind::RoundOff, &[]),
+            Error::Excessive { body, .. } => (FindingKind::Units, &[body]),
             Error::MixedRevolution { revolved, plane } => (FindingKind::Input, &[revolved, plane]),
             Error::BodyExists { name, .. } => (FindingKind::Input, &[name]),
             _ => (FindingKind::Input, &[]),
@@ -181,7 +186,9 @@ impl Finding {
                 finding.place = Some(x.clone());
                 finding.measured(*value, f64::NAN)
             }
-            Error::Negligible { share, limit, .. } => finding.measured(*share, *limit),
+            Error::Negligible { share, limit, .. } | Error::Excessive { share, limit, .. } => {
+                finding.measured(*share, *limit)
+            }
             Error::Setting { value, .. } | Error::NotFinite { value, .. } => {
                 finding.measured(*value, f64::NAN)
             }

@@ -91,3 +91,7 @@ pub(super) const TIED_APART: f64 = 1e-3;
 /// Round-off of coordinates, as a share of a cell's smallest height: beyond the first worth a warning, beyond the second refused, as
 /// strains of a hundredth are off by more than a thousandth then.
 pub(super) const ROUNDED: [f64; 2] = [1e-9, 1e-5];
+
+/// The largest displacement as a share of the scene's size, and the largest force divided by the stiffness and the area of the scene
+/// (no unit). Nothing that is meant comes near; what is a thousand times as large overflows in squares and cubes.
+pub(super) const LARGEST: f64 = 1e9;

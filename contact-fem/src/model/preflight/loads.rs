@@ -1,6 +1,6 @@
 //! Loads and prescribed displacements against round-off and against each other; sizes and stiffnesses of bodies.
 
-use super::limits::{AT_LIMIT, SMALLEST_LINEAR, SMALLEST_OF_F, UNITS};
+use super::limits::{AT_LIMIT, LARGEST, SMALLEST_LINEAR, SMALLEST_OF_F, UNITS};
 use super::{Finding, FindingKind, Report, Severity};
 use crate::error::Error;
 use crate::model::{Body, InitialGaps, Pair, Scene};
@@ -60,15 +60,50 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
             }
         }
     }
+    report.take(excessive(scene, size));
     units(scene, report);
     idle(scene, report);
+}
+
+/// Checks that no body is moved or loaded beyond all measure, as by a unit that is wrong by many powers of ten.
+fn excessive<const D: usize>(scene: &Scene<D>, size: f64) -> Result<(), Error> {
+    let bodies = scene.bodies().iter().zip(scene.names());
+    for (body, name) in bodies {
+        let (displacement, force) = body.largest();
+        let force = if is_deformable(body) { force } else { 0.0 };
+        let area = match D == 3 || body.mesh().is_of_revolution() {
+            true => size * size,
+            false => size,
+        };
+        let shear = body.rest_moduli().0;
+        // laws without stiffness at rest tell nothing
+        let stretch = if shear > 0.0 {
+            force / shear / area
+        } else {
+            0.0
+        };
+        let all = [
+            ("the prescribed displacement", displacement / size),
+            ("the load", stretch),
+        ];
+        let mut all = all.into_iter();
+        if let Some((what, share)) = all.find(|(_, share)| *share > LARGEST) {
+            return Err(Error::Excessive {
+                body: name.clone(),
+                what,
+                share,
+                limit: LARGEST,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Finds loads all of whose forces act on held components, and move nothing.
 fn idle<const D: usize>(scene: &Scene<D>, report: &mut Report) {
     let deformable = |(_, body): &(&String, &Body<D>)| is_deformable(body);
     for (name, body) in scene.names().iter().zip(scene.bodies()).filter(deformable) {
-        let mut held = body.is_prescribed();
+        let mut held = body.is_always_prescribed();
         body.ties().keys().for_each(|dof| held[*dof] = false);
         for (origin, load) in body.loads_at(1.0) {
             let is_idle = load.iter().zip(&held).all(|(f, held)| *f == 0.0 || *held);

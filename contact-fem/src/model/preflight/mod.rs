@@ -61,6 +61,11 @@ impl Report {
         self.findings
     }
 
+    /// The errors, in the order of the findings.
+    pub fn into_errors(self) -> Vec<Error> {
+        self.errors
+    }
+
     /// The findings, the worst first.
     ///
     /// # Errors
@@ -87,15 +92,16 @@ pub(super) struct Setup<'a, const D: usize> {
     pub ties: &'a Ties<D>,
 }
 
-/// The checks of names, numbers, supports and loads. They need neither surfaces nor assembly.
+/// The checks of names, numbers, supports and loads. They need neither surfaces nor assembly. Returns whether the settings are within
+/// their ranges, without which no other check is done.
 pub(super) fn without_surfaces<const D: usize>(
     scene: &Scene<D>,
     pairs: &[Pair],
     report: &mut Report,
-) {
+) -> bool {
     report.take(input::names(scene));
     if report.take(input::settings(scene)).is_none() {
-        return;
+        return false;
     }
     report.take(input::kinds(scene));
     report.take(input::forces(scene));
@@ -105,6 +111,7 @@ pub(super) fn without_surfaces<const D: usize>(
     supports::check(scene, pairs, report);
     report.take(pressures::rims(scene));
     loads::check(scene, pairs, report);
+    true
 }
 
 /// The checks of the supports that hold in a later phase.

@@ -15,6 +15,7 @@ use crate::tensor::Vector;
 /// Checks distances, and that no body starts inside an obstacle by more than the tolerance; finds obstacles that are out of
 /// reach, or that a boundary faces away from.
 pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
+    rings(setup, report);
     let obstacles = setup.contact.obstacles.iter();
     let names = setup.scene.obstacle_names();
     let mut is_sound = true;
@@ -26,6 +27,37 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     if is_sound && report.take(inside(setup)).is_some() {
         started_inside(setup, report);
         reached(setup, report);
+    }
+}
+
+/// Notes what obstacles are around the axis of a scene of revolution, if that is not what their keys say of the plane: a ball beside
+/// the axis is a ring, and what moves along r widens.
+fn rings<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
+    let mut bodies = setup.scene.bodies().iter();
+    if !bodies.any(|body| body.mesh().is_of_revolution()) {
+        return;
+    }
+    let obstacles = setup.scene.obstacles().iter();
+    for (obstacle, name) in obstacles.zip(setup.scene.obstacle_names()) {
+        let finding = || Finding::new(Severity::Note, FindingKind::Revolution, &[name]);
+        if let Some(centre) = obstacle.ring() {
+            let radius = centre[0];
+            report.add(finding().at(&centre).measured(radius, 0.0).says(
+                format!(
+                    "the centre of obstacle `{name}` is beside the axis, at r = {radius:.3e}: around the axis it is a ring, and no ball"
+                ),
+                "nothing, if a ring is meant; otherwise put the centre on the axis, r = 0",
+            ));
+        }
+        if obstacle.leaves_axis() {
+            report.add(finding().says(
+                format!(
+                    "obstacle `{name}` does not move along the axis alone: around the axis it widens, narrows or turns inside out, as no \
+                     rigid tool does"
+                ),
+                "nothing, if that is meant; otherwise move it along z, the axis, alone",
+            ));
+        }
     }
 }
 

@@ -799,7 +799,7 @@ fn names_of_obstacles() {
     let mut unnamed = on(floor(0.0, 1.0));
     let side = unnamed.obstructed()[0].0.clone();
     unnamed.obstacle("", side, floor(0.0, 1.0)).expect("a side");
-    assert!(refused(unnamed).contains("obstacle number 1"));
+    assert!(refused(unnamed).contains("obstacle number 2 from the first"));
 }
 
 /// Only the obstacle holds it, and there is nothing that is prescribed.

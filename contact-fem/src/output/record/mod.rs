@@ -274,8 +274,11 @@ impl<const D: usize> Plan<'_, D> {
         )
     }
 
-    /// Checks the names before the folder is touched.
-    fn check(&self) -> Result<(), Error> {
+    /// Checks the names of files, as a run does before it touches the folder.
+    ///
+    /// # Errors
+    /// [`Error::Write`] with a name that none of its files may have.
+    pub fn check(&self) -> Result<(), Error> {
         file::check_name(&self.folder, &self.name)?;
         let pictures = [&self.picture, &self.pressure_picture].into_iter();
         let mut pictures = pictures.filter(|name| !name.is_empty());
