@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Body, Law, rest_moduli_of, slopes_of};
+use super::Body;
+use super::law::{Law, rest_moduli_of, slopes_of};
 use crate::assembly::{
     BodyEnergy, Laws, QuadraticEnergy, Revolution, StrainEnergy, add_body_force,
 };

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 
-use super::{Body, some};
+use super::Body;
+use super::supports::some;
 use crate::assembly::DofMap;
 use crate::error::Error;
 use crate::model::courses::{Course, Part};

@@ -1,0 +1,223 @@
+//! Dead loads.
+
+use std::sync::Arc;
+
+use super::Body;
+use super::supports::some;
+use crate::assembly::add_traction;
+use crate::error::Error;
+use crate::model::courses::{Load, Origin};
+use crate::program::{Amplitude, samples};
+use crate::tensor::Vector;
+
+impl<const D: usize> Body<D> {
+    /// Adds a dead traction (force per reference area, UF/UL in the plane, UF/UL² in space) on a
+    /// boundary.
+    ///
+    /// # Errors
+    /// If the boundary is unknown or has no facets, or a value is not finite.
+    pub fn traction(&mut self, boundary: &str, traction: [f64; D]) -> Result<&mut Self, Error> {
+        self.traction_field(boundary, |_| traction.into())
+    }
+
+    /// As [`Body::traction`], for a traction that depends on the reference position X.
+    ///
+    /// # Errors
+    /// As [`Body::traction`].
+    pub fn traction_field(
+        &mut self,
+        boundary: &str,
+        traction: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<&mut Self, Error> {
+        let forces = self.traction_forces(boundary, traction)?;
+        self.add_forces(
+            Origin::Traction(boundary.to_string()),
+            forces,
+            Amplitude::default(),
+        )
+    }
+
+    /// As [`Body::traction`], times an amplitude in place of the load factor. What is not zero at load factor 0 is applied
+    /// within the first step.
+    ///
+    /// # Errors
+    /// As [`Body::traction`]. Values of an amplitude are checked at the times that a run comes to.
+    pub fn traction_in_time(
+        &mut self,
+        boundary: &str,
+        traction: [f64; D],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
+        let forces = self.traction_forces(boundary, |_| traction.into())?;
+        self.add_forces(
+            Origin::Traction(boundary.to_string()),
+            forces,
+            amplitude.into(),
+        )
+    }
+
+    /// Adds a dead traction that depends on the load factor and on the reference position X (UL).
+    ///
+    /// # Errors
+    /// As [`Body::traction`]. Values are checked at the load factors 1/16, 2/16, … 1, and at those that a run comes to.
+    pub fn traction_path(
+        &mut self,
+        boundary: &str,
+        traction: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
+    ) -> Result<&mut Self, Error> {
+        self.traction_forces(boundary, |_| Vector::zeros())?;
+        let (mesh, boundary) = (self.mesh.clone(), boundary.to_string());
+        let origin = Origin::Traction(boundary.clone());
+        self.add_path(origin, move |t, forces| {
+            // checked above
+            let facets = mesh.boundary(&boundary).unwrap_or_default();
+            add_traction(&mesh, &facets, |X| traction(t, X), forces);
+        })
+    }
+
+    pub(super) fn traction_forces(
+        &self,
+        boundary: &str,
+        traction: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<Vec<f64>, Error> {
+        let facets = self.facets(boundary, "traction")?;
+        let mut forces = vec![0.0; self.forces.len()];
+        add_traction(&self.mesh, &facets, traction, &mut forces);
+        Ok(forces)
+    }
+
+    /// The facets of a boundary on which something acts.
+    pub(super) fn facets(
+        &self,
+        boundary: &str,
+        what: &'static str,
+    ) -> Result<Vec<&[usize]>, Error> {
+        let facets = self.mesh.boundary(boundary)?;
+        match facets.is_empty() {
+            true => Err(Error::EmptyBoundary {
+                name: boundary.to_string(),
+                what,
+            }),
+            false => Ok(facets),
+        }
+    }
+
+    /// Adds a dead body force (force per reference volume, UF/UL² in the plane, UF/UL³ in space).
+    ///
+    /// # Errors
+    /// If a value is not finite.
+    pub fn body_force(&mut self, force: [f64; D]) -> Result<&mut Self, Error> {
+        self.body_force_field(|_| force.into())
+    }
+
+    /// As [`Body::body_force`], for a force that depends on the reference position X.
+    ///
+    /// # Errors
+    /// As [`Body::body_force`].
+    pub fn body_force_field(
+        &mut self,
+        force: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<&mut Self, Error> {
+        let mut forces = vec![0.0; self.forces.len()];
+        self.law.add_body_force(&self.mesh, &force, &mut forces);
+        self.add_forces(Origin::BodyForce, forces, Amplitude::default())
+    }
+
+    /// As [`Body::body_force`], times an amplitude in place of the load factor. What is not zero at load factor 0 is applied
+    /// within the first step.
+    ///
+    /// # Errors
+    /// If a value is not finite. Values of an amplitude are checked at the times that a run comes to.
+    pub fn body_force_in_time(
+        &mut self,
+        force: [f64; D],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
+        let mut forces = vec![0.0; self.forces.len()];
+        let field = |_: &Vector<D>| force.into();
+        self.law.add_body_force(&self.mesh, &field, &mut forces);
+        self.add_forces(Origin::BodyForce, forces, amplitude.into())
+    }
+
+    /// Adds a dead body force that depends on the load factor and on the reference position X (UL).
+    ///
+    /// # Errors
+    /// If a value is not finite, which is checked at the load factors 1/16, 2/16, … 1, and at those that a run comes to.
+    pub fn body_force_path(
+        &mut self,
+        force: impl Fn(f64, &Vector<D>) -> Vector<D> + Send + Sync + 'static,
+    ) -> Result<&mut Self, Error> {
+        let (mesh, law) = (self.mesh.clone(), Arc::clone(&self.law));
+        self.add_path(Origin::BodyForce, move |t, forces| {
+            law.add_body_force(&mesh, &|X| force(t, X), forces);
+        })
+    }
+
+    /// Adds a dead force (UF) on each of the given nodes.
+    ///
+    /// # Errors
+    /// If a value is not finite, or a node does not exist.
+    pub fn nodal_force(&mut self, nodes: &[usize], force: [f64; D]) -> Result<&mut Self, Error> {
+        self.nodal_force_in_time(nodes, force, Amplitude::default())
+    }
+
+    /// As [`Body::nodal_force`], times an amplitude in place of the load factor.
+    ///
+    /// # Errors
+    /// As [`Body::nodal_force`]. Values of an amplitude are checked at the times that a run comes to.
+    pub fn nodal_force_in_time(
+        &mut self,
+        nodes: &[usize],
+        force: [f64; D],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
+        some("number of loaded nodes", nodes)?;
+        let mut forces = vec![0.0; self.forces.len()];
+        for &node in nodes {
+            let Some(own) = forces.get_mut(D * node..D * (node + 1)) else {
+                return Err(Error::Setting {
+                    name: "node",
+                    value: node as f64,
+                    remedy: "name a node of this body's mesh",
+                });
+            };
+            own.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+        }
+        self.add_forces(Origin::NodalForce, forces, amplitude.into())
+    }
+
+    /// Adds the nodal forces of a load if all of them are finite.
+    pub(super) fn add_forces(
+        &mut self,
+        origin: Origin,
+        forces: Vec<f64>,
+        amplitude: Amplitude,
+    ) -> Result<&mut Self, Error> {
+        self.always(origin.kind())?;
+        Error::check_finite(origin.kind(), &forces)?;
+        if amplitude.is_proportional() {
+            let sums = self.proportional.iter_mut().zip(&forces);
+            sums.for_each(|(sum, force)| *sum += force);
+        }
+        self.loads.push((origin, Load::Scaled(forces, amplitude)));
+        self.forces = self.forces_at(1.0);
+        Ok(self)
+    }
+
+    /// Adds forces that are computed anew at each load factor.
+    pub(super) fn add_path(
+        &mut self,
+        origin: Origin,
+        add: impl Fn(f64, &mut [f64]) + Send + Sync + 'static,
+    ) -> Result<&mut Self, Error> {
+        self.always(origin.kind())?;
+        for t in samples() {
+            let mut forces = vec![0.0; self.forces.len()];
+            add(t, &mut forces);
+            Error::check_finite(origin.kind(), &forces)?;
+        }
+        self.loads.push((origin, Load::Given(Arc::new(add))));
+        self.forces = self.forces_at(1.0);
+        Ok(self)
+    }
+}
