@@ -240,7 +240,8 @@ impl<const D: usize> StepRecord<D> {
 
     /// The area in contact, over all pairs (UL in the plane, UL² in space).
     pub fn contact_area(&self) -> f64 {
-        self.pairs.iter().map(|pair| pair.area).sum()
+        // a sum over no pair is −0
+        self.pairs.iter().map(|pair| pair.area).sum::<f64>() + 0.0
     }
 
     /// `done` has supports and loads at the last step, and the work until there.

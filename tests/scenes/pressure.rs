@@ -1,43 +1,101 @@
 //! The recovered contact pressure against analytic ones, and what it keeps of the forces.
 
+use contact_core::LinearGaps;
 use contact_core::equilibrium::Solution;
-use contact_fem::contact::Integration;
+use contact_fem::contact::{Integration, Surface};
 use contact_fem::element::Order;
-use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
-use contact_fem::model::{Passes, Problem};
+use contact_fem::mesh::generators::{self, Diagonals, cuboid, linspace};
+use contact_fem::model::{PairState, Passes, Problem};
 use contact_fem::output::Snapshot;
 use contact_fem::tensor::Vector;
-use contact_fem::{Body, LinearElastic, NeoHookean, Obstacle, Scene, Simulation};
+use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Obstacle, Scene, Simulation};
 use ipopt_contact_scenes::ball::{Ball, CONTACT_RADIUS};
-use ipopt_contact_scenes::disc_in_disc;
 use ipopt_contact_scenes::hertz::{Fineness, Hertz};
 use ipopt_contact_scenes::pressure::{error, integral};
+use ipopt_contact_scenes::{disc_in_disc, pair};
 
 use crate::common::relative;
 
-fn solved<const D: usize>(scene: Scene<D>) -> (Problem<D>, Solution) {
-    let mut problem = scene.problem().expect("valid scene");
-    let history = Simulation::with_increments(1).run(&mut problem);
-    let history = history.expect("a run");
-    assert!(history.is_complete(), "{}", history.run.ending);
-    let solution = history.run.solution.expect("converged");
-    (problem, solution)
+/// A problem and a state of it.
+struct Solved<const D: usize> {
+    problem: Problem<D>,
+    solution: Solution,
+}
+
+impl<const D: usize> Solved<D> {
+    fn new(scene: Scene<D>) -> Self {
+        Self::after(1, scene)
+    }
+
+    fn after(increments: usize, scene: Scene<D>) -> Self {
+        let mut problem = scene.problem().expect("valid scene");
+        let history = Simulation::with_increments(increments).run(&mut problem);
+        let history = history.expect("a run");
+        assert!(history.is_complete(), "{}", history.run.ending);
+        let solution = history.run.solution.expect("converged");
+        Solved { problem, solution }
+    }
+
+    fn state(&self) -> (&[f64], &LinearGaps, &[f64]) {
+        let of = &self.solution;
+        (&of.state.u, &of.gaps, &of.lambda)
+    }
+
+    fn pressures(&self) -> Vec<Vec<f64>> {
+        self.pressures_of(&self.solution.lambda)
+    }
+
+    /// Those of other multipliers.
+    fn pressures_of(&self, lambda: &[f64]) -> Vec<Vec<f64>> {
+        let (u, gaps, _) = self.state();
+        let fields = self.problem.pressures(u, gaps, lambda);
+        fields.expect("pressures")
+    }
+
+    fn consistent_pressures(&self) -> Vec<Vec<f64>> {
+        let (u, gaps, lambda) = self.state();
+        let fields = self.problem.consistent_pressures(u, gaps, lambda);
+        fields.expect("pressures")
+    }
+
+    fn pair_states(&self) -> Vec<PairState<D>> {
+        let (u, gaps, lambda) = self.state();
+        let states = self.problem.pair_states(u, gaps, lambda);
+        states.expect("a state")
+    }
+
+    /// X of the nodes of a surface.
+    fn X<'a>(&'a self, surface: &'a Surface<D>) -> impl Fn(usize) -> Vector<D> + 'a {
+        move |a| self.problem.reference()[surface.nodes()[a]]
+    }
+}
+
+fn of_order<const D: usize>(mesh: Mesh<D>, order: Order) -> Mesh<D> {
+    match order {
+        Order::Linear => mesh,
+        Order::Quadratic => mesh.quadratic(),
+    }
+}
+
+/// A rectangle with so many cells along its sides.
+fn rectangle(x: [f64; 2], y: [f64; 2], cells: [usize; 2], order: Order) -> Mesh<2> {
+    let [x, y] = [(x, cells[0]), (y, cells[1])].map(|([a, b], n)| linspace(a, b, n));
+    let mesh = generators::rectangle(&x, &y, Diagonals::Rising);
+    of_order(mesh.expect("mesh"), order)
+}
+
+/// Of Young's modulus 100.
+fn elastic(mesh: Mesh<2>, nu: f64) -> Body<2> {
+    Body::new(mesh, LinearElastic::new(100.0, nu).expect("law"))
 }
 
 /// The errors of the recovered and of the consistent field on the ball.
 fn on_the_ball(in_contact: usize, order: Order) -> [f64; 2] {
-    let scene = Ball { in_contact, order }.scene().expect("a scene");
-    let (problem, solution) = solved(scene);
-    let (u, p0) = (&solution.state.u, Ball::peak_pressure());
-    let (gaps, lambda) = (&solution.gaps, &solution.lambda);
-    let fields = [
-        problem.pressures(u, gaps, lambda).expect("pressures"),
-        problem
-            .consistent_pressures(u, gaps, lambda)
-            .expect("pressures"),
-    ];
+    let solved = Solved::new(Ball { in_contact, order }.scene().expect("a scene"));
+    let p0 = Ball::peak_pressure();
+    let fields = [solved.pressures(), solved.consistent_pressures()];
     assert!(fields[0].iter().flatten().all(|p| *p >= 0.0), "it pulls");
-    let ball = &problem.surfaces()[0];
+    let ball = &solved.problem.surfaces()[0];
     let exact = |X: &Vector<3>| {
         let r = X.xy().norm() / CONTACT_RADIUS;
         p0 * (1.0 - r * r).max(0.0).sqrt()
@@ -71,7 +129,8 @@ fn a_ball_of_quadratic_elements() {
 }
 
 /// A cylinder on a block with a/R = 0.12, by one pass or both: on both bodies, the pressure in the middle is Hertz's within
-/// 1 %, and nowhere negative or more than 5 % above it. The consistent field pulls by 12 % with the finer mesh.
+/// 1 %, and nowhere negative or more than 5 % above it. The consistent field pulls by 12 % with the finer mesh. Half of the load is on
+/// the half cylinder; forces along the block's normals have a moment about its axis, which no pressure on it has.
 #[test]
 fn the_middle_of_two_elastic_bodies() {
     for in_contact in [8, 11, 16, 22] {
@@ -82,18 +141,83 @@ fn the_middle_of_two_elastic_bodies() {
                 ..Hertz::new(Fineness::family(in_contact), Order::Quadratic)
             };
             let p0 = hertz.peak_pressure();
-            let (problem, solution) = solved(hertz.scene().expect("a scene"));
-            let fields = problem.pressures(&solution.state.u, &solution.gaps, &solution.lambda);
-            let fields = fields.expect("pressures");
-            for (surface, field) in problem.surfaces().iter().zip(&fields) {
-                let X = |a: usize| problem.reference()[surface.nodes()[a]];
+            let solved = Solved::new(hertz.scene().expect("a scene"));
+            let surfaces = solved.problem.surfaces().iter();
+            for (surface, field) in surfaces.zip(solved.pressures()) {
+                let X = solved.X(surface);
                 let nodes = 0..field.len();
                 let middle = nodes.min_by(|&a, &b| X(a)[0].abs().total_cmp(&X(b)[0].abs()));
                 let middle = field[middle.expect("nodes")];
                 assert!(relative(middle, p0) < 0.01, "{middle} for {p0}: {passes:?}");
+                let force = integral(surface, &field, |w, p, _, n| w * p * n[1].abs());
+                assert!(relative(force, 17.5) < 3.5e-3, "{passes:?}: {force}");
                 let inside = field.iter().all(|p| (0.0..=1.05 * p0).contains(p));
                 assert!(inside, "{passes:?} on a/{in_contact}: {field:?}");
             }
+        }
+    }
+}
+
+/// The cylinder on a rigid plane, at the published load with moduli and force in another unit.
+fn on_a_plane(in_contact: usize, unit: f64) -> Hertz {
+    let published = Hertz::new(Fineness::family(in_contact), Order::Quadratic);
+    Hertz {
+        young: [published.young[0] * unit, f64::INFINITY],
+        force: published.force * unit,
+        ..published
+    }
+}
+
+/// The largest difference of two fields, the second one divided by `unit`.
+fn apart(fields: &[Vec<f64>], others: &[Vec<f64>], unit: f64) -> f64 {
+    let pairs = fields.iter().flatten().zip(others.iter().flatten());
+    pairs
+        .map(|(p, other)| (p - other / unit).abs())
+        .fold(0.0, f64::max)
+}
+
+/// Moduli and forces in a unit a thousand times as small: what differs is round-off.
+#[test]
+fn pressures_do_not_depend_on_the_unit_of_force() {
+    for in_contact in [8, 16, 32] {
+        let [one, other] = [1.0, 1000.0].map(|unit| {
+            let scene = on_a_plane(in_contact, unit).on_rigid(false);
+            Solved::new(scene.expect("a scene")).pressures()
+        });
+        let off = apart(&one, &other, 1000.0) / on_a_plane(in_contact, 1.0).peak_pressure();
+        assert!(off < 1e-6, "{off} on a/{in_contact}");
+    }
+}
+
+/// Multipliers that differ by a billionth of the largest one, everywhere, change no pressure by more than a millionth of p₀.
+#[test]
+fn pressures_are_continuous_in_the_forces() {
+    let check = |of: &str, solved: &Solved<2>, p0: f64| {
+        let lambda = &solved.solution.lambda;
+        let largest = lambda.iter().copied().fold(0.0, f64::max);
+        let fields = solved.pressures();
+        for seed in 0..8_u32 {
+            // some that were zero pull, some press
+            let noise = |k: u32| (f64::from((k + 31 * seed) % 17) - 8.0) / 8.0;
+            let others = lambda.iter().zip(0..);
+            let others = others.map(|(l, k)| l + 1e-9 * largest * noise(k));
+            let others = solved.pressures_of(&others.collect::<Vec<_>>());
+            let off = apart(&fields, &others, 1.0) / p0;
+            assert!(off < 1e-6, "{off} on {of}, {seed}");
+        }
+    };
+    for in_contact in [8, 11, 16, 32] {
+        let hertz = on_a_plane(in_contact, 1.0);
+        let solved = Solved::new(hertz.on_rigid(false).expect("a scene"));
+        check("a plane", &solved, hertz.peak_pressure());
+        for passes in [Passes::Both, Passes::FirstIsSlave, Passes::SecondIsSlave] {
+            let hertz = Hertz {
+                force: 35.0,
+                passes,
+                ..Hertz::new(Fineness::family(in_contact), Order::Quadratic)
+            };
+            let solved = Solved::new(hertz.scene().expect("a scene"));
+            check("a block", &solved, hertz.peak_pressure());
         }
     }
 }
@@ -104,11 +228,10 @@ fn the_middle_of_two_elastic_bodies() {
 fn resultant_and_moment_are_those_of_the_forces() {
     for n in [1, 2] {
         let block = |y: f64, cells: usize| {
-            let x = linspace(0.0, 2.0, cells);
-            let mesh = rectangle(&x, &linspace(y, y + 1.0, 4 * n), Diagonals::Rising);
-            Body::new(
-                mesh.expect("mesh"),
-                LinearElastic::new(100.0, 0.3).expect("law"),
+            let cells = [cells, 4 * n];
+            elastic(
+                rectangle([0.0, 2.0], [y, y + 1.0], cells, Order::Linear),
+                0.3,
             )
         };
         let (mut lower, mut upper) = (block(-1.0, 8 * n), block(0.0, 6 * n));
@@ -116,14 +239,9 @@ fn resultant_and_moment_are_those_of_the_forces() {
         upper.prescribe("left", [Some(0.0), None]).expect("support");
         let load = |X: &Vector<2>| Vector::<2>::new(0.0, -1.0 - 0.25 * X[0]);
         upper.traction_field("top", load).expect("load");
-        let mut scene = Scene::new();
-        let lower = scene.add("lower", lower).on("top");
-        let upper = scene.add("upper", upper).on("bottom");
-        scene.contact(lower, upper).expect("a pair");
-        let (problem, solution) = solved(scene);
-        let u = &solution.state.u;
-        let states = problem.pair_states(u, &solution.gaps, &solution.lambda);
-        let states = states.expect("a state");
+        let scene = pair((lower, "top"), (upper, "bottom"));
+        let solved = Solved::new(scene.expect("a pair"));
+        let states = solved.pair_states();
         let [state] = &states[..] else {
             panic!("one pair");
         };
@@ -132,7 +250,7 @@ fn resultant_and_moment_are_those_of_the_forces() {
         assert!(relative(force, -2.5) < 1e-6, "{force}");
         assert!(relative(state.record.area, 2.0) < 1e-9);
         for side in &state.sides {
-            let surface = &problem.surfaces()[side.surface];
+            let surface = &solved.problem.surfaces()[side.surface];
             let sum = integral(surface, &side.pressures, |w, p, _, n| -w * p * n[1]);
             // the moment is that of the forces ∫ N_a ds p_a on the nodes; with the facets' halves, N_a being linear
             let facets = surface.facets().zip(surface.reference());
@@ -140,11 +258,12 @@ fn resultant_and_moment_are_those_of_the_forces() {
                 let half = facet.normal(&Vector::<2>::repeat(0.5)) * 0.5;
                 nodes.iter().map(move |&a| (a, half[1]))
             });
-            let X = |a: usize| problem.reference()[surface.nodes()[a]][0];
-            let moment: f64 = halves.map(|(a, n)| -n * side.pressures[a] * X(a)).sum();
-            let forces = side.forces.iter().zip(surface.nodes());
+            let X = solved.X(surface);
+            let moment = halves.map(|(a, n)| -n * side.pressures[a] * X(a)[0]);
+            let moment: f64 = moment.sum();
+            let forces = side.forces.iter().enumerate();
             let expected: f64 = side.forces.iter().map(|f| f[1]).sum();
-            let of_forces: f64 = forces.map(|(f, &a)| f[1] * problem.reference()[a][0]).sum();
+            let of_forces: f64 = forces.map(|(a, f)| f[1] * X(a)[0]).sum();
             assert!(relative(sum, expected) < 1e-9, "{sum} {expected}");
             assert!(relative(moment, of_forces) < 1e-9, "{moment} {of_forces}");
         }
@@ -158,11 +277,8 @@ fn a_constant_pressure_is_constant() {
     for (order, limit) in [(Order::Linear, 5e-3), (Order::Quadratic, 5e-3)] {
         let block = |z: f64, cells: usize| {
             let mesh = cuboid([0.0, 0.0, z], [1.0, 1.0, 0.5], [cells, cells, 1]).expect("mesh");
-            let mesh = match order {
-                Order::Linear => mesh,
-                Order::Quadratic => mesh.quadratic(),
-            };
-            let mut body = Body::new(mesh, LinearElastic::new(100.0, 0.0).expect("law"));
+            let law = LinearElastic::new(100.0, 0.0).expect("law");
+            let mut body = Body::new(of_order(mesh, order), law);
             body.prescribe("left", [Some(0.0), None, None])
                 .expect("support");
             body.prescribe("front", [None, Some(0.0), None])
@@ -174,13 +290,9 @@ fn a_constant_pressure_is_constant() {
             .prescribe("bottom", [None, None, Some(0.0)])
             .expect("support");
         upper.traction("top", [0.0, 0.0, -2.0]).expect("load");
-        let mut scene = Scene::new();
-        let lower = scene.add("lower", lower).on("top");
-        let upper = scene.add("upper", upper).on("bottom");
-        scene.contact(lower, upper).expect("a pair");
-        let (problem, solution) = solved(scene);
-        let fields = problem.pressures(&solution.state.u, &solution.gaps, &solution.lambda);
-        for p in fields.expect("pressures").iter().flatten() {
+        let scene = pair((lower, "top"), (upper, "bottom"));
+        let solved = Solved::new(scene.expect("a pair"));
+        for p in solved.pressures().iter().flatten() {
             assert!(relative(*p, 2.0) < limit, "{p}");
         }
     }
@@ -198,13 +310,7 @@ fn pairs_that_share_a_facet_share_its_pressure() {
         (31, Order::Quadratic),
     ] {
         let block = |x: [f64; 2], y: f64, cells: usize| {
-            let x = linspace(x[0], x[1], cells);
-            let mesh = rectangle(&x, &linspace(y, y + 1.0, 2), Diagonals::Rising).expect("mesh");
-            let mesh = match order {
-                Order::Linear => mesh,
-                Order::Quadratic => mesh.quadratic(),
-            };
-            Body::new(mesh, LinearElastic::new(100.0, 0.0).expect("law"))
+            elastic(rectangle(x, [y, y + 1.0], [cells, 2], order), 0.0)
         };
         let mut scene = Scene::new();
         let mut base = block([0.0, 2.0], 0.0, cells);
@@ -218,14 +324,12 @@ fn pairs_that_share_a_facet_share_its_pressure() {
             scene.contact(base.clone(), punch).expect("a pair");
         }
         scene.integration = Some(Integration::Exact);
-        let (problem, solution) = solved(scene);
-        let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda);
-        let fields = problem.pressures(u, gaps, lambda).expect("pressures");
+        let solved = Solved::new(scene);
         // both columns are shortened by a hundredth
-        for p in fields.iter().flatten() {
+        for p in solved.pressures().iter().flatten() {
             assert!((p - 1.0).abs() < 1e-5, "{cells} {order:?}: {p}");
         }
-        for state in problem.pair_states(u, gaps, lambda).expect("a state") {
+        for state in solved.pair_states() {
             let record = state.record;
             assert!(
                 (record.area - 1.0).abs() < 1e-5 && (record.pressure_max - 1.0).abs() < 1e-5,
@@ -240,16 +344,8 @@ fn pairs_that_share_a_facet_share_its_pressure() {
 #[test]
 fn the_centre_of_pressure_is_below_that_of_the_load() {
     for order in [Order::Linear, Order::Quadratic] {
-        let mesh = rectangle(
-            &linspace(-1.0, 1.0, 11),
-            &linspace(0.0, 1.0, 6),
-            Diagonals::Rising,
-        );
-        let mesh = match order {
-            Order::Linear => mesh.expect("mesh"),
-            Order::Quadratic => mesh.expect("mesh").quadratic(),
-        };
-        let mut block = Body::new(mesh, LinearElastic::new(100.0, 0.3).expect("law"));
+        let mesh = rectangle([-1.0, 1.0], [0.0, 1.0], [11, 6], order);
+        let mut block = elastic(mesh, 0.3);
         // the first node is the corner at (−1, 0)
         block
             .prescribe_nodes(&[0], [Some(0.0), None])
@@ -261,10 +357,10 @@ fn the_centre_of_pressure_is_below_that_of_the_load() {
         let block = scene.add("block", block).on("bottom");
         let tool = Obstacle::cuboid([-0.51, -1.0], [0.57, 0.0]).expect("a box");
         scene.obstacle("tool", block, tool).expect("a side");
-        let (problem, solution) = solved(scene);
-        let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda);
-        let states = problem.pair_states(u, gaps, lambda).expect("a state");
-        let centre = states[0].record.centre.expect("a force");
+        let centre = Solved::new(scene).pair_states()[0]
+            .record
+            .centre
+            .expect("a force");
         // ∫ x (1 + x/5) dx over ∫ (1 + x/5) dx; displacements are some 1e-4 of the width
         assert!((centre[0] - 1.0 / 15.0).abs() < 1e-4, "{order:?}: {centre}");
     }
@@ -279,9 +375,8 @@ fn the_area_of_contact_is_that_of_hertz() {
         (2, Order::Quadratic),
         (3, Order::Quadratic),
     ] {
-        let (problem, solution) = solved(Ball { in_contact, order }.scene().expect("a scene"));
-        let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda);
-        let states = problem.pair_states(u, gaps, lambda).expect("a state");
+        let scene = Ball { in_contact, order }.scene();
+        let states = Solved::new(scene.expect("a scene")).pair_states();
         // of a quarter
         let radius = (4.0 * states[0].record.area / std::f64::consts::PI).sqrt();
         let facet = 1.0 / in_contact as f64;
@@ -296,52 +391,32 @@ fn the_area_of_contact_is_that_of_hertz() {
 /// current width.
 #[test]
 fn pressures_are_those_of_the_deformed_surface() {
-    let mesh = rectangle(
-        &linspace(0.0, 2.0, 4),
-        &linspace(0.0, 1.0, 2),
-        Diagonals::Rising,
-    );
-    let mut block = Body::new(
-        mesh.expect("mesh"),
-        NeoHookean::new(100.0, 0.3).expect("law"),
-    );
+    let mesh = rectangle([0.0, 2.0], [0.0, 1.0], [4, 2], Order::Linear);
+    let mut block = Body::new(mesh, NeoHookean::new(100.0, 0.3).expect("law"));
     block.prescribe("left", [Some(0.0), None]).expect("support");
     block.prescribe("top", [None, Some(-0.4)]).expect("support");
     let mut scene = Scene::new();
     let id = scene.add("block", block);
     let plane = Obstacle::half_space([0.0; 2], [0.0, 1.0]).expect("a plane");
-    let plane = scene
-        .obstacle("plane", id.on("bottom"), plane)
-        .expect("a side");
-    let mut problem = scene.problem().expect("a problem");
-    let history = Simulation::with_increments(4)
-        .run(&mut problem)
-        .expect("a run");
-    let force = history.last().expect("a step").obstacle_force(plane)[1].abs();
-    let solution = history.run.solution.expect("converged");
-    let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda);
-    let positions = problem.positions(u);
+    let plane = scene.obstacle("plane", id.on("bottom"), plane);
+    plane.expect("a side");
+    let solved = Solved::after(4, scene);
+    let states = solved.pair_states();
+    let force = states[0].record.resultant[1];
+    let positions = solved.problem.positions(&solved.solution.state.u);
     let width = positions.iter().map(|x| x[0]).fold(0.0, f64::max);
     assert!(width > 2.2, "{width}");
-    for p in &problem.pressures(u, gaps, lambda).expect("pressures")[0] {
+    for p in &solved.pressures()[0] {
         assert!(relative(p * width, force) < 1e-6, "{p} {width} {force}");
     }
-    let states = problem.pair_states(u, gaps, lambda).expect("a state");
     assert!(relative(states[0].record.area, width) < 1e-6);
 }
 
 /// A block in a corner, pressed onto both walls: its corner has the pressure of one of them, not their sum.
 #[test]
 fn a_node_in_a_corner_has_one_pressure() {
-    let mesh = rectangle(
-        &linspace(0.0, 1.0, 3),
-        &linspace(0.0, 1.0, 3),
-        Diagonals::Rising,
-    );
-    let mut block = Body::new(
-        mesh.expect("mesh"),
-        LinearElastic::new(100.0, 0.3).expect("law"),
-    );
+    let mesh = rectangle([0.0, 1.0], [0.0, 1.0], [3, 3], Order::Linear);
+    let mut block = elastic(mesh, 0.3);
     block.traction("top", [0.0, -1.0]).expect("a load");
     block.traction("right", [-2.0, 0.0]).expect("a load");
     let mut scene = Scene::new();
@@ -353,7 +428,7 @@ fn a_node_in_a_corner_has_one_pressure() {
         let plane = Obstacle::half_space([0.0; 2], normal).expect("a plane");
         scene.obstacle(name, id.on(side), plane).expect("a side");
     }
-    let (problem, solution) = solved(scene);
+    let Solved { problem, solution } = Solved::new(scene);
     let snapshot = Snapshot::new(&problem, &solution).expect("finite");
     let corner = problem.reference().iter().position(|X| X.norm() == 0.0);
     let corner = corner.expect("a corner");
@@ -367,11 +442,9 @@ fn a_node_in_a_corner_has_one_pressure() {
 fn a_finer_surface_has_the_pressure_of_the_coarser_one() {
     let roles = disc_in_disc::Roles::default();
     let scene = disc_in_disc::scene(disc_in_disc::Fineness::scaled(48), roles).expect("a scene");
-    let mut problem = scene.problem().expect("valid scene");
-    let history = Simulation::with_increments(10).run(&mut problem);
-    let solution = history.expect("a run").run.solution.expect("converged");
-    let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda);
-    let now = problem.positions(u);
+    let solved = Solved::after(10, scene);
+    let Solved { problem, solution } = &solved;
+    let now = problem.positions(&solution.state.u);
     // at x, by surface: between the nodes beside it, divided by the stretch if so asked
     let at = |field: &[f64], surface: usize, x: f64, is_undeformed: bool| {
         let of = &problem.surfaces()[surface];
@@ -395,9 +468,9 @@ fn a_finer_surface_has_the_pressure_of_the_coarser_one() {
         };
         (-6..=6).map(at_place).fold(0.0, f64::max)
     };
-    let recovered = problem.pressures(u, gaps, lambda).expect("pressures");
+    let recovered = solved.pressures();
     // −∫ p n ds over the current lengths is the force on each, though forces are along normals of the other
-    let forces = problem.contact_forces(gaps, lambda);
+    let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
     for (surface, field) in problem.surfaces().iter().zip(&recovered) {
         let nodes = surface.nodes();
         let mut sum = 0.0;
@@ -409,8 +482,7 @@ fn a_finer_surface_has_the_pressure_of_the_coarser_one() {
         let force: f64 = nodes.iter().map(|&a| forces[a][1]).sum();
         assert!(relative(sum, force) < 1e-6, "{sum} for {force}");
     }
-    let consistent = problem.consistent_pressures(u, gaps, lambda);
-    let consistent = consistent.expect("pressures");
+    let consistent = solved.consistent_pressures();
     let (recovered, consistent) = (apart(&recovered, false), apart(&consistent, true));
     assert!(
         recovered < 0.15 && consistent > 0.5,

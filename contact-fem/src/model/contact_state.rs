@@ -1,21 +1,19 @@
 //! What the two surfaces of each pair do to each other at a state: forces, gaps, pressures, areas.
 
+mod record;
+mod shares;
+
 use std::fmt;
 
 use contact_core::LinearGaps;
 
 use super::contact_set::place_of;
 use super::{ObstacleId, Problem, Side};
-use crate::assembly::Dof;
-use crate::contact::pressure::{self, Pressed};
-use crate::contact::{Pass, Surface};
+use crate::contact::{Pass, Surface, pressure};
 use crate::error::Error;
 use crate::tensor::Vector;
 
-/// Below this share of the sum of all forces the resultant has no direction.
-const BALANCED: f64 = 1e-3;
-/// The force that loads a node, as a share of the largest one of its pair.
-const LOADED: f64 = 1e-6;
+pub use self::record::{Opposite, PairRecord};
 
 /// Whether a contact node carries a force or might.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -59,122 +57,6 @@ pub struct PairSide<const D: usize> {
     pub pressures: Vec<f64>,
 }
 
-/// What a surface meets.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Opposite {
-    /// A boundary of a body.
-    Side(Side),
-    /// An obstacle.
-    Obstacle(ObstacleId),
-}
-
-/// What one surface takes part in with one other.
-struct Share<const D: usize> {
-    /// The number of the pair.
-    pair: usize,
-    other: usize,
-    /// The forces of the passes in which the surface is the slave, its normals, and what [`Pressed`] asks of the other one.
-    own: Vec<Vector<D>>,
-    normals: Vec<Vector<D>>,
-    facing: Vec<(Vector<D>, f64)>,
-    modulus: f64,
-    area: f64,
-    side: PairSide<D>,
-}
-
-/// Which nodes these forces load.
-fn loaded<const D: usize>(forces: &[Vector<D>]) -> Vec<bool> {
-    let sizes = || forces.iter().map(Vector::norm);
-    let largest = sizes().fold(0.0, f64::max);
-    sizes().map(|size| size > LOADED * largest).collect()
-}
-
-/// The areas of the nodes at `x` that are within the contact zone, and zero at the others. Nodes next to the zone press, too,
-/// since their test functions reach into it; they are next to nodes that do not. Where no node is within, the most pressed one counts.
-fn covered<const D: usize>(
-    surface: &Surface<D>,
-    x: &[Vector<D>],
-    pressures: &[f64],
-    forces: &[Vector<D>],
-) -> Vec<f64> {
-    let mut areas = surface.node_areas(x);
-    let loaded = loaded(forces);
-    let presses = |a: usize| pressures[a] > 0.0;
-    let neighbours = surface.neighbours();
-    let is_within = |a: usize| {
-        let mut all = neighbours[a].iter();
-        presses(a) && all.all(|&b| presses(b) || loaded[b])
-    };
-    let mut within: Vec<bool> = (0..x.len()).map(is_within).collect();
-    if !within.contains(&true) {
-        let pressing = (0..x.len()).filter(|a| presses(*a));
-        let most = pressing.max_by(|&a, &b| pressures[a].total_cmp(&pressures[b]));
-        most.into_iter().for_each(|a| within[a] = true);
-    }
-    for (area, _) in areas.iter_mut().zip(within).filter(|(_, within)| !within) {
-        *area = 0.0;
-    }
-    areas
-}
-
-/// The shares of one surface that load nodes in common, as the recovery takes them.
-struct Together<const D: usize> {
-    forces: Vec<Vector<D>>,
-    own: Vec<Vector<D>>,
-    gaps: Vec<Option<f64>>,
-    facing: Vec<(Vector<D>, f64)>,
-    moduli: Vec<f64>,
-    /// For each share the part that it has of the forces at and around each node.
-    parts: Vec<Vec<f64>>,
-}
-
-impl<const D: usize> Together<D> {
-    fn new(surface: &Surface<D>, shares: &[Share<D>], group: &[usize]) -> Self {
-        let members = || group.iter().map(|&member| &shares[member]);
-        let nodes = 0..surface.nodes().len();
-        let sum = |of: fn(&Share<D>) -> &[Vector<D>]| {
-            let at = |a: usize| members().map(|share| of(share)[a]).sum();
-            nodes.clone().map(at).collect()
-        };
-        let gap = |a: usize| {
-            let gaps = members().filter_map(|share| share.side.gaps[a]);
-            gaps.reduce(f64::min)
-        };
-        let neighbours = match group.len() {
-            1 => Vec::new(),
-            _ => surface.neighbours(),
-        };
-        let around = |share: &Share<D>, a: usize| -> f64 {
-            let nodes = neighbours[a].iter().chain([&a]);
-            nodes.map(|&b| share.side.forces[b].norm()).sum()
-        };
-        let mut parts = vec![vec![1.0; nodes.len()]; group.len()];
-        let mut moduli = vec![shares[group[0]].modulus; nodes.len()];
-        if group.len() > 1 {
-            for a in nodes.clone() {
-                let sizes: Vec<f64> = members().map(|share| around(share, a)).collect();
-                let (total, largest) = sizes
-                    .iter()
-                    .fold((0.0, 0.0), |(sum, most), size| (sum + size, size.max(most)));
-                for (k, size) in sizes.iter().enumerate() {
-                    parts[k][a] = if total > 0.0 { size / total } else { 0.0 };
-                    if *size == largest {
-                        moduli[a] = shares[group[k]].modulus;
-                    }
-                }
-            }
-        }
-        Together {
-            forces: sum(|share| &share.side.forces),
-            own: sum(|share| &share.own),
-            gaps: nodes.clone().map(gap).collect(),
-            facing: members().flat_map(|share| share.facing.clone()).collect(),
-            moduli,
-            parts,
-        }
-    }
-}
-
 /// A pair of surfaces at a state.
 #[derive(Clone, Debug)]
 pub struct PairState<const D: usize> {
@@ -182,26 +64,6 @@ pub struct PairState<const D: usize> {
     pub sides: Vec<PairSide<D>>,
     /// What an engineer asks of it.
     pub record: PairRecord<D>,
-}
-
-/// Area, force and place of the contact of one pair.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PairRecord<const D: usize> {
-    /// One surface as declared.
-    pub first: Side,
-    /// The other one, or the obstacle.
-    pub second: Opposite,
-    /// The area of the contact zone where contact is searched (UL in the plane, UL² in space): that around the nodes within it, on
-    /// the surface where it is smaller; in self-contact, of both sides. Its border is known to within a facet.
-    pub area: f64,
-    /// The contact force on the first surface (UF); zero in self-contact.
-    pub resultant: Vector<D>,
-    /// The centre of pressure: the mean of the positions of the first surface's nodes (UL), weighted with the components of their
-    /// contact forces along the resultant, so that it has no moment about it where forces are parallel. Where forces cancel, as around a
-    /// pin, the weights are the components against the normals. `None` without a force.
-    pub centre: Option<Vector<D>>,
-    /// The largest pressure on the two surfaces (UF/UL or UF/UL²).
-    pub pressure_max: f64,
 }
 
 impl<const D: usize> Problem<D> {
@@ -326,165 +188,10 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    fn pair_state(
-        &self,
-        first: Side,
-        second: Opposite,
-        shares: Vec<Share<D>>,
-        positions: &[Vector<D>],
-    ) -> PairState<D> {
-        let areas = shares.iter().map(|share| share.area);
-        let area = areas.filter(|area| *area > 0.0).reduce(f64::min);
-        let pressures = shares.iter().flat_map(|share| &share.side.pressures);
-        // a pressure that is no number is not hidden by others
-        let larger = |m: f64, p: f64| if p > m || p.is_nan() { p } else { m };
-        let pressure_max = pressures.copied().fold(0.0, larger);
-        let (own, surface) = (&shares[0], &self.surfaces()[shares[0].side.surface]);
-        let total: f64 = own.side.forces.iter().map(Vector::norm).sum();
-        let resultant: Vector<D> = own.side.forces.iter().sum();
-        let along = (resultant.norm() > BALANCED * total).then(|| resultant.normalize());
-        let nodes = surface.nodes().iter().enumerate();
-        let weighted = nodes.map(|(k, &node)| {
-            let along = along.unwrap_or(-own.normals[k]);
-            (positions[node], own.side.forces[k].dot(&along))
-        });
-        let (sum, total) = weighted.fold((Vector::zeros(), 0.0), |(sum, total), (x, f)| {
-            (sum + x * f, total + f)
-        });
-        PairState {
-            record: PairRecord {
-                first,
-                second,
-                area: area.unwrap_or(0.0),
-                resultant: match own.other == own.side.surface {
-                    true => Vector::zeros(),
-                    false => resultant,
-                },
-                centre: (total > 0.0).then(|| sum / total),
-                pressure_max,
-            },
-            sides: shares.into_iter().map(|share| share.side).collect(),
-        }
-    }
-
-    /// What the surface `index` takes part in with `other`, without pressures.
-    fn share(
-        &self,
-        pair: usize,
-        [index, other]: [usize; 2],
-        u: &[f64],
-        rows: (&LinearGaps, &[f64]),
-    ) -> Share<D> {
-        let surface = &self.surfaces()[index];
-        let is_own = |pass: &Pass| pass.slave == index && pass.master == other;
-        let is_pair = |pass: &Pass| is_own(pass) || (pass.slave == other && pass.master == index);
-        let located = self.contact.located(&self.kinematics, u);
-        let facing = match self.surfaces().get(other) {
-            Some(facing) if other != index && !self.is_rigid(facing) => {
-                let x = facing.gather(&located.x);
-                let spacings = facing.node_spacings(&x);
-                let forces = self.forces_on(facing, rows, is_pair);
-                let nodes = x.into_iter().zip(spacings).zip(forces);
-                let loaded = nodes.filter(|(_, force)| force.norm() > 0.0);
-                loaded.map(|(node, _)| node).collect()
-            }
-            _ => Vec::new(),
-        };
-        Share {
-            pair,
-            other,
-            own: self.forces_on(surface, rows, is_own),
-            facing,
-            modulus: self.pair_modulus([index, other]),
-            normals: located.master(index).normals().to_vec(),
-            area: 0.0,
-            side: PairSide {
-                surface: index,
-                forces: self.forces_on(surface, rows, is_pair),
-                gaps: self.contact.nodal_gaps([index, other], &self.kinematics, u),
-                pressures: vec![0.0; surface.nodes().len()],
-            },
-        }
-    }
-
-    /// Recovers the pressures and the areas of all shares: of those together that load a node in common, since there a pressure is
-    /// one field, of which each has the part of its forces.
-    fn press(&self, shares: &mut [Share<D>], u: &[f64]) {
-        let located = self.contact.located(&self.kinematics, u);
-        let loaded: Vec<Vec<bool>> = shares
-            .iter()
-            .map(|share| loaded(&share.side.forces))
-            .collect();
-        let meet = |i: usize, j: usize| {
-            let mut nodes = loaded[i].iter().zip(&loaded[j]);
-            nodes.any(|(a, b)| *a && *b)
-        };
-        let mut is_done = vec![false; shares.len()];
-        for first in 0..shares.len() {
-            if std::mem::replace(&mut is_done[first], true) {
-                continue;
-            }
-            let index = shares[first].side.surface;
-            let mut group = vec![first];
-            let mut next = 0;
-            while let Some(&i) = group.get(next) {
-                next += 1;
-                for j in first..shares.len() {
-                    if !is_done[j] && shares[j].side.surface == index && meet(i, j) {
-                        is_done[j] = true;
-                        group.push(j);
-                    }
-                }
-            }
-            let surface = &self.surfaces()[index];
-            let x = surface.gather(&located.x);
-            let all = Together::new(surface, shares, &group);
-            let pressed = Pressed {
-                surface,
-                x: &x,
-                normals: located.master(index).normals(),
-                forces: &all.forces,
-                own: &all.own,
-                gaps: &all.gaps,
-                facing: &all.facing,
-                moduli: &all.moduli,
-            };
-            let pressures = pressed.pressures();
-            let areas = covered(surface, &x, &pressures, &all.forces);
-            for (&member, parts) in group.iter().zip(&all.parts) {
-                let share = &mut shares[member];
-                for (a, part) in parts.iter().enumerate() {
-                    share.side.pressures[a] = part * pressures[a];
-                    share.area += part * areas[a];
-                }
-            }
-        }
-    }
-
-    /// E* of the bodies of a pair (UF/UL²): 1/E* = Σ (1 − ν²)/E, without obstacles and bodies whose surfaces do not deform.
-    fn pair_modulus(&self, members: [usize; 2]) -> f64 {
-        let compliance = |index: usize| {
-            let Some(surface) = self.surfaces().get(index) else {
-                return 0.0;
-            };
-            let modulus = self.body_energies()[surface.body()].contact_modulus();
-            match self.is_rigid(surface) {
-                true => 0.0,
-                false => modulus.recip(),
-            }
-        };
-        members.map(compliance).iter().sum::<f64>().recip()
-    }
-
-    /// Whether all nodes of a surface are prescribed.
-    fn is_rigid(&self, surface: &Surface<D>) -> bool {
-        let mut dofs = surface.nodes().iter().flat_map(|a| D * a..D * (a + 1));
-        dofs.all(|dof| matches!(self.dofs().get(dof), Dof::Prescribed(_)))
-    }
-
     /// The contact pressure at the nodes of each surface (UF/UL or UF/UL², ≥ 0), of all pairs of the surface. It is a force per area
     /// where contact is searched: the current one, or for [`Geometry::Reference`](super::Geometry::Reference) the undeformed one. It is
-    /// the field of [`Pressed::pressures`], which never pulls and keeps the resultant of the nodal forces.
+    /// the field of [`Pressed::pressures`](pressure::Pressed::pressures), which pulls at no node and keeps the resultant of the nodal
+    /// forces as far as pressures can: an arc bears no moment about its centre.
     ///
     /// # Errors
     /// A `u` that is no state, multipliers that are not one a row, rows of another problem.

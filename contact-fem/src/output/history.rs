@@ -389,6 +389,8 @@ fn seconds(cost: &Cost) -> [String; 3] {
 
 /// The shortest text that reads back as the same number; with an exponent if this is shorter.
 fn number(value: f64) -> String {
+    // no zero has a sign
+    let value = value + 0.0;
     let plain = value == 0.0 || (1e-3..1e15).contains(&value.abs()) || !value.is_finite();
     if plain {
         value.to_string()
@@ -646,5 +648,6 @@ mod tests {
             assert_eq!(number(value).parse(), Ok(value));
         }
         assert_eq!(number(f64::INFINITY), "inf");
+        assert_eq!(number(-0.0), "0");
     }
 }

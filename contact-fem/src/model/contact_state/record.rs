@@ -1,0 +1,80 @@
+//! Area, force and place of the contact of one pair.
+
+use super::PairState;
+use super::shares::Share;
+use crate::contact::pressure::BALANCED;
+use crate::model::{ObstacleId, Problem, Side};
+use crate::tensor::Vector;
+
+/// What a surface meets.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Opposite {
+    /// A boundary of a body.
+    Side(Side),
+    /// An obstacle.
+    Obstacle(ObstacleId),
+}
+
+/// Area, force and place of the contact of one pair.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairRecord<const D: usize> {
+    /// One surface as declared.
+    pub first: Side,
+    /// The other one, or the obstacle.
+    pub second: Opposite,
+    /// The area of the contact zone where contact is searched (UL in the plane, UL² in space): that around the nodes within it, on
+    /// the surface where it is smaller; in self-contact, of both sides. Its border is known to within a facet.
+    pub area: f64,
+    /// The contact force on the first surface (UF); zero in self-contact.
+    pub resultant: Vector<D>,
+    /// The centre of pressure: the mean of the positions of the first surface's nodes (UL), weighted with the components of their
+    /// contact forces along the resultant, so that it has no moment about it where forces are parallel. Where forces cancel, as around a
+    /// pin, the weights are the components against the normals. `None` without a force.
+    pub centre: Option<Vector<D>>,
+    /// The largest pressure on the two surfaces (UF/UL or UF/UL²).
+    pub pressure_max: f64,
+}
+
+impl<const D: usize> Problem<D> {
+    /// The state of a pair of which these are the shares.
+    pub(super) fn pair_state(
+        &self,
+        first: Side,
+        second: Opposite,
+        shares: Vec<Share<D>>,
+        positions: &[Vector<D>],
+    ) -> PairState<D> {
+        let areas = shares.iter().map(|share| share.area);
+        let area = areas.filter(|area| *area > 0.0).reduce(f64::min);
+        let pressures = shares.iter().flat_map(|share| &share.side.pressures);
+        // a pressure that is no number is not hidden by others
+        let larger = |m: f64, p: f64| if p > m || p.is_nan() { p } else { m };
+        let pressure_max = pressures.copied().fold(0.0, larger);
+        let (own, surface) = (&shares[0], &self.surfaces()[shares[0].side.surface]);
+        let total: f64 = own.side.forces.iter().map(Vector::norm).sum();
+        let resultant: Vector<D> = own.side.forces.iter().sum();
+        let along = (resultant.norm() > BALANCED * total).then(|| resultant.normalize());
+        let nodes = surface.nodes().iter().enumerate();
+        let weighted = nodes.map(|(k, &node)| {
+            let along = along.unwrap_or(-own.normals[k]);
+            (positions[node], own.side.forces[k].dot(&along))
+        });
+        let (sum, total) = weighted.fold((Vector::zeros(), 0.0), |(sum, total), (x, f)| {
+            (sum + x * f, total + f)
+        });
+        PairState {
+            record: PairRecord {
+                first,
+                second,
+                area: area.unwrap_or(0.0),
+                resultant: match own.other == own.side.surface {
+                    true => Vector::zeros(),
+                    false => resultant,
+                },
+                centre: (total > 0.0).then(|| sum / total),
+                pressure_max,
+            },
+            sides: shares.into_iter().map(|share| share.side).collect(),
+        }
+    }
+}
