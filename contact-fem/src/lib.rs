@@ -18,6 +18,7 @@ pub mod contact;
 pub mod element;
 pub mod error;
 pub mod freefem;
+mod jacobi;
 pub mod left_out;
 pub mod material;
 pub mod mesh;

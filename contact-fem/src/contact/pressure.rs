@@ -10,6 +10,7 @@ use rstar::primitives::GeomWithData;
 use super::surface::Surface;
 use crate::element::{FacetRule, facet_edge, facet_shapes};
 use crate::error::Error;
+use crate::jacobi::orthogonal_columns;
 use crate::tensor::Vector;
 
 /// What the recovery takes of one surface of a pair, or of several pairs whose contact zones meet on it. Slices have one entry for each
@@ -56,9 +57,6 @@ const STEEP: f64 = 0.1;
 const OBLIQUE: f64 = 0.25;
 /// Iterations for the resultants; most take one or two.
 const ITERATIONS: usize = 60;
-/// Sweeps over the columns of a 6 × 6 matrix until they are orthogonal; most matrices take five.
-const SWEEPS: usize = 40;
-
 /// Translations and rotations, as many as there are in D dimensions; the rest is zero.
 type Motion = SVector<f64, 6>;
 type Motions = SMatrix<f64, 6, 6>;
@@ -367,35 +365,6 @@ impl<const D: usize> Weights<D> {
         }
         pressures
     }
-}
-
-/// A matrix times an orthogonal one, so that its columns are orthogonal, and the latter: columns are turned in pairs by Jacobi's
-/// rotations. The norms of the columns are the singular values, also where some vanish.
-fn orthogonal_columns(mut matrix: Motions) -> (Motions, Motions) {
-    let mut turns = Motions::identity();
-    for _ in 0..SWEEPS {
-        let mut is_done = true;
-        for (p, q) in (0..6).flat_map(|q| (0..q).map(move |p| (p, q))) {
-            let [first, second] = [p, q].map(|k| matrix.column(k).norm_squared());
-            let product = matrix.column(p).dot(&matrix.column(q));
-            if !(product.abs() > f64::EPSILON * (first * second).sqrt()) {
-                continue;
-            }
-            is_done = false;
-            let cotangent = (second - first) / (2.0 * product); // of twice the angle
-            let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
-            let cosine = tangent.hypot(1.0).recip();
-            for of in [&mut matrix, &mut turns] {
-                let [a, b] = [p, q].map(|k| of.column(k) * cosine);
-                of.set_column(p, &(a - b * tangent));
-                of.set_column(q, &(b + a * tangent));
-            }
-        }
-        if is_done {
-            break;
-        }
-    }
-    (matrix, turns)
 }
 
 /// From none to 1, how far each size is what counts in full.
@@ -802,43 +771,6 @@ mod tests {
             )[1]
         };
         assert!(at(0.05) < at(0.0) && at(-0.05) > at(0.0));
-    }
-
-    /// The slope of an arc in the plane, of rank two but for round-off: the last three motions are those of space.
-    #[test]
-    fn the_columns_of_a_singular_matrix() {
-        let arc = [
-            [
-                0.00035259826299284937,
-                -0.01912127204859908,
-                -0.017262485585249735,
-            ],
-            [-0.019125878104212, 1.3827315506320526, 0.38149782620613726],
-            [
-                -0.017263152132613764,
-                0.3814978099654833,
-                1.7358581933867565,
-            ],
-        ];
-        let mut slope = Motions::zeros();
-        (0..3).for_each(|i| (0..3).for_each(|j| slope[(i, j)] = arc[i][j]));
-        let (turned, turns) = orthogonal_columns(slope);
-        assert!((turned * turns.transpose() - slope).norm() < 1e-14);
-        assert!((turns.transpose() * turns - Motions::identity()).norm() < 1e-14);
-        let products = turned.transpose() * turned;
-        assert!((products - Motions::from_diagonal(&products.diagonal())).norm() < 1e-14);
-        // the roots of the lower right block's characteristic polynomial, up to the first row and column
-        let [a, b, c] = [arc[1][1], arc[1][2], arc[2][2]];
-        let root = (0.5 * (a - c)).hypot(b);
-        let mut values: Vec<f64> = products.diagonal().iter().map(|p| p.sqrt()).collect();
-        values.sort_by(f64::total_cmp);
-        assert!(values[3] < 1e-4, "{values:?}");
-        for (value, expected) in values[4..].iter().zip([-root, root]) {
-            assert!(
-                (value - 0.5 * (a + c) - expected).abs() < 1e-3,
-                "{values:?}"
-            );
-        }
     }
 
     /// The force of a node beside the loaded ones grows from nothing: no pressure jumps, though one gap takes much of what presses

@@ -8,6 +8,7 @@ use super::Body;
 use super::supports::some;
 use crate::assembly::DofMap;
 use crate::error::Error;
+use crate::jacobi::orthogonal_columns;
 use crate::model::courses::{Course, Part};
 use crate::program::{Amplitude, samples};
 use crate::tensor::Vector;
@@ -186,16 +187,11 @@ impl<const D: usize> Body<D> {
     pub(super) fn normal_of_plane(&self, nodes: &[usize]) -> (Vector<D>, f64) {
         let X = |k: usize| self.mesh.nodes()[nodes[k]];
         let centre = (0..nodes.len()).map(X).sum::<Vector<D>>() / nodes.len().max(1) as f64;
-        let arms = DMatrix::from_fn(nodes.len().max(D), D, |k, i| match k < nodes.len() {
-            true => X(k)[i] - centre[i],
-            false => 0.0,
-        });
-        let svd = arms.svd(false, true);
-        let least = svd.singular_values.imin();
-        let n = match &svd.v_t {
-            Some(v_t) => Vector::<D>::from_fn(|i, _| v_t[(least, i)]),
-            None => Vector::zeros(),
-        };
+        let arms = DMatrix::from_fn(nodes.len(), D, |k, i| X(k)[i] - centre[i]);
+        let (turned, turns) = orthogonal_columns(arms);
+        let norms = (0..D).map(|i| (i, turned.column(i).norm()));
+        let least = norms.min_by(|a, b| a.1.total_cmp(&b.1));
+        let n = Vector::<D>::from_fn(|i, _| turns[(i, least.map_or(0, |(k, _)| k))]);
         let heights = (0..nodes.len()).map(|k| (X(k) - centre).dot(&n));
         let [low, high] = heights.fold([0.0_f64; 2], |[low, high], h| [low.min(h), high.max(h)]);
         (n, high - low)

@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::{DMatrix, SVD};
+use nalgebra::DMatrix;
 
 use super::limits::HOLDS;
 use super::{Finding, FindingKind, Report, Severity, pieces};
 use crate::error::Error;
+use crate::jacobi::orthogonal_columns;
 use crate::model::{Body, Pair, Scene};
 use crate::tensor::Vector;
 
@@ -315,21 +316,13 @@ pub(super) fn null_space(
         });
         R = stacked.qr().r();
     }
-    let height = width.max(R.nrows());
-    let square = R.resize_vertically(height, 0.0);
-    let Some((values, Some(v_t))) = decompose(square) else {
-        return DMatrix::zeros(width, 0);
-    };
+    let (turned, turns) = orthogonal_columns(R);
+    let values: Vec<f64> = turned.column_iter().map(|column| column.norm()).collect();
     let largest = values.iter().copied().fold(0.0, f64::max);
-    let is_zero = |k: &usize| values[*k] <= least * largest;
-    let free: Vec<_> = (0..width).filter(is_zero).collect();
-    DMatrix::from_fn(width, free.len(), |i, j| v_t[(free[j], i)])
-}
-
-/// Singular values and Vᵀ of a matrix that is not wider than high; `None` if the iteration does not end.
-fn decompose(matrix: DMatrix<f64>) -> Option<(Vec<f64>, Option<DMatrix<f64>>)> {
-    let svd = SVD::try_new(matrix, false, true, 5.0 * f64::EPSILON, 1000)?;
-    Some((svd.singular_values.iter().copied().collect(), svd.v_t))
+    let free: Vec<_> = (0..width)
+        .filter(|&k| values[k] <= least * largest)
+        .collect();
+    turns.select_columns(&free)
 }
 
 /// Names of the motions with these modes, column by column: along and about coordinate axes where possible.
