@@ -1,7 +1,9 @@
 //! Scene files: the twins of the examples, the checks of `--check`, and the page that lists all keys.
 
 mod page;
+mod parts;
 mod refused;
+mod scripts;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -54,6 +56,64 @@ fn with(file: &str, changes: &[(&str, &str)]) -> String {
         assert!(text.contains(from), "{file} has no `{from}`");
         text.replace(from, to)
     })
+}
+
+/// The scene of `freefem/two_bodies.edp`, with meshes of this library's beside it.
+const TWO_BODIES: &str = r#"
+points = 4
+
+[[body]]
+name = "lower"
+mesh = "lower.msh"
+quadratic = true
+law = "linear-elastic"
+young = 100
+poisson = 0.3
+supports = [{ on = 1, x = 0, y = 0 }]
+
+[[body]]
+name = "upper"
+mesh = "upper.msh"
+quadratic = true
+law = "linear-elastic"
+young = 200
+poisson = 0.3
+supports = [{ on = 4, x = 0.02, y = -0.02 }]
+
+[[contact]]
+first = ["lower", 4]
+second = ["upper", 1]
+"#;
+
+/// Writes the scene and its meshes.
+fn written_bodies(folder: &Path, text: &str) -> PathBuf {
+    let block = |x: [f64; 2], y: f64, cells: [usize; 2]| {
+        let (across, up) = (
+            linspace(x[0], x[1], cells[0]),
+            linspace(y, y + 1.0, cells[1]),
+        );
+        rectangle(&across, &up, Diagonals::Rising).expect("a mesh")
+    };
+    // labels by name: 1 bottom, 2 left, 3 right, 4 top
+    let [lower, upper] = [
+        block([0.0, 2.0], 0.0, [8, 2]),
+        block([0.5, 1.5], 1.0, [6, 3]),
+    ];
+    lower
+        .save_freefem(folder.join("lower.msh"))
+        .expect("written");
+    upper
+        .save_freefem(folder.join("upper.msh"))
+        .expect("written");
+    let path = folder.join("scene.toml");
+    fs::write(&path, text).expect("written");
+    path
+}
+
+#[test]
+fn the_program_tells_its_version() {
+    let expected = concat!("ipopt-contact ", env!("CARGO_PKG_VERSION"), "\n");
+    assert_eq!(program(&["--version"], &[]), (Some(0), expected.into()));
 }
 
 type Solver = Box<dyn Equilibrium>;

@@ -34,6 +34,8 @@ usage:
   ipopt-contact fields RESULT --nodes DIR --out DIR
       Writes the displacements and contact forces of a result for `file >> u[]` in FreeFEM, in the order of the files
       `nodes_BODY.txt` of a folder.
+  ipopt-contact --version
+      Prints the version.
 
 exit codes: 0 done, of compare all within the tolerances; 1 not converged, of compare some beyond or a result not complete, of --check warnings; 2 error;
 3 of run a certificate that does not hold; 130 stopped";
@@ -50,6 +52,13 @@ fn main() -> ExitCode {
     let asks = |word: &String| word == "--help" || word == "-h";
     if arguments.iter().any(asks) {
         print(USAGE);
+        return ExitCode::SUCCESS;
+    }
+    if matches!(
+        arguments.first().map(String::as_str),
+        Some("--version" | "-V")
+    ) {
+        print(concat!("ipopt-contact ", env!("CARGO_PKG_VERSION")));
         return ExitCode::SUCCESS;
     }
     let Some((command, words)) = arguments.split_first() else {
