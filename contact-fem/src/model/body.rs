@@ -145,7 +145,7 @@ impl<const D: usize> Body<D> {
     }
 
     /// A body of linear elements that do not lock where the law is nearly incompressible: changes of volume are averaged
-    /// around the nodes, see [`AveragedVolume`].
+    /// around the nodes, see [`AveragedVolume`](crate::assembly::AveragedVolume).
     ///
     /// At ν = 0.4999 triangles come to within 1 % of quadratic ones of half the number along a side (`contact-fem/tests/bodies/locking.rs`), where plain
     /// ones are off by factors; tetrahedra to 7 %, where plain ones are off by 12 %.
