@@ -123,7 +123,13 @@ fn sector(
             remedy: "ascend to 2π from π (half disc) or 3π/2 (quarter disc)",
         });
     }
-    let mut mesh = polar(radii, angles, false, diagonals)?;
+    // the sides are straight to the last digit
+    let mut angles = angles.to_vec();
+    angles[0] = first;
+    if let Some(end) = angles.last_mut() {
+        *end = TAU;
+    }
+    let mut mesh = polar(radii, &angles, false, diagonals)?;
     let arc = mesh.boundaries.remove("outer").unwrap_or_default();
     mesh.boundaries.insert("arc".into(), arc);
     mesh.name_boundary("flat", |X| X[1] == 0.0);

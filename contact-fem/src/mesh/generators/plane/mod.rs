@@ -69,6 +69,15 @@ mod tests {
         .expect("mesh");
         assert_eq!(mesh.boundary("axis").expect("named").len(), 3);
         assert_eq!(mesh.boundary("flat").expect("named").len(), 3);
+
+        // π as files have it
+        let mut angles = linspace(1.5 * PI, TAU, 8);
+        (angles[0], angles[8]) = (4.712388980385, 6.28318530718);
+        let rounded = quarter_disc(&linspace(0.0, 1.0, 3), &angles, Diagonals::Rising);
+        let rounded = rounded.expect("mesh");
+        for side in ["axis", "flat"] {
+            assert_eq!(rounded.boundary(side).expect("named").len(), 3, "{side}");
+        }
     }
 
     #[test]
