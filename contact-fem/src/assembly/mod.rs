@@ -38,7 +38,7 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     fn set_external(&mut self, prescribed: Vec<f64>, forces: Vec<f64>);
     /// Sets the pressures that follow boundaries (UF/UL in the plane, UF/UL² in space), one for each; most bodies have none.
     fn set_pressures(&mut self, _pressures: &[f64]) {}
-    /// Sets the stiffness (UF/UL) of the springs that supports leave which let go; most bodies have none.
+    /// Sets the stiffness of the springs that supports leave which let go, for each unit of reaction (1/UL); most bodies have none.
     fn set_softening(&mut self, _stiffness: f64) {}
     /// The prescribed unknowns at the present load (UL), in the order of [`DofMap`].
     fn prescribed(&self) -> &[f64];

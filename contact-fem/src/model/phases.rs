@@ -72,15 +72,15 @@ impl<const D: usize> Problem<D> {
     /// Makes springs of what supports leave that let go bodies at large strains; those halfway through the phase would store as much as
     /// the bodies have `stored` (UF·UL), if they carried the reactions.
     fn let_soften(&mut self, stored: f64) {
-        let (force, length) = (self.scale.energy / self.scale.length, self.scale.length);
+        let length = self.scale.length;
         let bodies = self.scene.bodies_mut().iter_mut();
         let yielding: Vec<_> = bodies.filter(|body| !body.is_small_strain()).collect();
-        let squares: f64 = yielding.iter().map(|body| body.squares_released()).sum();
-        let stiffness = 0.5 * squares / stored;
+        let sum: f64 = yielding.iter().map(|body| body.sum_released()).sum();
+        let stiffness = 0.5 * sum / stored;
         let is_usable = stiffness > 0.0 && stiffness.is_finite();
-        let stiffness = if is_usable { stiffness } else { force / length };
+        let stiffness = if is_usable { stiffness } else { 1.0 / length };
         for body in yielding {
-            if body.squares_released() > 0.0 {
+            if body.sum_released() > 0.0 {
                 body.soften(stiffness);
             }
         }
@@ -152,6 +152,9 @@ impl<const D: usize> Problem<D> {
 
     /// Checks the supports of each phase of a run; `ends` are the load factors at which phases end.
     pub(super) fn check_supports(&mut self, ends: &[f64]) -> Result<(), Error> {
+        for body in self.scene.bodies() {
+            body.check_agreement(ends)?;
+        }
         if !self.is_switched() {
             return Ok(());
         }

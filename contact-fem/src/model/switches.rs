@@ -39,6 +39,13 @@ impl During {
         all.any(|[from, to]| (*from < t || (t == 0.0 && *from <= 0.0)) && t <= *to)
     }
 
+    /// Where the interval begins that has `t`.
+    pub fn beginning(&self, t: f64) -> Option<f64> {
+        let mut all = self.0.iter();
+        all.find(|[from, to]| *from < t && t <= *to)
+            .map(|[from, _]| *from)
+    }
+
     /// Whether both have some load factor.
     pub fn meets(&self, other: &Self) -> bool {
         let meets = |a: &[f64; 2], b: &[f64; 2]| a[0].max(b[0]) < a[1].min(b[1]);

@@ -15,7 +15,7 @@ use super::{BodyEnergy, CellState, Dof, DofMap};
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
-/// The energy of a body and of its boundary: E + Σ ½ UᵀS U + Σ p V + Σ ½ s (U − U₀)².
+/// The energy of a body and of its boundary: E + Σ ½ UᵀS U + Σ p V + Σ ½ s |r| (U − U₀)².
 ///
 /// The Hessian has the pattern of the body's: the nodes of a facet are nodes of a cell.
 pub(crate) struct OnBoundary<const D: usize> {
@@ -29,11 +29,11 @@ pub(crate) struct OnBoundary<const D: usize> {
     slots: Vec<Vec<Option<usize>>>,
     /// The present pressures (UF/UL in the plane, UF/UL² in space).
     pressures: Vec<f64>,
-    /// Dofs on springs of one stiffness, and where these are fixed, U₀ (UL).
-    softening: Vec<(usize, f64)>,
-    /// The places of their diagonal entries in the Hessian.
-    diagonal: Vec<usize>,
-    /// The present stiffness s (UF/UL).
+    /// Dofs on springs, where these are fixed, U₀ (UL), and the reactions to which their stiffness is proportional (UF).
+    softening: Vec<(usize, f64, f64)>,
+    /// The places of their diagonal entries in the Hessian, and these reactions.
+    diagonal: Vec<(usize, f64)>,
+    /// The present stiffness s, for each unit of reaction (1/UL).
     stiffness: f64,
 }
 
@@ -69,11 +69,11 @@ impl<const D: usize> OnBoundary<D> {
         }
     }
 
-    /// Puts free dofs on springs that are fixed at the displacements U₀ (UL).
-    pub fn with_softening(mut self, softening: Vec<(usize, f64)>) -> Self {
+    /// Puts free dofs on springs that are fixed at the displacements U₀ (UL), of a stiffness proportional to reactions (UF).
+    pub fn with_softening(mut self, softening: Vec<(usize, f64, f64)>) -> Self {
         let pattern = self.body.hessian_pattern();
-        let slot = |(dof, _): &(usize, f64)| match self.dofs.get(*dof) {
-            Dof::Free(i) => pattern.slot(i, i),
+        let slot = |&(dof, _, share): &(usize, f64, f64)| match self.dofs.get(dof) {
+            Dof::Free(i) => Some((pattern.slot(i, i)?, share)),
             _ => None,
         };
         self.diagonal = softening.iter().filter_map(slot).collect();
@@ -91,20 +91,18 @@ impl<const D: usize> OnBoundary<D> {
         for (own, p) in self.pushed() {
             own.add_areas(U, *p, forces);
         }
-        for &(dof, place) in &self.softening {
-            forces[dof] += self.stiffness * (U[dof] - place);
+        for &(dof, place, share) in &self.softening {
+            forces[dof] += self.stiffness * share * (U[dof] - place);
         }
         let springs = self.springs.iter();
         let stored: f64 = springs.map(|own| own.add_forces(U, forces)).sum();
         stored + self.stored_in_softening(U)
     }
 
-    /// Σ ½ s (U − U₀)².
+    /// Σ ½ s |r| (U − U₀)².
     fn stored_in_softening(&self, U: &[f64]) -> f64 {
-        let squares = self
-            .softening
-            .iter()
-            .map(|(dof, place)| (U[*dof] - place).powi(2));
+        let own = self.softening.iter();
+        let squares = own.map(|&(dof, place, share)| share * (U[dof] - place).powi(2));
         0.5 * self.stiffness * squares.sum::<f64>()
     }
 
@@ -154,7 +152,7 @@ impl<const D: usize> Energy for OnBoundary<D> {
         let entries = self.entries.iter();
         entries.for_each(|(slot, s)| values[*slot] += s);
         let diagonal = self.diagonal.iter();
-        diagonal.for_each(|slot| values[*slot] += self.stiffness);
+        diagonal.for_each(|(slot, share)| values[*slot] += self.stiffness * share);
         let all = self.pressed.iter().zip(&self.pressures).zip(&self.slots);
         let mut pushed = all.filter(|((_, p), _)| **p != 0.0).peekable();
         if pushed.peek().is_none() {

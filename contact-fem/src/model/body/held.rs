@@ -1,8 +1,11 @@
 //! Supports that hold in some phases alone.
 
+use std::collections::BTreeMap;
+
 use super::{Body, Supports};
 use crate::error::Error;
 use crate::model::switches::During;
+use crate::tensor::unit_vector;
 
 /// The supports of a body as they were declared, and which of them hold it.
 #[derive(Clone, Default)]
@@ -26,12 +29,26 @@ struct Declared {
     during: Option<During>,
 }
 
+impl Declared {
+    /// Since when it holds at `t`, the load factor 0 or a later one; `None` if it does not.
+    fn since(&self, t: f64) -> Option<f64> {
+        match &self.during {
+            None => Some(0.0),
+            Some(during) => Some(during.beginning(t)?.max(0.0)),
+        }
+    }
+}
+
+/// Supports of one component may differ by this share of the mesh's size.
+const SAME: f64 = 1e-12;
+
 /// What supports that have let go do within a phase.
 #[derive(Clone, Default)]
 struct Fading {
     span: [f64; 2],
     released: Vec<Released>,
-    /// The stiffness, halfway, of the springs that they become (UF/UL); `None`: they become forces, which fall in equal shares.
+    /// The stiffness, halfway, of the springs that they become, for each unit of reaction (1/UL); `None`: they become forces, which fall
+    /// in equal shares.
     stiffness: Option<f64>,
 }
 
@@ -42,6 +59,8 @@ struct Released {
     /// Its displacement (UL) and the reaction (UF) when the phase began.
     place: f64,
     reaction: f64,
+    /// The magnitude of the node's reaction (UF).
+    share: f64,
     /// The number of the boundary's name.
     name: usize,
 }
@@ -53,7 +72,7 @@ impl Fading {
         ((until - t) / (until - from)).clamp(0.0, 1.0)
     }
 
-    /// The stiffness of the springs at `t` (UF/UL): it falls from infinity to zero; 0 without springs, and where the phase begins.
+    /// The stiffness of the springs at `t`, for each unit of reaction (1/UL): it falls from infinity to zero; 0 without springs, and where the phase begins.
     fn stiffness_at(&self, t: f64) -> f64 {
         match (self.stiffness, self.left(t)) {
             (Some(halfway), left) if left < 1.0 => halfway * left / (1.0 - left),
@@ -64,7 +83,7 @@ impl Fading {
     /// The force (UF) of a released dof at `t` and the displacement `u` (UL).
     fn force(&self, own: &Released, t: f64, u: f64) -> f64 {
         match self.stiffness {
-            Some(_) => self.stiffness_at(t) * (own.place - u),
+            Some(_) => self.stiffness_at(t) * own.share * (own.place - u),
             None => self.left(t) * own.reaction,
         }
     }
@@ -109,8 +128,9 @@ impl<const D: usize> Body<D> {
     ///
     /// A support that ends lets go over the next phase. Until the end of that phase, what it still does counts as its reaction.
     /// On a body of small strains, its reaction falls to zero in equal shares. On any other, it becomes springs, one for each
-    /// component of a node that it held, fixed where the node was: k (1 − s)/s is their stiffness in the share s of the phase. It falls from
-    /// infinity to zero, and halfway, springs that carried the reactions would store as much energy as the bodies did: k = Σ r²/2W. Springs cannot turn
+    /// component of a node that it held, fixed where the node was: |r| k (1 − s)/s is their stiffness at a node with the reaction r in the share s
+    /// of the phase. It falls from infinity to zero, and halfway, springs that carried the reactions would store as much energy as the
+    /// bodies did: k = Σ |r|/2W. All would be stretched alike, so that a body that is strained evenly comes back evenly. Springs cannot turn
     /// a body over, as forces that keep their direction can. Where another support holds the same component, it stays held.
     ///
     /// A bar is drawn by 0.1, and its end is let go:
@@ -265,15 +285,24 @@ impl<const D: usize> Body<D> {
                 (Some(_), _) => {
                     self.supports.begun.insert(dof, (U[dof], from));
                 }
-                (None, Some(then)) if reactions[dof] != 0.0 => released.push(Released {
+                (None, Some(then)) => released.push(Released {
                     dof,
                     place: U[dof],
                     reaction: reactions[dof],
+                    share: 0.0,
                     name: self.declared.all[*then].name,
                 }),
                 _ => {}
             }
         }
+        let mut shares = BTreeMap::new();
+        for own in &released {
+            let share = shares.entry(own.dof / D).or_insert(0.0_f64);
+            *share = share.hypot(own.reaction);
+        }
+        let share = |own: &mut Released| own.share = shares[&(own.dof / D)];
+        released.iter_mut().for_each(share);
+        released.retain(|own| own.share > 0.0);
         let is_other = by != before || was_begun;
         self.let_hold(&by);
         self.declared.fading = Fading {
@@ -284,10 +313,13 @@ impl<const D: usize> Body<D> {
         is_other
     }
 
-    /// Σ r² over the reactions (UF) of supports that let go in this phase.
-    pub(in crate::model) fn squares_released(&self) -> f64 {
+    /// Σ |r| over the reactions (UF) of nodes that supports let go in this phase.
+    pub(in crate::model) fn sum_released(&self) -> f64 {
         let released = self.declared.fading.released.iter();
-        released.map(|own| own.reaction * own.reaction).sum()
+        // of each node the share of one of its components
+        released
+            .map(|own| own.reaction * own.reaction / own.share)
+            .sum()
     }
 
     /// Whether what they leave are springs.
@@ -295,22 +327,24 @@ impl<const D: usize> Body<D> {
         self.declared.fading.stiffness.is_some()
     }
 
-    /// Lets what they leave be springs, of a stiffness (UF/UL) halfway through the phase.
+    /// Lets what they leave be springs, of a stiffness halfway through the phase for each unit of reaction (1/UL).
     pub(in crate::model) fn soften(&mut self, halfway: f64) {
         self.declared.fading.stiffness = Some(halfway);
     }
 
-    /// The springs that they leave: dofs, and their displacements when the phase began (UL).
-    pub(super) fn softening(&self) -> Vec<(usize, f64)> {
+    /// The springs that they leave: dofs, their displacements when the phase began (UL), and their reactions (UF).
+    pub(super) fn softening(&self) -> Vec<(usize, f64, f64)> {
         let fading = &self.declared.fading;
         let released = fading
             .released
             .iter()
             .filter(|_| fading.stiffness.is_some());
-        released.map(|own| (own.dof, own.place)).collect()
+        released
+            .map(|own| (own.dof, own.place, own.share))
+            .collect()
     }
 
-    /// Their stiffness at a load factor (UF/UL).
+    /// Their stiffness at a load factor, for each unit of reaction (1/UL).
     pub(in crate::model) fn softening_stiffness(&self, factor: f64) -> f64 {
         self.declared.fading.stiffness_at(factor)
     }
@@ -356,6 +390,63 @@ impl<const D: usize> Body<D> {
     pub(in crate::model) fn switched(&self) -> impl Iterator<Item = (&str, &During)> {
         let all = self.declared.all.iter();
         all.filter_map(|own| Some((self.supported[own.name].as_str(), own.during.as_ref()?)))
+    }
+
+    /// Checks that supports that hold a component together agree, in the phases that end at `ends`: in their values, or where one of them
+    /// began later, in what these have grown by since.
+    ///
+    /// # Errors
+    /// [`Error::Conflict`].
+    pub(in crate::model) fn check_agreement(&self, ends: &[f64]) -> Result<(), Error> {
+        let (low, high) = self.mesh.bounding_box();
+        let same = SAME * (high - low).norm();
+        let begins = std::iter::once(0.0).chain(ends.iter().copied());
+        for (from, until) in begins.zip(ends.iter().copied()) {
+            let middle = 0.5 * (from + until);
+            let mut held: Vec<Option<(&Declared, f64, (f64, usize))>> =
+                vec![None; self.prescribed.len()];
+            for own in &self.declared.all {
+                let Some(since) = own.since(middle) else {
+                    continue;
+                };
+                for &(dof, value) in &own.held {
+                    let Some((other, other_since, other_value)) = held[dof] else {
+                        held[dof] = Some((own, since, value));
+                        continue;
+                    };
+                    let since = since.max(other_since);
+                    let at = |t: f64| {
+                        [other_value, value].map(|value| {
+                            let now = self.supports.course_at(dof, value, t);
+                            match since > 0.0 {
+                                true => now - self.supports.course_at(dof, value, since),
+                                false => now,
+                            }
+                        })
+                    };
+                    let times = (1..=16)
+                        .rev()
+                        .map(|k| from + (until - from) * f64::from(k) / 16.0);
+                    let mut all = times.map(|t| (t, at(t)));
+                    if let Some((at, [first, second])) =
+                        all.find(|(_, [first, second])| !((first - second).abs() <= same))
+                    {
+                        let (node, component) = (dof / D, dof % D);
+                        return Err(Error::Conflict {
+                            node,
+                            x: self.mesh.nodes()[node].iter().copied().collect(),
+                            component,
+                            direction: unit_vector::<D>(component).iter().copied().collect(),
+                            on: Box::new([other, own].map(|own| self.supported[own.name].clone())),
+                            first,
+                            second,
+                            at,
+                        });
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// What supports that have let go still do at a load factor and the displacements U of all dofs (UL): dofs, forces (UF) and
