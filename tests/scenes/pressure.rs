@@ -222,6 +222,51 @@ fn pressures_are_continuous_in_the_forces() {
     }
 }
 
+/// Two rings of like polygons, of which nodes of one are above the middles of the other's facets: on both the pressure is Lamé's,
+/// though all gaps between nodes and facets are as large as the facets are bent.
+#[test]
+fn polygons_bear_a_constant_pressure() {
+    let pressure = |segments: [usize; 2]| -> [f64; 2] {
+        let ring = |radii: [f64; 2], segments: usize| {
+            let radii = linspace(radii[0], radii[1], segments / 12);
+            let mesh = generators::annulus(&radii, segments, Diagonals::Rising);
+            elastic(mesh.expect("mesh"), 0.3)
+        };
+        let (mut inner, mut outer) = (ring([1.0, 1.5], segments[0]), ring([1.5, 2.0], segments[1]));
+        inner.pressure("inner", 1.0).expect("a load");
+        let along = |body: &mut Body<2>, radius: f64| {
+            let nodes = body.mesh().nodes().iter().enumerate();
+            let axes = [0, 1].map(|i| {
+                let on = nodes
+                    .clone()
+                    .filter(|(_, X)| X[i].abs() < 1e-9 && (X.norm() - radius).abs() < 1e-9);
+                on.map(|(a, _)| a).collect::<Vec<_>>()
+            });
+            for (i, nodes) in axes.into_iter().enumerate() {
+                let mut held = [None; 2];
+                held[i] = Some(0.0);
+                body.prescribe_nodes(&nodes, held).expect("held");
+            }
+        };
+        along(&mut inner, 1.0);
+        along(&mut outer, 2.0);
+        let mut scene = pair((inner, "outer"), (outer, "inner")).expect("a pair");
+        scene.initial_gaps = ipopt_contact::contact_fem::model::InitialGaps::Adjust;
+        let solved = Solved::new(scene);
+        // Lamé in plane strain, both rings of one material as if they were one: p (b²/c² − 1) a² / (b² (a²/c² − 1))
+        let lame = (2.0_f64 * 2.0 / (1.5 * 1.5) - 1.0) / (2.0 * 2.0 - 1.0);
+        [solved.pressures(), solved.consistent_pressures()].map(|fields| {
+            let off = fields.iter().flatten().map(|p| relative(*p, lame));
+            off.fold(0.0, f64::max)
+        })
+    };
+    for segments in [[36, 24], [72, 48], [96, 72]] {
+        let [chosen, consistent] = pressure(segments);
+        println!("{segments:?}: {chosen:.4}, consistent {consistent:.4}");
+        assert!(chosen < 0.05, "{segments:?}: {chosen}");
+    }
+}
+
 /// Two blocks under a load that grows along their common face, of meshes that do not match: on each of them the field has
 /// resultant and moment of the nodal forces.
 #[test]

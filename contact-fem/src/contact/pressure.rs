@@ -27,7 +27,7 @@ pub struct Pressed<'a, const D: usize> {
     pub forces: &'a [Vector<D>],
     /// Those of the passes in which the surface is the slave (UF).
     pub own: &'a [Vector<D>],
-    /// The gaps to the nearest other surface (UL), positive = open; `None` where there is none in reach.
+    /// The gaps to the nearest other surface, taken as a smooth one (UL), positive = open; `None` where there is none in reach.
     pub gaps: &'a [Option<f64>],
     /// The nodes of the other surface, with the distance between nodes there (UL); empty where that surface does not deform.
     pub facing: &'a [(Vector<D>, f64)],

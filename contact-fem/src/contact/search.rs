@@ -270,8 +270,37 @@ pub fn nodes_inside<const D: usize>(
 ) -> Vec<(usize, f64)> {
     let gaps = nodal_gaps(slave, slave_normals, master, x, now, reach);
     let inside = gaps.into_iter().enumerate();
-    let inside = inside.filter_map(|(k, gap)| Some((k, gap.filter(|gap| *gap < 0.0)?)));
-    inside.collect()
+    let inside = inside.filter_map(|(k, gap)| Some((k, gap?.to_facet)));
+    inside.filter(|(_, gap)| *gap < 0.0).collect()
+}
+
+/// The gap of a node (UL), positive = open.
+#[derive(Clone, Copy, Debug)]
+pub struct NodalGap {
+    /// To the facet that it faces.
+    pub to_facet: f64,
+    /// How far the surface that has the averaged normals is outside that facet there.
+    pub bulge: f64,
+}
+
+/// Normals of a facet's corners that differ by less than the first tell how the surface is curved; those that differ by more than the
+/// second are of an edge.
+const CURVED: [f64; 2] = [0.4, 0.6];
+
+/// How far a smooth surface through the corners of a straight facet, with these normals there, is outside it (UL); 0 of quadratic
+/// facets, which have the curvature that they have.
+fn bulge<const D: usize>(x: &[Vector<D>], normals: &[Vector<D>], lambda: &Vector<D>) -> f64 {
+    if x.len() > D {
+        return 0.0;
+    }
+    let [smooth, edge] = CURVED;
+    let pairs = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
+    let bulges = pairs.map(|(i, j)| {
+        let turn = normals[j] - normals[i];
+        let share = ((edge - turn.norm()) / (edge - smooth)).clamp(0.0, 1.0);
+        0.5 * share * lambda[i] * lambda[j] * (x[j] - x[i]).dot(&turn)
+    });
+    bulges.sum()
 }
 
 /// As [`nodes_inside`], the gaps of all nodes; `None` where no point of `master` counts.
@@ -282,7 +311,7 @@ pub fn nodal_gaps<const D: usize>(
     x: &[Vector<D>],
     now: &[Vector<D>],
     reach: f64,
-) -> Vec<Option<f64>> {
+) -> Vec<Option<NodalGap>> {
     let same_body = slave.body() == master.surface().body();
     let numbers: Vec<usize> = (0..slave.nodes().len()).collect();
     let facet_size = slave.facet_size();
@@ -301,10 +330,15 @@ pub fn nodal_gaps<const D: usize>(
             }),
         })?;
         let surface = master.surface();
-        let nodes = surface.facet(p.facet).iter().map(|&b| surface.nodes()[b]);
+        let facet = surface.facet(p.facet);
+        let corners: Vec<Vector<D>> = facet.iter().map(|&b| now[surface.nodes()[b]]).collect();
+        let normals: Vec<Vector<D>> = facet.iter().map(|&b| master.normals()[b]).collect();
         let shapes = facet_shapes(surface.order(), &p.lambda);
-        let foot: Vector<D> = nodes.zip(shapes).map(|(b, N)| now[b] * N).sum();
-        Some((now[node] - foot).dot(&p.normal))
+        let foot: Vector<D> = corners.iter().zip(shapes).map(|(x, N)| x * N).sum();
+        Some(NodalGap {
+            to_facet: (now[node] - foot).dot(&p.normal),
+            bulge: bulge(&corners, &normals, &p.lambda),
+        })
     };
     slave_normals.iter().enumerate().map(gap).collect()
 }

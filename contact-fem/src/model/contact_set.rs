@@ -15,7 +15,7 @@ use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
 use crate::contact::motion::Motion;
 use crate::contact::obstacle::Placed;
 use crate::contact::rows::{PassRows, Unknowns};
-use crate::contact::search::{nodal_gaps, nodes_inside};
+use crate::contact::search::{NodalGap, nodal_gaps, nodes_inside};
 use crate::contact::stencil::{Projected, on_obstacle, projected_unless};
 use crate::contact::variation::Variation;
 use crate::contact::{Master, Pass, Surface};
@@ -649,7 +649,7 @@ impl<const D: usize> ContactSet<D> {
         [own, other]: [usize; 2],
         kinematics: &Kinematics<D>,
         u: &[f64],
-    ) -> Vec<Option<f64>> {
+    ) -> Vec<Option<NodalGap>> {
         let pass = Pass {
             slave: own,
             master: other,
@@ -661,8 +661,11 @@ impl<const D: usize> ContactSet<D> {
         let (surface, normals) = (&self.surfaces[own], located.master(own).normals());
         let mut gaps = match self.obstacle_of(pass) {
             Some((_, obstacle)) => {
-                let gap = |&node: &usize| Some(gap_on(obstacle, &located.x[node], &now[node]));
-                surface.nodes().iter().map(gap).collect()
+                let gap = |&node: &usize| NodalGap {
+                    to_facet: gap_on(obstacle, &located.x[node], &now[node]),
+                    bulge: 0.0,
+                };
+                surface.nodes().iter().map(|node| Some(gap(node))).collect()
             }
             None => {
                 let master = located.master(other);
@@ -671,8 +674,13 @@ impl<const D: usize> ContactSet<D> {
         };
         if let Some(depths) = self.initial_overlaps.of(pass) {
             let left = self.initial_gaps.share_left(kinematics.factor);
-            for (gap, depth) in gaps.iter_mut().zip(&depths.nodes) {
-                *gap = gap.map(|gap| gap + left * depth);
+            for (gap, &depth) in gaps.iter_mut().zip(&depths.nodes) {
+                let Some(gap) = gap.as_mut().filter(|_| depth > 0.0) else {
+                    continue;
+                };
+                gap.to_facet += left * depth;
+                // the smooth surface was by its bulge deeper or less deep
+                gap.bulge += left * (depth - (depth + gap.bulge).max(0.0));
             }
         }
         gaps

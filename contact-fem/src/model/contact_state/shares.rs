@@ -22,6 +22,8 @@ pub(super) struct Share<const D: usize> {
     pub(super) normals: Vec<Vector<D>>,
     facing: Vec<(Vector<D>, f64)>,
     modulus: f64,
+    /// How far the other surface, taken as a smooth one, is outside its facets where nodes face it (UL).
+    bulges: Vec<f64>,
     pub(super) area: f64,
     pub(super) side: PairSide<D>,
 }
@@ -81,7 +83,7 @@ impl<const D: usize> Together<D> {
             nodes.clone().map(at).collect()
         };
         let gap = |a: usize| {
-            let gaps = members().filter_map(|share| share.side.gaps[a]);
+            let gaps = members().filter_map(|share| Some(share.side.gaps[a]? - share.bulges[a]));
             gaps.reduce(f64::min)
         };
         let neighbours = match group.len() {
@@ -142,18 +144,23 @@ impl<const D: usize> Problem<D> {
             }
             _ => Vec::new(),
         };
+        let gaps = self.contact.nodal_gaps([index, other], &self.kinematics, u);
         Share {
             pair,
             other,
             own: self.forces_on(surface, rows, is_own),
             facing,
             modulus: self.pair_modulus([index, other]),
+            bulges: gaps
+                .iter()
+                .map(|gap| gap.map_or(0.0, |gap| gap.bulge))
+                .collect(),
             normals: located.master(index).normals().to_vec(),
             area: 0.0,
             side: PairSide {
                 surface: index,
                 forces: self.forces_on(surface, rows, is_pair),
-                gaps: self.contact.nodal_gaps([index, other], &self.kinematics, u),
+                gaps: gaps.iter().map(|gap| Some((*gap)?.to_facet)).collect(),
                 pressures: vec![0.0; surface.nodes().len()],
             },
         }
