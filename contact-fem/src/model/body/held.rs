@@ -403,8 +403,7 @@ impl<const D: usize> Body<D> {
         let begins = std::iter::once(0.0).chain(ends.iter().copied());
         for (from, until) in begins.zip(ends.iter().copied()) {
             let middle = 0.5 * (from + until);
-            let mut held: Vec<Option<(&Declared, f64, (f64, usize))>> =
-                vec![None; self.prescribed.len()];
+            let mut held = vec![None; self.prescribed.len()];
             for own in &self.declared.all {
                 let Some(since) = own.since(middle) else {
                     continue;
