@@ -5,9 +5,6 @@ CARGO ?= cargo
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-# That of the quick measurements and of random scenes. `dev` uses what `make test` compiled.
-PROFILE ?= release
-
 .PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
 
 help:
@@ -105,7 +102,7 @@ report: install
 	$(CARGO) run --release -p ipopt-contact-report
 
 report-quick: install
-	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-report -- --quick
+	$(CARGO) run --release -p ipopt-contact-report -- --quick
 
 # MESHES="a.mesh b.mesh" are further meshes of the ball, as scripts/ball.geo makes them.
 pressures: install
@@ -117,9 +114,9 @@ extremes: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --solver ipopt --coarse --out out/extremes-ipopt
 
 extremes-quick: install
-	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-scenes --bin extremes -- --quick --out out/extremes-quick
-	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-scenes --bin extremes -- --quick --solver ipopt --out out/extremes-quick-ipopt
-	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-scenes --bin extremes -- --coarse --solver newton --out out/extremes-newton
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --out out/extremes-quick
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --solver ipopt --out out/extremes-quick-ipopt
+	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --coarse --solver newton --out out/extremes-newton
 
 needs: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin needs
@@ -152,4 +149,4 @@ fuzz-binding: install
 
 # A case has a number, which the program takes as its third argument to show it again.
 fuzz-scenes: install
-	$(CARGO) run --profile $(PROFILE) -p ipopt-contact-scenes --bin fuzz_scenes -- $(SECONDS) $(SEED)
+	$(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes -- $(SECONDS) $(SEED)
