@@ -284,15 +284,23 @@ pub struct NodalGap {
 }
 
 /// Normals of a facet's corners that differ by less than the first tell how the surface is curved; those that differ by more than the
-/// second are of an edge.
+/// second are of an edge: a right-angled one makes them differ by 0.77.
 const CURVED: [f64; 2] = [0.4, 0.6];
 
-/// How far a smooth surface through the corners of a straight facet, with these normals there, is outside it (UL); 0 of quadratic
-/// facets, which have the curvature that they have.
-fn bulge<const D: usize>(x: &[Vector<D>], normals: &[Vector<D>], lambda: &Vector<D>) -> f64 {
-    if x.len() > D {
+/// How far a smooth surface through the corners of a straight facet, with the averaged normals n there, is outside it (UL), at the
+/// point with the barycentric coordinates λ: Σ ½ λ_i λ_j (x_j − x_i)·(n_j − n_i), on a circle the sagitta h²/8R in the middle. It is 0 of
+/// quadratic facets, which are curved themselves.
+fn bulge<const D: usize>(
+    master: &Master<D>,
+    facet: &[usize],
+    now: &[Vector<D>],
+    lambda: &Vector<D>,
+) -> f64 {
+    if facet.len() > D {
         return 0.0;
     }
+    let x: [Vector<D>; D] = std::array::from_fn(|i| now[master.surface().nodes()[facet[i]]]);
+    let normals: [Vector<D>; D] = std::array::from_fn(|i| master.normals()[facet[i]]);
     let [smooth, edge] = CURVED;
     let pairs = (0..D).flat_map(|j| (0..j).map(move |i| (i, j)));
     let bulges = pairs.map(|(i, j)| {
@@ -331,13 +339,12 @@ pub fn nodal_gaps<const D: usize>(
         })?;
         let surface = master.surface();
         let facet = surface.facet(p.facet);
-        let corners: Vec<Vector<D>> = facet.iter().map(|&b| now[surface.nodes()[b]]).collect();
-        let normals: Vec<Vector<D>> = facet.iter().map(|&b| master.normals()[b]).collect();
+        let nodes = facet.iter().map(|&b| surface.nodes()[b]);
         let shapes = facet_shapes(surface.order(), &p.lambda);
-        let foot: Vector<D> = corners.iter().zip(shapes).map(|(x, N)| x * N).sum();
+        let foot: Vector<D> = nodes.zip(shapes).map(|(b, N)| now[b] * N).sum();
         Some(NodalGap {
             to_facet: (now[node] - foot).dot(&p.normal),
-            bulge: bulge(&corners, &normals, &p.lambda),
+            bulge: bulge(master, facet, now, &p.lambda),
         })
     };
     slave_normals.iter().enumerate().map(gap).collect()
@@ -347,7 +354,8 @@ pub fn nodal_gaps<const D: usize>(
 mod tests {
     use super::*;
     use crate::element::Order;
-    use crate::mesh::generators::cylinder;
+    use crate::mesh::Mesh;
+    use crate::mesh::generators::{Diagonals, annulus, cylinder, rectangle};
 
     /// Every point beyond the rim of a disc is off its end, also where the closest point is a
     /// corner of facets without a side on the rim.
@@ -365,6 +373,40 @@ mod tests {
         }
         let above = Vector::<3>::new(0.3, -0.4, 1.01);
         assert!(!master.project(&above).expect("a facet").off_the_end);
+    }
+
+    /// In the middle of a chord, a circle is outside it by the sagitta, the circle around a hole is inside by as much, and edges are none.
+    #[test]
+    fn facets_bulge_as_circles_do() {
+        let in_the_middle = |mesh: &Mesh<2>, boundary: &str| -> Vec<f64> {
+            let facets = mesh.boundary(boundary).expect("named");
+            let surface = Surface::new(0, Order::Linear, facets.iter().copied(), mesh.nodes());
+            let master = Master::new(&Arc::new(surface), mesh.nodes());
+            let middle = Vector::<2>::new(0.5, 0.5);
+            let facets = master.surface().facets();
+            let bulges = facets.map(|facet| bulge(&master, facet, mesh.nodes(), &middle));
+            bulges.collect()
+        };
+        let segments = 48;
+        let ring = annulus(&[1.0, 2.0], segments, Diagonals::Rising).expect("mesh");
+        for (boundary, radius, sign) in [("outer", 2.0, 1.0), ("inner", 1.0, -1.0)] {
+            let sagitta = radius * (1.0 - (std::f64::consts::PI / segments as f64).cos());
+            for bulge in in_the_middle(&ring, boundary) {
+                // the next term is (π/48)² smaller
+                assert!(
+                    (sign * bulge / sagitta - 1.0).abs() < 5e-3,
+                    "{boundary}: {bulge}"
+                );
+            }
+        }
+        let mut halves = rectangle(&[0.0, 0.5, 1.0], &[0.0, 1.0], Diagonals::Rising).expect("mesh");
+        halves.name_boundary("all", |_| true);
+        assert!(
+            in_the_middle(&halves, "all")
+                .iter()
+                .all(|bulge| *bulge == 0.0),
+            "edges"
+        );
     }
 
     /// What a point at `x` that faces along `facing` finds, from any reach; it comes from far away.

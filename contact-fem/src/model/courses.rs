@@ -69,18 +69,16 @@ impl<const D: usize> Supports<D> {
 
     /// The value of one dof at time `t` (UL) along a course, from where it was when its support began.
     pub fn value(&self, dof: usize, value: (f64, usize), t: f64) -> f64 {
-        let now = self.course_at(dof, value, t);
-        match self.begun.get(&dof) {
-            None => now,
-            Some((place, since)) => {
-                match (&self.courses[value.1], self.begun_at(dof / D, *since)) {
-                    (Course::Along(_, Some(motion)), Some(x)) => {
-                        let start = motion.pose(*since).back(&x);
-                        (motion.at(t, &start) - self.X[dof / D])[dof % D]
-                    }
-                    _ => place + (now - self.course_at(dof, value, *since)),
-                }
+        let course = |t| self.course_at(dof, value, t);
+        let Some(&(place, since)) = self.begun.get(&dof) else {
+            return course(t);
+        };
+        match (&self.courses[value.1], self.begun_at(dof / D, since)) {
+            (Course::Along(_, Some(motion)), Some(x)) => {
+                let start = motion.pose(since).back(&x);
+                (motion.at(t, &start) - self.X[dof / D])[dof % D]
             }
+            _ => place + (course(t) - course(since)),
         }
     }
 

@@ -7,6 +7,7 @@ use contact_core::equilibrium::Solution;
 use super::body::Holding;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Report};
+use super::switches::phases;
 use super::work::External;
 use super::{Problem, scale};
 use crate::error::Error;
@@ -135,8 +136,7 @@ impl<const D: usize> Problem<D> {
             if !during.begins_before(last) {
                 return Err(Error::NeverCounts { what, last });
             }
-            let begins = std::iter::once(0.0).chain(ends.iter().copied());
-            for (from, until) in begins.zip(ends.iter().copied()) {
+            for [from, until] in phases(ends) {
                 if let Some(at) = during.within([from, until]) {
                     return Err(Error::SwitchWithinPhase {
                         what,
@@ -158,11 +158,10 @@ impl<const D: usize> Problem<D> {
         if !self.is_switched() {
             return Ok(());
         }
-        let mut from = 0.0;
         let held = self.holdings();
         let mut checked = Ok(());
-        for &until in ends {
-            let phase = [from, until];
+        for phase in phases(ends) {
+            let [from, until] = phase;
             for body in self.scene.bodies_mut() {
                 let nothing = vec![0.0; body.prescribed().len()];
                 if body.is_switched() {
@@ -183,7 +182,6 @@ impl<const D: usize> Problem<D> {
             if checked.is_err() {
                 break;
             }
-            from = until;
         }
         let bodies = self.scene.bodies_mut().iter_mut().zip(held);
         bodies.for_each(|(body, held)| body.hold_again(held));

@@ -18,6 +18,12 @@ pub(super) enum Switched {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct During(Vec<[f64; 2]>);
 
+/// Beginning and end of the phases that end at `ends`.
+pub(super) fn phases(ends: &[f64]) -> impl Iterator<Item = [f64; 2]> {
+    let begins = std::iter::once(0.0).chain(ends.iter().copied());
+    begins.zip(ends).map(|(from, until)| [from, *until])
+}
+
 impl During {
     /// # Errors
     /// Intervals that are empty, and ends that are no numbers.

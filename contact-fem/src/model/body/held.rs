@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use super::{Body, Supports};
 use crate::error::Error;
-use crate::model::switches::During;
+use crate::model::switches::{During, phases};
+use crate::program::samples;
 use crate::tensor::unit_vector;
 
 /// The supports of a body as they were declared, and which of them hold it.
@@ -59,7 +60,7 @@ struct Released {
     /// Its displacement (UL) and the reaction (UF) when the phase began.
     place: f64,
     reaction: f64,
-    /// The magnitude of the node's reaction (UF).
+    /// The magnitude of the reaction of the node's components that are let go (UF).
     share: f64,
     /// The number of the boundary's name.
     name: usize,
@@ -72,7 +73,8 @@ impl Fading {
         ((until - t) / (until - from)).clamp(0.0, 1.0)
     }
 
-    /// The stiffness of the springs at `t`, for each unit of reaction (1/UL): it falls from infinity to zero; 0 without springs, and where the phase begins.
+    /// The stiffness of the springs at `t`, for each unit of reaction (1/UL): it falls from infinity to zero. It is 0 without springs, and
+    /// where the phase begins.
     fn stiffness_at(&self, t: f64) -> f64 {
         match (self.stiffness, self.left(t)) {
             (Some(halfway), left) if left < 1.0 => halfway * left / (1.0 - left),
@@ -335,10 +337,7 @@ impl<const D: usize> Body<D> {
     /// The springs that they leave: dofs, their displacements when the phase began (UL), and their reactions (UF).
     pub(super) fn softening(&self) -> Vec<(usize, f64, f64)> {
         let fading = &self.declared.fading;
-        let released = fading
-            .released
-            .iter()
-            .filter(|_| fading.stiffness.is_some());
+        let released = fading.stiffness.iter().flat_map(|_| &fading.released);
         released
             .map(|own| (own.dof, own.place, own.share))
             .collect()
@@ -398,50 +397,38 @@ impl<const D: usize> Body<D> {
     /// # Errors
     /// [`Error::Conflict`].
     pub(in crate::model) fn check_agreement(&self, ends: &[f64]) -> Result<(), Error> {
+        phases(ends).try_for_each(|span| self.check_agreement_in(span))
+    }
+
+    fn check_agreement_in(&self, [from, until]: [f64; 2]) -> Result<(), Error> {
         let (low, high) = self.mesh.bounding_box();
         let same = SAME * (high - low).norm();
-        let begins = std::iter::once(0.0).chain(ends.iter().copied());
-        for (from, until) in begins.zip(ends.iter().copied()) {
-            let middle = 0.5 * (from + until);
-            let mut held = vec![None; self.prescribed.len()];
-            for own in &self.declared.all {
-                let Some(since) = own.since(middle) else {
+        // of each dof the first support that holds it, since when, and its value
+        let mut first = vec![None; self.prescribed.len()];
+        let all = self.declared.all.iter();
+        let holding = all.filter_map(|own| Some((own, own.since(0.5 * (from + until))?)));
+        for (own, since) in holding {
+            for &(dof, value) in &own.held {
+                let Some((other, earlier, others)) = first[dof] else {
+                    first[dof] = Some((own, since, value));
                     continue;
                 };
-                for &(dof, value) in &own.held {
-                    let Some((other, other_since, other_value)) = held[dof] else {
-                        held[dof] = Some((own, since, value));
-                        continue;
-                    };
-                    let since = since.max(other_since);
-                    let at = |t: f64| {
-                        [other_value, value].map(|value| {
-                            let now = self.supports.course_at(dof, value, t);
-                            match since > 0.0 {
-                                true => now - self.supports.course_at(dof, value, since),
-                                false => now,
-                            }
-                        })
-                    };
-                    let times = (1..=16)
-                        .rev()
-                        .map(|k| from + (until - from) * f64::from(k) / 16.0);
-                    let mut all = times.map(|t| (t, at(t)));
-                    if let Some((at, [first, second])) =
-                        all.find(|(_, [first, second])| !((first - second).abs() <= same))
-                    {
-                        let (node, component) = (dof / D, dof % D);
-                        return Err(Error::Conflict {
-                            node,
-                            x: self.mesh.nodes()[node].iter().copied().collect(),
-                            component,
-                            direction: unit_vector::<D>(component).iter().copied().collect(),
-                            on: Box::new([other, own].map(|own| self.supported[own.name].clone())),
-                            first,
-                            second,
-                            at,
-                        });
+                let since = since.max(earlier);
+                let grown = |value, t| match since > 0.0 {
+                    true => {
+                        let course = |t| self.supports.course_at(dof, value, t);
+                        course(t) - course(since)
                     }
+                    false => self.supports.course_at(dof, value, t),
+                };
+                let times = samples().rev().map(|share| from + (until - from) * share);
+                let mut values = times.map(|t| (t, [others, value].map(|value| grown(value, t))));
+                // numbers that are none differ
+                let differ = values.find(|(_, [a, b])| !((a - b).abs() <= same));
+                if let Some((at, values)) = differ {
+                    let on = [other, own].map(|own| self.supported[own.name].as_str());
+                    let place = (dof / D, unit_vector(dof % D));
+                    return Err(self.conflict(place, on, values, at));
                 }
             }
         }

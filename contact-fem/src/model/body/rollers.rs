@@ -367,16 +367,8 @@ impl<const D: usize> Body<D> {
             let (sum, size) = values.fold((0.0, 0.0), |(sum, size), v| (sum + v, size + v.abs()));
             if sum.abs() > SAME * size {
                 let second = self.supports.course_at(D * node, plane.value, t);
-                return Err(Error::Conflict {
-                    node,
-                    x: self.mesh.nodes()[node].iter().copied().collect(),
-                    component: plane.n.iamax(),
-                    direction: plane.n.iter().copied().collect(),
-                    on: self.names_of(nearest(plane, rows), plane),
-                    first: second - sum,
-                    second,
-                    at: t,
-                });
+                let on = self.names_of(nearest(plane, rows), plane);
+                return Err(self.conflict((node, plane.n), on, [second - sum, second], t));
             }
         }
         Ok(())
@@ -406,7 +398,7 @@ impl<const D: usize> Body<D> {
                 return Err(Error::NearlyParallel {
                     node,
                     x: self.mesh.nodes()[node].iter().copied().collect(),
-                    on: self.names_of(Some(other), plane),
+                    on: Box::new(self.names_of(Some(other), plane).map(str::to_string)),
                     angle: sine.min(1.0).asin().to_degrees(),
                     first: at(&other.value),
                     second,
@@ -419,12 +411,9 @@ impl<const D: usize> Body<D> {
     }
 
     /// The boundaries of two supports.
-    fn names_of(&self, row: Option<&Row<D>>, plane: &Plane<D>) -> Box<[String; 2]> {
-        let first = row.map(|row| self.supported[row.name].clone());
-        Box::new([
-            first.unwrap_or_default(),
-            self.supported[plane.name].clone(),
-        ])
+    fn names_of(&self, row: Option<&Row<D>>, plane: &Plane<D>) -> [&str; 2] {
+        let first = row.map(|row| self.supported[row.name].as_str());
+        [first.unwrap_or_default(), &self.supported[plane.name]]
     }
 
     /// Prescribes the pivots of a node's rows, and ties them to its other components.

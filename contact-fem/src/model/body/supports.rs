@@ -260,17 +260,10 @@ impl<const D: usize> Body<D> {
                     let all = samples().map(at);
                     let mut differ = all.filter(|(_, [first, second])| first != second);
                     if let Some((at, [first, second])) = differ.next_back() {
-                        let name = self.support_of[dof].map(|name| self.supported[name].clone());
-                        return Err(Error::Conflict {
-                            node,
-                            x: self.mesh.nodes()[node].iter().copied().collect(),
-                            component,
-                            direction: unit_vector::<D>(component).iter().copied().collect(),
-                            on: Box::new([name.unwrap_or_default(), boundary.to_string()]),
-                            first,
-                            second,
-                            at,
-                        });
+                        let name = self.support_of[dof].map(|name| self.supported[name].as_str());
+                        let on = [name.unwrap_or_default(), boundary];
+                        let direction = unit_vector(component);
+                        return Err(self.conflict((node, direction), on, [first, second], at));
                     }
                 }
             }
@@ -293,6 +286,26 @@ impl<const D: usize> Body<D> {
             body.declare(own, held);
             body.resolve_all(nodes)
         })
+    }
+
+    /// Two supports, by their boundaries, that prescribe different displacements (UL) of a node along a direction of length 1.
+    pub(super) fn conflict(
+        &self,
+        (node, direction): (usize, Vector<D>),
+        on: [&str; 2],
+        [first, second]: [f64; 2],
+        at: f64,
+    ) -> Error {
+        Error::Conflict {
+            node,
+            x: self.mesh.nodes()[node].iter().copied().collect(),
+            component: direction.iamax(),
+            direction: direction.iter().copied().collect(),
+            on: Box::new(on.map(str::to_string)),
+            first,
+            second,
+            at,
+        }
     }
 
     /// # Errors
