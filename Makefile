@@ -2,6 +2,11 @@
 
 CARGO ?= cargo
 
+# How programs of measurements run.
+REPORT ?= $(CARGO) run --release -p ipopt-contact-report --
+EXTREMES ?= $(CARGO) run --release -p ipopt-contact-scenes --bin extremes --
+FUZZ_SCENES ?= $(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes --
+
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
@@ -99,24 +104,24 @@ bench-overhead: install
 
 # Both go on where they were interrupted.
 report: install
-	$(CARGO) run --release -p ipopt-contact-report
+	$(REPORT)
 
 report-quick: install
-	$(CARGO) run --release -p ipopt-contact-report -- --quick
+	$(REPORT) --quick
 
 # MESHES="a.mesh b.mesh" are further meshes of the ball, as scripts/ball.geo makes them.
 pressures: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin pressures -- $(if $(MESHES),--meshes $(MESHES))
 
 extremes: install
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --out out/extremes
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --solver newton --out out/extremes-newton
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --solver ipopt --coarse --out out/extremes-ipopt
+	$(EXTREMES) --out out/extremes
+	$(EXTREMES) --solver newton --out out/extremes-newton
+	$(EXTREMES) --solver ipopt --coarse --out out/extremes-ipopt
 
 extremes-quick: install
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --out out/extremes-quick
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --quick --solver ipopt --out out/extremes-quick-ipopt
-	$(CARGO) run --release -p ipopt-contact-scenes --bin extremes -- --coarse --solver newton --out out/extremes-newton
+	$(EXTREMES) --quick --out out/extremes-quick
+	$(EXTREMES) --quick --solver ipopt --out out/extremes-quick-ipopt
+	$(EXTREMES) --coarse --solver newton --out out/extremes-newton
 
 needs: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin needs
@@ -149,4 +154,4 @@ fuzz-binding: install
 
 # A case has a number, which the program takes as its third argument to show it again.
 fuzz-scenes: install
-	$(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes -- $(SECONDS) $(SEED)
+	$(FUZZ_SCENES) $(SECONDS) $(SEED)

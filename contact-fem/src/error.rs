@@ -489,8 +489,9 @@ pub enum Error {
     },
     /// Loads or prescribed displacements beyond what bodies could follow.
     #[error(
-        "{what} of body `{body}` would move it by {share:.1e} times the size of the scene, and at most {limit:.0e} is accepted: check \
-         units and powers of ten"
+        "{what} of body `{body}` would move it by {} times the size of the scene, and at most {limit:.0e} is accepted: check \
+         units and powers of ten",
+        finite(*share)
     )]
     Excessive {
         /// The body.
@@ -652,6 +653,14 @@ pub enum Error {
         /// Why.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+/// A number that may have overflowed.
+fn finite(value: f64) -> String {
+    match value.is_finite() {
+        true => format!("{value:.1e}"),
+        false => format!("more than {:.0e}", f64::MAX),
+    }
 }
 
 /// The names of two supports.

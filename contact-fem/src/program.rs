@@ -61,18 +61,20 @@ impl Amplitude {
     pub fn table(pairs: &[(f64, f64)]) -> Result<Self, Error> {
         let values = pairs.iter().flat_map(|(t, value)| [t, value]);
         Error::check_finite("the amplitude's table", values)?;
-        let wrong = |value, remedy| {
+        let wrong = |name, value, remedy| {
             Err(Error::Setting {
-                name: "amplitude",
+                name,
                 value,
                 remedy,
             })
         };
         if pairs.is_empty() {
-            return wrong(0.0, "give a table of one pair of time and value at least");
+            let remedy = "give one pair of time and value at least";
+            return wrong("number of pairs of an amplitude", 0.0, remedy);
         }
         if let Some(pair) = pairs.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
-            return wrong(pair[1].0, "let the times of a table ascend");
+            let remedy = "it follows a time that is not less: let the times ascend";
+            return wrong("time of an amplitude", pair[1].0, remedy);
         }
         Ok(Amplitude(Kind::Table(pairs.into())))
     }

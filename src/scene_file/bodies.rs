@@ -330,9 +330,9 @@ impl SupportKeys {
         let Some(during) = &self.during else {
             return self.hold_now(place, body);
         };
-        self.check_growth(place, during)?;
+        self.check_growth(place, &during.0)?;
         let mut held = Ok(());
-        let switched = body.during(during, |body| {
+        let switched = body.during(&during.0, |body| {
             held = self.hold_now(place, body);
             Ok(body)
         });

@@ -157,7 +157,7 @@ impl ContactKeys {
                 place.of(scene.contact_in_passes(first, second, passes))?;
                 if let Some(during) = &self.during {
                     let at = place.key("during");
-                    at.of(scene.contact_during(&sides[0], &sides[1], during))?;
+                    at.of(scene.contact_during(&sides[0], &sides[1], &during.0))?;
                 }
                 Ok(())
             }

@@ -168,7 +168,72 @@ pub(super) enum AmplitudeKeys {
     Table(Vec<(f64, f64)>),
 }
 
-/// One motion; several follow one another.
+/// Pairs of times; a pair alone needs no list around it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "Vec<TimeKeys>")]
+pub(super) struct DuringKeys(pub(super) Vec<[f64; 2]>);
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "`during` is a pair of times, as [0, 1], or a list of pairs, as [[0, 1], [2, 3]]"
+)]
+pub(super) enum TimeKeys {
+    Time(f64),
+    Pair([f64; 2]),
+}
+
+impl TryFrom<Vec<TimeKeys>> for DuringKeys {
+    type Error = &'static str;
+
+    fn try_from(times: Vec<TimeKeys>) -> Result<Self, &'static str> {
+        if let [TimeKeys::Time(from), TimeKeys::Time(to)] = times[..] {
+            return Ok(DuringKeys(vec![[from, to]]));
+        }
+        let pair = |time: TimeKeys| match time {
+            TimeKeys::Pair(pair) => Some(pair),
+            TimeKeys::Time(_) => None,
+        };
+        let pairs: Option<Vec<[f64; 2]>> = times.into_iter().map(pair).collect();
+        pairs
+            .filter(|pairs| !pairs.is_empty())
+            .map(DuringKeys)
+            .ok_or(
+                "`during` is a pair of times, as [0, 1], or a list of pairs, as [[0, 1], [2, 3]]",
+            )
+    }
+}
+
+/// Motions, of which each follows the one before; one alone needs no list around it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Motions(pub(super) Vec<MotionKeys>);
+
+/// Takes a list or a table. Unlike an untagged enum, it keeps what is wrong within either, with its line.
+struct OneOrMore;
+
+impl<'de> Visitor<'de> for OneOrMore {
+    type Value = Motions;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a motion such as { translation = [0, 1] }, or a list of motions")
+    }
+
+    fn visit_seq<S: SeqAccess<'de>>(self, list: S) -> Result<Motions, S::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(list)).map(Motions)
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<Motions, M::Error> {
+        let one = MotionKeys::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Motions(vec![one]))
+    }
+}
+
+impl<'de> Deserialize<'de> for Motions {
+    fn deserialize<De: serde::Deserializer<'de>>(from: De) -> Result<Self, De::Error> {
+        from.deserialize_any(OneOrMore)
+    }
+}
+
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MotionKeys {
@@ -262,9 +327,9 @@ pub(super) struct SupportKeys {
     pub(super) along: Option<Vec<f64>>,
     pub(super) by: Option<f64>,
     #[serde(default)]
-    pub(super) motion: Vec<MotionKeys>,
+    pub(super) motion: Motions,
     pub(super) amplitude: Option<AmplitudeKeys>,
-    pub(super) during: Option<Vec<[f64; 2]>>,
+    pub(super) during: Option<DuringKeys>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -298,7 +363,7 @@ pub(super) struct ContactKeys {
     pub(super) first: Option<SideKeys>,
     pub(super) second: Option<SideKeys>,
     pub(super) passes: Option<PassKeys>,
-    pub(super) during: Option<Vec<[f64; 2]>>,
+    pub(super) during: Option<DuringKeys>,
     #[serde(rename = "self")]
     pub(super) itself: Option<SideKeys>,
     #[serde(default)]
@@ -343,8 +408,8 @@ pub(super) struct ObstacleKeys {
     pub(super) polygon: Option<Vec<Vec<f64>>>,
     pub(super) surface: Option<MeshKeys>,
     #[serde(default)]
-    pub(super) motion: Vec<MotionKeys>,
-    pub(super) during: Option<Vec<[f64; 2]>>,
+    pub(super) motion: Motions,
+    pub(super) during: Option<DuringKeys>,
     pub(super) on: Vec<SideKeys>,
 }
 

@@ -39,7 +39,7 @@ impl SceneFile {
                 at.of(scene.contact_obstacle(other, obstacle))?;
             }
             if let Some(during) = &keys.during {
-                let switched = scene.obstacle_during(obstacle, during);
+                let switched = scene.obstacle_during(obstacle, &during.0);
                 place.key("during").of(switched)?;
             }
         }

@@ -3,7 +3,7 @@
 use contact_core::{LoadSteps, Phase};
 use contact_fem::{Amplitude, Motion};
 
-use super::keys::{AmplitudeKeys, MotionKeys};
+use super::keys::{AmplitudeKeys, Motions};
 use super::place::Place;
 use super::{Error, SceneFile};
 
@@ -22,10 +22,10 @@ pub(super) fn amplitude(
 /// The motions one after the other; `None` without any.
 pub(super) fn motion<const D: usize>(
     place: &Place<'_>,
-    all: &[MotionKeys],
+    all: &Motions,
 ) -> Result<Option<Motion<D>>, Error> {
     let mut whole: Option<Motion<D>> = None;
-    for (k, keys) in all.iter().enumerate() {
+    for (k, keys) in all.0.iter().enumerate() {
         let at = place.entry("motion", k);
         let wrong = |what: &str| at.wrong(format!("its motion {what}"));
         let one = match (&keys.translation, keys.rotation, &keys.centre) {

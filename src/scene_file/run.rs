@@ -14,7 +14,7 @@ use contact_fem::Simulation;
 use contact_fem::model::Problem;
 use serde::Deserialize;
 
-use super::keys::{Combine, Formulation, OptionKeys};
+use super::keys::{Combine, Formulation, Keys, OptionKeys, OutputKeys};
 use super::{Error, SceneFile};
 
 /// How a load is solved.
@@ -127,7 +127,14 @@ impl SceneFile {
     ) -> Result<Simulation<Box<dyn Equilibrium>>, Error> {
         let solver = solver.or(self.keys.solver).unwrap_or(Solver::Automatic);
         let Solvers { make, settings } = self.solvers(solver)?;
-        let kept = Resumable::new(file, make).with_settings(settings);
+        // a run that goes on may have more phases, or other output
+        let scene = Keys {
+            increments: None,
+            phase: Vec::new(),
+            output: OutputKeys::default(),
+            ..self.keys.clone()
+        };
+        let kept = Resumable::new(file, make).with_settings(format!("{settings} {scene:?}"));
         self.run_by(solver, Box::new(kept))
     }
 

@@ -54,7 +54,7 @@ impl SceneFile {
                 continue;
             }
             for (j, support) in body.supports.iter().enumerate() {
-                let is_rigid = support.motion.iter().all(|motion| {
+                let is_rigid = support.motion.0.iter().all(|motion| {
                     let way = motion.translation.as_ref().and_then(|way| way.first());
                     motion.rotation.is_none() && way.is_none_or(|r| *r == 0.0)
                 });

@@ -1,6 +1,7 @@
 //! What is wrong with a scene file, or may not be meant, is told before a solve: by `--check` and by a run alike, with line and key, and
 //! in words that a file has.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -757,7 +758,7 @@ fn reactions_by_boundary() {
     assert!((of("on = \"left\", ") + 20.0).abs() < 1e-9);
 }
 
-/// A resumed run says from where it goes on.
+/// A resumed run says from where it goes on. With another solver, it leaves what is there.
 #[test]
 fn resumed_runs_say_so() {
     let folder = fresh("resumed");
@@ -775,4 +776,23 @@ fn resumed_runs_say_so() {
         code == Some(0) && told.contains("resume: 2 increments, up to time 2, are taken from"),
         "{told}"
     );
+    let files = || {
+        let entries = fs::read_dir(&out).expect("a folder");
+        let paths = entries.map(|entry| entry.expect("an entry").path());
+        let files = paths.map(|path| (path.clone(), fs::read(path).expect("a file")));
+        files.collect::<BTreeMap<_, _>>()
+    };
+    let before = files();
+    let refused = |words: &[&str]| {
+        let (code, told) = program(words, &[&out, &path]);
+        let says = "belongs to a run with another scene or other settings";
+        assert!(code == Some(2) && told.contains(says), "{told}");
+        assert!(before == files());
+    };
+    refused(&["run", "--resume", "--solver", "ipopt", "--out"]);
+    let scene = fs::read_to_string(&path).expect("a file");
+    let other = scene.replacen("young = 100", "young = 101", 1);
+    assert_ne!(scene, other);
+    fs::write(&path, other).expect("written");
+    refused(&["run", "--resume", "--out"]);
 }

@@ -80,6 +80,17 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
         }
     }
 
+    /// The header of a file of this run.
+    fn header(&self, print: u32) -> Header {
+        Header {
+            version: VERSION,
+            library: env!("CARGO_PKG_VERSION").to_string(),
+            settings: self.settings.clone(),
+            every: self.every,
+            print,
+        }
+    }
+
     /// The kept answer to this question; `None` if there is none.
     fn kept(
         &mut self,
@@ -88,13 +99,7 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
         start: &State,
     ) -> Result<Option<Solution>, Error> {
         if self.journal.is_none() {
-            let header = Header {
-                version: VERSION,
-                library: env!("CARGO_PKG_VERSION").to_string(),
-                settings: self.settings.clone(),
-                every: self.every,
-                print: print_of_rows(problem, &start.u)?,
-            };
+            let header = self.header(print_of_rows(problem, &start.u)?);
             self.journal = Some(Journal::open(&self.file, &header)?);
         }
         let Some(journal) = &mut self.journal else {
@@ -201,7 +206,14 @@ impl<F: Fn() -> E, E: Equilibrium> Equilibrium for Resumable<F, E> {
         self.solver.validate()
     }
 
+    /// Refuses a file of other settings, too, before a run writes anything.
     fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        if let Some((_, known)) = begun(&self.file)? {
+            let asked = self.header(known.print);
+            if known != asked {
+                return Err(foreign(&self.file, known.otherwise(&asked)));
+            }
+        }
         self.solver.check(problem)
     }
 
@@ -227,20 +239,10 @@ pub struct Kept {
 pub fn kept(path: impl AsRef<Path>) -> Result<Option<Kept>, Error> {
     let path = path.as_ref();
     let failed = |error| failed(path, "read", error);
-    match path.metadata() {
-        Err(_) => return Ok(None),
-        Ok(known) if !known.is_file() => return Err(foreign(path, "is no regular file")),
-        Ok(_) => {}
-    }
-    let mut file = File::open(path).map_err(failed)?;
-    let mut magic = Vec::new();
-    let head = Read::by_ref(&mut file).take(MAGIC.len() as u64);
-    { head }.read_to_end(&mut magic).map_err(failed)?;
-    if !MAGIC.starts_with(&magic) {
-        return Err(foreign(path, "is no file of a run to resume"));
-    }
-    let header: Option<Header> = record(&mut file).map_err(failed)?;
-    if header.is_none_or(|header| header.version != VERSION) {
+    let Some((mut file, header)) = begun(path)? else {
+        return Ok(None);
+    };
+    if header.version != VERSION {
         return Ok(None);
     }
     let mut kept: Option<Kept> = None;
@@ -262,6 +264,26 @@ pub fn kept(path: impl AsRef<Path>) -> Result<Option<Kept>, Error> {
             });
         }
     }
+}
+
+/// A file behind its header, and the header; `None` if it is not there, or has no whole header.
+fn begun(path: &Path) -> Result<Option<(File, Header)>, Error> {
+    let failed = |error| failed(path, "read", error);
+    match path.metadata() {
+        Err(_) => return Ok(None),
+        // to open a pipe would wait for who writes it
+        Ok(known) if !known.is_file() => return Err(foreign(path, "is no regular file")),
+        Ok(_) => {}
+    }
+    let mut file = File::open(path).map_err(failed)?;
+    let mut magic = Vec::new();
+    let head = Read::by_ref(&mut file).take(MAGIC.len() as u64);
+    { head }.read_to_end(&mut magic).map_err(failed)?;
+    if !MAGIC.starts_with(&magic) {
+        return Err(foreign(path, "is no file of a run to resume"));
+    }
+    let header = record(&mut file).map_err(failed)?;
+    Ok(header.map(|header| (file, header)))
 }
 
 /// What a solver was asked.
@@ -393,7 +415,7 @@ impl Header {
         if self.version != asked.version || self.library != asked.library {
             "was written by another version of the library"
         } else if self.settings != asked.settings {
-            "belongs to a run with other settings"
+            "belongs to a run with another scene or other settings"
         } else if self.every != asked.every {
             "has groups of another length"
         } else {

@@ -2,6 +2,7 @@
 
 mod record;
 mod shares;
+mod sideways;
 
 use std::fmt;
 
@@ -14,6 +15,7 @@ use crate::error::Error;
 use crate::tensor::Vector;
 
 pub use self::record::{Opposite, PairRecord};
+pub use self::sideways::Sideways;
 
 /// Whether a contact node carries a force or might.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

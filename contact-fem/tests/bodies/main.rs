@@ -8,6 +8,7 @@ mod regions;
 mod revolution;
 mod revolution_contact;
 mod rollers;
+mod sideways;
 mod supports;
 mod switches;
 mod ties;

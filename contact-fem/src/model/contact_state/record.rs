@@ -1,7 +1,7 @@
 //! Area, force and place of the contact of one pair.
 
-use super::PairState;
 use super::shares::Share;
+use super::{PairSide, PairState};
 use crate::contact::pressure::BALANCED;
 use crate::model::{ObstacleId, Problem, Side};
 use crate::tensor::Vector;
@@ -27,9 +27,9 @@ pub struct PairRecord<const D: usize> {
     pub area: f64,
     /// The contact force on the first surface (UF); zero in self-contact.
     pub resultant: Vector<D>,
-    /// The centre of pressure: the mean of the positions of the first surface's nodes (UL), weighted with the components of their
-    /// contact forces along the resultant, so that it has no moment about it where forces are parallel. Where forces cancel, as around a
-    /// pin, the weights are the components against the normals. `None` without a force.
+    /// The centre of pressure (UL): the mean of the positions of a surface's nodes, weighted with the components of their
+    /// contact forces along the resultant, so that it has no moment about it where forces are parallel; of two surfaces halfway between
+    /// the two. Where forces cancel, as around a pin, the weights are the components against the normals. `None` without a force.
     pub centre: Option<Vector<D>>,
     /// The largest pressure on the two surfaces (UF/UL or UF/UL²).
     pub pressure_max: f64,
@@ -50,18 +50,10 @@ impl<const D: usize> Problem<D> {
         // a pressure that is no number is not hidden by others
         let larger = |m: f64, p: f64| if p > m || p.is_nan() { p } else { m };
         let pressure_max = pressures.copied().fold(0.0, larger);
-        let (own, surface) = (&shares[0], &self.surfaces()[shares[0].side.surface]);
-        let total: f64 = own.side.forces.iter().map(Vector::norm).sum();
+        let own = &shares[0];
         let resultant: Vector<D> = own.side.forces.iter().sum();
-        let along = (resultant.norm() > BALANCED * total).then(|| resultant.normalize());
-        let nodes = surface.nodes().iter().enumerate();
-        let weighted = nodes.map(|(k, &node)| {
-            let along = along.unwrap_or(-own.normals[k]);
-            (positions[node], own.side.forces[k].dot(&along))
-        });
-        let (sum, total) = weighted.fold((Vector::zeros(), 0.0), |(sum, total), (x, f)| {
-            (sum + x * f, total + f)
-        });
+        let centres = shares.iter().map(|share| self.centre(share, positions));
+        let centres: Vec<Vector<D>> = centres.flatten().collect();
         PairState {
             record: PairRecord {
                 first,
@@ -71,10 +63,31 @@ impl<const D: usize> Problem<D> {
                     true => Vector::zeros(),
                     false => resultant,
                 },
-                centre: (total > 0.0).then(|| sum / total),
+                centre: match centres.len() {
+                    0 => None,
+                    count => Some(centres.iter().sum::<Vector<D>>() / count as f64),
+                },
                 pressure_max,
             },
             sides: shares.into_iter().map(|share| share.side).collect(),
         }
+    }
+    /// The centre of the forces on one surface.
+    fn centre(&self, share: &Share<D>, positions: &[Vector<D>]) -> Option<Vector<D>> {
+        let PairSide {
+            surface, forces, ..
+        } = &share.side;
+        let total: f64 = forces.iter().map(Vector::norm).sum();
+        let resultant: Vector<D> = forces.iter().sum();
+        let along = (resultant.norm() > BALANCED * total).then(|| resultant.normalize());
+        let nodes = self.surfaces()[*surface].nodes().iter().enumerate();
+        let weighted = nodes.map(|(k, &node)| {
+            let along = along.unwrap_or(-share.normals[k]);
+            (positions[node], forces[k].dot(&along))
+        });
+        let (sum, total) = weighted.fold((Vector::zeros(), 0.0), |(sum, total), (x, f)| {
+            (sum + x * f, total + f)
+        });
+        (total > 0.0).then(|| sum / total)
     }
 }

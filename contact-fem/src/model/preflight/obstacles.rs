@@ -127,10 +127,11 @@ fn tolerance<const D: usize>(setup: &Setup<'_, D>, overlap: &Overlap<D>) -> f64 
     accepted(setup.scene) * overlap.depth / overlap.relative
 }
 
-/// Checks that no body starts deeper inside an obstacle than the tolerance.
+/// Checks that no body starts deeper inside an obstacle, which counts from the start, than the tolerance.
 fn inside<const D: usize>(setup: &Setup<'_, D>) -> Result<(), Error> {
-    let mut overlaps = overlaps(setup).into_iter();
-    let too_deep = overlaps.find(|overlap| overlap.relative > accepted(setup.scene));
+    let overlaps = overlaps(setup).into_iter();
+    let mut now = overlaps.filter(|overlap| !setup.contact.lets_through(overlap.bodies, 0.0));
+    let too_deep = now.find(|overlap| overlap.relative > accepted(setup.scene));
     match too_deep {
         Some(overlap) => Err(Error::InsideObstacle {
             body: setup.scene.name_of(overlap.bodies[0]).clone(),
@@ -152,7 +153,9 @@ fn started_inside<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         let [body, obstacle] = overlap.bodies.map(|index| setup.scene.name_of(index));
         let kind = FindingKind::Interference;
         let note = Finding::new(Severity::Note, kind, &[body, obstacle]).at(&overlap.at);
+        let is_later = setup.contact.lets_through(overlap.bodies, 0.0);
         let becomes = match setup.scene.initial_gaps {
+            _ if is_later => "what is left of it is pushed out where the obstacle begins to count",
             InitialGaps::Refuse => "the first load step pushes it out",
             InitialGaps::Resolve => "the load pushes it out",
             InitialGaps::Adjust => "it stays, and causes no force",

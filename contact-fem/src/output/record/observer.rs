@@ -102,7 +102,7 @@ impl<'a, const D: usize> Observer<'a, D> {
         self.stages.push(Stage {
             title: match record.increment {
                 Some(increment) => format!("step {increment}"),
-                None => format!("load {:.4}", record.factor),
+                None => format!("t = {:.4}", record.factor),
             },
             is_half_way: recording.half_way && record.increment == Some(half_way),
             snapshot,

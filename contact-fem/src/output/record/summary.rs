@@ -44,6 +44,8 @@ pub(super) struct Summary {
     plan: Value,
     /// The rigid motions of bodies that nothing determines in the last converged state.
     undetermined: Vec<Value>,
+    /// Curved surfaces that have moved sideways on each other further than contact at the reference positions follows.
+    sideways: Vec<Value>,
     load_factor: f64,
     steps: usize,
     cuts: usize,
@@ -113,7 +115,7 @@ fn unstored<const D: usize>(records: &[StepRecord<D>], energy: f64) -> Option<St
     is_far.then(|| {
         format!(
             "warning            work and stored energy are {:.0} % of the largest stored energy apart: take more increments; if that does \
-             not help, a body has snapped from one equilibrium to another",
+             not help, a body has snapped from one equilibrium to another, or contact has begun or ended at once",
             100.0 * apart / most
         )
     })
@@ -142,6 +144,7 @@ impl Summary {
         let steps_by_solver = steps_by_solver(records);
         let solution = history.and_then(|history| history.run.solution.as_ref());
         let undetermined = solution.map_or(Vec::new(), |solution| problem.undetermined(solution));
+        let sideways = solution.map_or(Vec::new(), |solution| problem.sideways(solution));
         let left_out = history.map(|history| LeftOut::new(problem, history));
         let inverted = inverted(records);
         let shares = shares(&cost, observer.seconds, wall);
@@ -171,6 +174,17 @@ impl Summary {
         table.extend(undetermined.iter().map(|Undetermined { body, motions }| {
             let motions = motions.join(", ");
             format!("undetermined       body `{body}`: {motions}")
+        }));
+        table.extend(sideways.iter().map(|found| {
+            let [first, second] = [&found.first, &found.second];
+            format!(
+                "warning            body `{}` has moved sideways on body `{}` by {:.3e}, the width of their contact is {:.3e}, and contact at \
+                 the reference positions does not follow: force and area are too large; take contact at the current ones",
+                problem.scene().name_of(first.body.index()),
+                problem.scene().name_of(second.body.index()),
+                found.way,
+                found.width
+            )
         }));
         table.extend(inverted.map(|(factor, least)| {
             let at: Vec<String> = least.at.iter().map(|x| format!("{x:.3e}")).collect();
@@ -207,6 +221,17 @@ impl Summary {
             undetermined: undetermined
                 .iter()
                 .map(|Undetermined { body, motions }| json!({"body": body, "motions": motions}))
+                .collect(),
+            sideways: sideways
+                .iter()
+                .map(|found| {
+                    let names = problem.scene().names();
+                    let side = |side: &Side| json!([names[side.body.index()], side.boundary]);
+                    json!({
+                        "first": side(&found.first), "second": side(&found.second),
+                        "way": found.way, "width": found.width,
+                    })
+                })
                 .collect(),
             load_factor: last.map_or(0.0, |record| record.factor),
             steps: records.len(),
