@@ -10,21 +10,23 @@ fn elastic(mesh: Mesh<2>) -> Body<2> {
     Body::new(mesh, LinearElastic::new(100.0, 0.3).expect("a law"))
 }
 
-/// A tool is pressed on a block by 0.02, and moved along it by `way`: half a disc, or a flat one. Returns the force down, and the
+/// A tool is pressed on a block by 0.02: half a disc, or a flat one. Both are moved sideways, by the first and the second of `ways`. Returns the force down, and the
 /// ways and widths that are told.
 fn pressed(
     tool: Mesh<2>,
     [held, touching]: [&str; 2],
-    way: f64,
+    ways: [f64; 2],
     (geometry, passes): (Geometry, Passes),
 ) -> (f64, Vec<[f64; 2]>) {
     let mut tool = elastic(tool);
-    tool.prescribe(held, [Some(way), Some(-0.02)])
+    tool.prescribe(held, [Some(ways[0]), Some(-0.02)])
         .expect("held");
     let ys = linspace(-2.0, -1.0, 20);
     let block = rectangle(&linspace(-1.0, 1.0, 41), &ys, Diagonals::Rising);
     let mut block = elastic(block.expect("a mesh"));
-    block.prescribe("bottom", [Some(0.0); 2]).expect("held");
+    block
+        .prescribe("bottom", [Some(ways[1]), Some(0.0)])
+        .expect("held");
     let mut scene = Scene::new();
     let tool = scene.add("tool", tool);
     let block = scene.add("block", block);
@@ -46,14 +48,14 @@ fn pressed(
     )
 }
 
-fn round(way: f64, kind: (Geometry, Passes)) -> (f64, Vec<[f64; 2]>) {
+fn round(ways: [f64; 2], kind: (Geometry, Passes)) -> (f64, Vec<[f64; 2]>) {
     let disc = half_disc(
         &linspace(0.0, 1.0, 16),
         &linspace(PI, TAU, 64),
         Diagonals::Rising,
     )
     .expect("a mesh");
-    pressed(disc, ["flat", "arc"], way, kind)
+    pressed(disc, ["flat", "arc"], ways, kind)
 }
 
 /// Both passes hold a disc where it was and where it is: it is told, and the force is too large. One pass, or the current positions,
@@ -61,9 +63,9 @@ fn round(way: f64, kind: (Geometry, Passes)) -> (f64, Vec<[f64; 2]>) {
 #[test]
 fn a_disc_that_has_moved_is_told() {
     let both = (Geometry::Reference, Passes::Both);
-    let (still, told) = round(0.0, both);
+    let (still, told) = round([0.0; 2], both);
     assert!(still > 0.0 && told.is_empty(), "{told:?}");
-    let (moved, told) = round(0.05, both);
+    let (moved, told) = round([0.05, 0.0], both);
     let [[way, width]] = told[..] else {
         panic!("{told:?}");
     };
@@ -71,15 +73,26 @@ fn a_disc_that_has_moved_is_told() {
     // the tool is moved as a whole, and drags nothing along; a is from 0.1 to 0.25
     assert!((way - 0.05).abs() < 0.01, "{way}");
     assert!((0.2..0.5).contains(&width), "{width}");
-    let (current, told) = round(0.05, (Geometry::Current, Passes::Both));
+    let (current, told) = round([0.05, 0.0], (Geometry::Current, Passes::Both));
     assert!(
         told.is_empty() && (current / still - 1.0).abs() < 0.02,
         "{current} {still}"
     );
-    let (once, told) = round(0.05, (Geometry::Reference, Passes::FirstIsSlave));
+    let (once, told) = round([0.05, 0.0], (Geometry::Reference, Passes::FirstIsSlave));
     assert!(
         told.is_empty() && (once / still - 1.0).abs() < 0.02,
         "{once} {still}"
+    );
+}
+
+/// Nothing is told of bodies that move together.
+#[test]
+fn bodies_that_move_together_are_not_told() {
+    let both = (Geometry::Reference, Passes::Both);
+    let ((still, _), (moved, told)) = (round([0.0; 2], both), round([0.05; 2], both));
+    assert!(
+        told.is_empty() && (moved / still - 1.0).abs() < 1e-9,
+        "{told:?}"
     );
 }
 
@@ -92,6 +105,6 @@ fn a_flat_tool_that_has_moved_is_not_told() {
         Diagonals::Rising,
     );
     let both = (Geometry::Reference, Passes::Both);
-    let (force, told) = pressed(flat.expect("a mesh"), ["top", "bottom"], 0.05, both);
+    let (force, told) = pressed(flat.expect("a mesh"), ["top", "bottom"], [0.05, 0.0], both);
     assert!(force > 0.0 && told.is_empty(), "{told:?}");
 }
