@@ -3,9 +3,11 @@
 use std::cell::{Cell, RefCell};
 
 use super::*;
+use crate::equilibrium::StepContext;
 use crate::gaps::{Row, Sampling};
 use crate::linear::SymmetricPattern;
 use crate::nlp::Bounds;
+use crate::{Energy, Interruption};
 use crate::{LinearGaps, Multipliers, RowKey};
 
 /// An energy that only knows where it is finite, with the distance from `floor` as its domain.

@@ -1,27 +1,26 @@
 //! The contact problem of a checked scene.
 
+mod steps;
+
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use contact_core::equilibrium::Solution;
 use contact_core::gaps::{LinearGaps, Sampling};
-use contact_core::load_steps::Passage;
 use contact_core::nlp::Bounds;
 use contact_core::{
-    ContactProblem, DirectSum, Energy, Error, GapVariation, LoadStepped, Reduction, Scale,
-    Separable, Stop,
+    ContactProblem, DirectSum, Energy, Error, GapVariation, Reduction, Scale, Separable, Stop,
 };
 
 use super::body::Holding;
 use super::contact_set::ContactSet;
-use super::courses;
 use super::kinematics::Kinematics;
 use super::preflight::{self, Setup};
-use super::tie::{Follower, Ties};
-use super::{BodyId, Finding, Geometry, InitialGaps, Overlaps, Scene, scale};
+use super::tie::Ties;
+use super::{BodyId, Finding, Geometry, InitialGaps, Scene, scale};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
-use crate::audit::{Audit, Overlap};
+use crate::audit::Audit;
 use crate::contact::{Pass, Surface};
 use crate::tensor::Vector;
 
@@ -503,158 +502,10 @@ impl<const D: usize> Separable for Problem<D> {
     }
 }
 
-impl<const D: usize> LoadStepped for Problem<D> {
-    fn set_load(&mut self, factor: f64) -> Result<(), Error> {
-        if !factor.is_finite() {
-            return Err(Error::Setting {
-                name: "load factor",
-                value: factor.to_string(),
-                remedy: "choose a finite number; 1 is full load",
-            });
-        }
-        let bodies = self.scene.bodies().iter().zip(self.scene.names());
-        for (body, name) in bodies {
-            courses::check(body, name, factor)?;
-        }
-        self.contact.check(&self.scene, factor)?;
-        self.kinematics.set_load(factor);
-        self.contact.set_load(factor);
-        self.audit.set_load(factor);
-        let energies = self.energy.parts_mut().iter_mut();
-        for (body, energy) in self.scene.bodies().iter().zip(energies) {
-            match body.has_program() {
-                true => energy.set_external(body.prescribed_at(factor), body.forces_at(factor)),
-                false => energy.set_load(factor),
-            }
-            energy.set_pressures(&body.pressures_at(factor));
-            energy.set_softening(body.softening_stiffness(factor));
-        }
-        Ok(())
-    }
-
-    fn check_phases(&mut self, ends: &[f64]) -> Result<(), Error> {
-        self.check_switches(ends)?;
-        Ok(self.check_supports(ends)?)
-    }
-
-    fn begin(
-        &mut self,
-        span: [f64; 2],
-        u: &[f64],
-        solution: Option<&Solution>,
-    ) -> Result<Option<Vec<f64>>, Error> {
-        self.switch_supports(span, u, solution)
-    }
-
-    fn take_back(&mut self) {
-        self.switch_back();
-    }
-
-    fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage> {
-        if !(self.is_state(u) && self.is_state(last)) {
-            return None;
-        }
-        let before = self.kinematics.positions_at(last, from);
-        let after = self.kinematics.positions(u);
-        let relative = |bodies| self.granted(bodies, self.load())[0];
-        let of_thickness = |bodies| match self.contact.lets_through(bodies, self.load()) {
-            true => f64::MAX,
-            false => self.granted(bodies, from)[1],
-        };
-        // cutting a step does not change the solution of a linear scene; its certificate tells
-        let overlap = match (self.contact.geometry, self.scene.overlaps) {
-            (Geometry::Current, Overlaps::Refused) => {
-                let now = self.audit.deep_overlap(&after, relative);
-                now.or_else(|| self.audit.passage(&before, &after, of_thickness))
-            }
-            _ => None,
-        };
-        if let Some(Overlap {
-            bodies, at, depth, ..
-        }) = overlap
-        {
-            let [first, second] = bodies.map(|body| self.scene.called(body));
-            let at: Vec<String> = at.iter().map(|x| format!("{x:.3e}")).collect();
-            let place = format!("{first} is inside {second} at ({})", at.join(", "));
-            return Some(Passage { depth, place });
-        }
-        let depth = self
-            .contact
-            .tunnels(&self.kinematics, u, (&before, &after), from)?;
-        let place = "bodies penetrate or have passed through each other".to_string();
-        Some(Passage { depth, place })
-    }
-
-    fn unplanned(&self, u: &[f64]) -> Option<String> {
-        let pass = self.contact.unplanned(&self.kinematics, u)?;
-        let [first, second] = self.bodies_of(pass).map(|body| self.scene.called(body));
-        Some(format!("{first} and {second} came together"))
-    }
-
-    fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
-        let mut lifted = self.state(u).into_owned();
-        if !self.ties.is_empty() {
-            self.lift_tied(from, &mut lifted);
-            return lifted;
-        }
-        let bodies = self.scene.bodies().iter().zip(self.energy.parts());
-        for (index, (body, energy)) in bodies.enumerate() {
-            let [now, before] = [self.load(), from].map(|factor| body.prescribed_at(factor));
-            let increments = now.iter().zip(&before).map(|(now, before)| now - before);
-            let increments: Vec<f64> = increments.collect();
-            if increments.iter().all(|p| *p == 0.0) {
-                continue;
-            }
-            let (supports, increments) = body.lifted_by(increments);
-            let extension = energy.extend(&supports, &increments);
-            self.kinematics.add_free(index, &extension, &mut lifted);
-        }
-        lifted
-    }
-}
-
-impl<const D: usize> Problem<D> {
-    /// As [`LoadStepped::lift`], with what follows others moved along with them.
-    fn lift_tied(&self, from: f64, lifted: &mut [f64]) {
-        let before = lifted.to_vec();
-        let dofs = &self.kinematics.dofs;
-        let prescribed: Vec<f64> = {
-            let bodies = self.scene.bodies().iter();
-            bodies.flat_map(|body| body.prescribed_at(from)).collect()
-        };
-        for (index, followers) in self.ties.in_order(self.scene.bodies().len()) {
-            let body = &self.scene.bodies()[index];
-            let first = D * self.kinematics.nodes(index).start;
-            let mut is_prescribed = body.is_prescribed();
-            let mut increments = vec![0.0; is_prescribed.len()];
-            let moved = |dof: usize, lifted: &[f64]| match dofs.get(dof) {
-                Dof::Free(j) => lifted[j] - before[j],
-                Dof::Prescribed(j) => self.kinematics.prescribed[j] - prescribed[j],
-            };
-            for (dof, increment) in increments.iter_mut().enumerate() {
-                if is_prescribed[dof] {
-                    *increment = moved(first + dof, lifted);
-                }
-            }
-            for Follower { dof, terms } in followers {
-                let terms = terms.iter();
-                let increment = terms.map(|(j, c)| c * moved(*j, lifted)).sum();
-                (is_prescribed[dof - first], increments[dof - first]) = (true, increment);
-            }
-            if increments.iter().all(|p| *p == 0.0) {
-                continue;
-            }
-            let values = is_prescribed.iter().zip(&increments);
-            let values: Vec<f64> = values.filter(|(is, _)| **is).map(|(_, p)| *p).collect();
-            let extension =
-                self.energy.parts()[index].extend(&DofMap::new(&is_prescribed), &values);
-            self.kinematics.add_free(index, &extension, lifted);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use contact_core::LoadStepped;
+
     use super::*;
     use crate::mesh::generators::{Diagonals, linspace, rectangle};
     use crate::{Body, NeoHookean};
