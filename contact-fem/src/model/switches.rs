@@ -52,11 +52,19 @@ impl During {
             .map(|[from, _]| *from)
     }
 
-    /// Whether both have some load factor.
-    pub fn meets(&self, other: &Self) -> bool {
-        let meets = |a: &[f64; 2], b: &[f64; 2]| a[0].max(b[0]) < a[1].min(b[1]);
-        let mut all = self.0.iter();
-        all.any(|a| other.0.iter().any(|b| meets(a, b)))
+    /// Its intervals.
+    pub fn intervals(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.0.iter().copied()
+    }
+
+    /// The intervals that both have.
+    pub fn common(&self, other: &Self) -> impl Iterator<Item = [f64; 2]> {
+        let both = |a: [f64; 2]| {
+            let common = move |b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+            other.intervals().map(common)
+        };
+        let all = self.intervals().flat_map(both);
+        all.filter(|[from, to]| from < to)
     }
 
     /// Whether some load factor of a run that ends at `end` is in one of them.

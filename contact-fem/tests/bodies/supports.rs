@@ -559,6 +559,16 @@ fn wrong_switches() {
     };
     assert!(matches!(twice([1.0, 3.0]), Err(Error::Conflict { .. })));
     twice([2.0, 3.0]).expect("one after the other");
+    // one that begins later holds nodes where the other one has brought them to
+    let to_rest = Amplitude::table(&[(0.0, 0.0), (1.0, 1.0)]).expect("a table");
+    let mut body = bar(true);
+    body.prescribe_in_time("right", [Some(0.1), None], to_rest)
+        .expect("held");
+    let still = [Some(0.0), None];
+    body.during(&[[1.0, 2.0]], |bar| bar.prescribe("right", still))
+        .expect("at rest");
+    let early = body.during(&[[0.5, 2.0]], |bar| bar.prescribe("right", still));
+    assert!(matches!(early, Err(Error::Conflict { .. })));
 
     let phases = |ends: &[f64]| {
         let named = |&until: &f64| Phase::new("", until, 1);

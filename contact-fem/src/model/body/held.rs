@@ -42,6 +42,7 @@ impl Declared {
 
 /// Supports of one component may differ by this share of the mesh's size.
 const SAME: f64 = 1e-12;
+const ALWAYS: [f64; 2] = [0.0, f64::INFINITY];
 
 /// What supports that have let go do within a phase.
 #[derive(Clone, Default)]
@@ -106,17 +107,20 @@ impl Declarations {
         self.current.is_some() || self.all.iter().any(|own| own.during.is_some())
     }
 
-    /// The values of a dof by declarations that may hold together with those that are declared now.
-    fn beside(&self, dof: usize) -> impl Iterator<Item = (f64, usize)> {
-        let together = |own: &&Declared| match (&own.during, &self.current) {
-            (Some(own), Some(now)) => own.meets(now),
-            _ => true,
+    /// The values of a dof by declarations that hold together with those that are declared now, and from when until when.
+    fn beside(&self, dof: usize) -> impl Iterator<Item = ((f64, usize), [f64; 2])> {
+        let spans = |own: &Declared| -> Vec<[f64; 2]> {
+            match (&own.during, &self.current) {
+                (Some(own), Some(now)) => own.common(now).collect(),
+                (Some(one), None) | (None, Some(one)) => one.intervals().collect(),
+                (None, None) => vec![ALWAYS],
+            }
         };
-        let all = self.all.iter().filter(together);
-        all.filter_map(move |own| {
+        let all = self.all.iter().filter_map(move |own| {
             let place = own.held.binary_search_by_key(&dof, |(dof, _)| *dof);
-            place.ok().map(|place| own.held[place].1)
-        })
+            place.ok().map(|place| (own.held[place].1, spans(own)))
+        });
+        all.flat_map(|(value, spans)| spans.into_iter().map(move |span| (value, span)))
     }
 }
 
@@ -187,12 +191,47 @@ impl<const D: usize> Body<D> {
         self.declared.is_switched()
     }
 
-    /// What a dof is prescribed to by supports that may hold together with one that is declared now: values and courses.
-    pub(super) fn held_beside(&self, dof: usize) -> Vec<(f64, usize)> {
-        match self.is_switched() || self.slides(dof / D) {
+    /// Where a value of a dof differs from that of a support which holds together with one that is declared now: the load factor, and
+    /// both values, or by what they have grown since the later one begins.
+    pub(super) fn differs(&self, dof: usize, value: (f64, usize)) -> Option<(f64, [f64; 2])> {
+        let beside: Vec<_> = match self.is_switched() || self.slides(dof / D) {
             true => self.declared.beside(dof).collect(),
-            false => self.supports.values[dof].into_iter().collect(),
-        }
+            false => {
+                let known = self.supports.values[dof].into_iter();
+                known.map(|known| (known, ALWAYS)).collect()
+            }
+        };
+        let differ = |(known, [from, until]): ((f64, usize), [f64; 2])| {
+            let since = from.max(0.0);
+            let span = [since, until.min(since + 1.0)];
+            self.differ_in(dof, [known, value], since, span)
+        };
+        beside.into_iter().find_map(differ)
+    }
+
+    /// The last load factor from `from` to `until` at which two values of a dof differ, and both, or by what they have grown `since`.
+    fn differ_in(
+        &self,
+        dof: usize,
+        values: [(f64, usize); 2],
+        since: f64,
+        [from, until]: [f64; 2],
+    ) -> Option<(f64, [f64; 2])> {
+        let grown = |value, t| {
+            let course = |t| self.supports.course_at(dof, value, t);
+            match since > 0.0 {
+                true => course(t) - course(since),
+                false => course(t),
+            }
+        };
+        let times = samples().rev().map(|share| from + (until - from) * share);
+        let all = times.map(|t| (t, values.map(|value| grown(value, t))));
+        let mut other = all.filter(|(_, [a, b])| a != b).peekable();
+        other.peek()?;
+        let (low, high) = self.mesh.bounding_box();
+        let same = SAME * (high - low).norm();
+        // numbers that are none differ
+        other.find(|(_, [a, b])| !((a - b).abs() <= same))
     }
 
     /// Adds a support of a boundary, by its number, and lets it hold if it does from the beginning.
@@ -401,8 +440,6 @@ impl<const D: usize> Body<D> {
     }
 
     fn check_agreement_in(&self, [from, until]: [f64; 2]) -> Result<(), Error> {
-        let (low, high) = self.mesh.bounding_box();
-        let same = SAME * (high - low).norm();
         // of each dof the first support that holds it, since when, and its value
         let mut first = vec![None; self.prescribed.len()];
         let all = self.declared.all.iter();
@@ -414,18 +451,8 @@ impl<const D: usize> Body<D> {
                     continue;
                 };
                 let since = since.max(earlier);
-                let grown = |value, t| match since > 0.0 {
-                    true => {
-                        let course = |t| self.supports.course_at(dof, value, t);
-                        course(t) - course(since)
-                    }
-                    false => self.supports.course_at(dof, value, t),
-                };
-                let times = samples().rev().map(|share| from + (until - from) * share);
-                let mut values = times.map(|t| (t, [others, value].map(|value| grown(value, t))));
-                // numbers that are none differ
-                let differ = values.find(|(_, [a, b])| !((a - b).abs() <= same));
-                if let Some((at, values)) = differ {
+                let found = self.differ_in(dof, [others, value], since, [from, until]);
+                if let Some((at, values)) = found {
                     let on = [other, own].map(|own| self.supported[own.name].as_str());
                     let place = (dof / D, unit_vector(dof % D));
                     return Err(self.conflict(place, on, values, at));

@@ -254,17 +254,11 @@ impl<const D: usize> Body<D> {
             let given = components.iter().enumerate();
             for (component, value) in given.filter_map(|(i, value)| Some((i, (*value)?))) {
                 let dof = D * node + component;
-                for first in self.held_beside(dof) {
-                    let values = [first, (value, course)];
-                    let at = |t: f64| (t, values.map(|value| self.supports.value(dof, value, t)));
-                    let all = samples().map(at);
-                    let mut differ = all.filter(|(_, [first, second])| first != second);
-                    if let Some((at, [first, second])) = differ.next_back() {
-                        let name = self.support_of[dof].map(|name| self.supported[name].as_str());
-                        let on = [name.unwrap_or_default(), boundary];
-                        let direction = unit_vector(component);
-                        return Err(self.conflict((node, direction), on, [first, second], at));
-                    }
+                if let Some((at, values)) = self.differs(dof, (value, course)) {
+                    let name = self.support_of[dof].map(|name| self.supported[name].as_str());
+                    let on = [name.unwrap_or_default(), boundary];
+                    let direction = unit_vector(component);
+                    return Err(self.conflict((node, direction), on, values, at));
                 }
             }
         }
