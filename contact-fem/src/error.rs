@@ -311,8 +311,8 @@ pub enum Error {
     /// A body that starts inside an obstacle.
     #[error(
         "body `{body}` starts inside obstacle `{obstacle}`: {depth:.3e} deep at {x:?} against the {tolerance:.3e} that \
-         `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move one of them, or check which side of the obstacle is \
-         its outside"
+         `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move one of them, check which side of the obstacle is its outside, \
+         or let `Scene::initial_gaps` resolve at most 0.15 of the facets"
     )]
     InsideObstacle {
         /// The body.
@@ -659,7 +659,7 @@ pub enum Error {
 fn finite(value: f64) -> String {
     match value.is_finite() {
         true => format!("{value:.1e}"),
-        false => format!("more than {:.0e}", f64::MAX),
+        false => format!("more than {:.1e}", f64::MAX),
     }
 }
 
