@@ -46,11 +46,13 @@ install:
 demo: install
 	$(CARGO) run --release --example disc_in_disc
 
-# The dev profile optimises here and keeps its checks for overflow. The first line covers units, integration tests,
-# doctests and the build of the examples; the second runs one that asserts its numbers; the third is what does without
-# Ipopt and shares its work among threads, the fourth what does without libclang; the others, fewer features.
+# The dev profile optimises here and keeps its checks for overflow. The first line covers units and integration tests, the second
+# doctests, the third the examples, of which the next one runs one that asserts its numbers. Then comes what does without Ipopt and
+# shares its work among threads, and what does without libclang; the others, fewer features.
 test: install
-	$(CARGO) test --workspace
+	$(CARGO) test --workspace --tests
+	$(CARGO) test --workspace --doc
+	$(CARGO) check --workspace --examples
 	$(CARGO) run -p contact-core --example hanging_chain
 	$(CARGO) test -p contact-core -p contact-fem --no-default-features --features threads --lib --test threads
 	$(CARGO) test -p ipopt-contact-sys -p contact-core --no-default-features --features contact-core/ipopt --tests

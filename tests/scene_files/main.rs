@@ -1,8 +1,13 @@
-//! Scene files: the twins of the examples, the checks of `--check`, and the page that lists all keys.
+//! Scene files and the program that runs them: the twins of the examples, the checks of `--check`, the page that lists all keys, runs
+//! that are interrupted or killed, and results that are compared. One program, which shares what it compiles.
 
+mod compare;
+#[cfg(unix)]
+mod interrupt;
 mod page;
 mod parts;
 mod refused;
+mod resume;
 mod scripts;
 
 use std::collections::{BTreeMap, BTreeSet};

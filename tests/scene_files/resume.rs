@@ -56,13 +56,7 @@ fn switched() -> String {
 
 /// The scene and its meshes in an empty folder.
 fn scene(name: &str, text: &str) -> (PathBuf, PathBuf) {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("resume")
-        .join(name);
-    if folder.exists() {
-        fs::remove_dir_all(&folder).expect("removed");
-    }
-    fs::create_dir_all(&folder).expect("a folder");
+    let folder = crate::fresh(&format!("resume/{name}"));
     let block = |x: [f64; 2], y: f64, cells: [usize; 2]| {
         let (across, up) = (
             linspace(x[0], x[1], cells[0]),

@@ -10,7 +10,7 @@ use ipopt_contact::contact_fem::output::compare::{
 use ipopt_contact::prelude::*;
 
 #[allow(dead_code)]
-#[path = "../examples/two_bodies.rs"]
+#[path = "../../examples/two_bodies.rs"]
 mod two_bodies;
 
 /// What FreeFEM 4.9 wrote.
@@ -21,14 +21,7 @@ fn stored(elements: &str) -> PathBuf {
 
 /// An empty folder of a test.
 fn fresh(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("compare")
-        .join(name);
-    if folder.exists() {
-        fs::remove_dir_all(&folder).expect("removed");
-    }
-    fs::create_dir_all(&folder).expect("a folder");
-    folder
+    crate::fresh(&format!("compare/{name}"))
 }
 
 /// A copy of a stored result, one of whose files is changed.

@@ -1,20 +1,23 @@
-//! Ctrl-C in the middle of a run, or a budget that is spent there: the example ends cleanly, and all its files can be read.
-#![cfg(unix)]
+//! Ctrl-C in the middle of a run, or a budget that is spent there: the run ends cleanly, and all its files can be read.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
+use ipopt_contact::contact_core::Budget;
+use ipopt_contact::prelude::*;
+use ipopt_contact::scene_file::SceneFile;
 use vtkio::model::{DataSet, Piece, Vtk};
 
+const SCENE: &str = "examples/disc_in_disc.toml";
 /// Far more increments than the run gets to do.
 const INCREMENTS: usize = 5000;
 const PATIENCE: Duration = Duration::from_secs(120);
 
 #[test]
 fn an_interrupted_run_leaves_readable_files() {
-    let folder = fresh("interrupt");
-    let mut run = Run::start(&folder, &["--increments", &INCREMENTS.to_string()]);
+    let folder = crate::fresh("interrupt");
+    let mut run = Run::start(&folder);
     let steps = folder.join("disc_in_disc.csv");
     run.wait_until(|| lines(&steps) > 4);
     run.interrupt();
@@ -28,23 +31,23 @@ fn an_interrupted_run_leaves_readable_files() {
 
 #[test]
 fn a_run_that_has_spent_its_budget_ends_likewise() {
-    let folder = fresh("budget");
-    let options = ["--increments", "20", "--factorizations", "5"];
-    let mut run = Run::start(&folder, &options);
-    assert_eq!(run.wait().code(), Some(130), "exit code");
+    let folder = crate::fresh("budget");
+    let file = SceneFile::read(crate::root().join(SCENE)).expect("a scene");
+    let mut simulation = Simulation::with_increments(20);
+    simulation.load_steps.budget = Budget {
+        factorizations: Some(5),
+        ..Budget::default()
+    };
+    let mut problem = file.problem::<2>().expect("a problem");
+    let mut recording = simulation.record(&folder);
+    recording.plan.name = "disc_in_disc".into();
+    recording.plan.quiet = true;
+    let recorded = recording.run(&mut problem).expect("a run");
+    assert!(!recorded.history.is_complete());
     let finished = check_tables(&folder);
     assert!((1..20).contains(&finished), "{finished} increments");
     check_series(&folder, finished);
     check_summary(&folder, finished);
-}
-
-/// A folder of a test, without the files of an earlier one.
-fn fresh(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder).expect("old files can be removed");
-    }
-    folder
 }
 
 /// The number of converged steps in the table.
@@ -115,25 +118,18 @@ fn lines(path: &Path) -> usize {
     std::fs::read_to_string(path).map_or(0, |text| text.lines().count())
 }
 
-/// The example as a process of its own, killed if the test fails.
+/// The program as a process of its own, killed if the test fails.
 struct Run(Child);
 
 impl Run {
-    fn start(folder: &Path, options: &[&str]) -> Self {
-        let program = example();
-        assert!(
-            program.exists(),
-            "{} does not exist: `cargo test` builds it, `cargo test --test interrupt` does not; \
-             run `cargo build --example disc_in_disc` with the same profile first",
-            program.display()
-        );
-        let child = Command::new(program)
-            .args(options)
-            .arg("--out")
+    fn start(folder: &Path) -> Self {
+        let child = Command::new(env!("CARGO_BIN_EXE_ipopt-contact"))
+            .args(["run", "--increments", &INCREMENTS.to_string(), "--out"])
             .arg(folder)
+            .arg(crate::root().join(SCENE))
             .stdout(Stdio::null())
             .spawn();
-        Run(child.expect("the example starts"))
+        Run(child.expect("the program starts"))
     }
 
     fn wait_until(&mut self, mut is_so: impl FnMut() -> bool) {
@@ -170,12 +166,4 @@ impl Drop for Run {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
-}
-
-/// Where cargo has put the example that belongs to this test.
-fn example() -> PathBuf {
-    let test = std::env::current_exe().expect("this test's path");
-    let profile = test.parent().and_then(Path::parent);
-    let profile = profile.expect("target/PROFILE/deps");
-    profile.join("examples").join("disc_in_disc")
 }
