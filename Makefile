@@ -54,7 +54,7 @@ test: install
 	$(CARGO) test --workspace --doc
 	$(CARGO) check --workspace --examples
 	$(CARGO) run -p contact-core --example hanging_chain
-	$(CARGO) test -p contact-core -p contact-fem --no-default-features --features threads --lib --test threads
+	$(CARGO) test -p contact-core -p contact-fem --no-default-features --features threads --test threads
 	$(CARGO) test -p ipopt-contact-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
 	$(CARGO) check -p contact-core -p contact-fem --no-default-features --lib --profile test
 	$(CARGO) check -p ipopt-contact --no-default-features

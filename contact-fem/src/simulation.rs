@@ -392,8 +392,10 @@ mod tests {
                 "{:?}",
                 pair.resultant
             );
+            // halfway between the surfaces
             let centre = pair.centre.expect("a force");
-            assert!((centre - Vector::<2>::new(0.5, 1.0)).norm() < 1e-12);
+            let expected = Vector::<2>::new(0.5, 1.0 - 0.5 * depth);
+            assert!((centre - expected).norm() < 1e-12, "{centre}");
             let pressures = [pair.pressure_max, step.pressures[0], step.pressures[1]];
             assert!(
                 pressures.iter().all(|p| (p - 4.0).abs() < 1e-9),

@@ -9,6 +9,7 @@
 //! | [`cantilevers`] | rows of both passes that are one |
 //! | [`extremes`] | scenes at the limits, with their truths and benign twins |
 //! | [`needs`] | scenes in which little has to be computed, with the cheapest ways to their results |
+//! | [`random`] | random scenes, sound and wrong ones |
 //! | [`studies`] | methods and passes side by side |
 //! | [`freefem`] | the same scenes solved by FreeFEM's scripts |
 //! | [`cli`], [`files`], [`tables`] | options of the examples, files, tables |
@@ -30,6 +31,7 @@ pub mod hertz;
 pub mod ironing;
 pub mod needs;
 pub mod pressure;
+pub mod random;
 pub mod sliding_disc;
 pub mod studies;
 pub mod tables;
