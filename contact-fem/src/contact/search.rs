@@ -283,6 +283,13 @@ pub struct NodalGap {
     pub bulge: f64,
 }
 
+impl NodalGap {
+    /// To the smooth surface.
+    pub fn smooth(&self) -> f64 {
+        self.to_facet - self.bulge
+    }
+}
+
 /// Normals of a facet's corners that differ by less than the first tell how the surface is curved; those that differ by more than the
 /// second are of an edge: a right-angled one makes them differ by 0.77.
 const CURVED: [f64; 2] = [0.4, 0.6];

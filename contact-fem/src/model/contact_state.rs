@@ -1,8 +1,8 @@
 //! What the two surfaces of each pair do to each other at a state: forces, gaps, pressures, areas.
 
+mod geometric_error;
 mod record;
 mod shares;
-mod sideways;
 
 use std::fmt;
 
@@ -14,8 +14,8 @@ use crate::contact::{Pass, Surface, pressure};
 use crate::error::Error;
 use crate::tensor::Vector;
 
+pub use self::geometric_error::GeometricError;
 pub use self::record::{Opposite, PairRecord};
-pub use self::sideways::Sideways;
 
 /// Whether a contact node carries a force or might.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

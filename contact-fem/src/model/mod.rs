@@ -23,7 +23,7 @@ pub(crate) mod work;
 
 pub use crate::contact::{Integration, Obstacle};
 pub use body::Body;
-pub use contact_state::{Opposite, PairRecord, PairSide, PairState, Sideways, Status};
+pub use contact_state::{GeometricError, Opposite, PairRecord, PairSide, PairState, Status};
 pub use diagnosis::Undetermined;
 pub use handle::{BodyId, ObstacleId, Side};
 pub use initial_gaps::InitialGaps;

@@ -2,13 +2,13 @@
 
 mod boundaries;
 mod common;
+mod geometric_error;
 mod locking;
 mod plane_stress;
 mod regions;
 mod revolution;
 mod revolution_contact;
 mod rollers;
-mod sideways;
 mod supports;
 mod switches;
 mod ties;

@@ -111,7 +111,9 @@ fn supports_agree_at_all_times() {
     let told = |declare: &dyn Fn(&mut Body<2>) -> Result<(), Error>| -> Option<String> {
         let mut body = block([0.0; 2], [1.0, 1.0], [3, 3], false);
         body.symmetry("left").expect("a side");
-        declare(&mut body).expect("declared");
+        if let Err(why) = declare(&mut body) {
+            return Some(why.to_string());
+        }
         let mut problem = alone(body);
         let phases = [Phase::new("wait", 1.0, 1), Phase::new("move", 2.0, 2)];
         let run = Simulation::in_phases(phases).run(&mut problem);

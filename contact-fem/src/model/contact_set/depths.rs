@@ -121,20 +121,7 @@ impl<const D: usize> ContactSet<D> {
             return vec![None; self.surfaces[own].nodes().len()];
         }
         let (located, now) = (self.located(kinematics, u), kinematics.positions(u));
-        let (surface, normals) = (&self.surfaces[own], located.master(own).normals());
-        let mut gaps = match self.obstacle_of(pass) {
-            Some((_, obstacle)) => {
-                let gap = |&node: &usize| NodalGap {
-                    to_facet: gap_on(obstacle, &located.x[node], &now[node]),
-                    bulge: 0.0,
-                };
-                surface.nodes().iter().map(|node| Some(gap(node))).collect()
-            }
-            None => {
-                let master = located.master(other);
-                nodal_gaps(surface, normals, master, &located.x, &now, self.reach)
-            }
-        };
+        let mut gaps = self.gaps_between(pass, &located, &now);
         if let Some(depths) = self.initial_overlaps.of(pass) {
             let left = self.initial_gaps.share_left(kinematics.factor);
             for (gap, &depth) in gaps.iter_mut().zip(&depths.nodes) {
@@ -147,6 +134,44 @@ impl<const D: usize> ContactSet<D> {
             }
         }
         gaps
+    }
+
+    /// The gaps of the slave's nodes at `u`, with the other surface where the search has it, and where it is; overlaps that are granted
+    /// are in both.
+    pub fn gaps_of_both(
+        &self,
+        pass: Pass,
+        kinematics: &Kinematics<D>,
+        u: &[f64],
+    ) -> [Vec<Option<NodalGap>>; 2] {
+        let now = kinematics.positions(u);
+        let searched = self.located(kinematics, u);
+        let present = self.located_at(&now);
+        [searched, present].map(|located| self.gaps_between(pass, &located, &now))
+    }
+
+    /// The gaps of the slave's nodes at positions `now`.
+    fn gaps_between(
+        &self,
+        pass: Pass,
+        located: &Located<D>,
+        now: &[Vector<D>],
+    ) -> Vec<Option<NodalGap>> {
+        let surface = &self.surfaces[pass.slave];
+        let normals = located.master(pass.slave).normals();
+        match self.obstacle_of(pass) {
+            Some((_, obstacle)) => {
+                let gap = |&node: &usize| NodalGap {
+                    to_facet: gap_on(obstacle, &located.x[node], &now[node]),
+                    bulge: 0.0,
+                };
+                surface.nodes().iter().map(|node| Some(gap(node))).collect()
+            }
+            None => {
+                let master = located.master(pass.master);
+                nodal_gaps(surface, normals, master, &located.x, now, self.reach)
+            }
+        }
     }
 
     /// How far bodies have passed through each other (UL), or `None` if they have not. They have if

@@ -18,10 +18,10 @@ pub(super) struct Share<const D: usize> {
     pub(super) pair: usize,
     pub(super) other: usize,
     /// The forces of the passes in which the surface is the slave, its normals, and what [`Pressed`] asks of the other one.
-    own: Vec<Vector<D>>,
+    pub(super) own: Vec<Vector<D>>,
     pub(super) normals: Vec<Vector<D>>,
     facing: Vec<(Vector<D>, f64)>,
-    modulus: f64,
+    pub(super) modulus: f64,
     /// How far the other surface, taken as a smooth one, is outside its facets where nodes face it (UL).
     bulges: Vec<f64>,
     pub(super) area: f64,
@@ -29,7 +29,7 @@ pub(super) struct Share<const D: usize> {
 }
 
 /// Which nodes these forces load.
-fn loaded<const D: usize>(forces: &[Vector<D>]) -> Vec<bool> {
+pub(super) fn loaded<const D: usize>(forces: &[Vector<D>]) -> Vec<bool> {
     let sizes = || forces.iter().map(Vector::norm);
     let largest = sizes().fold(0.0, f64::max);
     sizes().map(|size| size > LOADED * largest).collect()

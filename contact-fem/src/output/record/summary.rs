@@ -17,8 +17,8 @@ use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
 use crate::model::{
-    BodyId, Finding, Opposite, PairRecord, Problem, ScenePlan, Side, TieRecord, Undetermined,
-    WorkRecord,
+    BodyId, Finding, GeometricError, InitialGaps, Opposite, PairRecord, Problem, Scene, ScenePlan,
+    Side, TieRecord, Undetermined, WorkRecord,
 };
 use crate::output::history::source_name;
 use crate::simulation::{History, StepRecord};
@@ -44,8 +44,8 @@ pub(super) struct Summary {
     plan: Value,
     /// The rigid motions of bodies that nothing determines in the last converged state.
     undetermined: Vec<Value>,
-    /// Curved surfaces that have moved sideways on each other further than contact at the reference positions follows.
-    sideways: Vec<Value>,
+    /// Pairs whose contact at the reference positions is far from that at the present ones.
+    geometric_errors: Vec<Value>,
     load_factor: f64,
     steps: usize,
     cuts: usize,
@@ -105,8 +105,12 @@ pub(super) struct Summary {
     table: String,
 }
 
-/// Says so where work and stored energy are far apart; `energy` is what matters in the scene (UF·UL).
-fn unstored<const D: usize>(records: &[StepRecord<D>], energy: f64) -> Option<String> {
+/// Says so where work and stored energy are far apart. What an interference fit stores is no work of supports and loads.
+fn unstored<const D: usize>(records: &[StepRecord<D>], problem: &Problem<D>) -> Option<String> {
+    if problem.scene().initial_gaps == InitialGaps::Resolve {
+        return None;
+    }
+    let energy = problem.scale().energy;
     let last = records.last()?;
     let apart = (last.work() - last.stored_energy).abs();
     let most = records.iter().map(|record| record.stored_energy);
@@ -119,6 +123,19 @@ fn unstored<const D: usize>(records: &[StepRecord<D>], energy: f64) -> Option<St
             100.0 * apart / most
         )
     })
+}
+
+/// What touches, in words.
+fn sides<const D: usize>(of: &GeometricError, scene: &Scene<D>) -> [String; 2] {
+    let side = |side: &Side| {
+        let body = &scene.names()[side.body.index()];
+        format!("`{}` of body `{body}`", side.boundary)
+    };
+    let second = match &of.second {
+        Opposite::Side(other) => side(other),
+        Opposite::Obstacle(id) => format!("obstacle `{}`", scene.obstacle_names()[id.index()]),
+    };
+    [side(&of.first), second]
 }
 
 impl Summary {
@@ -144,7 +161,7 @@ impl Summary {
         let steps_by_solver = steps_by_solver(records);
         let solution = history.and_then(|history| history.run.solution.as_ref());
         let undetermined = solution.map_or(Vec::new(), |solution| problem.undetermined(solution));
-        let sideways = solution.map_or(Vec::new(), |solution| problem.sideways(solution));
+        let errors = solution.map_or(Vec::new(), |solution| problem.geometric_errors(solution));
         let left_out = history.map(|history| LeftOut::new(problem, history));
         let inverted = inverted(records);
         let shares = shares(&cost, observer.seconds, wall);
@@ -170,20 +187,18 @@ impl Summary {
                 record.work() - record.stored_energy
             )
         }));
-        table.extend(unstored(records, problem.scale().energy));
+        table.extend(unstored(records, problem));
         table.extend(undetermined.iter().map(|Undetermined { body, motions }| {
             let motions = motions.join(", ");
             format!("undetermined       body `{body}`: {motions}")
         }));
-        table.extend(sideways.iter().map(|found| {
-            let [first, second] = [&found.first, &found.second];
+        table.extend(errors.iter().map(|found| {
+            let [first, second] = sides(found, problem.scene());
             format!(
-                "warning            body `{}` has moved sideways on body `{}` by {:.3e}, the width of their contact is {:.3e}, and contact at \
-                 the reference positions does not follow: force and area are too large; take contact at the current ones",
-                problem.scene().name_of(first.body.index()),
-                problem.scene().name_of(second.body.index()),
-                found.way,
-                found.width
+                "warning            contact of {first} with {second} is taken at the reference positions, where gaps differ from the present ones \
+                 by {:.3e}, {:.0} % of the indentation: forces and areas are wrong by about half of that; take contact at the current positions",
+                found.error,
+                100.0 * found.error / found.indentation
             )
         }));
         table.extend(inverted.map(|(factor, least)| {
@@ -222,14 +237,15 @@ impl Summary {
                 .iter()
                 .map(|Undetermined { body, motions }| json!({"body": body, "motions": motions}))
                 .collect(),
-            sideways: sideways
+            geometric_errors: errors
                 .iter()
                 .map(|found| {
-                    let names = problem.scene().names();
-                    let side = |side: &Side| json!([names[side.body.index()], side.boundary]);
+                    let scene = problem.scene();
+                    let names = (scene.names(), scene.obstacle_names());
+                    let [first, second] = both(&found.first, &found.second, names);
                     json!({
-                        "first": side(&found.first), "second": side(&found.second),
-                        "way": found.way, "width": found.width,
+                        "first": first, "second": second,
+                        "error": found.error, "indentation": found.indentation,
                     })
                 })
                 .collect(),
@@ -343,17 +359,27 @@ fn worked(record: &WorkRecord, bodies: &[String], obstacles: &[String]) -> Value
 }
 
 fn pair<const D: usize>(pair: &PairRecord<D>, bodies: &[String], obstacles: &[String]) -> Value {
-    let side = |side: &Side| json!({"body": bodies[side.body.index()], "boundary": side.boundary});
+    let [first, second] = both(&pair.first, &pair.second, (bodies, obstacles));
     json!({
-        "first": side(&pair.first),
-        "second": match &pair.second {
-            Opposite::Side(second) => side(second),
-            Opposite::Obstacle(id) => json!({"obstacle": obstacles[id.index()]}),
-        },
+        "first": first, "second": second,
         "area": pair.area, "resultant": pair.resultant.as_slice(),
         "centre": pair.centre.as_ref().map(|centre| centre.as_slice()),
         "pressure_max": pair.pressure_max,
     })
+}
+
+/// The two sides of a pair, by the names of bodies and obstacles.
+fn both(
+    first: &Side,
+    second: &Opposite,
+    (bodies, obstacles): (&[String], &[String]),
+) -> [Value; 2] {
+    let side = |side: &Side| json!({"body": bodies[side.body.index()], "boundary": side.boundary});
+    let second = match second {
+        Opposite::Side(second) => side(second),
+        Opposite::Obstacle(id) => json!({"obstacle": obstacles[id.index()]}),
+    };
+    [side(first), second]
 }
 
 fn tie<const D: usize>(tie: &TieRecord<D>, bodies: &[String]) -> Value {

@@ -1,0 +1,102 @@
+//! How far contact at the reference positions is from that at the present ones.
+
+use contact_core::equilibrium::Solution;
+
+use super::Opposite;
+use super::shares::{Share, loaded};
+use crate::contact::Pass;
+use crate::model::{Geometry, Problem, Side};
+use crate::tensor::Vector;
+
+/// The error that is told, as a share of the indentation. Forces are off by about half of that share.
+const TOLD: f64 = 0.05;
+
+/// A pair whose contact at the reference positions is far from that at the present ones, as [`Problem::geometric_errors`] finds it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GeometricError {
+    /// One surface as declared.
+    pub first: Side,
+    /// The other one, or the obstacle.
+    pub second: Opposite,
+    /// By how much gaps at the present positions differ from those that the contact took: the mean over the forces in a contact zone (UL).
+    pub error: f64,
+    /// The indentation of that zone, F/(A E*) times its width (UL).
+    pub indentation: f64,
+}
+
+impl<const D: usize> Problem<D> {
+    /// Pairs whose contact at the reference positions differs from that at the present positions by more than a twentieth of the
+    /// indentation, with their worst zones: as where a curved body has moved sideways on another one, or has turned.
+    ///
+    /// Contact in [`Geometry::Reference`] does not follow such motions, and forces and areas are wrong: take [`Geometry::Current`]. Flat
+    /// surfaces that slide on each other keep their gaps. Empty in [`Geometry::Current`], and if `solution` is not of this problem.
+    pub fn geometric_errors(&self, solution: &Solution) -> Vec<GeometricError> {
+        let (u, rows) = (&solution.state.u, (&solution.gaps, &solution.lambda[..]));
+        if self.geometry() == Geometry::Current || self.check_rows(u, rows.0, rows.1).is_err() {
+            return Vec::new();
+        }
+        let mut found = Vec::new();
+        for (pair, ([a, b], first, second)) in self.declared_pairs().into_iter().enumerate() {
+            let mut sides = vec![[a, b]];
+            if a != b && b < self.surfaces().len() {
+                sides.push([b, a]);
+            }
+            let errors = sides.into_iter().flat_map(|side| {
+                let share = self.share(pair, side, u, rows);
+                self.errors_of(&share, side, u)
+            });
+            let worst = errors.max_by(|[a, b], [c, d]| (a / b).total_cmp(&(c / d)));
+            if let Some([error, indentation]) = worst.filter(|[e, of]| *e > TOLD * of) {
+                found.push(GeometricError {
+                    first,
+                    second,
+                    error,
+                    indentation,
+                });
+            }
+        }
+        found
+    }
+
+    /// Error and indentation of each contact zone of a surface.
+    fn errors_of(&self, share: &Share<D>, [slave, master]: [usize; 2], u: &[f64]) -> Vec<[f64; 2]> {
+        let surface = &self.surfaces()[slave];
+        let pass = Pass { slave, master };
+        let [then, now] = self.contact.gaps_of_both(pass, &self.kinematics, u);
+        let apart = |a: usize| match (then[a], now[a]) {
+            (Some(then), Some(now)) => (now.smooth() - then.smooth()).abs(),
+            _ => 0.0,
+        };
+        let areas = surface.node_areas(surface.reference_nodes());
+        let (loads, neighbours) = (loaded(&share.side.forces), surface.neighbours());
+        let mut is_done: Vec<bool> = loads.iter().map(|loads| !loads).collect();
+        let mut errors = Vec::new();
+        for first in 0..loads.len() {
+            if std::mem::replace(&mut is_done[first], true) {
+                continue;
+            }
+            let mut zone = vec![first];
+            let mut next = 0;
+            while let Some(&a) = zone.get(next) {
+                next += 1;
+                for &b in &neighbours[a] {
+                    if !std::mem::replace(&mut is_done[b], true) {
+                        zone.push(b);
+                    }
+                }
+            }
+            let sum = |of: &dyn Fn(usize) -> f64| zone.iter().map(|&a| of(a)).sum::<f64>();
+            let force = zone.iter().map(|&a| share.side.forces[a]);
+            let force = force.sum::<Vector<D>>().norm();
+            let area = sum(&|a| areas[a]);
+            let is_in_space = D == 3 || surface.is_of_revolution();
+            let width = if is_in_space { area.sqrt() } else { area };
+            // gaps of the surface count where its own rows act
+            let error =
+                sum(&|a| share.own[a].norm() * apart(a)) / sum(&|a| share.side.forces[a].norm());
+            errors.push([error, force / (area * share.modulus) * width]);
+        }
+        errors.retain(|[error, indentation]| error.is_finite() && *indentation > 0.0);
+        errors
+    }
+}
