@@ -554,8 +554,8 @@ pub enum Error {
     },
     /// What cannot hold in some phases alone.
     #[error(
-        "{what} within `Body::during`, which switches supports alone: declare it outside; loads take an amplitude, such as \
-         `Amplitude::table`"
+        "{what} does not take `Body::during`, which switches supports along axes alone: let it act at all times; loads take an \
+         amplitude, such as `Amplitude::table`"
     )]
     NotSwitched {
         /// What was declared.

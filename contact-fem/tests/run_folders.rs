@@ -347,6 +347,8 @@ fn names_that_leave_the_folder_are_refused_before_anything_is_touched() {
         set(&|plan| plan.picture = name.into());
         set(&|plan| plan.own_files = vec![name.into()]);
     }
+    set(&|plan| plan.picture = "pressure.svg".into());
+    set(&|plan| plan.own_files = vec!["meshes.svg".into()]);
     assert!(before == files(&folder));
 }
 

@@ -6,8 +6,8 @@ use contact_fem::{Body, Mesh, Scene};
 
 use super::contact::Bodies;
 use super::keys::{
-    BodyKeys, BoundaryKeys, CurvedKeys, FoundationKeys, HalfSpace, Name, PressureKeys, SupportKeys,
-    TractionKeys,
+    AmplitudeKeys, BodyKeys, BoundaryKeys, CurvedKeys, ForceKeys, FoundationKeys, HalfSpace, Name,
+    PressureKeys, SupportKeys, TractionKeys,
 };
 use super::laws;
 use super::meshes::{Found, MeshKeys};
@@ -146,6 +146,9 @@ impl SceneFile {
         }
         for (k, traction) in keys.tractions.iter().enumerate() {
             traction.load(&place.entry("tractions", k), &mut body)?;
+        }
+        for (k, force) in keys.forces.iter().enumerate() {
+            force.load(&place.entry("forces", k), &mut body)?;
         }
         for (k, pressure) in keys.pressures.iter().enumerate() {
             pressure.load(&place.entry("pressures", k), &mut body)?;
@@ -305,6 +308,27 @@ impl TractionKeys {
     }
 }
 
+impl ForceKeys {
+    fn load<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
+        let force = place.key("force").vector(&self.force)?;
+        let course = amplitude(&place.key("amplitude"), self.amplitude.as_ref())?;
+        let at = place.key("at");
+        let nodes = nodes_at(&at, body, &self.at)?;
+        at.of(body.nodal_force_in_time(&nodes, force, course))?;
+        Ok(())
+    }
+}
+
+/// The nodes of a body at these points.
+fn nodes_at<const D: usize>(
+    at: &Place<'_>,
+    body: &Body<D>,
+    points: &[Vec<f64>],
+) -> Result<Vec<usize>, Error> {
+    let points: Result<Vec<[f64; D]>, Error> = points.iter().map(|x| at.vector(x)).collect();
+    at.of(body.mesh().nodes_at(&points?))
+}
+
 impl PressureKeys {
     fn load<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
         let course = amplitude(&place.key("amplitude"), self.amplitude.as_ref())?;
@@ -345,11 +369,23 @@ impl SupportKeys {
         let values = [("x", self.x), ("y", self.y), ("z", self.z), ("by", self.by)];
         let mut values = values.into_iter();
         let given = values.find(|(_, value)| value.is_some_and(|value| value != 0.0));
-        let (Some((key, Some(value))), Some(amplitude)) = (given, &self.amplitude) else {
+        // what holds from the beginning moves from rest to its first value
+        let stays = |amplitude: &Option<AmplitudeKeys>| match amplitude {
+            Some(amplitude) => during
+                .iter()
+                .all(|own| own[0] > 0.0 && amplitude.is_constant(*own)),
+            None => false,
+        };
+        let motions = &self.motion.0;
+        if !motions.is_empty() && motions.iter().all(|own| stays(&own.amplitude)) {
+            let what = "has no effect: the support begins later, moves nodes by what its motion grows from then on, and the amplitude \
+                        stays the same: write x = 0 and so on to hold them where they are, or change the amplitude while it holds";
+            return Err(place.key("motion").wrong(what));
+        }
+        let Some((key, Some(value))) = given else {
             return Ok(());
         };
-        // what holds from the beginning moves from rest to its first value
-        match during.iter().all(|own| own[0] > 0.0 && amplitude.is_constant(*own)) {
+        match stays(&self.amplitude) {
             true => Err(place.key(key).wrong(format!(
                 "`{key} = {value}` has no effect: the support begins later, moves nodes by what its value grows from then on, and its \
                  amplitude stays the same: write 0 to hold them where they are, or change the amplitude while it holds"
@@ -404,9 +440,7 @@ impl SupportKeys {
         }
         if let Some(points) = &self.at {
             let at = place.key("at");
-            let points: Result<Vec<[f64; D]>, Error> =
-                points.iter().map(|point| at.vector(point)).collect();
-            let nodes = at.of(body.mesh().nodes_at(&points?))?;
+            let nodes = nodes_at(&at, body, points)?;
             at.of(match direction {
                 None => body.prescribe_nodes(&nodes, components),
                 Some(direction) => body.prescribe_nodes_along(&nodes, direction, by),

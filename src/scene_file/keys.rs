@@ -280,6 +280,8 @@ pub(super) struct BodyKeys {
     #[serde(default)]
     pub(super) pressures: Vec<PressureKeys>,
     #[serde(default)]
+    pub(super) forces: Vec<ForceKeys>,
+    #[serde(default)]
     pub(super) foundations: Vec<FoundationKeys>,
     pub(super) body_force: Option<Vec<f64>>,
     pub(super) body_force_amplitude: Option<AmplitudeKeys>,
@@ -336,6 +338,14 @@ pub(super) struct SupportKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct TractionKeys {
     pub(super) on: Name,
+    pub(super) force: Vec<f64>,
+    pub(super) amplitude: Option<AmplitudeKeys>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ForceKeys {
+    pub(super) at: Vec<Vec<f64>>,
     pub(super) force: Vec<f64>,
     pub(super) amplitude: Option<AmplitudeKeys>,
 }

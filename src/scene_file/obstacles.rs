@@ -139,6 +139,10 @@ fn polygon<const D: usize>(place: &Place<'_>, corners: &[Vec<f64>]) -> Result<Ob
     if D != 2 {
         return Err(place.wrong("a polygon is in the plane: in space, take `surface`"));
     }
+    if corners.len() < 3 {
+        let count = corners.len();
+        return Err(place.wrong(format!("has {count} corners: a polygon has 3 at least")));
+    }
     let points: Result<Vec<[f64; D]>, Error> = corners.iter().map(|x| place.vector(x)).collect();
     let count = corners.len();
     let side = |k: usize| std::array::from_fn(|end| (k + end) % count);

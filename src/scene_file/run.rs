@@ -1,7 +1,8 @@
 //! The run of a scene file: its solver and its load steps.
 
-use std::fmt;
+use std::hash::{DefaultHasher, Hasher};
 use std::path::PathBuf;
+use std::{fmt, fs};
 
 use contact_core::equilibrium::{Departures, Resumable};
 use contact_core::ipopt::{self, Options};
@@ -15,6 +16,7 @@ use contact_fem::model::Problem;
 use serde::Deserialize;
 
 use super::keys::{Combine, Formulation, Keys, OptionKeys, OutputKeys};
+use super::meshes::MeshKeys;
 use super::{Error, SceneFile};
 
 /// How a load is solved.
@@ -116,26 +118,44 @@ impl SceneFile {
     }
 
     /// As [`SceneFile::simulation_by`], with answers kept in a file: the run goes on where an earlier one with this file ended, see
-    /// [`Resumable`].
+    /// [`Resumable`]. It is refused where the scene, its files or its steps are others than those of the earlier run, or `given`, what else
+    /// answers depend on, such as the options of a program.
     ///
     /// # Errors
-    /// As [`SceneFile::simulation`].
+    /// As [`SceneFile::simulation`], and a file of the scene that cannot be read.
     pub fn resumable(
         &self,
         solver: Option<Solver>,
         file: impl Into<PathBuf>,
+        given: &str,
     ) -> Result<Simulation<Box<dyn Equilibrium>>, Error> {
         let solver = solver.or(self.keys.solver).unwrap_or(Solver::Automatic);
         let Solvers { make, settings } = self.solvers(solver)?;
-        // a run that goes on may have more phases, or other output
         let scene = Keys {
-            increments: None,
-            phase: Vec::new(),
             output: OutputKeys::default(),
             ..self.keys.clone()
         };
-        let kept = Resumable::new(file, make).with_settings(format!("{settings} {scene:?}"));
+        let mut hasher = DefaultHasher::new();
+        for path in self.files() {
+            let read = fs::read(&path).map_err(|source| Error::Read { path, source })?;
+            hasher.write(&read);
+        }
+        let files = hasher.finish();
+        let settings = format!("{settings} {scene:?} {files:x} {given}");
+        let kept = Resumable::new(file, make).with_settings(settings);
         self.run_by(solver, Box::new(kept))
+    }
+
+    /// The files with meshes and surfaces.
+    fn files(&self) -> Vec<PathBuf> {
+        let meshes = self.keys.body.iter().map(|body| &body.mesh);
+        let surfaces = self.keys.obstacle.iter();
+        let surfaces = surfaces.filter_map(|keys| keys.surface.as_ref());
+        let files = meshes.chain(surfaces).filter_map(|mesh| match mesh {
+            MeshKeys::File(path) => Some(self.folder.join(path)),
+            MeshKeys::Made(_) => None,
+        });
+        files.collect()
     }
 
     /// What a run refuses before its first solve, with its place in the file; `simulation` is one of this file.

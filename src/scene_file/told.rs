@@ -189,7 +189,11 @@ impl SceneFile {
             | Kind::StraightFacets => "mesh",
             Kind::Locking | Kind::Rotation => "law",
             Kind::Unloaded => {
-                let load = [("traction", "tractions"), ("pressure", "pressures")];
+                let load = [
+                    ("traction", "tractions"),
+                    ("pressure", "pressures"),
+                    ("nodal force", "forces"),
+                ];
                 let on = quoted(what, "on").unwrap_or_default();
                 return match load.iter().find(|(kind, _)| what.contains(kind)) {
                     Some((_, key)) => self.load_on(first, key, on),
@@ -219,7 +223,8 @@ impl SceneFile {
         let on = |keys: &BodyKeys| -> Vec<String> {
             let names: Vec<&Name> = match key {
                 "pressures" => keys.pressures.iter().map(|own| &own.on).collect(),
-                _ => keys.tractions.iter().map(|own| &own.on).collect(),
+                "tractions" => keys.tractions.iter().map(|own| &own.on).collect(),
+                _ => Vec::new(),
             };
             names.into_iter().map(ToString::to_string).collect()
         };

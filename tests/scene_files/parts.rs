@@ -407,12 +407,54 @@ fn slopes_from_a_file() {
         (
             "along = [4, -3]",
             "along = [4, -3], during = [[0, 1]]",
-            "outside",
+            "along axes alone",
         ),
     ] {
         let scene = SceneFile::parse(&text.replace(good, bad), &folder).map(|f| f.scene::<2>());
         let refused = scene.expect("keys").err().expect(bad).to_string();
         assert!(refused.contains(told), "{refused} of {told}");
+    }
+}
+
+/// One linear facet hands half of a traction to each of its nodes; a list of one may be without a list around it.
+#[test]
+fn forces_and_single_entries_from_a_file() {
+    let folder = fresh("forces");
+    let scene = |loads: &str, during: &str, motion: &str| {
+        let text = format!(
+            r#"
+            [[body]]
+            name = "block"
+            mesh = {{ rectangle = {{ x = [0, 1], y = [0, 1] }} }}
+            law = "linear-elastic"
+            young = 100
+            poisson = 0.3
+            supports = [{{ on = "bottom", x = 0, y = 0, during = {during} }}]
+            {loads}
+
+            [[obstacle]]
+            name = "tool"
+            half-space = {{ point = [0, 1.5], normal = [0, -1] }}
+            motion = {motion}
+            on = [["block", "top"]]
+            "#
+        );
+        let file = SceneFile::parse(&text, &folder).expect("a file");
+        let mut problem = file.problem::<2>().expect("a problem");
+        let history = file.simulation().expect("settings").run(&mut problem);
+        let history = history.expect("a run");
+        assert!(history.is_complete());
+        history.run.state.u
+    };
+    let down = "{ translation = [0, -0.1] }";
+    let by_traction = "tractions = [{ on = \"top\", force = [0.5, 3] }]";
+    let by_nodes = "forces = [{ at = [[0, 1], [1, 1]], force = [0.25, 1.5] }]";
+    let expected = scene(by_traction, "[[0, 1]]", &format!("[{down}]"));
+    let found = scene(by_nodes, "[0, 1]", down);
+    let largest = expected.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+    assert!(largest > 0.01, "{largest}");
+    for (u, other) in expected.iter().zip(&found) {
+        assert!((u - other).abs() < 1e-12 * largest, "{u} {other}");
     }
 }
 

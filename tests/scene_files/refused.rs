@@ -383,7 +383,7 @@ const WRONG_BLOCKS: [Wrong; 25] = [
 ];
 
 /// What is wrong with the bar.
-const WRONG_BAR: [Wrong; 23] = [
+const WRONG_BAR: [Wrong; 25] = [
     ("until = 2", "until = 0.5", 7, "`until`", "finite time"),
     (
         "until = 2",
@@ -496,6 +496,20 @@ const WRONG_BAR: [Wrong; 23] = [
         21,
         "`supports.x`",
         "has no effect",
+    ),
+    (
+        "x = 0.1",
+        "motion = { translation = [0.1, 0], amplitude = 1 }\nduring = [1, 2]",
+        21,
+        "`supports.motion`",
+        "has no effect",
+    ),
+    (
+        "x = 0.1",
+        "x = 0.1\nduring = [0, [1, 2]]",
+        22,
+        "during",
+        "[[0, 1], [2, 3]]",
     ),
     (
         "x = 0.1",

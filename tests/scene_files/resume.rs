@@ -188,7 +188,7 @@ fn so_it_does_where_supports_are_switched() {
     killed(("switched", &switched()), "automatic", shares);
 }
 
-/// The answers are not those of another scene, and the file stays.
+/// The answers are not those of another scene, and what is there stays.
 #[test]
 fn answers_of_another_scene_are_refused() {
     let (folder, path) = scene("another", SCENE);
@@ -196,6 +196,7 @@ fn answers_of_another_scene_are_refused() {
     let status = program(&path, &out, "automatic").status().expect("a run");
     assert!(status.success(), "{status}");
     let answers = fs::read(out.join("run.resume")).expect("a file");
+    let before = results(&out);
     for (from, to) in [
         ("young = 1000", "young = 1001"),
         ("x = 0.6", "x = 0.5"),
@@ -216,5 +217,18 @@ fn answers_of_another_scene_are_refused() {
             "{to}: {said}"
         );
         assert_eq!(fs::read(out.join("run.resume")).expect("a file"), answers);
+        assert!(results(&out) == before, "{to}");
     }
+    // another mesh in the same file
+    fs::write(&path, SCENE).expect("written");
+    let other = rectangle(
+        &linspace(0.3, 1.1, 6),
+        &linspace(1.0, 2.0, 4),
+        Diagonals::Rising,
+    );
+    let other = other.expect("a mesh");
+    other.save_freefem(folder.join("die.msh")).expect("written");
+    let status = program(&path, &out, "automatic").status().expect("a run");
+    assert_eq!(status.code(), Some(2));
+    assert!(results(&out) == before);
 }

@@ -11,7 +11,7 @@ pub(super) struct Pace<'a> {
     done: usize,
     /// The length of an increment, or of the next adaptive step.
     step: f64,
-    /// How often the present step is halved; no more often than the last number.
+    /// How often the present increment is halved; no more often than the last number.
     halvings: usize,
     most: usize,
 }
@@ -57,7 +57,7 @@ impl<'a> Pace<'a> {
         let increment = self.before + self.done + 1;
         let goal = match self.phase.adaptive {
             // what would be left over is no step of its own
-            Some(Adaptive { least, .. }) if last + whole > until - least => until,
+            Some(Adaptive { least, .. }) if last + whole > until - least + close => until,
             Some(_) => last + whole,
             None if self.done + 1 >= self.phase.increments => until,
             None => self.began + (self.done + 1) as f64 * self.step,
@@ -76,23 +76,28 @@ impl<'a> Pace<'a> {
         match self.phase.adaptive {
             Some(Adaptive { least, largest }) => {
                 let share = Adaptive::ITERATIONS / iterations.max(1) as f64;
-                let length = self.step * 0.5f64.powi(self.halvings as i32);
-                let next = length * share.sqrt().clamp(0.5, 2.0);
-                (self.step, self.halvings) = (next.min(largest).max(least), 0);
+                let next = self.step * share.sqrt().clamp(0.5, 2.0);
+                self.step = next.min(largest).max(least);
             }
             // after success the step doubles
             None => self.halvings = self.halvings.saturating_sub(1),
         }
     }
 
-    /// Halves the step, or tells that it may not be shorter.
-    pub fn cut(&mut self) -> bool {
-        let shorter = self.step * 0.5f64.powi(self.halvings as i32 + 1);
-        let may = match self.phase.adaptive {
-            Some(Adaptive { least, .. }) => shorter >= least,
-            None => self.halvings < self.most,
+    /// Shortens the step from `last` that failed, or tells that it may not be shorter. An adaptive one becomes half as long, or the
+    /// least one if that is shorter by a tenth at least; what is left of the phase must not be less, either.
+    pub fn cut(&mut self, last: f64, failed: Target) -> bool {
+        let Some(Adaptive { least, .. }) = self.phase.adaptive else {
+            let may = self.halvings < self.most;
+            self.halvings += usize::from(may);
+            return may;
         };
-        self.halvings += usize::from(may);
+        let (length, left) = (failed.factor - last, self.phase.until - last);
+        let shorter = least.max(0.5 * length);
+        let may = shorter <= 0.9 * length && shorter <= left - least + self.close();
+        if may {
+            self.step = shorter;
+        }
         may
     }
 
@@ -155,13 +160,33 @@ mod tests {
     /// Adaptive steps are halved down to the least one, others as often as they may be.
     #[test]
     fn steps_are_halved_as_far_as_they_may_be() {
+        // the ends of the steps from `last` of which each fails
+        let tried = |pace: &mut Pace<'_>, last: f64| {
+            let mut ends = Vec::new();
+            while let Some(target) = pace.next(last) {
+                ends.push(target.factor);
+                if !pace.cut(last, target) {
+                    break;
+                }
+            }
+            ends
+        };
         let phase = Phase::new("", 2.0, 8).adaptive(0.03, 1.0);
         let mut pace = Pace::new(&phase, (1.0, 0), 16);
-        assert!(pace.cut() && pace.cut() && !pace.cut());
-        assert_eq!(pace.next(1.0).expect("a step").factor, 1.03125);
+        assert_eq!(tried(&mut pace, 1.0), [1.125, 1.0625, 1.03125]);
+        // none is tried twice, and the least one is
+        let phase = Phase::new("", 2.0, 1).adaptive(0.24, 1.0);
+        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        assert_eq!(tried(&mut pace, 1.0), [2.0, 1.5, 1.25]);
+        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        assert_eq!(tried(&mut pace, 1.5), [2.0, 1.75]);
+        assert_eq!(tried(&mut pace, 1.55), [2.0]);
+        let phase = Phase::new("", 2.0, 2).adaptive(0.4, 1.0);
+        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        assert_eq!(tried(&mut pace, 1.0), [1.5, 1.4]);
         let phase = Phase::new("", 2.0, 8);
         let mut pace = Pace::new(&phase, (1.0, 0), 1);
-        assert!(pace.cut() && !pace.cut());
+        assert_eq!(tried(&mut pace, 1.0), [1.125, 1.0625]);
         let half = pace.next(1.0).expect("a step");
         assert_eq!((half.factor, half.increment), (1.0625, None));
     }

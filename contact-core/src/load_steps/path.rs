@@ -92,7 +92,7 @@ impl Path<'_> {
                 Outcome::Interrupted => return Ok(Some(self.interrupted())),
                 _ => {
                     let is_stuck = self.is_stuck();
-                    if !is_stuck && pace.cut() {
+                    if !is_stuck && pace.cut(self.last.factor, target) {
                         continue;
                     }
                     let stuck = is_stuck.then(|| "smaller steps do not reduce it".into());

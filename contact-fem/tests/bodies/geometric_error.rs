@@ -67,8 +67,8 @@ fn round(ways: [f64; 2], kind: (Geometry, Passes)) -> (f64, Told) {
 
 const BOTH: (Geometry, Passes) = (Geometry::Reference, Passes::Both);
 
-/// Both passes hold a disc where it was and where it is: the force is too large, and it is told by how much about. The pass with the flat
-/// block as the slave leaves gaps where the disc was, and the other one has the force of the disc that has not moved.
+/// Both passes hold a disc where it was and where it is: the force is too large, by about twice the share that is told. With the flat block
+/// as the only slave it is too large, too. With the disc as the only slave it is that of the disc that has not moved, and so is the place.
 #[test]
 fn a_disc_that_has_moved_is_told() {
     let (still, told) = round([0.0; 2], BOTH);
@@ -79,7 +79,7 @@ fn a_disc_that_has_moved_is_told() {
     };
     let (share, excess) = (error / indentation, moved / still - 1.0);
     assert!(excess > 0.03, "{excess}");
-    assert!((0.2 * share..share).contains(&excess), "{share} {excess}");
+    assert!((share..3.0 * share).contains(&excess), "{share} {excess}");
     let (current, told) = round([0.05, 0.0], (Geometry::Current, Passes::Both));
     let change = current / still - 1.0;
     assert!(told.is_empty() && change.abs() < 0.02, "{change}");
@@ -88,7 +88,7 @@ fn a_disc_that_has_moved_is_told() {
     assert!(told.len() == 1 && change > 0.1, "{change} {told:?}");
     let (by_disc, told) = round([0.1, 0.0], (Geometry::Reference, Passes::FirstIsSlave));
     let change = by_disc / still - 1.0;
-    assert!(told.is_empty() && change.abs() < 0.02, "{change} {told:?}");
+    assert!(told.len() == 1 && change.abs() < 0.02, "{change} {told:?}");
 }
 
 /// Where rows of the coarse flat surface do not act, nothing is wrong.

@@ -67,7 +67,11 @@ where
     }
     let out = words.needed("out")?;
     let simulation = match (words.option("resume"), solver) {
-        (Some(_), solver) => file.resumable(solver, Path::new(out).join("run.resume")),
+        (Some(_), solver) => {
+            let given = [words.option("increments"), words.option("start")];
+            let answers = Path::new(out).join("run.resume");
+            file.resumable(solver, answers, &format!("{given:?}"))
+        }
         (None, Some(solver)) => file.simulation_by(solver),
         (None, None) => file.simulation(),
     };

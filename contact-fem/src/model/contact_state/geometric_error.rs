@@ -8,8 +8,9 @@ use crate::contact::Pass;
 use crate::model::{Geometry, Problem, Side};
 use crate::tensor::Vector;
 
-/// The error that is told, as a share of the indentation. Forces are off by about half of that share.
-const TOLD: f64 = 0.05;
+/// The error that is told, as a share of the indentation. On a cylinder that is moved sideways, the force is 6 % too large then with both
+/// passes, and below 0.5 % with one. On meshes with a facet as wide as the contact zone, bodies that have not moved have nearly as much.
+const TOLD: f64 = 0.03;
 
 /// A pair whose contact at the reference positions is far from that at the present ones, as [`Problem::geometric_errors`] finds it.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,11 +26,12 @@ pub struct GeometricError {
 }
 
 impl<const D: usize> Problem<D> {
-    /// Pairs whose contact at the reference positions differs from that at the present positions by more than a twentieth of the
+    /// Pairs whose contact at the reference positions differs from that at the present positions by more than 3 % of the
     /// indentation, with their worst zones: as where a curved body has moved sideways on another one, or has turned.
     ///
-    /// Contact in [`Geometry::Reference`] does not follow such motions, and forces and areas are wrong: take [`Geometry::Current`]. Flat
-    /// surfaces that slide on each other keep their gaps. Empty in [`Geometry::Current`], and if `solution` is not of this problem.
+    /// Contact in [`Geometry::Reference`] does not follow such motions: places, and with both passes areas and forces, are wrong, and
+    /// [`Geometry::Current`] is the better choice. Flat surfaces that slide on each other keep their gaps. Empty in
+    /// [`Geometry::Current`], and if `solution` is not of this problem.
     pub fn geometric_errors(&self, solution: &Solution) -> Vec<GeometricError> {
         let (u, rows) = (&solution.state.u, (&solution.gaps, &solution.lambda[..]));
         if self.geometry() == Geometry::Current || self.check_rows(u, rows.0, rows.1).is_err() {

@@ -25,6 +25,10 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
             );
             let note = note.at(&found.x).measured(found.depth, tolerance);
             let (becomes, remedy) = match setup.scene.initial_gaps {
+                _ if setup.contact.lets_through([a, b], 0.0) => (
+                    "where their contact begins to count, what is left of it is pushed out if it is within a fifth of the facets",
+                    "nothing, if they are apart by then; otherwise move the bodies apart",
+                ),
                 InitialGaps::Refuse => (
                     "the first load step pushes it out",
                     "nothing, if chords of curved surfaces overlap so; otherwise move the bodies apart",

@@ -284,6 +284,14 @@ impl<const D: usize> Plan<'_, D> {
         let mut pictures = pictures.filter(|name| !name.is_empty());
         let mut names = self.own_files.iter().chain(pictures.clone());
         names.try_for_each(|name| check_file_name(&self.folder, name))?;
+        let is_own = |name: &String| self.own_files.contains(name);
+        let is_both = self.picture == self.pressure_picture;
+        if let Some(name) = pictures.clone().find(|name| is_both || is_own(name)) {
+            let why = format!(
+                "{name:?} is the name of another file of the run: give the picture another one"
+            );
+            return Err(file::failed(&self.folder, why));
+        }
         // so that none takes the place of a table or a state
         match pictures.find(|name| !name.ends_with(".svg")) {
             Some(name) => {

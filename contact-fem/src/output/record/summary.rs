@@ -196,7 +196,8 @@ impl Summary {
             let [first, second] = sides(found, problem.scene());
             format!(
                 "warning            contact of {first} with {second} is taken at the reference positions, where gaps differ from the present ones \
-                 by {:.3e}, {:.0} % of the indentation: forces and areas are wrong by about half of that; take contact at the current positions",
+                 by {:.3e}, {:.0} % of the indentation: it does not follow the bodies, and its places, areas and forces may be wrong; take contact at \
+                 the current positions",
                 found.error,
                 100.0 * found.error / found.indentation
             )
