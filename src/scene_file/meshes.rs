@@ -215,6 +215,15 @@ impl StepsKeys {
 }
 
 impl MeshKeys {
+    /// The file that it comes from, if it does.
+    pub(super) fn file(&self) -> Option<&Path> {
+        match self {
+            MeshKeys::File(path) => Some(path),
+            MeshKeys::Made(Made::Extrude(keys)) => keys.plane.file(),
+            MeshKeys::Made(_) => None,
+        }
+    }
+
     /// The dimension of its cells.
     pub(super) fn dimension(&self, place: &Place<'_>, folder: &Path) -> Result<usize, Error> {
         match self {

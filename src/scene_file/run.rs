@@ -151,11 +151,8 @@ impl SceneFile {
         let meshes = self.keys.body.iter().map(|body| &body.mesh);
         let surfaces = self.keys.obstacle.iter();
         let surfaces = surfaces.filter_map(|keys| keys.surface.as_ref());
-        let files = meshes.chain(surfaces).filter_map(|mesh| match mesh {
-            MeshKeys::File(path) => Some(self.folder.join(path)),
-            MeshKeys::Made(_) => None,
-        });
-        files.collect()
+        let files = meshes.chain(surfaces).filter_map(MeshKeys::file);
+        files.map(|path| self.folder.join(path)).collect()
     }
 
     /// What a run refuses before its first solve, with its place in the file; `simulation` is one of this file.

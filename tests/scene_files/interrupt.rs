@@ -1,7 +1,7 @@
 //! Ctrl-C in the middle of a run, or a budget that is spent there: the run ends cleanly, and all its files can be read.
 
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, Command, ExitCode, ExitStatus, Stdio, Termination};
 use std::time::{Duration, Instant};
 
 use ipopt_contact::contact_core::Budget;
@@ -44,6 +44,7 @@ fn a_run_that_has_spent_its_budget_ends_likewise() {
     recording.plan.quiet = true;
     let recorded = recording.run(&mut problem).expect("a run");
     assert!(!recorded.history.is_complete());
+    assert_eq!(recorded.report(), ExitCode::from(130));
     let finished = check_tables(&folder);
     assert!((1..20).contains(&finished), "{finished} increments");
     check_series(&folder, finished);

@@ -90,15 +90,17 @@ first = ["lower", 4]
 second = ["upper", 1]
 "#;
 
+/// A block of height 1 from `y` up.
+fn block(x: [f64; 2], y: f64, cells: [usize; 2]) -> Mesh<2> {
+    let (across, up) = (
+        linspace(x[0], x[1], cells[0]),
+        linspace(y, y + 1.0, cells[1]),
+    );
+    rectangle(&across, &up, Diagonals::Rising).expect("a mesh")
+}
+
 /// Writes the scene and its meshes.
 fn written_bodies(folder: &Path, text: &str) -> PathBuf {
-    let block = |x: [f64; 2], y: f64, cells: [usize; 2]| {
-        let (across, up) = (
-            linspace(x[0], x[1], cells[0]),
-            linspace(y, y + 1.0, cells[1]),
-        );
-        rectangle(&across, &up, Diagonals::Rising).expect("a mesh")
-    };
     // labels by name: 1 bottom, 2 left, 3 right, 4 top
     let [lower, upper] = [
         block([0.0, 2.0], 0.0, [8, 2]),

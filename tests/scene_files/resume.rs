@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use ipopt_contact::prelude::*;
+use crate::block;
 
 /// A die is pressed into a block, which yields more and more, and slid.
 const SCENE: &str = r#"
@@ -57,13 +57,6 @@ fn switched() -> String {
 /// The scene and its meshes in an empty folder.
 fn scene(name: &str, text: &str) -> (PathBuf, PathBuf) {
     let folder = crate::fresh(&format!("resume/{name}"));
-    let block = |x: [f64; 2], y: f64, cells: [usize; 2]| {
-        let (across, up) = (
-            linspace(x[0], x[1], cells[0]),
-            linspace(y, y + 1.0, cells[1]),
-        );
-        rectangle(&across, &up, Diagonals::Rising).expect("a mesh")
-    };
     for (name, mesh) in [
         ("block.msh", block([0.0, 3.0], 0.0, [12, 4])),
         ("die.msh", block([0.3, 1.1], 1.0, [5, 4])),
@@ -221,12 +214,7 @@ fn answers_of_another_scene_are_refused() {
     }
     // another mesh in the same file
     fs::write(&path, SCENE).expect("written");
-    let other = rectangle(
-        &linspace(0.3, 1.1, 6),
-        &linspace(1.0, 2.0, 4),
-        Diagonals::Rising,
-    );
-    let other = other.expect("a mesh");
+    let other = block([0.3, 1.1], 1.0, [6, 4]);
     other.save_freefem(folder.join("die.msh")).expect("written");
     let status = program(&path, &out, "automatic").status().expect("a run");
     assert_eq!(status.code(), Some(2));

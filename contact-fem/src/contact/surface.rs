@@ -282,6 +282,27 @@ impl<const D: usize> Surface<D> {
         neighbours
     }
 
+    /// The connected parts of the nodes that are marked.
+    pub fn zones(&self, marked: &[bool]) -> Vec<Vec<usize>> {
+        let neighbours = self.neighbours();
+        let mut is_left = marked.to_vec();
+        let mut zones = Vec::new();
+        for first in 0..marked.len() {
+            if !std::mem::take(&mut is_left[first]) {
+                continue;
+            }
+            let mut zone = vec![first];
+            let mut next = 0;
+            while let Some(&a) = zone.get(next) {
+                next += 1;
+                let others = neighbours[a].iter().copied();
+                zone.extend(others.filter(|b| std::mem::take(&mut is_left[*b])));
+            }
+            zones.push(zone);
+        }
+        zones
+    }
+
     /// For each node its share of the area (UL in the plane, UL² in space and of revolution), where the surface's nodes are at `x`
     /// (UL): of the halves of quadratic segments and the quarters of quadratic triangles, nodes share each equally.
     pub fn node_areas(&self, x: &[Vector<D>]) -> Vec<f64> {

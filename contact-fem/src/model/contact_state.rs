@@ -85,13 +85,8 @@ impl<const D: usize> Problem<D> {
         let pairs = self.declared_pairs();
         let mut shares = Vec::new();
         for (pair, &([a, b], ..)) in pairs.iter().enumerate() {
-            let [slave, master] = [a, b];
-            if self.contact.is_near(Pass { slave, master }, moved) {
-                shares.push(self.share(pair, [a, b], u, (gaps, lambda)));
-                if a != b && b < self.surfaces().len() {
-                    shares.push(self.share(pair, [b, a], u, (gaps, lambda)));
-                }
-            }
+            let directions = self.directions([a, b], moved);
+            shares.extend(directions.map(|own| self.share(pair, own, u, (gaps, lambda))));
         }
         self.press(&mut shares, u);
         let positions = self.positions(u);
@@ -107,6 +102,25 @@ impl<const D: usize> Problem<D> {
             }
         };
         Ok(pairs.into_iter().enumerate().map(state).collect())
+    }
+
+    /// A pair of surfaces seen from either, or from the one that is a surface and no obstacle; nothing where the largest displacement
+    /// `moved` (UL) cannot bring them together.
+    fn directions(
+        &self,
+        [a, b]: [usize; 2],
+        moved: f64,
+    ) -> impl Iterator<Item = [usize; 2]> + use<D> {
+        let pass = Pass {
+            slave: a,
+            master: b,
+        };
+        let is_near = self.contact.is_near(pass, moved);
+        let is_mutual = a != b && b < self.surfaces().len();
+        let first = is_near.then_some([a, b]);
+        first
+            .into_iter()
+            .chain((is_near && is_mutual).then_some([b, a]))
     }
 
     /// The two members of each pair as passes number them, with their names.

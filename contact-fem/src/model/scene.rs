@@ -383,13 +383,9 @@ impl<const D: usize> Scene<D> {
             [&pair.first, &pair.second] == both || [&pair.second, &pair.first] == both
         };
         if !self.all_pairs()?.iter().any(is_named) {
-            let of = |side: &Side| match self.names.get(side.body.index()) {
-                Some(name) => format!("`{}` of body `{name}`", side.boundary),
-                None => format!("`{}` of body {}", side.boundary, side.body.index()),
-            };
             return Err(Error::NoPair {
-                first: of(first),
-                second: of(second),
+                first: self.name_of_side(first),
+                second: self.name_of_side(second),
             });
         }
         let pair = Switched::Pair(first.clone(), second.clone());
@@ -418,18 +414,20 @@ impl<const D: usize> Scene<D> {
 
     /// What is switched, as errors call it.
     pub(super) fn name_of_switched(&self, what: &Switched) -> String {
-        let of = |side: &Side| {
-            format!(
-                "`{}` of body `{}`",
-                side.boundary,
-                self.names[side.body.index()]
-            )
-        };
         match what {
             Switched::Pair(first, second) => {
-                format!("the contact of {} with {}", of(first), of(second))
+                let [first, second] = [first, second].map(|side| self.name_of_side(side));
+                format!("the contact of {first} with {second}")
             }
             Switched::Obstacle(index) => format!("obstacle `{}`", self.obstacle_names[*index]),
+        }
+    }
+
+    /// A boundary and its body, as errors call it.
+    pub(crate) fn name_of_side(&self, side: &Side) -> String {
+        match self.names.get(side.body.index()) {
+            Some(name) => format!("`{}` of body `{name}`", side.boundary),
+            None => format!("`{}` of body {}", side.boundary, side.body.index()),
         }
     }
 

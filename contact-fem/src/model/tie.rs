@@ -454,13 +454,9 @@ impl<const D: usize> Problem<D> {
 }
 
 fn fault_of<const D: usize>(scene: &Scene<D>, tie: &Tie, why: TieFault) -> Error {
-    let called = |side: &Side| {
-        let name = &scene.names()[side.body.index()];
-        format!("`{}` of body `{name}`", side.boundary)
-    };
     Error::Tie {
-        first: called(&tie.first),
-        second: called(&tie.second),
+        first: scene.name_of_side(&tie.first),
+        second: scene.name_of_side(&tie.second),
         why,
     }
 }

@@ -136,22 +136,8 @@ impl<const D: usize> ContactSet<D> {
         gaps
     }
 
-    /// The gaps of the slave's nodes at `u`, with the other surface where the search has it, and where it is; overlaps that are granted
-    /// are in both.
-    pub fn gaps_of_both(
-        &self,
-        pass: Pass,
-        kinematics: &Kinematics<D>,
-        u: &[f64],
-    ) -> [Vec<Option<NodalGap>>; 2] {
-        let now = kinematics.positions(u);
-        let searched = self.located(kinematics, u);
-        let present = self.located_at(&now);
-        [searched, present].map(|located| self.gaps_between(pass, &located, &now))
-    }
-
-    /// The gaps of the slave's nodes at positions `now`.
-    fn gaps_between(
+    /// The gaps of the slave's nodes at positions `now`, found where the surfaces are `located`; overlaps that are granted are in them.
+    pub fn gaps_between(
         &self,
         pass: Pass,
         located: &Located<D>,

@@ -5,6 +5,7 @@ use contact_core::equilibrium::Solution;
 use super::Opposite;
 use super::shares::{Share, loaded};
 use crate::contact::Pass;
+use crate::contact::search::NodalGap;
 use crate::model::{Geometry, Problem, Side};
 use crate::tensor::Vector;
 
@@ -37,15 +38,19 @@ impl<const D: usize> Problem<D> {
         if self.geometry() == Geometry::Current || self.check_rows(u, rows.0, rows.1).is_err() {
             return Vec::new();
         }
+        let now = self.kinematics.positions(u);
+        // the last one is kept, which shares take, too
+        let present = self.contact.located_at(&now);
+        let searched = self.contact.located(&self.kinematics, u);
+        let moved = self.kinematics.largest(u);
         let mut found = Vec::new();
         for (pair, ([a, b], first, second)) in self.declared_pairs().into_iter().enumerate() {
-            let mut sides = vec![[a, b]];
-            if a != b && b < self.surfaces().len() {
-                sides.push([b, a]);
-            }
-            let errors = sides.into_iter().flat_map(|side| {
-                let share = self.share(pair, side, u, rows);
-                self.errors_of(&share, side, u)
+            let errors = self.directions([a, b], moved).flat_map(|[slave, master]| {
+                let share = self.share(pair, [slave, master], u, rows);
+                let pass = Pass { slave, master };
+                let gaps =
+                    [&searched, &present].map(|at| self.contact.gaps_between(pass, at, &now));
+                self.errors_of(&share, gaps)
             });
             let worst = errors.max_by(|[a, b], [c, d]| (a / b).total_cmp(&(c / d)));
             if let Some([error, indentation]) = worst.filter(|[e, of]| *e > TOLD * of) {
@@ -60,45 +65,32 @@ impl<const D: usize> Problem<D> {
         found
     }
 
-    /// Error and indentation of each contact zone of a surface.
-    fn errors_of(&self, share: &Share<D>, [slave, master]: [usize; 2], u: &[f64]) -> Vec<[f64; 2]> {
-        let surface = &self.surfaces()[slave];
-        let pass = Pass { slave, master };
-        let [then, now] = self.contact.gaps_of_both(pass, &self.kinematics, u);
-        let apart = |a: usize| match (then[a], now[a]) {
-            (Some(then), Some(now)) => (now.smooth() - then.smooth()).abs(),
+    /// Error and indentation of each contact zone of a surface, whose gaps are those that the contact took and the present ones.
+    fn errors_of(
+        &self,
+        share: &Share<D>,
+        [taken, present]: [Vec<Option<NodalGap>>; 2],
+    ) -> Vec<[f64; 2]> {
+        let surface = &self.surfaces()[share.side.surface];
+        let apart = |a: usize| match (taken[a], present[a]) {
+            (Some(taken), Some(present)) => (present.smooth() - taken.smooth()).abs(),
             _ => 0.0,
         };
         let areas = surface.node_areas(surface.reference_nodes());
-        let (loads, neighbours) = (loaded(&share.side.forces), surface.neighbours());
-        let mut is_done: Vec<bool> = loads.iter().map(|loads| !loads).collect();
-        let mut errors = Vec::new();
-        for first in 0..loads.len() {
-            if std::mem::replace(&mut is_done[first], true) {
-                continue;
-            }
-            let mut zone = vec![first];
-            let mut next = 0;
-            while let Some(&a) = zone.get(next) {
-                next += 1;
-                for &b in &neighbours[a] {
-                    if !std::mem::replace(&mut is_done[b], true) {
-                        zone.push(b);
-                    }
-                }
-            }
+        let forces = &share.side.forces;
+        let of_zone = |zone: Vec<usize>| {
             let sum = |of: &dyn Fn(usize) -> f64| zone.iter().map(|&a| of(a)).sum::<f64>();
-            let force = zone.iter().map(|&a| share.side.forces[a]);
-            let force = force.sum::<Vector<D>>().norm();
+            let force = zone.iter().map(|&a| forces[a]).sum::<Vector<D>>().norm();
             let area = sum(&|a| areas[a]);
             let is_in_space = D == 3 || surface.is_of_revolution();
             let width = if is_in_space { area.sqrt() } else { area };
             // gaps of the surface count where its own rows act
-            let error =
-                sum(&|a| share.own[a].norm() * apart(a)) / sum(&|a| share.side.forces[a].norm());
-            errors.push([error, force / (area * share.modulus) * width]);
-        }
-        errors.retain(|[error, indentation]| error.is_finite() && *indentation > 0.0);
-        errors
+            let error = sum(&|a| share.own[a].norm() * apart(a)) / sum(&|a| forces[a].norm());
+            [error, force / (area * share.modulus) * width]
+        };
+        let zones = surface.zones(&loaded(forces)).into_iter().map(of_zone);
+        zones
+            .filter(|[error, indentation]| error.is_finite() && *indentation > 0.0)
+            .collect()
     }
 }

@@ -17,8 +17,8 @@ use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
 use crate::model::{
-    BodyId, Finding, GeometricError, InitialGaps, Opposite, PairRecord, Problem, Scene, ScenePlan,
-    Side, TieRecord, Undetermined, WorkRecord,
+    BodyId, Finding, InitialGaps, Opposite, PairRecord, Problem, ScenePlan, Side, TieRecord,
+    Undetermined, WorkRecord,
 };
 use crate::output::history::source_name;
 use crate::simulation::{History, StepRecord};
@@ -125,19 +125,6 @@ fn unstored<const D: usize>(records: &[StepRecord<D>], problem: &Problem<D>) -> 
     })
 }
 
-/// What touches, in words.
-fn sides<const D: usize>(of: &GeometricError, scene: &Scene<D>) -> [String; 2] {
-    let side = |side: &Side| {
-        let body = &scene.names()[side.body.index()];
-        format!("`{}` of body `{body}`", side.boundary)
-    };
-    let second = match &of.second {
-        Opposite::Side(other) => side(other),
-        Opposite::Obstacle(id) => format!("obstacle `{}`", scene.obstacle_names()[id.index()]),
-    };
-    [side(&of.first), second]
-}
-
 impl Summary {
     /// The summary of a run that `observer` has followed, with what became of it and of its files, and with its total
     /// time and the processor's (s).
@@ -193,7 +180,12 @@ impl Summary {
             format!("undetermined       body `{body}`: {motions}")
         }));
         table.extend(errors.iter().map(|found| {
-            let [first, second] = sides(found, problem.scene());
+            let scene = problem.scene();
+            let second = match &found.second {
+                Opposite::Side(other) => scene.name_of_side(other),
+                Opposite::Obstacle(id) => format!("obstacle `{}`", scene.obstacle_names()[id.index()]),
+            };
+            let first = scene.name_of_side(&found.first);
             format!(
                 "warning            contact of {first} with {second} is taken at the reference positions, where gaps differ from the present ones \
                  by {:.3e}, {:.0} % of the indentation: it does not follow the bodies, and its places, areas and forces may be wrong; take contact at \
