@@ -46,14 +46,13 @@ install:
 demo: install
 	$(CARGO) run --release --example disc_in_disc
 
-# The dev profile optimises here and keeps its checks for overflow. The first line covers units and integration tests, the second
-# doctests, the third the examples, of which the next one runs one that asserts its numbers. Then comes what does without Ipopt and
+# The dev profile optimises here and keeps its checks for overflow. The first line covers units, integration tests and the example that
+# asserts its numbers, the second doctests, the third the other examples. Then comes what does without Ipopt and
 # shares its work among threads, and what does without libclang; the others, fewer features.
 test: install
 	$(CARGO) test --workspace --tests
 	$(CARGO) test --workspace --doc
 	$(CARGO) check --workspace --examples
-	$(CARGO) run -p contact-core --example hanging_chain
 	$(CARGO) test -p contact-core -p contact-fem --no-default-features --features threads --test threads
 	$(CARGO) test -p ipopt-contact-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
 	$(CARGO) check -p contact-core -p contact-fem --no-default-features --lib --profile test

@@ -15,7 +15,7 @@ fail() { say "error: $*"; exit 1; }
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
 [[ $CARGO_TARGET_DIR == /* ]] || CARGO_TARGET_DIR=$PWD/$CARGO_TARGET_DIR
 # As in the workspace, so that what `make lint` has checked of other crates serves here, too.
-export CARGO_PROFILE_DEV_OPT_LEVEL=2
+export CARGO_PROFILE_DEV_OPT_LEVEL=2 CARGO_PROFILE_DEV_LTO=off
 place=$CARGO_TARGET_DIR/package/unpacked
 
 cargo package --no-verify --allow-dirty "${crates[@]/#/--package=}" 2>&1 </dev/null |

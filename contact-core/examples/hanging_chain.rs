@@ -162,3 +162,9 @@ fn main() {
     }
     assert!(errors.iter().all(|[s, t]| s.max(*t) < 0.01));
 }
+
+/// The example is a test, too.
+#[test]
+fn converges_to_the_catenary() {
+    main();
+}
