@@ -267,6 +267,41 @@ fn polygons_bear_a_constant_pressure() {
     }
 }
 
+/// A ring of linear cells around a rigid shaft, with a clearance that a pressure outside closes: its nodes stand off the shaft by more
+/// than what the pressure is worth, and have Lamé's pressure.
+#[test]
+fn a_polygon_presses_a_round_shaft() {
+    let (E, nu, a, b, load, facets) = (2.1e5, 0.3, 1.0002, 1.2, 100.0, 400);
+    // nodes further out, so that the polygon has the mean radius a
+    let facet = std::f64::consts::TAU * a / facets as f64;
+    let radii = linspace(a + facet * facet / 12.0, b, 4);
+    let mesh = generators::annulus(&radii, facets, Diagonals::Alternating).expect("mesh");
+    let mut ring = Body::new(mesh, LinearElastic::new(E, nu).expect("a law"));
+    for (point, held) in [([b, 0.0], [None, Some(0.0)]), ([0.0, b], [Some(0.0), None])] {
+        let opposite = point.map(|x: f64| -x);
+        let nodes = ring.mesh().nodes_at(&[point, opposite]).expect("nodes");
+        ring.prescribe_nodes(&nodes, held).expect("held");
+    }
+    ring.pressure("outer", load).expect("a load");
+    let mut scene = Scene::new();
+    let ring = scene.add("ring", ring);
+    let shaft = Obstacle::ball([0.0; 2], 1.0).expect("a shaft");
+    scene
+        .obstacle("shaft", ring.on("inner"), shaft)
+        .expect("a pair");
+    let solved = Solved::new(scene);
+    // Lamé: u = (1 + ν)/E ((1 − 2ν) A r + B/r) is −0.0002 at r = a, which is linear in the pressure there
+    let u = |p: f64| {
+        let A = (p * a * a - load * b * b) / (b * b - a * a);
+        let B = (p - load) * a * a * b * b / (b * b - a * a);
+        (1.0 + nu) / E * ((1.0 - 2.0 * nu) * A * a + B / a)
+    };
+    let lame = (1.0 - a - u(0.0)) / (u(1.0) - u(0.0));
+    for p in &solved.pressures()[0] {
+        assert!(relative(*p, lame) < 0.02, "{p} for {lame}");
+    }
+}
+
 /// Two blocks under a load that grows along their common face, of meshes that do not match: on each of them the field has
 /// resultant and moment of the nodal forces.
 #[test]

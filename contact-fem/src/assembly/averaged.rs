@@ -416,6 +416,12 @@ where
         states
     }
 
+    fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
+        // linear cells have one state
+        let states = self.cell_states(mesh, U).into_iter();
+        states.flat_map(|state| vec![state; D + 1]).collect()
+    }
+
     fn assembled_cells(&self) -> usize {
         self.elastic.assembled_cells()
     }

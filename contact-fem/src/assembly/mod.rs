@@ -52,6 +52,9 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     /// Stress and volume ratio at the centre of every cell, including those that are not assembled;
     /// `U` is the displacement of every node.
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>>;
+    /// The same at the nodes of every cell, cell by cell: of the linear function in the cell that is closest to what its quadrature
+    /// points have. A linear cell has one point and one state.
+    fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>>;
     /// The number of assembled cells; those with all dofs prescribed are not assembled.
     fn assembled_cells(&self) -> usize;
     /// The median of the Hessian's diagonal (UF/UL) at zero displacement.
@@ -73,6 +76,20 @@ pub struct CellState<const D: usize> {
 }
 
 impl<const D: usize> CellState<D> {
+    /// Σ w s of weights and states.
+    pub(crate) fn sum<'a>(weighted: impl Iterator<Item = (f64, &'a Self)>) -> Self {
+        let zero = CellState {
+            J: 0.0,
+            sigma: Matrix::zeros(),
+            sigma_zz: 0.0,
+        };
+        weighted.fold(zero, |sum, (w, state)| CellState {
+            J: sum.J + w * state.J,
+            sigma: sum.sigma + state.sigma * w,
+            sigma_zz: sum.sigma_zz + w * state.sigma_zz,
+        })
+    }
+
     /// The von Mises stress √(3/2 s:s), including the out-of-plane stress (UF/UL²).
     pub fn von_mises(&self) -> f64 {
         let mean = (self.sigma.trace() + self.sigma_zz) / 3.0;

@@ -143,6 +143,10 @@ where
         self.elastic.cell_states(mesh, U)
     }
 
+    fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
+        self.elastic.nodal_states(mesh, U)
+    }
+
     fn assembled_cells(&self) -> usize {
         self.elastic.assembled_cells()
     }

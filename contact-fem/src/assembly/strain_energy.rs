@@ -4,6 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use contact_core::Energy;
 use contact_core::linear::SymmetricPattern;
+use nalgebra::DMatrix;
 
 use super::dofs::{Dof, DofMap};
 use super::extension::Extension;
@@ -12,7 +13,7 @@ use super::laws::Laws;
 use super::scatter::{SlotMap, pattern_and_slots};
 use super::trial::Trial;
 use super::{BodyEnergy, CellState};
-use crate::element::Element;
+use crate::element::{Element, Order};
 use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::parallel;
@@ -238,6 +239,33 @@ where
     }
 }
 
+/// For each node of a cell what each quadrature point weighs in the linear function that is closest to the values at the points.
+fn extrapolation<const D: usize, E: Element<D>>() -> Vec<Vec<f64>> {
+    let count = E::QUADRATURE.len();
+    let barycentric = |q: usize, i: usize| {
+        let xi = E::QUADRATURE[q].1;
+        if i == 0 {
+            1.0 - xi.iter().sum::<f64>()
+        } else {
+            xi[i - 1]
+        }
+    };
+    let values = DMatrix::from_fn(count, D + 1, barycentric);
+    // (BᵀB)⁻¹Bᵀ has the corners' weights; fewer points than corners have a mean alone
+    let inverse = (values.transpose() * &values).try_inverse();
+    let of_corners = match inverse.filter(|_| count > D) {
+        Some(inverse) => inverse * values.transpose(),
+        None => DMatrix::from_element(D + 1, count, 1.0 / count as f64),
+    };
+    let corner = |i: usize| of_corners.row(i);
+    let corners = (0..=D).map(|i| corner(i).iter().copied().collect());
+    let middles = E::EDGES
+        .iter()
+        .filter(|_| E::ORDER == Order::Quadratic)
+        .map(|&[i, j]| ((corner(i) + corner(j)) * 0.5).iter().copied().collect());
+    corners.chain(middles).collect()
+}
+
 /// The median of the Hessian's diagonal at u = 0 and the present load; 0 if there are no free dofs.
 pub(super) fn median_diagonal(energy: &dyn Energy) -> f64 {
     let mut values = vec![0.0; energy.hessian_pattern().len()];
@@ -398,6 +426,25 @@ where
             K::state(self.laws.at_centre(k), K::points(mesh, &nodes), &local)
         };
         mesh.cells().enumerate().map(state).collect()
+    }
+
+    fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
+        let extrapolation = extrapolation::<D, E>();
+        let of_cell = |(k, cell): (usize, &[usize])| {
+            let nodes = nodes_of::<D, E>(cell);
+            let mut local = E::per_node(Vector::zeros());
+            let displacements = local.as_mut().iter_mut().zip(cell);
+            displacements.for_each(|(v, &a)| *v = U[a]);
+            let law = self.laws.at_centre(k);
+            let points = K::points(mesh, &nodes);
+            let at_points: Vec<CellState<D>> = points
+                .map(|point| K::state(law, std::iter::once(point), &local))
+                .collect();
+            let at_node =
+                |weights: &Vec<f64>| CellState::sum(weights.iter().copied().zip(&at_points));
+            extrapolation.iter().map(at_node).collect::<Vec<_>>()
+        };
+        mesh.cells().enumerate().flat_map(of_cell).collect()
     }
 
     fn contact_modulus(&self) -> f64 {

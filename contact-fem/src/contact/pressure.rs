@@ -1,6 +1,7 @@
 //! The contact pressure, recovered from nodal contact forces; `docs/pressure.md` derives and compares it.
 
 mod consistent;
+mod offsets;
 
 use nalgebra::{SMatrix, SVector};
 use rstar::RTree;
@@ -13,6 +14,7 @@ use crate::jacobi::orthogonal_columns;
 use crate::tensor::Vector;
 
 pub use self::consistent::tractions;
+pub use self::offsets::row_offsets;
 
 /// What the recovery takes of one surface of a pair, or of several pairs whose contact zones meet on it. Slices have one entry for each
 /// of the surface's nodes, but for `facing`.
@@ -28,7 +30,8 @@ pub struct Pressed<'a, const D: usize> {
     pub forces: &'a [Vector<D>],
     /// Those of the passes in which the surface is the slave (UF).
     pub own: &'a [Vector<D>],
-    /// The gaps to the nearest other surface, taken as a smooth one (UL), positive = open; `None` where there is none in reach.
+    /// The gaps to the nearest other surface (UL), positive = open, beyond what they are where both surfaces touch all along; `None` where
+    /// there is none in reach.
     pub gaps: &'a [Option<f64>],
     /// The nodes of the other surface, with the distance between nodes there (UL); empty where that surface does not deform.
     pub facing: &'a [(Vector<D>, f64)],
@@ -93,7 +96,11 @@ impl<const D: usize> Pressed<'_, D> {
             let size = mean.abs();
             mean - worth.clamp(-LARGEST_ADDITION * size, size)
         };
-        let trial: Vec<f64> = (0..means.len()).map(at_node).collect();
+        let mut trial: Vec<f64> = (0..means.len()).map(at_node).collect();
+        // gaps that take all pressure of a surface are none that its forces know of
+        if !trial.iter().any(|p| *p > 0.0) {
+            trial.clone_from(&means);
+        }
         let trial = self.resolved(trial, &loads);
         weights.balanced(self, &trial, &means)
     }

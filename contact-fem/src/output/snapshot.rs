@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::model::{Problem, Status};
 use crate::simulation::StepView;
-use crate::tensor::{Matrix, Vector};
+use crate::tensor::Vector;
 
 /// Displacement, contact pressure and stress of all bodies at one load.
 ///
@@ -64,7 +64,8 @@ pub struct Snapshot<const D: usize> {
     pub contact_forces: Vec<Vector<D>>,
     /// Stress and volume ratio of every cell.
     pub cells: Vec<CellState<D>>,
-    /// Stress and volume ratio at every node: means over its cells, weighted by their volumes.
+    /// Stress and volume ratio at every node: means over its cells, weighted by their volumes. Each cell has there the linear function
+    /// that is closest to the values at its quadrature points, a linear cell its constant.
     pub averages: Vec<CellState<D>>,
     /// The certificate, if the state is a converged step.
     pub certificate: Option<Certificate>,
@@ -185,9 +186,12 @@ impl<const D: usize> Snapshot<D> {
         let bodies = problem.scene().bodies().iter().zip(problem.body_energies());
         let (mut cells, mut averages) = (Vec::new(), Vec::new());
         for (k, (body, energy)) in bodies.enumerate() {
-            let own = energy.cell_states(body.mesh(), &displacements[problem.nodes(k)]);
-            averages.extend(averaged(body.mesh(), &own));
-            cells.extend(own);
+            let own = &displacements[problem.nodes(k)];
+            averages.extend(averaged(
+                body.mesh(),
+                &energy.nodal_states(body.mesh(), own),
+            ));
+            cells.extend(energy.cell_states(body.mesh(), own));
         }
         Ok(Snapshot {
             displacements,
@@ -204,31 +208,25 @@ impl<const D: usize> Snapshot<D> {
     }
 }
 
-/// The means over the cells around each node of a mesh, weighted by the cells' volumes.
-fn averaged<const D: usize>(mesh: &Mesh<D>, cells: &[CellState<D>]) -> Vec<CellState<D>> {
-    let zero = CellState {
-        J: 0.0,
-        sigma: Matrix::zeros(),
-        sigma_zz: 0.0,
-    };
-    let mut sums = vec![(0.0, zero); mesh.nodes().len()];
-    for (k, (nodes, cell)) in mesh.cells().zip(cells).enumerate() {
+/// The means over the cells around each node of a mesh, weighted by the cells' volumes, of what the cells have at their nodes.
+fn averaged<const D: usize>(mesh: &Mesh<D>, nodal: &[CellState<D>]) -> Vec<CellState<D>> {
+    let mut around = vec![Vec::new(); mesh.nodes().len()];
+    let mut nodal = nodal.iter();
+    for (k, nodes) in mesh.cells().enumerate() {
         let volume = mesh.volume(k);
-        for &a in nodes {
-            let (total, sum) = &mut sums[a];
-            *total += volume;
-            sum.J += volume * cell.J;
-            sum.sigma += cell.sigma * volume;
-            sum.sigma_zz += volume * cell.sigma_zz;
+        for (&a, state) in nodes.iter().zip(nodal.by_ref()) {
+            around[a].push((volume, state));
         }
     }
     // every node belongs to a cell
-    let mean = |(total, sum): (f64, CellState<D>)| CellState {
-        J: sum.J / total,
-        sigma: sum.sigma / total,
-        sigma_zz: sum.sigma_zz / total,
+    let mean = |own: Vec<(f64, &CellState<D>)>| {
+        let total: f64 = own.iter().map(|(volume, _)| volume).sum();
+        CellState::sum(
+            own.into_iter()
+                .map(|(volume, state)| (volume / total, state)),
+        )
     };
-    sums.into_iter().map(mean).collect()
+    around.into_iter().map(mean).collect()
 }
 
 /// All cells of all bodies as (body, scene node numbers), in the order of [`Snapshot::cells`].
@@ -250,8 +248,8 @@ pub(super) mod tests {
 
     use super::*;
     use crate::element::{Element, P1, P2};
-    use crate::mesh::generators::{Diagonals, rectangle};
-    use crate::{Body, NeoHookean, Scene};
+    use crate::mesh::generators::{Diagonals, cuboid, rectangle};
+    use crate::{Body, LinearElastic, NeoHookean, Scene};
 
     fn held<const D: usize>(mesh: Mesh<D>) -> Body<D>
     where
@@ -323,5 +321,45 @@ pub(super) mod tests {
         assert!((displaced.contact_normals[4][1] + 1.0).abs() < 1e-12);
         assert_eq!(displaced.contact_normals[0], Vector::<2>::zeros());
         assert_eq!(displaced.displacements[2], Vector::<2>::repeat(0.1));
+    }
+
+    /// Quadratic cells have linear stresses: those of pure bending, u = κ (x y, −x²/2), are exact at all nodes, on the boundary, too.
+    #[test]
+    fn stresses_of_quadratic_cells_are_exact_in_bending() {
+        fn check<const D: usize>(mesh: Mesh<D>)
+        where
+            P1: Element<D>,
+            P2: Element<D>,
+        {
+            let (E, nu, curvature) = (100.0, 0.3, 1e-3);
+            let mesh = mesh.quadratic();
+            let law = LinearElastic::new(E, nu).expect("a law");
+            let mut body = Body::new(mesh.clone(), law);
+            body.prescribe("bottom", [Some(0.0); D]).expect("held");
+            let mut scene = Scene::new();
+            scene.add("beam", body);
+            let problem = scene.problem().expect("a problem");
+            let bent = |X: &Vector<D>| {
+                let mut u = Vector::<D>::zeros();
+                u[0] = curvature * X[0] * X[1];
+                u[1] = -0.5 * curvature * X[0] * X[0];
+                u
+            };
+            let U: Vec<Vector<D>> = mesh.nodes().iter().map(bent).collect();
+            let nodal = problem.body_energies()[0].nodal_states(&mesh, &U);
+            // ε_xx = κ y alone
+            let stiffness = E * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+            for (X, state) in mesh.nodes().iter().zip(averaged(&mesh, &nodal)) {
+                let expected = stiffness * curvature * X[1];
+                assert!(
+                    (state.sigma[(0, 0)] - expected).abs() < 1e-12,
+                    "{X}: {state:?}"
+                );
+                assert!(state.sigma[(0, 1)].abs() < 1e-12, "{X}: {state:?}");
+            }
+        }
+        let sides = [0.0, 0.3, 1.0, 1.2];
+        check(rectangle(&sides, &[0.0, 0.5, 2.0], Diagonals::Alternating).expect("a mesh"));
+        check(cuboid([0.0; 3], [1.0, 2.0, 1.5], [2, 3, 1]).expect("a mesh"));
     }
 }

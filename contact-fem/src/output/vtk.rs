@@ -29,7 +29,7 @@ use crate::tensor::Vector;
 /// | `contact_normal` | points | 3 | 1; outward, zero off the contact surfaces |
 /// | `gap` | points | 1 | UL, positive = open; where there is none, the largest one |
 /// | `status` | points | 1 | 0 open, 1 touching, 2 pressing |
-/// | `nodal_von_mises`, `nodal_cauchy_stress` | points | 1, 6 | UF/UL², means over the cells around |
+/// | `nodal_von_mises`, `nodal_cauchy_stress` | points | 1, 6 | UF/UL², the mean stress of the cells around, in quadratic ones extrapolated to the node, and von Mises' of that mean |
 /// | `body` | points, cells | 1 | number of the body |
 /// | `von_mises` | cells | 1 | UF/UL² |
 /// | `J` | cells | 1 | volume ratio |

@@ -114,6 +114,21 @@ fn a_flat_tool_that_has_moved_is_not_told() {
     assert!(force > 0.0 && told.is_empty(), "{told:?}");
 }
 
+/// The block ends at 1: most of the tool has slid beyond, and what it presses there in the reference is not opposite any more.
+#[test]
+fn a_flat_tool_that_slides_off_is_told() {
+    let (xs, ys) = (linspace(0.4, 0.9, 9), linspace(-1.0, 0.0, 10));
+    let tool = elastic(rectangle(&xs, &ys, Diagonals::Rising).expect("a mesh"));
+    let (force, told) = pressed((tool, "top", "bottom"), 61, [0.5, 0.0], BOTH);
+    let [[error, indentation]] = told[..] else {
+        panic!("{told:?}");
+    };
+    assert!(
+        force > 0.0 && error > 0.3 * indentation,
+        "{error} {indentation}"
+    );
+}
+
 /// A disc on a fixed ball: moved sideways as a body it is told, and where the ball is moved as an obstacle it is followed.
 #[test]
 fn a_curved_obstacle_is_told_where_the_body_moves() {

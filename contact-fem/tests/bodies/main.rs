@@ -5,6 +5,7 @@ mod common;
 mod geometric_error;
 mod locking;
 mod plane_stress;
+mod pressures;
 mod regions;
 mod revolution;
 mod revolution_contact;

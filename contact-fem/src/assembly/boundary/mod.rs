@@ -217,6 +217,10 @@ impl<const D: usize> BodyEnergy<D> for OnBoundary<D> {
         self.body.cell_states(mesh, U)
     }
 
+    fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
+        self.body.nodal_states(mesh, U)
+    }
+
     fn assembled_cells(&self) -> usize {
         self.body.assembled_cells()
     }

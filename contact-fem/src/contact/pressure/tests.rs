@@ -177,6 +177,53 @@ fn a_closed_surface_keeps_the_sum_of_its_forces() {
     assert!((sum - 16.0 * 1.25).abs() < 1e-9, "{sum}");
 }
 
+/// Gaps that are worth more than all pressure, everywhere: the forces press all the same.
+#[test]
+fn gaps_do_not_take_all_pressure_of_a_surface() {
+    let x = [0.0, 1.0, 2.0, 3.0].map(|x| Vector::<2>::new(x, 0.0));
+    let surface = polyline(&x);
+    let n = surface.reference_normals()[0];
+    let forces = [0.5, 1.0, 1.0, 0.5].map(|push| n * -3.0 * push);
+    for p in recovered(&surface, &forces, &[Some(1e3); 4]) {
+        assert!((p - 3.0).abs() < 1e-12, "{p}");
+    }
+}
+
+/// Rows of a polygon around a circle of radius 1 + d, beside a circle of radius 1: nodes have the gap d, rows a mean that is less by a
+/// twelfth of the square of a facet, and so does each row's offset tell. Rows that have a part alone tell nothing.
+#[test]
+fn rows_have_less_gap_than_nodes_around_a_circle() {
+    let count = 64;
+    let angle = std::f64::consts::TAU / f64::from(count);
+    let (d, radius) = (1e-3, 1.001);
+    let x: Vec<_> = (0..count)
+        .map(|k| {
+            Vector::<2>::new((angle * f64::from(k)).cos(), (angle * f64::from(k)).sin()) * radius
+        })
+        .collect();
+    // the bore of a body, whose outward side is the circle's
+    let facets: Vec<[usize; 2]> = (0..x.len()).map(|k| [(k + 1) % x.len(), k]).collect();
+    let surface = Surface::new(0, Order::Linear, facets.iter().map(|f| &f[..]), &x);
+    let facet = 2.0 * radius * (0.5 * angle).sin();
+    // the mean of a hat function over both facets of |x| − 1, by fine sums
+    let fine = 2000;
+    let mean = (0..fine).map(|k| {
+        let s = (f64::from(k) + 0.5) / f64::from(fine);
+        let x = x[0] * (1.0 - s) + x[1] * s;
+        2.0 * (1.0 - s) / f64::from(fine) * (x.norm() - 1.0)
+    });
+    let mean: f64 = mean.sum();
+    let offsets =
+        |size: f64| row_offsets(&surface, &vec![Some(d); x.len()], |_| Some((mean, size)));
+    for offset in offsets(facet) {
+        assert!(
+            (offset / (-facet * facet / 12.0) - 1.0).abs() < 1e-2,
+            "{offset}"
+        );
+    }
+    assert!(offsets(0.9 * facet).iter().all(|offset| *offset == 0.0));
+}
+
 /// Linear multipliers on quadratic triangles: corners and middles of edges without a force have no pressure.
 #[test]
 fn quadratic_triangles_are_open_where_nothing_presses() {

@@ -7,7 +7,6 @@ use super::shares::{Share, loaded};
 use crate::contact::Pass;
 use crate::contact::search::NodalGap;
 use crate::model::{Geometry, Problem, Side};
-use crate::tensor::Vector;
 
 /// The error that is told, as a share of the indentation. On a cylinder that is moved sideways, the force is 6 % too large then with both
 /// passes, and below 0.5 % with one. On meshes with a facet as wide as the contact zone, bodies that have not moved have nearly as much.
@@ -21,8 +20,9 @@ pub struct GeometricError {
     /// The other one, or the obstacle.
     pub second: Opposite,
     /// By how much gaps at the present positions differ from those that the contact took: the mean over the forces in a contact zone (UL).
+    /// Where nothing is opposite any more, it is the indentation.
     pub error: f64,
-    /// The indentation of that zone, F/(A E*) times its width (UL).
+    /// The indentation of that zone, Σ|f|/(A E*) times its width (UL).
     pub indentation: f64,
 }
 
@@ -31,7 +31,7 @@ impl<const D: usize> Problem<D> {
     /// indentation, with their worst zones: as where a curved body has moved sideways on another one, or has turned.
     ///
     /// Contact in [`Geometry::Reference`] does not follow such motions: places, and with both passes areas and forces, are wrong, and
-    /// [`Geometry::Current`] is the better choice. Flat surfaces that slide on each other keep their gaps. Empty in
+    /// [`Geometry::Current`] is the better choice. Flat surfaces that slide on each other keep their gaps, until one slides off the other. Empty in
     /// [`Geometry::Current`], and if `solution` is not of this problem.
     pub fn geometric_errors(&self, solution: &Solution) -> Vec<GeometricError> {
         let (u, rows) = (&solution.state.u, (&solution.gaps, &solution.lambda[..]));
@@ -72,21 +72,24 @@ impl<const D: usize> Problem<D> {
         [taken, present]: [Vec<Option<NodalGap>>; 2],
     ) -> Vec<[f64; 2]> {
         let surface = &self.surfaces()[share.side.surface];
-        let apart = |a: usize| match (taken[a], present[a]) {
+        // where the other surface is no longer opposite, there would be no contact
+        let apart = |a: usize, indentation: f64| match (taken[a], present[a]) {
             (Some(taken), Some(present)) => (present.smooth() - taken.smooth()).abs(),
+            (Some(_), None) => indentation,
             _ => 0.0,
         };
         let areas = surface.node_areas(surface.reference_nodes());
         let forces = &share.side.forces;
         let of_zone = |zone: Vec<usize>| {
             let sum = |of: &dyn Fn(usize) -> f64| zone.iter().map(|&a| of(a)).sum::<f64>();
-            let force = zone.iter().map(|&a| forces[a]).sum::<Vector<D>>().norm();
+            let force = sum(&|a| forces[a].norm());
             let area = sum(&|a| areas[a]);
             let is_in_space = D == 3 || surface.is_of_revolution();
             let width = if is_in_space { area.sqrt() } else { area };
+            let indentation = force / (area * share.modulus) * width;
             // gaps of the surface count where its own rows act
-            let error = sum(&|a| share.own[a].norm() * apart(a)) / sum(&|a| forces[a].norm());
-            [error, force / (area * share.modulus) * width]
+            let error = sum(&|a| share.own[a].norm() * apart(a, indentation)) / force;
+            [error, indentation]
         };
         let zones = surface.zones(&loaded(forces)).into_iter().map(of_zone);
         zones

@@ -1,16 +1,25 @@
 //! What each surface takes part in, and the pressures that are recovered from it.
 
+use std::collections::HashMap;
+
 use contact_core::LinearGaps;
+use contact_core::gaps::Sampling;
 
 use super::PairSide;
 use crate::assembly::Dof;
-use crate::contact::pressure::Pressed;
+use crate::contact::pressure::{self, Pressed};
 use crate::contact::{Pass, Surface};
 use crate::model::Problem;
 use crate::tensor::Vector;
 
 /// The force that loads a node, as a share of the largest one of its pair.
 const LOADED: f64 = 1e-6;
+
+/// The pressure that loads a node, as a share of the largest one of all pairs: solvers leave as much where nothing presses.
+const PRESSES: f64 = 1e-10;
+/// The share of its coordinates that a position is known to, several roundings of it. A gap that is off by so much makes pressures where
+/// nothing presses.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// What one surface takes part in with one other.
 pub(super) struct Share<const D: usize> {
@@ -22,8 +31,8 @@ pub(super) struct Share<const D: usize> {
     pub(super) normals: Vec<Vector<D>>,
     facing: Vec<(Vector<D>, f64)>,
     pub(super) modulus: f64,
-    /// How far the other surface, taken as a smooth one, is outside its facets where nodes face it (UL).
-    bulges: Vec<f64>,
+    /// The gaps of nodes where both surfaces, taken as smooth ones, touch all along (UL).
+    closed: Vec<f64>,
     pub(super) area: f64,
     pub(super) side: PairSide<D>,
 }
@@ -83,7 +92,7 @@ impl<const D: usize> Together<D> {
             nodes.clone().map(at).collect()
         };
         let gap = |a: usize| {
-            let gaps = members().filter_map(|share| Some(share.side.gaps[a]? - share.bulges[a]));
+            let gaps = members().filter_map(|share| Some(share.side.gaps[a]? - share.closed[a]));
             gaps.reduce(f64::min)
         };
         let neighbours = match group.len() {
@@ -145,16 +154,20 @@ impl<const D: usize> Problem<D> {
             _ => Vec::new(),
         };
         let gaps = self.contact.nodal_gaps([index, other], &self.kinematics, u);
+        let smooth: Vec<Option<f64>> = gaps
+            .iter()
+            .map(|gap| Some(gap.as_ref()?.smooth()))
+            .collect();
+        let offsets = self.row_offsets(surface, &smooth, is_own, (u, rows.0));
+        let closed = gaps.iter().zip(offsets);
+        let closed = closed.map(|(gap, offset)| gap.map_or(0.0, |gap| gap.bulge) - offset);
         Share {
             pair,
             other,
             own: self.forces_on(surface, rows, is_own),
             facing,
             modulus: self.pair_modulus([index, other]),
-            bulges: gaps
-                .iter()
-                .map(|gap| gap.map_or(0.0, |gap| gap.bulge))
-                .collect(),
+            closed: closed.collect(),
             normals: located.master(index).normals().to_vec(),
             area: 0.0,
             side: PairSide {
@@ -164,6 +177,28 @@ impl<const D: usize> Problem<D> {
                 pressures: vec![0.0; surface.nodes().len()],
             },
         }
+    }
+
+    /// At each node of a surface by how much the gap of its row is above the mean of the nodes' `gaps` (UL); 0 where it has none.
+    fn row_offsets(
+        &self,
+        surface: &Surface<D>,
+        gaps: &[Option<f64>],
+        is_own: impl Fn(&Pass) -> bool,
+        (u, rows): (&[f64], &LinearGaps),
+    ) -> Vec<f64> {
+        if rows.sampling() == Sampling::Points {
+            return vec![0.0; gaps.len()];
+        }
+        let mut values = vec![0.0; rows.len()];
+        rows.value(u, &mut values);
+        let all = rows.keys().iter().zip(values).zip(rows.weights());
+        let own =
+            all.filter(|((key, _), _)| self.passes().get(key.pass as usize).is_some_and(&is_own));
+        let own: HashMap<usize, (f64, f64)> = own
+            .map(|((key, value), weight)| (key.node as usize, (value, *weight)))
+            .collect();
+        pressure::row_offsets(surface, gaps, |a| own.get(&surface.nodes()[a]).copied())
     }
 
     /// Recovers the pressures and the areas of all shares: of those together that load a node in common, since there a pressure is
@@ -178,6 +213,7 @@ impl<const D: usize> Problem<D> {
             let mut nodes = loaded[i].iter().zip(&loaded[j]);
             nodes.any(|(a, b)| *a && *b)
         };
+        let mut recovered = Vec::new();
         let mut is_done = vec![false; shares.len()];
         for first in 0..shares.len() {
             if std::mem::replace(&mut is_done[first], true) {
@@ -209,6 +245,21 @@ impl<const D: usize> Problem<D> {
                 moduli: &all.moduli,
             };
             let pressures = pressed.pressures();
+            recovered.push((group, x, all, pressures));
+        }
+        let all = recovered.iter().flat_map(|(.., pressures)| pressures);
+        let largest = all.fold(0.0, |m: f64, p| m.max(*p));
+        for (group, x, all, mut pressures) in recovered {
+            let surface = &self.surfaces()[shares[group[0]].side.surface];
+            let sizes = surface.node_sizes();
+            for (a, pressure) in pressures.iter_mut().enumerate() {
+                let strain = ROUNDING * x[a].amax() / sizes[a];
+                let stiffness = Some(all.moduli[a]).filter(|E| E.is_finite());
+                let least = stiffness.map_or(0.0, |E| E * strain).max(PRESSES * largest);
+                if *pressure <= least {
+                    *pressure = 0.0;
+                }
+            }
             let areas = covered(surface, &x, &pressures, &all.forces);
             for (&member, parts) in group.iter().zip(&all.parts) {
                 let share = &mut shares[member];

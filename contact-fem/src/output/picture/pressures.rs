@@ -12,13 +12,13 @@ use super::layout::{Layout, colour_bar, title};
 use super::save;
 use crate::contact::Surface;
 use crate::error::Error;
-use crate::model::Problem;
+use crate::model::{Geometry, Problem};
 use crate::output::snapshot::Snapshot;
 use crate::tensor::Vector;
 
 /// The contact pressure of one state.
 ///
-/// In the plane, pressures are curves over the length along each surface, in its reference. The length is 0 in the centre of pressure, and grows to the
+/// In the plane, pressures are curves over the length along each surface, where contact is searched. The length is 0 in the centre of pressure, and grows to the
 /// right there, so that the curves of two surfaces that press each other lie on top of each other. In space, the loaded part of
 /// each surface has a panel, seen from outside of its body, against the mean normal.
 #[derive(Clone, Copy)]
@@ -65,19 +65,43 @@ impl<'a, const D: usize> PressurePicture<'a, D> {
         with_pressures.filter(|(_, _, pressures)| pressures.iter().any(|p| *p > 0.0))
     }
 
+    /// Where contact is searched.
+    fn positions(&self, surface: &Surface<D>) -> Vec<Vector<D>> {
+        let X = surface.reference_nodes();
+        match self.problem.geometry() {
+            Geometry::Reference => X.to_vec(),
+            Geometry::Current => {
+                let u = surface.gather(&self.snapshot.displacements);
+                X.iter().zip(u).map(|(X, u)| X + u).collect()
+            }
+        }
+    }
+
     fn curves(&self) -> Curves {
+        let (geometry, scene) = (self.problem.geometry(), self.problem.scene());
         let curves = self.loaded().flat_map(|(name, surface, pressures)| {
+            let x = self.positions(surface);
             let lines = chains(surface).into_iter();
-            let lines = lines.filter_map(move |chain| along(surface, &chain, &pressures));
+            let lines = lines.filter_map(move |chain| along(&x, &chain, &pressures));
             lines.map(move |points| Curve {
                 name: name.clone(),
                 points,
             })
         });
+        let is_revolved = scene
+            .bodies()
+            .iter()
+            .any(|body| body.mesh().is_of_revolution());
+        let of = match (geometry, is_revolved) {
+            (Geometry::Reference, false) => "undeformed length (UF/UL)",
+            (Geometry::Current, false) => "current length (UF/UL)",
+            (Geometry::Reference, true) => "undeformed area (UF/UL²)",
+            (Geometry::Current, true) => "current area (UF/UL²)",
+        };
         Curves {
             title: "Contact pressure".into(),
             x_label: "length along the surface from the centre of pressure (UL)".into(),
-            y_label: "pressure, per undeformed length (UF/UL)".into(),
+            y_label: format!("pressure, per {of}"),
             curves: curves.collect(),
         }
     }
@@ -140,11 +164,10 @@ fn chains<const D: usize>(surface: &Surface<D>) -> Vec<Vec<usize>> {
 
 /// The pressures along a chain over the length from the centre of pressure, to the second unloaded node on either side.
 fn along<const D: usize>(
-    surface: &Surface<D>,
+    x: &[Vector<D>],
     chain: &[usize],
     pressures: &[f64],
 ) -> Option<Vec<(f64, f64)>> {
-    let X = surface.reference_nodes();
     let is_closed = chain[0] == chain[chain.len() - 1];
     let mut chain = chain.to_vec();
     if is_closed {
@@ -156,15 +179,21 @@ fn along<const D: usize>(
     let mut length = 0.0;
     let mut points = vec![(0.0, pressures[chain[0]])];
     for pair in chain.windows(2) {
-        length += (X[pair[1]] - X[pair[0]]).norm();
+        length += (x[pair[1]] - x[pair[0]]).norm();
         points.push((length, pressures[pair[1]]));
     }
     let first = points.iter().position(|(_, p)| *p > 0.0)?;
     let last = points.iter().rposition(|(_, p)| *p > 0.0)?;
     let (first, last) = (first.saturating_sub(2), (last + 2).min(points.len() - 1));
-    let total: f64 = points.iter().map(|(_, p)| p).sum();
-    let centre = points.iter().map(|(s, p)| s * p).sum::<f64>() / total;
-    let towards = X[chain[last]] - X[chain[first]];
+    // of the pressure that is linear between the nodes
+    let [mut force, mut moment] = [0.0; 2];
+    for pair in points.windows(2) {
+        let [(s, p), (t, q)] = [pair[0], pair[1]];
+        force += 0.5 * (t - s) * (p + q);
+        moment += (t - s) / 6.0 * (p * (2.0 * s + t) + q * (s + 2.0 * t));
+    }
+    let centre = moment / force;
+    let towards = x[chain[last]] - x[chain[first]];
     let is_leftward = towards[0] < 0.0 || (towards[0] == 0.0 && towards[1] < 0.0);
     let sign = if is_leftward { -1.0 } else { 1.0 };
     let shown = points[first..=last].iter();
@@ -294,12 +323,23 @@ mod tests {
         for corner in [[0.0, 0.0], [4.0, 4.0]] {
             let mut pressures = vec![0.0; 8];
             pressures[at(corner)] = 3.0;
-            let points = along(&surface, &chains[0], &pressures).expect("a load");
+            let points = along(surface.reference_nodes(), &chains[0], &pressures).expect("a load");
             let mut points = points;
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let expected = [(-4.0, 0.0), (-2.0, 0.0), (0.0, 3.0), (2.0, 0.0), (4.0, 0.0)];
             assert_eq!(points, expected, "{corner:?}");
         }
-        assert_eq!(along(&surface, &chains[0], &[0.0; 8]), None);
+        assert_eq!(
+            along(surface.reference_nodes(), &chains[0], &[0.0; 8]),
+            None
+        );
+    }
+
+    /// A constant pressure on a line from 0 to 4 has its centre at 2, wherever the nodes are.
+    #[test]
+    fn the_centre_does_not_depend_on_the_nodes() {
+        let x = [0.0, 0.25, 0.5, 1.0, 4.0].map(|x| Vector::<2>::new(x, 0.0));
+        let points = along(&x, &[0, 1, 2, 3, 4], &[3.0; 5]).expect("a load");
+        assert_eq!((points[0].0, points[4].0), (-2.0, 2.0));
     }
 }
