@@ -162,7 +162,9 @@ impl<const D: usize> ContactSet<D> {
 
     /// How far bodies have passed through each other (UL), or `None` if they have not. They have if
     /// the penetration at `u` exceeds the facets around the node or the search radius, or if nodes
-    /// went through a body on the way between the positions `before`, at load factor `from`, and `after`, those at `u`.
+    /// went through a body on the way between the positions `before`, at load factor `from`, and `after`, those at `u`. Where
+    /// contact is looked for at the reference positions, only obstacles are asked for that: normals on bodies do not turn there.
+    /// On obstacles they do, if one moves through the reference position of a node.
     pub fn tunnels(
         &self,
         kinematics: &Kinematics<D>,
@@ -175,17 +177,23 @@ impl<const D: usize> ContactSet<D> {
         if depth > self.reach || in_facets > 1.0 {
             return Some(depth);
         }
-        if self.geometry == Geometry::Reference {
-            return None;
-        }
         let motion = Motion { before, after };
+        let rest = Motion {
+            before: &kinematics.X,
+            after: &kinematics.X,
+        };
+        let is_reference = self.geometry == Geometry::Reference;
         let through = |pass: &Pass| {
             let slave = &self.surfaces[pass.slave];
             match self.obstacle_of(*pass) {
                 Some((_, obstacle)) => {
                     let from = obstacle.obstacle().pose(from);
-                    motion.through_obstacle(slave, obstacle, &from)
+                    let through =
+                        |motion: &Motion<'_, D>| motion.through_obstacle(slave, obstacle, &from);
+                    let at_rest = is_reference.then(|| through(&rest)).flatten();
+                    at_rest.or_else(|| through(&motion))
                 }
+                None if is_reference => None,
                 None => motion.through(slave, &self.surfaces[pass.master]),
             }
         };

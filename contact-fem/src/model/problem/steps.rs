@@ -76,20 +76,28 @@ impl<const D: usize> LoadStepped for Problem<D> {
             }
             _ => None,
         };
-        if let Some(Overlap {
-            bodies, at, depth, ..
-        }) = overlap
-        {
-            let [first, second] = bodies.map(|body| self.scene.called(body));
-            let at: Vec<String> = at.iter().map(|x| format!("{x:.3e}")).collect();
-            let place = format!("{first} is inside {second} at ({})", at.join(", "));
-            return Some(Passage { depth, place });
-        }
-        let depth = self
-            .contact
-            .tunnels(&self.kinematics, u, (&before, &after), from)?;
-        let place = "bodies penetrate or have passed through each other".to_string();
-        Some(Passage { depth, place })
+        let inside = |found: Overlap<D>| {
+            let [first, second] = found.bodies.map(|body| self.scene.called(body));
+            let at: Vec<String> = found.at.iter().map(|x| format!("{x:.3e}")).collect();
+            Passage {
+                depth: found.depth,
+                place: format!("{first} is inside {second} at ({})", at.join(", ")),
+            }
+        };
+        let through = || {
+            let positions = (&before[..], &after[..]);
+            let depth = self.contact.tunnels(&self.kinematics, u, positions, from)?;
+            let place = match self.contact.geometry {
+                Geometry::Reference => {
+                    "contact at the reference positions does not follow the motion, so take it at the current ones: \
+                     bodies penetrate or have passed through each other"
+                }
+                Geometry::Current => "bodies penetrate or have passed through each other",
+            };
+            let place = place.to_string();
+            Some(Passage { depth, place })
+        };
+        overlap.map(inside).or_else(through)
     }
 
     fn unplanned(&self, u: &[f64]) -> Option<String> {
@@ -156,6 +164,65 @@ impl<const D: usize> Problem<D> {
             let extension =
                 self.energy.parts()[index].extend(&DofMap::new(&is_prescribed), &values);
             self.kinematics.add_free(index, &extension, lifted);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mesh::generators::{Diagonals, linspace, rectangle};
+    use crate::model::Geometry;
+    use crate::{Body, LinearElastic, Material, Mesh, Motion, Obstacle, Scene};
+    use crate::{Simulation, simulation::History};
+
+    fn mesh(x: [f64; 3], y: [f64; 3]) -> Mesh<2> {
+        let line = |[low, high, count]: [f64; 3]| linspace(low, high, count as usize);
+        rectangle(&line(x), &line(y), Diagonals::Rising).expect("a mesh")
+    }
+
+    /// A body that is held on two sides, and a ball on its top that moves by `by`, in one increment.
+    fn pressed(
+        (mesh, law): (Mesh<2>, impl Material<2>),
+        sides: [&str; 2],
+        (centre, radius, by): ([f64; 2], f64, [f64; 2]),
+        geometry: Geometry,
+    ) -> History<2> {
+        let mut body = Body::new(mesh, law);
+        for side in sides {
+            body.prescribe(side, [Some(0.0); 2]).expect("a support");
+        }
+        let mut scene = Scene::new();
+        let side = scene.add("body", body).on("top");
+        let ball = Obstacle::ball(centre, radius).expect("a ball");
+        let ball = ball.moving(Motion::translation(by).expect("a way"));
+        scene.obstacle("ball", side, ball).expect("a side");
+        scene.geometry = Some(geometry);
+        let mut problem = scene.problem().expect("a problem");
+        let history = Simulation::with_increments(1).run(&mut problem);
+        history.expect("no misuse")
+    }
+
+    /// A cantilever under a ball of radius 0.1 that touches it. Rows at the reference positions hold the ball until its centre
+    /// has come to where the nodes are at rest. Then they would push it out on the other side.
+    #[test]
+    fn obstacles_do_not_go_through_reference_positions() {
+        let law = || LinearElastic::new(1e5, 0.3).expect("a law");
+        let mesh = || mesh([0.0, 10.0, 40.0], [0.0, 0.2, 2.0]).quadratic();
+        let run = |way: f64| {
+            let ball = ([9.0, 0.3], 0.1, [0.0, -way]);
+            pressed((mesh(), law()), ["left"; 2], ball, Geometry::Reference)
+        };
+        let history = run(0.05);
+        assert!(history.is_complete(), "{}", history.run.ending);
+        assert!(history.last().expect("a step").obstacle_forces[0][1] > 0.0);
+        for way in [0.12, 0.2, 0.35, 0.45, 2.0] {
+            let history = run(way);
+            assert!(!history.is_complete(), "{way}");
+            for step in &history.steps {
+                let down = way * step.factor;
+                assert!(down < 0.1 + 1e-9, "{way}: {down}");
+                assert!(step.obstacle_forces[0][1] > 0.0, "{way}: {down}");
+            }
         }
     }
 }
