@@ -8,7 +8,8 @@
 //! facets, or of the thickness where that is smaller. Volumes of quadratic cells are bounded between their nodes, too.
 //!
 //! Of an obstacle it takes the signed distance, and looks for points of the exterior where it is negative, on all sides of the
-//! bodies that have a side on it.
+//! bodies that have a side on it. In their cells it looks for the obstacle's core, so that obstacles that are smaller than
+//! the facets, and those wholly inside a body, are found, too.
 
 mod bins;
 mod measures;
@@ -25,7 +26,7 @@ use rstar::{AABB, RTree};
 
 use crate::element::Order;
 use crate::model::Scene;
-use crate::tensor::{Matrix, Vector};
+use crate::tensor::{Matrix, Vector, facet_normal};
 use bins::Bins;
 pub use measures::LeastVolume;
 use measures::Measures;
@@ -47,6 +48,8 @@ pub struct Audit<const D: usize> {
     /// The order of each body's cells.
     orders: Vec<Order>,
     obstacles: Vec<Blocks<D>>,
+    /// For each face of the topology, whether its nodes are held along its normal.
+    is_held: Vec<bool>,
     /// The positions that were asked for last: a state is audited when it is accepted, and again by its certificate and its
     /// record.
     last: Mutex<Option<State<D>>>,
@@ -89,7 +92,8 @@ pub struct Overlap<const D: usize> {
     pub bodies: [usize; 2],
     /// A point of the first body inside the second (UL).
     pub at: Vector<D>,
-    /// The distance of that point from the exterior of the second (UL).
+    /// The distance of that point from the exterior of the second (UL). Where the core of an obstacle is inside a body, the
+    /// distance of the core from the body's exterior is added: the obstacle's way out.
     pub depth: f64,
     /// The depth divided by the length of the facets there, or by the thickness of either body there if
     /// that is smaller.
@@ -123,6 +127,17 @@ impl<const D: usize> Audit<D> {
         let inverse = |cell: &Cell| crate::tensor::inverse_transpose(&edges(cell, X)).transpose();
         let sizes = topology.faces.iter().map(|face| face.size);
         let margin = Self::MARGIN * sizes.fold(f64::INFINITY, f64::min);
+        let mut held = Vec::new();
+        for body in scene.bodies() {
+            held.extend(body.prescribed().iter().map(Option::is_some));
+        }
+        let is_held = |face: &topology::Face<D>| {
+            let normal = facet_normal(&face.nodes.map(|a| X[a])).normalize();
+            let along = (0..D).filter(|&i| normal[i].abs() > Self::ALONG_AXIS);
+            let mut nodes = along.map(|i| face.nodes.iter().all(|a| held[D * a + i]));
+            nodes.any(|is_held| is_held)
+        };
+        let is_held = topology.faces.iter().map(is_held).collect();
         Audit {
             inverses: topology.cells.iter().map(inverse).collect(),
             topology,
@@ -130,6 +145,7 @@ impl<const D: usize> Audit<D> {
             is_revolved: scene.bodies().iter().any(|b| b.mesh().is_of_revolution()),
             is_linear: scene.bodies().iter().map(|b| b.is_small_strain()).collect(),
             orders: scene.bodies().iter().map(|b| b.mesh().order()).collect(),
+            is_held,
             obstacles: scene
                 .obstacles()
                 .iter()
@@ -252,6 +268,9 @@ impl<const D: usize> Audit<D> {
         let find = || {
             let mut found = self.find_overlaps(x);
             found.extend(self.in_obstacles(x));
+            for (index, blocks) in self.obstacles.iter().enumerate() {
+                found.extend(self.around_obstacle(x, index, blocks));
+            }
             found
         };
         overlaps.get_or_insert_with(find).clone()
@@ -291,6 +310,36 @@ impl<const D: usize> Audit<D> {
             })
         });
         found.collect()
+    }
+
+    /// The overlaps with an obstacle whose core is inside bodies, one for each cell, at positions `x` of all nodes (UL). Bodies are
+    /// left through faces that are not held, as those on planes of symmetry are.
+    fn around_obstacle<'a>(
+        &'a self,
+        x: &'a [Vector<D>],
+        index: usize,
+        blocks: &'a Blocks<D>,
+    ) -> impl Iterator<Item = Overlap<D>> + 'a {
+        let (topology, bodies) = (&self.topology, self.orders.len());
+        let cells = topology.cells.iter();
+        let cells = cells.filter(|cell| blocks.bodies[cell.body]);
+        cells.filter_map(move |cell| {
+            let corners: [_; 4] = cell.nodes.map(|a| x[a]);
+            let (depth, at) = blocks.core(&corners[..=D])?;
+            let faces = topology.faces.iter().zip(&self.is_held);
+            let free = faces.filter(|(face, is_held)| face.body == cell.body && !**is_held);
+            let ways = free.map(|(face, _)| (distance(&at, &face.nodes.map(|a| x[a])), face));
+            let (way, face) = ways.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            let depth = depth + way;
+            Some(Overlap {
+                bodies: [cell.body, bodies + index],
+                at,
+                depth,
+                relative: depth / face.size.min(face.thickness),
+                of_thickness: depth / face.thickness.min(topology.thick),
+                face: face.nodes,
+            })
+        })
     }
 
     /// All overlaps of bodies at positions `x` of all nodes (UL).
@@ -403,8 +452,44 @@ impl<const D: usize> Audit<D> {
         (1..stops as usize).find_map(at)
     }
 
+    /// As [`Audit::passage`], of the cores of obstacles through bodies: on the way as the obstacles see it, which have moved from where
+    /// they were at pseudo-time `from` to where they are.
+    pub(crate) fn obstacle_passage(
+        &self,
+        before: &[Vector<D>],
+        after: &[Vector<D>],
+        from: f64,
+        granted: impl Fn([usize; 2]) -> f64,
+    ) -> Option<Overlap<D>> {
+        let thinnest = self.topology.thinnest();
+        let through = |(index, blocks): (usize, &Blocks<D>)| {
+            let then = blocks.obstacle.pose(from);
+            let is_own = |a: usize| blocks.bodies[self.topology.body_of[a]];
+            let before = before.iter().map(|x| blocks.pose.place(&then.back(x)));
+            let before: Vec<_> = before.collect();
+            let ways = before.iter().zip(after).enumerate();
+            let moved = ways.filter(|(a, _)| is_own(*a));
+            let moved = moved.map(|(_, (a, b))| (b - a).norm());
+            let moved = moved.fold(0.0, f64::max);
+            let stops = (moved / (Self::STRIDE * thinnest)).ceil();
+            let stops = stops.min(Self::MOST_STOPS);
+            (1..stops as usize).find_map(|k| {
+                let t = k as f64 / stops;
+                let way = before.iter().zip(after);
+                let x: Vec<_> = way.map(|(a, b)| a * (1.0 - t) + b * t).collect();
+                let mut overlaps = self.around_obstacle(&x, index, blocks);
+                overlaps.find(|overlap| {
+                    overlap.of_thickness > Overlap::<D>::LIMIT + granted(overlap.bodies)
+                })
+            })
+        };
+        self.obstacles.iter().enumerate().find_map(through)
+    }
+
     /// The relative depth of bodies that touch, from round-off.
     const TOUCHES: f64 = 1e-9;
+    /// The component of a normal that is along an axis.
+    const ALONG_AXIS: f64 = 1.0 - 1e-9;
     /// The margin within which boxes are looked for, as a share of the smallest face. In regular meshes, cells outside the
     /// neighbourhood of a node are a face away. Its value changes how often is searched, not what is found; it was chosen by
     /// the time of one scene, a block in a hundred increments.

@@ -1,8 +1,8 @@
-//! Bodies inside rigid obstacles.
+//! Bodies inside rigid obstacles, and obstacles inside bodies.
 
 use crate::contact::Obstacle;
 use crate::program::Pose;
-use crate::tensor::Vector;
+use crate::tensor::{Matrix, Vector, inverse_transpose, unit_vector};
 
 /// An obstacle, and the bodies that it may hold.
 pub(super) struct Blocks<const D: usize> {
@@ -19,6 +19,82 @@ impl<const D: usize> Blocks<D> {
         let (depth, at) = deepest(corners, &self.obstacle)?;
         Some((depth, self.pose.place(&at)))
     }
+
+    /// A point of a flat cell in the core of the obstacle, as [`core`], with its depth (UL).
+    pub fn core(&self, corners: &[Vector<D>]) -> Option<(f64, Vector<D>)> {
+        let corners: Vec<_> = corners.iter().map(|x| self.pose.back(x)).collect();
+        let (depth, at) = core(&corners, &self.obstacle)?;
+        Some((depth, self.pose.place(&at)))
+    }
+}
+
+/// The core of an obstacle are the points whose nearest point on its surface is not unique: the centre of a ball, the middle plane
+/// of a plate. A half-space has none. Faces show how deep a body is in an obstacle as long as its core is not within the
+/// body: along the way out of the body, the depth grows.
+///
+/// The result is a point of a cell near the core, with its depth (UL). It is looked for on the line from the cell's centroid to
+/// the nearest point of the surface, and further; `None` if that line has left the cell before it meets the core, or
+/// is outside the obstacle.
+fn core<const D: usize>(corners: &[Vector<D>], obstacle: &Obstacle<D>) -> Option<(f64, Vector<D>)> {
+    let from = corners.iter().sum::<Vector<D>>() / corners.len() as f64;
+    let radius = corners.iter().map(|x| (x - from).norm());
+    let radius = radius.fold(0.0, f64::max);
+    let distance = obstacle.distance(&from);
+    if !(distance < radius && radius.is_finite()) {
+        return None; // at most as far as the cell reaches
+    }
+    let inside =
+        |at: Vector<D>| Some((-obstacle.distance(&at), at)).filter(|(depth, _)| *depth > 0.0);
+    let step = STEP * radius;
+    let slope = Vector::<D>::from_fn(|i, _| {
+        let to = unit_vector::<D>(i) * step;
+        (obstacle.distance(&(from + to)) - obstacle.distance(&(from - to))) / (2.0 * step)
+    });
+    let Some(away) = slope.try_normalize(FLAT) else {
+        return inside(from); // the slope is 1, except in the core
+    };
+    let way = leaving(corners, &from, &-away)?;
+    // the distance falls by the way to the core, and rises by as much beyond it where the core is a point or a plane
+    let excess = obstacle.distance(&(from - away * way)) - (distance - way);
+    if !(excess > TURNS * radius) {
+        return None;
+    }
+    let turn = (way - 0.5 * excess).max(0.0);
+    let parts = (0..=PARTS).map(|k| way * f64::from(k) / f64::from(PARTS));
+    let points = parts
+        .chain([turn])
+        .filter_map(|way| inside(from - away * way));
+    points.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The step of differences of distances, as a share of the cell's size.
+const STEP: f64 = 1e-5;
+/// A slope as small as this is that of a place in the core.
+const FLAT: f64 = 0.5;
+/// How much more than by round-off and differences a distance differs from the way to the nearest point, as a share of the cell's
+/// size, where the nearest point has changed.
+const TURNS: f64 = 1e-6;
+/// So many parts of a line are looked at where the core is neither a point nor a plane.
+const PARTS: u32 = 8;
+
+/// The way along a unit vector from the centroid of a simplex to where it leaves it (UL); `None` if it has no volume.
+fn leaving<const D: usize>(
+    corners: &[Vector<D>],
+    from: &Vector<D>,
+    along: &Vector<D>,
+) -> Option<f64> {
+    let columns: [_; D] = std::array::from_fn(|i| corners[i + 1] - corners[0]);
+    let inverse = inverse_transpose(&Matrix::from_columns(&columns)).transpose();
+    let [weights, change] = [inverse * (from - corners[0]), inverse * along];
+    let first = (1.0 - weights.sum(), -change.sum());
+    let all = weights
+        .iter()
+        .copied()
+        .zip(change.iter().copied())
+        .chain([first]);
+    let falling = all.filter(|(_, change)| *change < 0.0);
+    let way = falling.map(|(weight, change)| weight / -change);
+    Some(way.fold(f64::INFINITY, f64::min)).filter(|way| way.is_finite())
 }
 
 /// The smallest depth that is found wherever it is on a face, as a share of the face's longest edge. At nodes all are.
@@ -88,6 +164,37 @@ mod tests {
         assert!((ball(0.1, 0.1).distance(&at) + depth).abs() < 1e-15);
         assert_eq!(deepest(corners, &ball(0.1, 0.31)), None);
         assert_eq!(deepest(corners, &ball(1.2, 0.0)), None);
+    }
+
+    /// Balls of any size are found by their centres, wherever they are in a cell; a plate by its middle plane. What touches a
+    /// cell, or is deep in it on one side, has no core there.
+    #[test]
+    fn cores_within_a_cell() {
+        let cell = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ]
+        .map(Vector::<3>::from);
+        let x = [0.1, 0.2, 0.15];
+        for radius in [1e-3, 0.05, 0.3, 2.0] {
+            let ball = Obstacle::ball(x, radius).expect("a ball");
+            let (depth, at) = core(&cell, &ball).expect("within");
+            assert!((depth - radius).abs() < 1e-8, "{radius}: {depth}");
+            assert!((at - Vector::from(x)).norm() < 1e-8, "{radius}: {at}");
+        }
+        let plate = Obstacle::cuboid([-9.0, -9.0, 0.1], [9.0, 9.0, 0.14]).expect("a plate");
+        let (depth, at) = core(&cell, &plate).expect("within");
+        assert!(
+            (depth - 0.02).abs() < 1e-9 && (at[2] - 0.12).abs() < 1e-9,
+            "{depth} {at}"
+        );
+        let ball = |z: f64| Obstacle::ball([0.25, 0.25, z], 0.5).expect("a ball");
+        let floor = Obstacle::half_space([0.0, 0.0, 0.2], [0.0, 0.0, 1.0]).expect("a half-space");
+        for apart in [ball(-0.5), ball(-0.3), ball(9.0), floor] {
+            assert_eq!(core(&cell, &apart), None, "{apart:?}");
+        }
     }
 
     /// Positions whose sums and distances overflow end the division of a face.
