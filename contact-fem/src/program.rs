@@ -101,6 +101,15 @@ impl Amplitude {
         }
     }
 
+    /// The times of its table.
+    pub(crate) fn knots(&self) -> impl Iterator<Item = f64> + '_ {
+        let table = match &self.0 {
+            Kind::Table(table) => &table[..],
+            _ => &[],
+        };
+        table.iter().map(|(time, _)| *time)
+    }
+
     /// Whether it is t itself.
     pub(crate) fn is_proportional(&self) -> bool {
         matches!(self.0, Kind::Proportional)
@@ -190,6 +199,11 @@ impl<const D: usize> Motion<D> {
     /// Where the point `X` (UL) is at time `t`.
     pub fn at(&self, t: f64, X: &Vector<D>) -> Vector<D> {
         self.pose(t).place(X)
+    }
+
+    /// The times of the tables of its amplitudes.
+    pub(crate) fn knots(&self) -> impl Iterator<Item = f64> + '_ {
+        self.0.iter().flat_map(|(_, amplitude)| amplitude.knots())
     }
 
     /// x = R X + c at time `t`.
@@ -331,6 +345,14 @@ pub(crate) fn direction<const D: usize>(
 /// The times at which the sizes of loads and motions are estimated before a run, whose end is not known then.
 pub(crate) fn samples() -> impl DoubleEndedIterator<Item = f64> {
     (1..=16).map(|k| f64::from(k) / 16.0)
+}
+
+/// The same where the times of tables are known: they tell how far a program goes, which is to 1 at least.
+pub(crate) fn samples_with(knots: impl Iterator<Item = f64>) -> Vec<f64> {
+    let knots: Vec<f64> = knots.filter(|t| *t > 0.0).collect();
+    let end = knots.iter().copied().fold(1.0, f64::max);
+    let even = samples().map(|share| share * end);
+    even.chain([1.0]).chain(knots).collect()
 }
 
 #[cfg(test)]

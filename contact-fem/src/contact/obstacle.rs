@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::closed_surface::ClosedSurface;
 use crate::error::Error;
 use crate::mesh::{Mesh, read::MeshFile};
-use crate::program::{Motion, Pose, axis_of, direction, samples};
+use crate::program::{Motion, Pose, axis_of, direction, samples_with};
 use crate::tensor::{Matrix, Vector};
 
 /// A signed distance (UL) by position (UL).
@@ -242,6 +242,12 @@ impl<const D: usize> Obstacle<D> {
             .map_or(Pose::rest(), |motion| motion.pose(t))
     }
 
+    /// The pseudo-times at which its ways are estimated before a run: to the end of its amplitudes' tables, and to 1 at least.
+    pub(crate) fn times(&self) -> Vec<f64> {
+        let motions = self.motion.iter();
+        samples_with(motions.flat_map(Motion::knots))
+    }
+
     /// The centre of a ball whose first coordinate is not 0.
     pub(crate) fn ring(&self) -> Option<Vector<D>> {
         match &self.shape {
@@ -250,10 +256,10 @@ impl<const D: usize> Obstacle<D> {
         }
     }
 
-    /// Whether it moves otherwise than along the last axis, up to pseudo-time 1.
+    /// Whether it moves otherwise than along the last axis.
     pub(crate) fn leaves_axis(&self) -> bool {
         let is_axial = |pose: &Pose<D>| pose.R == Matrix::<D>::identity() && pose.c[0] == 0.0;
-        samples().any(|t| !is_axial(&self.pose(t)))
+        self.times().iter().any(|&t| !is_axial(&self.pose(t)))
     }
 
     fn round(centre: [f64; D], axis: Vector<D>, radius: f64, sign: f64) -> Result<Self, Error> {

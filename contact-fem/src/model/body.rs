@@ -16,7 +16,7 @@ use crate::element::{Element, Order, P1, P2};
 use crate::error::Error;
 use crate::material::{Material, Volumetric};
 use crate::mesh::Mesh;
-use crate::program::samples;
+use crate::program::samples_with;
 use crate::tensor::Vector;
 use law::{AveragedLaw, ElasticLaw, Law};
 
@@ -257,8 +257,26 @@ impl<const D: usize> Body<D> {
         &self.supports
     }
 
-    /// The largest prescribed displacement (UL), and the largest sum of all magnitudes of forces (UF), at load factors up
-    /// to 1; values that are not finite are left out.
+    /// The load factors at which the sizes of its prescribed displacements and loads are estimated before a run: to the end of
+    /// its amplitudes' tables, and to 1 at least.
+    pub(super) fn times(&self) -> Vec<f64> {
+        if !self.has_program() {
+            return vec![1.0];
+        }
+        let loads = self.loads.iter().flat_map(|(_, load)| load.knots());
+        let pressures = self.pressures.iter().flat_map(Pressure::knots);
+        samples_with(self.supports.knots().chain(loads).chain(pressures))
+    }
+
+    /// The displacements prescribed at a load factor (UL), as [`Body::prescribed`].
+    pub(super) fn prescribed_values(&self, factor: f64) -> Vec<Option<f64>> {
+        let mut values = self.prescribed_at(factor).into_iter();
+        let all = self.prescribed.iter();
+        all.map(|held| held.and_then(|_| values.next())).collect()
+    }
+
+    /// The largest prescribed displacement (UL), and the largest sum of all magnitudes of forces (UF), at the load factors of
+    /// [`Body::times`]; values that are not finite are left out.
     pub(super) fn largest(&self) -> (f64, f64) {
         let of = |t: f64| {
             let largest = self.largest_prescribed(t);
@@ -267,9 +285,13 @@ impl<const D: usize> Body<D> {
             (largest, dead + self.sum_of_pressures(t))
         };
         match self.has_program() {
-            true => samples().map(of).fold((0.0, 0.0), |(u, f), (v, g)| {
-                (u.max(v), f64::max(f, if g.is_finite() { g } else { 0.0 }))
-            }),
+            true => self
+                .times()
+                .into_iter()
+                .map(of)
+                .fold((0.0, 0.0), |(u, f), (v, g)| {
+                    (u.max(v), f64::max(f, if g.is_finite() { g } else { 0.0 }))
+                }),
             false => of(1.0),
         }
     }

@@ -67,6 +67,17 @@ impl<const D: usize> Supports<D> {
         self.courses.len() == 1
     }
 
+    /// The times of the tables of all courses.
+    pub fn knots(&self) -> impl Iterator<Item = f64> + '_ {
+        self.courses.iter().flat_map(|course| -> Vec<f64> {
+            match course {
+                Course::Scaled(amplitude) => amplitude.knots().collect(),
+                Course::Along(_, Some(motion)) => motion.knots().collect(),
+                Course::Along(_, None) | Course::Sum(_) => Vec::new(),
+            }
+        })
+    }
+
     /// The value of one dof at time `t` (UL) along a course, from where it was when its support began.
     pub fn value(&self, dof: usize, value: (f64, usize), t: f64) -> f64 {
         let course = |t| self.course_at(dof, value, t);
@@ -170,6 +181,14 @@ impl<const D: usize> Load<D> {
     /// Whether it is its value at load factor 1 times the load factor.
     pub fn is_proportional(&self) -> bool {
         matches!(self, Load::Scaled(_, amplitude) if amplitude.is_proportional())
+    }
+
+    /// The times of the table of its amplitude.
+    pub fn knots(&self) -> Vec<f64> {
+        match self {
+            Load::Scaled(_, amplitude) => amplitude.knots().collect(),
+            Load::Given(_) => Vec::new(),
+        }
     }
 
     /// Adds the forces at time `t` to those of all dofs (UF).

@@ -123,6 +123,37 @@ mod tests {
         assert!((pressed(law(1.0), 0.0).length / 5e-6 - 1.0).abs() < 1e-14);
     }
 
+    /// What a table prescribes after the load factor 1, or between 0 and 1 alone, counts as the same at full load.
+    #[test]
+    fn displacements_at_any_time_count() {
+        let length = |pairs: &[(f64, f64)]| {
+            let mesh = rectangle(
+                &linspace(0.0, 3.0, 3),
+                &linspace(0.0, 4.0, 4),
+                Diagonals::Rising,
+            );
+            let law = LinearElastic::new(1.0, 0.3).expect("law");
+            let mut block = Body::new(mesh.expect("mesh"), law);
+            let table = crate::Amplitude::table(pairs).expect("a table");
+            block
+                .prescribe_in_time("top", [None, Some(-1e-3)], table)
+                .expect("support");
+            block.prescribe("bottom", [Some(0.0); 2]).expect("support");
+            let mut scene = Scene::new();
+            scene.add("block", block);
+            scene.problem().expect("a problem").scale().length
+        };
+        for pairs in [
+            [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)],
+            [(0.0, 0.0), (1.0, 0.0), (2.0, 1.0)],
+            [(0.0, 0.0), (0.33, 1.0), (0.66, 0.0)],
+            [(0.0, 0.0), (1.5, 0.0), (1.51, 1.0)],
+        ] {
+            let found = length(&pairs);
+            assert!((found / 1e-2 - 1.0).abs() < 1e-14, "{pairs:?}: {found}");
+        }
+    }
+
     #[test]
     fn strains_that_round_off_hides() {
         let length = |scene: Scene<2>| {

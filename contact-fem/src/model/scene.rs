@@ -11,7 +11,6 @@ use super::{Body, BodyId, Finding, InitialGaps, Integration, Obstacle, ObstacleI
 use crate::audit::Audit;
 use crate::element::Order;
 use crate::error::Error;
-use crate::program::samples;
 use crate::tensor::Vector;
 
 /// The roles of the two surfaces of a contact pair.
@@ -462,7 +461,8 @@ impl<const D: usize> Scene<D> {
             let corner =
                 |k: usize| Vector::from_fn(|i, _| if k >> i & 1 == 0 { low[i] } else { high[i] });
             let start = self.obstacles[*obstacle].pose(0.0);
-            let poses = samples().map(|t| self.obstacles[*obstacle].pose(t));
+            let times = self.obstacles[*obstacle].times().into_iter();
+            let poses = times.map(|t| self.obstacles[*obstacle].pose(t));
             let ways = poses.flat_map(|pose| {
                 (0..1 << D).map(move |k| (pose.place(&corner(k)) - start.place(&corner(k))).norm())
             });

@@ -31,6 +31,11 @@ impl<const D: usize> Pressure<D> {
         }
     }
 
+    /// The times of the table of its amplitude.
+    pub(super) fn knots(&self) -> impl Iterator<Item = f64> + '_ {
+        self.amplitude.knots()
+    }
+
     pub(super) fn is_proportional(&self) -> bool {
         self.amplitude.is_proportional()
     }

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::limits::{AT_LIMIT, BEYOND_FACET, LOCKING, ROTATION};
+use super::steps::times;
 use super::surfaces::one_pass_a_pair;
 use super::{Finding, FindingKind, Report, Setup, Severity};
 use crate::model::{Body, Geometry};
@@ -35,7 +36,11 @@ fn locking<const D: usize>(body: &Body<D>, name: &String, report: &mut Report) {
 }
 
 fn rotation<const D: usize>(body: &Body<D>, name: &String, report: &mut Report) {
-    let degrees = prescribed_rotation(body).to_degrees();
+    let turns = body
+        .times()
+        .into_iter()
+        .map(|t| prescribed_rotation(body, t));
+    let degrees = turns.fold(0.0, f64::max).to_degrees();
     if degrees > ROTATION {
         let finding = Finding::new(Severity::Warning, FindingKind::Rotation, &[name]);
         report.add(finding.measured(degrees, ROTATION).says(
@@ -47,15 +52,12 @@ fn rotation<const D: usize>(body: &Body<D>, name: &String, report: &mut Report) 
     }
 }
 
-/// The rotation (radians) that the prescribed displacements of a body have as a rigid motion, the best fit to nodes of which
+/// The rotation (radians) that the prescribed displacements of a body have as a rigid motion at the load factor `t`, the best fit to nodes of which
 /// all components are prescribed: u = sin θ n × r − (1 − cos θ) r⊥ beside their mean, with r⊥ across the axis n. It is a
 /// rotation only where they move as a rigid body does, that is where the fit leaves little.
-fn prescribed_rotation<const D: usize>(body: &Body<D>) -> f64 {
-    let nodes = body
-        .mesh()
-        .nodes()
-        .iter()
-        .zip(body.prescribed().chunks_exact(D));
+fn prescribed_rotation<const D: usize>(body: &Body<D>, t: f64) -> f64 {
+    let prescribed = body.prescribed_values(t);
+    let nodes = body.mesh().nodes().iter().zip(prescribed.chunks_exact(D));
     let spatial =
         |v: &dyn Fn(usize) -> f64| Vector3::from_fn(|i, _| if i < D { v(i) } else { 0.0 });
     let held = nodes.filter_map(|(X, u)| {
@@ -113,8 +115,6 @@ fn beyond_facets<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         let bodies = sides.map(|side| side.body());
         let names = bodies.map(|body| &setup.scene.names()[body]);
         let facet = sides[0].facet_size().min(sides[1].facet_size());
-        let [first, second] = bodies.map(|body| mean_displacement(&setup.scene.bodies()[body]));
-        let motion = second - first;
         // towards each other they may move as far as they like; the flatter surface has the longer mean normal
         let [one, other] = sides.map(|side| {
             let normals = side.reference_normals();
@@ -125,8 +125,13 @@ fn beyond_facets<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         } else {
             one
         };
-        let along = motion - normal * normal.dot(&motion);
-        let ratio = along.norm() / facet;
+        let bodies = bodies.map(|body| &setup.scene.bodies()[body]);
+        let ratio = |t: f64| {
+            let [first, second] = bodies.map(|body| mean_displacement(body, t));
+            let motion = second - first;
+            (motion - normal * normal.dot(&motion)).norm() / facet
+        };
+        let ratio = times(bodies).into_iter().map(ratio).fold(0.0, f64::max);
         if ratio > BEYOND_FACET * (1.0 + AT_LIMIT) {
             let finding = Finding::new(Severity::Warning, FindingKind::BeyondFacet, &names);
             report.add(finding.measured(ratio, BEYOND_FACET).says(
@@ -141,10 +146,11 @@ fn beyond_facets<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     }
 }
 
-/// The mean of the prescribed displacements (UL); 0 for components of which none is prescribed.
-fn mean_displacement<const D: usize>(body: &Body<D>) -> Vector<D> {
+/// The mean of the prescribed displacements at the load factor `t` (UL); 0 for components of which none is prescribed.
+fn mean_displacement<const D: usize>(body: &Body<D>, t: f64) -> Vector<D> {
+    let prescribed = body.prescribed_values(t);
     Vector::from_fn(|i, _| {
-        let values = body.prescribed().iter().skip(i).step_by(D).flatten();
+        let values = prescribed.iter().skip(i).step_by(D).flatten();
         let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), v| (sum + v, count + 1));
         sum / count.max(1) as f64
     })

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use crate::element::{Order, facet_edge};
 use crate::error::Error;
 use crate::model::{Body, Scene};
-use crate::program::samples;
 
 /// The nodes of an edge are in one plane up to this share of the edge's length.
 const PLANE: f64 = 1e-9;
@@ -85,7 +84,7 @@ fn stays_in_plane<const D: usize>(body: &Body<D>, edge: &[usize], axis: usize) -
         let value = held.map(|value| supports.value(dof, value, t));
         X[node][axis] + value.unwrap_or(f64::NAN)
     };
-    let mut times = std::iter::once(0.0).chain(samples());
+    let mut times = std::iter::once(0.0).chain(body.times());
     times.all(|t| {
         let first = along(t, edge[0]);
         let mut others = edge[1..].iter();

@@ -50,13 +50,30 @@ pub(in crate::model) fn at_increments(findings: &[Finding], increments: usize) -
     findings
 }
 
-/// The largest relative displacement (UL) of two bodies that is prescribed at full load; a body without prescribed
+/// The load factors at which what is prescribed to two bodies is looked at, see [`Body::times`].
+pub(super) fn times<const D: usize>(bodies: [&Body<D>; 2]) -> Vec<f64> {
+    let mut times = bodies.map(Body::times).concat();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
+}
+
+/// The largest relative displacement (UL) of two bodies that is prescribed at any load factor; a body without prescribed
 /// displacements along an axis counts as at rest along it.
 pub(super) fn relative_motion<const D: usize>(scene: &Scene<D>, bodies: [usize; 2]) -> f64 {
+    let bodies = bodies.map(|body| &scene.bodies()[body]);
+    let motions = times(bodies)
+        .into_iter()
+        .map(|t| relative_motion_at(bodies, t));
+    motions.fold(0.0, f64::max)
+}
+
+/// The same at the load factor `t`.
+fn relative_motion_at<const D: usize>(bodies: [&Body<D>; 2], t: f64) -> f64 {
     let [first, second] = bodies.map(|body| {
-        let body: &Body<D> = &scene.bodies()[body];
+        let values = body.prescribed_values(t);
         let range = |i: usize| {
-            let values = body.prescribed().iter().skip(i).step_by(D).flatten();
+            let values = values.iter().skip(i).step_by(D).flatten();
             let range = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
             match values.fold((f64::INFINITY, f64::NEG_INFINITY), range) {
                 (low, high) if low <= high => (low, high),

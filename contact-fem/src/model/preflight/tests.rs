@@ -281,6 +281,43 @@ fn surfaces_out_of_reach() {
     assert!(of(&at(3.0, -0.2, Some(3.0)), FindingKind::OutOfReach).is_empty());
 }
 
+/// Tools that come down, are loaded, or slide after the load factor 1 are known as those that do so before.
+#[test]
+fn programs_that_go_further_than_full_load() {
+    let table = |end: f64| {
+        let pairs = [(0.5 * end, 0.0), (end, 1.0)];
+        crate::Amplitude::table(&pairs).expect("a table")
+    };
+    let come = |low: f64, by: [f64; 2], end: f64, law: fn(Mesh<2>) -> Body<2>| {
+        let mut tool = law(unit(low));
+        tool.prescribe_in_time("top", by.map(Some), table(end))
+            .expect("a support");
+        stacked(held(unit(0.0), linear()), tool)
+    };
+    for end in [1.0, 2.0, 7.0] {
+        let mut down = come(3.0, [0.0, -2.01], end, |mesh| Body::new(mesh, large()));
+        down.geometry = Some(Geometry::Current);
+        assert_eq!(of(&down, FindingKind::OutOfReach), [], "{end}");
+        assert_eq!(of(&down, FindingKind::Unloaded), [], "{end}");
+        let long = of(&down, FindingKind::LongStep);
+        assert!((long[0].value - 2.01).abs() < 1e-12, "{end}: {long:?}");
+        let slid = come(1.0, [0.4, -0.01], end, |mesh| Body::new(mesh, linear()));
+        let found = of(&slid, FindingKind::BeyondFacet);
+        let [found] = &found[..] else {
+            panic!("{end}: {found:?}");
+        };
+        assert!((found.value - 0.4 / 0.25).abs() < 1e-9, "{end}: {found}");
+        let way = Motion::<2>::translation([0.0, 0.5]).expect("a way");
+        let moving = on(floor(-0.5, 1.0).moving(way.driven_by(table(end))));
+        assert_eq!(of(&moving, FindingKind::OutOfReach), [], "{end}");
+        let mut loaded = held(unit(0.0), linear());
+        loaded
+            .traction_in_time("top", [0.0, -1.0], table(end))
+            .expect("a load");
+        assert_eq!(of(&alone(loaded), FindingKind::Unloaded), [], "{end}");
+    }
+}
+
 #[test]
 fn surfaces_that_do_not_face_each_other() {
     let scene = |side: &str| {
