@@ -75,6 +75,26 @@ impl SceneFile {
         findings
     }
 
+    /// The later one of two supports on these boundaries of one body, if only one body has such.
+    fn supports_on(&self, on: &[String; 2]) -> Place<'_> {
+        let last = |body: &BodyKeys| {
+            let is_on = |name: &String| {
+                let mut all = body.supports.iter();
+                all.rposition(|own| {
+                    own.on.as_ref().map(ToString::to_string).unwrap_or_default() == *name
+                })
+            };
+            let [first, second] = [is_on(&on[0])?, is_on(&on[1])?];
+            Some(first.max(second))
+        };
+        let bodies = self.keys.body.iter().enumerate();
+        let mut found = bodies.filter_map(|(k, body)| Some((k, last(body)?)));
+        match (found.next(), found.next()) {
+            (Some((k, j)), None) => self.body_place(k).entry("supports", j),
+            _ => self.place(),
+        }
+    }
+
     fn place_of(&self, error: &Refused) -> Place<'_> {
         match error {
             Refused::InPhase { error, .. } => self.place_of(error),
@@ -114,6 +134,7 @@ impl SceneFile {
                 let between = self.contact_of(&names, "");
                 between.unwrap_or_else(|| self.of_body(b).key("mesh"))
             }
+            Refused::Conflict { on, .. } => self.supports_on(on),
             Refused::Unsupported { body, .. } => self.of_body(body).key("supports"),
             Refused::NoSupport | Refused::NothingFree => self.body_place(0).key("supports"),
             Refused::SwitchWithinPhase { what, .. } | Refused::NeverCounts { what, .. } => {

@@ -383,7 +383,7 @@ const WRONG_BLOCKS: [Wrong; 25] = [
 ];
 
 /// What is wrong with the bar.
-const WRONG_BAR: [Wrong; 25] = [
+const WRONG_BAR: [Wrong; 26] = [
     ("until = 2", "until = 0.5", 7, "`until`", "finite time"),
     (
         "until = 2",
@@ -524,6 +524,13 @@ const WRONG_BAR: [Wrong; 25] = [
         15,
         "`supports`",
         "1e9",
+    ),
+    (
+        "x = 0.1",
+        "x = 0.1\namplitude = [[0, 0], [1, 1], [2, 0]]\n[[body.supports]]\non = \"right\"\nx = 0.1\namplitude = [[0, 0], [1, 1], [2, 3]]",
+        23,
+        "`supports`",
+        "at time 2",
     ),
     (
         "on = \"right\"\nx = 0.1",
