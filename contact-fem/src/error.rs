@@ -519,7 +519,7 @@ pub enum Error {
         component: usize,
         /// The direction, of length 1.
         direction: Vec<f64>,
-        /// The boundaries of the first and of the second support; nodes of no boundary have the empty name.
+        /// The boundaries of the first and of the second support; supports of nodes are called after these.
         on: Box<[String; 2]>,
         /// The first value (UL).
         first: f64,
@@ -539,7 +539,7 @@ pub enum Error {
         node: usize,
         /// Its position (UL).
         x: Vec<f64>,
-        /// The boundaries of the first and of the second support; nodes of no boundary have the empty name.
+        /// The boundaries of the first and of the second support; supports of nodes are called after these.
         on: Box<[String; 2]>,
         /// The angle between the directions (degrees).
         angle: f64,
@@ -665,11 +665,8 @@ fn finite(value: f64) -> String {
 
 /// The names of two supports.
 fn supports(on: &[String; 2]) -> String {
-    let [first, second] = on.each_ref().map(|name| match name.as_str() {
-        "" => "nodes".to_string(),
-        name => format!("`{name}`"),
-    });
-    format!("the supports on {first} and on {second}")
+    let [first, second] = on;
+    format!("the supports on `{first}` and on `{second}`")
 }
 
 /// The axis that a unit vector is along, or its components.

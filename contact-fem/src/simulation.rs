@@ -29,8 +29,8 @@ pub struct StepRecord<const D: usize> {
     pub works: Vec<WorkRecord>,
     /// The reaction of the supports on each body (UF).
     pub reactions: Vec<Vector<D>>,
-    /// The reactions of the supports (UF), by the boundary that they name; those of supports of nodes, or of a whole body, have an
-    /// empty name. What two supports prescribe counts for the first, so that the reactions of a body's supports add up to its
+    /// The reactions of the supports (UF), by the boundary that they name; those of nodes are called after them, as
+    /// `node 12` or `nodes 3, 8` ([`name_of_nodes`](crate::model::name_of_nodes)), those of a whole body `all nodes`. What two supports prescribe counts for the first, so that the reactions of a body's supports add up to its
     /// own.
     pub support_reactions: Vec<(Side, Vector<D>)>,
     /// The contact force on each body (UF).

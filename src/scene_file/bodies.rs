@@ -1,6 +1,7 @@
 //! Bodies of a scene file: meshes, laws, supports and loads.
 
 use contact_fem::element::{Element, P1, P2};
+use contact_fem::model::{ALL_NODES, name_of_nodes};
 use contact_fem::tensor::Vector;
 use contact_fem::{Body, Mesh, Scene};
 
@@ -142,7 +143,7 @@ impl SceneFile {
         }
         for (k, support) in keys.supports.iter().enumerate() {
             let held = support.hold(&place.entry("supports", k), &mut body);
-            held.map_err(|why| keys.against(place, k, why))?;
+            held.map_err(|why| keys.against(place, k, (&body, why)))?;
         }
         for (k, traction) in keys.tractions.iter().enumerate() {
             traction.load(&place.entry("tractions", k), &mut body)?;
@@ -245,7 +246,12 @@ impl BoundaryKeys {
 
 impl BodyKeys {
     /// The error of a support that another one contradicts, with the line of that one, too.
-    fn against(&self, place: &Place<'_>, k: usize, error: Error) -> Error {
+    fn against<const D: usize>(
+        &self,
+        place: &Place<'_>,
+        k: usize,
+        (body, error): (&Body<D>, Error),
+    ) -> Error {
         use contact_fem::Error as Refused;
         let Error::Refused { part, source } = error else {
             return error;
@@ -255,17 +261,13 @@ impl BodyKeys {
             _ => return Error::Refused { part, source },
         };
         // this one may be either
-        let own = self.supports[k].on.as_ref().map(ToString::to_string);
-        let first = match own.unwrap_or_default() == on[0] {
+        let first = match self.supports[k].is_called(&on[0], body) {
             true => &on[1],
             false => &on[0],
         };
         let is_first = |on: &Name| on.to_string() == *first;
         let mut supports = self.supports[..k].iter();
-        let support = supports.position(|own| match &own.on {
-            Some(on) => is_first(on),
-            None => first.is_empty(),
-        });
+        let support = supports.position(|own| own.is_called(first, body));
         let symmetry = self.symmetry.iter().position(is_first);
         let other = match (support, symmetry) {
             (Some(j), _) => place.entry("supports", j),
@@ -350,6 +352,22 @@ impl FoundationKeys {
 }
 
 impl SupportKeys {
+    /// Whether a support of this body has this name in the library.
+    fn is_called<const D: usize>(&self, name: &str, body: &Body<D>) -> bool {
+        match (&self.on, &self.at) {
+            (Some(on), _) => on.to_string() == name,
+            (None, Some(points)) => {
+                let points: Option<Vec<[f64; D]>> = points
+                    .iter()
+                    .map(|x| x.as_slice().try_into().ok())
+                    .collect();
+                let nodes = points.and_then(|points| body.mesh().nodes_at(&points).ok());
+                nodes.is_some_and(|nodes| name_of_nodes(&nodes) == name)
+            }
+            (None, None) => name == ALL_NODES,
+        }
+    }
+
     fn hold<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
         let Some(during) = &self.during else {
             return self.hold_now(place, body);
@@ -418,16 +436,12 @@ impl SupportKeys {
             _ if direction.is_some() && !is_on && self.at.is_none() => {
                 "has `along`: name its nodes by `on` or `at`"
             }
-            (_, Some(_), _, Some(_)) | (_, _, Some(_), Some(_)) => {
-                "has `at`, which takes components alone: leave the other out"
-            }
             (.., Some(_)) if is_on => "has `on` and `at`: give it one of them",
             (false, None, ..) => "holds nothing: give it x, y, z, `along` or `motion`",
             (true, Some(_), ..) => "has components and a motion: give it one of them",
             (_, Some(_), Some(_), _) => {
                 "has a motion, which has amplitudes of its own: leave `amplitude` out"
             }
-            (true, None, Some(_), None) if !is_on => "has an amplitude: name its boundary by `on`",
             _ => "",
         };
         if !what.is_empty() {
@@ -438,12 +452,14 @@ impl SupportKeys {
             };
             return Err(place.wrong(format!("its support {on} {what}")));
         }
+        let course = amplitude(&place.key("amplitude"), self.amplitude.as_ref())?;
         if let Some(points) = &self.at {
             let at = place.key("at");
             let nodes = nodes_at(&at, body, points)?;
-            at.of(match direction {
-                None => body.prescribe_nodes(&nodes, components),
-                Some(direction) => body.prescribe_nodes_along(&nodes, direction, by),
+            at.of(match (moves, direction) {
+                (Some(moves), _) => body.prescribe_motion_of_nodes(&nodes, moves),
+                (None, Some(n)) => body.prescribe_nodes_along_in_time(&nodes, n, by, course),
+                (None, None) => body.prescribe_nodes_in_time(&nodes, components, course),
             })?;
             return Ok(());
         }
@@ -455,17 +471,12 @@ impl SupportKeys {
             (true, true) => place.key("along"),
             (true, false) => place.clone(),
         };
-        let held = match (name, moves) {
-            (Some(name), Some(moves)) => body.prescribe_motion(&name, moves),
-            (None, Some(moves)) => body.prescribe_motion_of_all(moves),
-            (Some(name), None) => {
-                let course = amplitude(&place.key("amplitude"), self.amplitude.as_ref())?;
-                match direction {
-                    None => body.prescribe_in_time(&name, components, course),
-                    Some(n) => body.prescribe_along_in_time(&name, n, by, course),
-                }
-            }
-            (None, None) => body.prescribe_all(components),
+        let held = match (name, moves, direction) {
+            (Some(name), Some(moves), _) => body.prescribe_motion(&name, moves),
+            (None, Some(moves), _) => body.prescribe_motion_of_all(moves),
+            (Some(name), None, Some(n)) => body.prescribe_along_in_time(&name, n, by, course),
+            (Some(name), None, None) => body.prescribe_in_time(&name, components, course),
+            (None, None, _) => body.prescribe_all_in_time(components, course),
         };
         held_on.of(held)?;
         Ok(())

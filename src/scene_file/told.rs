@@ -1,10 +1,10 @@
 //! What the library tells, with the place in the file that it is about, and in the words of a file.
 
 use contact_fem::element::{Element, P1, P2};
-use contact_fem::model::{Finding, FindingKind, Problem, Severity};
+use contact_fem::model::{ALL_NODES, Finding, FindingKind, Problem, Severity};
 use contact_fem::{Error as Refused, Scene};
 
-use super::keys::{BodyKeys, Name};
+use super::keys::{BodyKeys, Name, SupportKeys};
 use super::place::Place;
 use super::{Error, SceneFile, in_keys};
 
@@ -314,22 +314,27 @@ impl SceneFile {
             };
         }
         let body = quoted(what, "body").unwrap_or_default();
-        let on = quoted(what, "on");
+        let on = quoted(what, "on").unwrap_or_default();
         let place = self.of_body(body);
         let mut all = self.keys.body.iter();
         let supports = all
             .find(|keys| keys.name == body)
             .map(|keys| &keys.supports);
-        let own = supports.and_then(|supports| {
-            let mut all = supports.iter();
-            all.position(|support| {
-                let name = support.on.as_ref().map(ToString::to_string);
-                support.during.is_some() && name.as_deref() == on
-            })
-        });
-        match own {
-            Some(k) => place.entry("supports", k).key("during"),
-            None => place.key("supports"),
+        let switched = supports.into_iter().flatten().enumerate();
+        let switched = switched.filter(|(_, support)| support.during.is_some());
+        // the numbers of nodes are not in the file
+        let is_on = |support: &SupportKeys| match (&support.on, &support.at) {
+            (Some(name), _) => name.to_string() == on,
+            (None, Some(_)) => on.starts_with("node"),
+            (None, None) => on == ALL_NODES,
+        };
+        let mut own = switched.filter(|(_, support)| is_on(support));
+        let on_boundary = |(_, support): &(usize, &SupportKeys)| support.on.is_some();
+        match (own.next(), own.next()) {
+            (Some(first), second) if second.is_none() || on_boundary(&first) => {
+                place.entry("supports", first.0).key("during")
+            }
+            _ => place.key("supports"),
         }
     }
 }

@@ -458,6 +458,135 @@ fn forces_and_single_entries_from_a_file() {
     }
 }
 
+/// What supports of nodes do in time is what those of a boundary with the same nodes do, and so it is with those of whole bodies.
+#[test]
+fn supports_of_nodes_in_time() {
+    let folder = fresh("nodes");
+    let scene = |supports: &str| {
+        let text = format!(
+            r#"
+            phase = [{{ name = "press", until = 1, increments = 2 }}, {{ name = "slide", until = 2, increments = 2 }}]
+
+            [[body]]
+            name = "block"
+            mesh = {{ rectangle = {{ x = [0, 1, 2], y = [0, 1] }} }}
+            boundaries = {{ skin = ["bottom", "right", "top", "left"] }}
+            law = "neo-hookean"
+            young = 100
+            poisson = 0.3
+            supports = [{supports}]
+
+            [[body]]
+            name = "bar"
+            mesh = {{ rectangle = {{ x = [0, 1, 2], y = [3, 4] }} }}
+            law = "neo-hookean"
+            young = 100
+            poisson = 0.3
+            supports = [{{ on = "bottom", x = 0, y = 0 }}]
+            "#
+        );
+        let file = SceneFile::parse(&text, &folder).expect("a file");
+        let mut problem = file.problem::<2>().expect("a problem");
+        let history = file.simulation().expect("settings").run(&mut problem);
+        let history = history.expect("a run");
+        assert!(history.is_complete());
+        let last = history.last().expect("a step");
+        // of the block, of which one support is on the bottom where it is not on all nodes
+        let own = last.support_reactions.iter();
+        let own = own.filter(|(side, _)| side.body.index() == 0);
+        let own: Vec<_> = own
+            .map(|(side, force)| (side.boundary.clone(), *force))
+            .collect();
+        let u = problem.displacements(&history.run.state.u);
+        (u, own)
+    };
+    let press = "amplitude = [[0, 0], [1, 1]]";
+    let slide = "amplitude = [[1, 0], [2, 1]]";
+    let moved = format!(
+        "motion = [{{ translation = [0, -0.1], {press} }}, {{ rotation = 0.2, centre = [1, 1], {slide} }}]"
+    );
+    let components = format!("y = -0.1, {press} }}, {{ PLACE, x = 0.2, {slide}");
+    let along = format!("along = [1, 2], by = -0.1, {press}");
+    let at_top = "at = [[2, 1], [0, 1], [1, 1]]";
+    let bottom = "{ on = \"bottom\", x = 0, y = 0 }, ";
+    let cases = [
+        (bottom, "on = \"top\"", at_top, &moved, "nodes 3, 4, 5"),
+        (bottom, "on = \"top\"", at_top, &components, "nodes 3, 4, 5"),
+        (bottom, "on = \"top\"", at_top, &along, "nodes 3, 4, 5"),
+        ("", "on = \"skin\"", "", &components, "all nodes"),
+    ];
+    for (others, on, nodes, what, name) in cases {
+        let [expected, found] = [on, nodes].map(|place| {
+            let support = format!("{{ {place}, {what} }}").replace("PLACE", place);
+            scene(&format!("{others}{}", support.replace("{ , ", "{ ")))
+        });
+        let largest = expected.0.iter().map(|u| u.norm()).fold(0.0, f64::max);
+        assert!(largest > 0.09, "{largest}");
+        for (u, other) in expected.0.iter().zip(&found.0) {
+            assert!((u - other).norm() < 1e-12, "{what}: {u} {other}");
+        }
+        let ([.., of_boundary], [.., of_nodes]) = (&expected.1[..], &found.1[..]) else {
+            panic!("no support");
+        };
+        assert_eq!(of_nodes.0, name);
+        assert!((of_boundary.1 - of_nodes.1).norm() < 1e-9, "{what}");
+    }
+}
+
+/// A block on two nodes: each has its reaction, by the law of the lever.
+#[test]
+fn each_support_of_nodes_has_its_reaction() {
+    let folder = fresh("lever");
+    let path = folder.join("scene.toml");
+    let text = r#"
+        [[body]]
+        name = "block"
+        mesh = { rectangle = { x = [0, 0.5, 2], y = [0, 1] } }
+        law = "linear-elastic"
+        young = 100
+        poisson = 0.3
+        supports = [{ at = [[0, 0]], x = 0, y = 0 }, { at = [[2, 0]], y = 0 }]
+        forces = [{ at = [[0.5, 1]], force = [0, -4] }]
+    "#;
+    fs::write(&path, text).expect("written");
+    let out = folder.join("out");
+    let (code, told) = program(&["run", "--out"], &[&out, &path]);
+    assert_eq!(code, Some(0), "{told}");
+    let table = fs::read_to_string(out.join("out_supports.csv")).expect("a table");
+    for (name, force) in [("node 0", 3.0), ("node 2", 1.0)] {
+        let mut lines = table
+            .lines()
+            .map(|line| line.split(',').collect::<Vec<_>>());
+        let line = lines.find(|line| line.contains(&name)).expect(name);
+        let found: f64 = line[line.len() - 1].parse().expect("a number");
+        assert!((found - force).abs() < 1e-10, "{name}: {found}");
+    }
+    // errors name the line of the one that is contradicted
+    let text = text.replace(
+        "{ at = [[2, 0]], y = 0 }]",
+        "\n{ at = [[2, 0]], y = 0 },\n{ at = [[2, 0]], y = 0.1 }]",
+    );
+    let file = SceneFile::parse(&text, &folder).expect("keys");
+    let refused = file.scene::<2>().err().expect("refused").to_string();
+    assert!(
+        refused.contains("line 10")
+            && refused.contains("against line 9")
+            && refused.contains("`node 2`"),
+        "{refused}"
+    );
+    // and of what is switched within a phase
+    let text = text.replace("y = 0.1 }", "x = 0.1, during = [0, 0.5] }");
+    let file = SceneFile::parse(&text, &folder).expect("keys");
+    let mut problem = file.problem::<2>().expect("a problem");
+    let simulation = file.simulation().expect("settings");
+    let refused = file.check(&simulation, &mut problem).expect_err("within");
+    let refused = refused.to_string();
+    assert!(
+        refused.contains("line 10") && refused.contains("`node 2` of body `block`"),
+        "{refused}"
+    );
+}
+
 /// Supports of a file that are switched are those of the body; errors name their keys and entries.
 #[test]
 fn switched_supports_from_a_file() {
@@ -669,11 +798,6 @@ fn a_program_from_a_file() {
             "{ on = 4, x = 0.3, amp",
             "{ on = 4, motion = [{ translation = [1, 0] }], amp",
             "has amplitudes of its own",
-        ),
-        (
-            "{ on = 4, x = 0.3, amp",
-            "{ x = 0.3, amp",
-            "name its boundary by `on`",
         ),
     ];
     for (sound, wrong, named) in cases {

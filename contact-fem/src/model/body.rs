@@ -22,6 +22,7 @@ use law::{AveragedLaw, ElasticLaw, Law};
 
 pub(super) use boundary::{Foundation, Pressure};
 pub(super) use held::Holding;
+pub use supports::{ALL_NODES, name_of_nodes};
 
 /// An elastic body: a mesh, a material law, prescribed displacements and loads.
 ///
@@ -52,8 +53,8 @@ pub struct Body<const D: usize> {
     supports: Supports<D>,
     /// The displacement prescribed for each dof at load factor 1 (UL), if any.
     prescribed: Vec<Option<f64>>,
-    /// The boundaries that supports name, in the order in which they were, and for each prescribed dof the first that did; the
-    /// empty name is that of supports of nodes.
+    /// The boundaries that supports name, in the order in which they were, and for each prescribed dof the first that did;
+    /// supports of nodes have names of their own.
     supported: Vec<String>,
     support_of: Vec<Option<usize>>,
     /// All of them, and when they hold.
@@ -235,8 +236,8 @@ impl<const D: usize> Body<D> {
         })
     }
 
-    /// The boundaries that supports name, and for each prescribed dof the first that did; the empty name stands for supports of
-    /// nodes.
+    /// The boundaries that supports name, and for each prescribed dof the first that did; supports of nodes have names of
+    /// their own.
     pub(super) fn support_names(&self) -> (&[String], &[Option<usize>]) {
         (&self.supported, &self.support_of)
     }

@@ -22,7 +22,7 @@ mod tie;
 pub(crate) mod work;
 
 pub use crate::contact::{Integration, Obstacle};
-pub use body::Body;
+pub use body::{ALL_NODES, Body, name_of_nodes};
 pub use contact_state::{GeometricError, Opposite, PairRecord, PairSide, PairState, Status};
 pub use diagnosis::Undetermined;
 pub use handle::{BodyId, ObstacleId, Side};

@@ -122,11 +122,10 @@ impl<const D: usize> Problem<D> {
         let supports = supports.flat_map(|(body, name)| {
             let all = body.switched();
             all.map(move |(boundary, during)| {
-                let what = match boundary {
-                    "" => format!("a support of nodes of body `{name}`"),
-                    boundary => format!("the support on `{boundary}` of body `{name}`"),
-                };
-                (what, during)
+                (
+                    format!("the support on `{boundary}` of body `{name}`"),
+                    during,
+                )
             })
         });
         let contact = scene.switched().iter();

@@ -8,7 +8,7 @@ use crate::tensor::{Matrix, Vector};
 /// What does work on bodies.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WorkSource {
-    /// The supports that name a boundary. Those of nodes, or of a whole body, have an empty name.
+    /// The supports that name a boundary. Those of nodes, or of a whole body, have names of their own.
     Support(Side),
     /// The elastic foundations of a boundary, whose springs store the work that they take.
     Foundation(Side),

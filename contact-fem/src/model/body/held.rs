@@ -424,7 +424,7 @@ impl<const D: usize> Body<D> {
         self.declared.fading = holding.fading;
     }
 
-    /// The supports that do not hold at all times: the name of each one's boundary, empty for nodes, and when it holds.
+    /// The supports that do not hold at all times: the name of each one's boundary or nodes, and when it holds.
     pub(in crate::model) fn switched(&self) -> impl Iterator<Item = (&str, &During)> {
         let all = self.declared.all.iter();
         all.filter_map(|own| Some((self.supported[own.name].as_str(), own.during.as_ref()?)))

@@ -101,7 +101,7 @@ impl Body<2> {
         };
         let mut body = Body::of(mesh, law);
         if !axis.is_empty() {
-            body.hold(("", &axis), [Some(0.0), None], 0)?;
+            body.hold(("nodes on the axis", &axis), [Some(0.0), None], 0)?;
         }
         Ok(body)
     }

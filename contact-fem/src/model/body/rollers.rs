@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 
 use super::Body;
-use super::supports::some;
+use super::supports::{name_of_nodes, some};
 use crate::assembly::DofMap;
 use crate::error::Error;
 use crate::jacobi::orthogonal_columns;
@@ -132,8 +132,23 @@ impl<const D: usize> Body<D> {
         direction: [f64; D],
         value: f64,
     ) -> Result<&mut Self, Error> {
+        self.prescribe_nodes_along_in_time(nodes, direction, value, Amplitude::default())
+    }
+
+    /// As [`Body::prescribe_along_in_time`], for the given nodes.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe_along_in_time`], and if there is no node, or one that does not exist.
+    pub fn prescribe_nodes_along_in_time(
+        &mut self,
+        nodes: &[usize],
+        direction: [f64; D],
+        value: f64,
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
         some("number of supported nodes", nodes)?;
-        self.hold_plane(("", nodes), direction, (value, Amplitude::default()))
+        let name = name_of_nodes(nodes);
+        self.hold_plane((&name, nodes), direction, (value, amplitude.into()))
     }
 
     pub(super) fn hold_plane(

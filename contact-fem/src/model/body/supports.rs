@@ -11,6 +11,33 @@ use crate::tensor::{Vector, unit_vector};
 /// Nodes are in one plane up to this share of the mesh's size.
 const PLANE: f64 = 1e-9;
 
+/// What supports of a whole body are called among those of boundaries.
+pub const ALL_NODES: &str = "all nodes";
+/// So many nodes are named.
+const NAMED: usize = 8;
+
+/// What a support of these nodes is called among those of boundaries: `node 12`, `nodes 3, 8`, and of more than eight
+/// `nodes 3, 8, …, 40 (20)`, with their number.
+///
+/// ```
+/// use contact_fem::model::name_of_nodes;
+///
+/// assert_eq!(name_of_nodes(&[8, 3, 8]), "nodes 3, 8");
+/// ```
+pub fn name_of_nodes(nodes: &[usize]) -> String {
+    let mut own = nodes.to_vec();
+    own.sort_unstable();
+    own.dedup();
+    let list: Vec<String> = own.iter().map(ToString::to_string).collect();
+    match &list[..] {
+        [node] => format!("node {node}"),
+        [first, second, .., last] if list.len() > NAMED => {
+            format!("nodes {first}, {second}, …, {last} ({})", list.len())
+        }
+        _ => format!("nodes {}", list.join(", ")),
+    }
+}
+
 /// # Errors
 /// No node.
 pub(super) fn some(name: &'static str, nodes: &[usize]) -> Result<(), Error> {
@@ -179,7 +206,21 @@ impl<const D: usize> Body<D> {
     /// As [`Body::prescribe_path`].
     pub fn prescribe_motion_of_all(&mut self, motion: Motion<D>) -> Result<&mut Self, Error> {
         let nodes: Vec<usize> = (0..self.mesh.nodes().len()).collect();
-        self.hold_moving(("", &nodes), motion)
+        self.hold_moving((ALL_NODES, &nodes), motion)
+    }
+
+    /// As [`Body::prescribe_motion`], for the given nodes.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe_path`], and if there is no node, or one that does not exist.
+    pub fn prescribe_motion_of_nodes(
+        &mut self,
+        nodes: &[usize],
+        motion: Motion<D>,
+    ) -> Result<&mut Self, Error> {
+        some("number of supported nodes", nodes)?;
+        self.check_nodes(nodes)?;
+        self.hold_moving((&name_of_nodes(nodes), nodes), motion)
     }
 
     pub(super) fn hold_moving(
@@ -223,8 +264,21 @@ impl<const D: usize> Body<D> {
     /// # Errors
     /// As [`Body::prescribe`].
     pub fn prescribe_all(&mut self, components: [Option<f64>; D]) -> Result<&mut Self, Error> {
+        self.prescribe_all_in_time(components, Amplitude::default())
+    }
+
+    /// As [`Body::prescribe_in_time`], for every node of the body.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe_in_time`].
+    pub fn prescribe_all_in_time(
+        &mut self,
+        components: [Option<f64>; D],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
         let nodes: Vec<usize> = (0..self.mesh.nodes().len()).collect();
-        self.prescribe_nodes(&nodes, components)
+        let course = self.course(amplitude.into());
+        self.hold((ALL_NODES, &nodes), components, course)
     }
 
     /// As [`Body::prescribe`], for the given nodes.
@@ -236,11 +290,25 @@ impl<const D: usize> Body<D> {
         nodes: &[usize],
         components: [Option<f64>; D],
     ) -> Result<&mut Self, Error> {
-        some("number of supported nodes", nodes)?;
-        self.hold(("", nodes), components, 0)
+        self.prescribe_nodes_in_time(nodes, components, Amplitude::default())
     }
 
-    /// Prescribes values along a course, where there are none yet, or the same. Nodes of no boundary have the empty name.
+    /// As [`Body::prescribe_in_time`], for the given nodes.
+    ///
+    /// # Errors
+    /// As [`Body::prescribe_in_time`], and if there is no node, or one that does not exist.
+    pub fn prescribe_nodes_in_time(
+        &mut self,
+        nodes: &[usize],
+        components: [Option<f64>; D],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
+        some("number of supported nodes", nodes)?;
+        let course = self.course(amplitude.into());
+        self.hold((&name_of_nodes(nodes), nodes), components, course)
+    }
+
+    /// Prescribes values along a course, where there are none yet, or the same.
     pub(super) fn hold(
         &mut self,
         (boundary, nodes): (&str, &[usize]),
