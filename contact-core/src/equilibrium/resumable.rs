@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -19,10 +20,14 @@ use crate::{ContactProblem, Error, LinearGaps, MemoryNeed, Outcome, State};
 /// behind them. Observers, records and files see all load steps again. Energies, states, forces and
 /// counts are those of a run that was not ended, to the last bit. Times are those of this run: kept answers take none.
 ///
-/// Answers are written in groups of [`Resumable::every`], and at the end of each phase; each time the file is synchronised. A
-/// run that is killed loses the answers of one group at most. **The solver begins anew after each group**, in any run:
-/// that is how a resumed run continues alike. Factors and starts of inner solvers that last over load steps are computed again
-/// then.
+/// Answers are kept in groups. A group ends once its answers have taken [`Resumable::WORTH`] factorisations, which is mostly after each
+/// one where steps are costly, after [`Resumable::every`] answers at the latest, and at the end of each phase. **The solver begins anew
+/// after each group**, in any run: that is how a resumed run continues alike. Factors and starts of inner solvers that last over load
+/// steps are computed again then.
+///
+/// A group is written at its end, and the file is synchronised, unless the last time is so short ago that writing would take more than
+/// some per cent of the run; it is written with a later one then. A run that is killed loses the answers of one group at most, and those
+/// of some twenty times as long as it takes to write one.
 ///
 /// The file tells whether it belongs to the run: it has a checksum of the rows at the first start, and of rows and energy gradient
 /// at each answer, which take one linearisation each. An answer that disagrees is [`Error::Resume`], before the run sees it. The file takes some
@@ -50,6 +55,10 @@ pub struct Resumable<F, E> {
 }
 
 impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
+    /// The factorisations after which a group ends: to begin anew takes no more than an analysis and one of them. Their number, unlike a
+    /// time, is the same in any run.
+    pub const WORTH: usize = 10;
+
     /// Solvers that `make` makes, all alike, and the file of their answers, which need not be there yet.
     pub fn new(file: impl Into<PathBuf>, make: F) -> Self {
         Resumable {
@@ -63,7 +72,7 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
         }
     }
 
-    /// Answers in a group; 10 by default, and at least 1.
+    /// The most answers in a group; 10 by default, and at least 1.
     pub fn every(self, answers: usize) -> Self {
         Resumable {
             every: answers,
@@ -141,7 +150,10 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
         };
         let u = &solution.state.u;
         let at_end = question.is_end && solution.outcome == Outcome::Converged;
-        let is_last = at_end || journal.group.len() + 1 >= self.every;
+        let own = journal.group.iter().map(|answer| &answer.solution);
+        let took = own.chain([solution]).map(|own| own.cost().factorizations);
+        let took: usize = took.sum();
+        let is_last = at_end || journal.group.len() + 1 >= self.every || took >= Self::WORTH;
         journal.group.push(Answer {
             question,
             gradient: print_of_gradient(problem, u),
@@ -150,7 +162,7 @@ impl<F: Fn() -> E, E: Equilibrium> Resumable<F, E> {
             solution: solution.clone(),
         });
         if is_last {
-            journal.write(&self.file)?;
+            journal.complete(&self.file, at_end)?;
             self.solver = (self.make)();
         }
         Ok(())
@@ -320,7 +332,9 @@ struct Header {
     print: u32,
 }
 
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// Groups wait until the last writing is so many times as long ago as it took.
+const REST: u32 = 20;
 const MAGIC: &[u8; 8] = b"contact\n";
 
 /// The file: records, each with its length and its checksum. The first one is the header, all others are groups of answers.
@@ -330,8 +344,12 @@ struct Journal {
     read: VecDeque<Answer>,
     /// Whether all groups were read.
     is_at_end: bool,
-    /// Answers that are not written yet.
+    /// Answers of a group that is not complete.
     group: Vec<Answer>,
+    /// Records of complete groups that are not written yet.
+    waiting: Vec<u8>,
+    /// When groups were written last, and how long that took.
+    written: Option<(Instant, Duration)>,
 }
 
 impl Journal {
@@ -370,6 +388,8 @@ impl Journal {
             read: VecDeque::new(),
             is_at_end: is_new,
             group: Vec::new(),
+            waiting: Vec::new(),
+            written: None,
         })
     }
 
@@ -398,14 +418,39 @@ impl Journal {
         Ok(self.read.pop_front())
     }
 
-    /// Appends the group.
-    fn write(&mut self, path: &Path) -> Result<(), Error> {
+    /// Completes the group, and writes what waits unless that was done a short time ago.
+    fn complete(&mut self, path: &Path, at_once: bool) -> Result<(), Error> {
         let failed = |error| failed(path, "written", error);
-        let bytes = to_record(&self.group).map_err(failed)?;
-        self.file.write_all(&bytes).map_err(failed)?;
-        self.file.sync_data().map_err(failed)?;
+        let record = to_record(&self.group).map_err(failed)?;
+        self.waiting.extend(record);
         self.group.clear();
+        let is_due = |(at, took): (Instant, Duration)| at.elapsed() >= REST * took;
+        match at_once || self.written.is_none_or(is_due) {
+            true => self.write().map_err(failed),
+            false => Ok(()),
+        }
+    }
+
+    /// Appends what waits. What was written of it before a failure is cut off when the file is read.
+    fn write(&mut self) -> io::Result<()> {
+        let clock = Instant::now();
+        let waiting = std::mem::take(&mut self.waiting);
+        self.file.write_all(&waiting)?;
+        self.file.sync_data()?;
+        self.written = Some((Instant::now(), clock.elapsed()));
         Ok(())
+    }
+}
+
+/// A run that ends within a phase leaves its complete groups.
+impl Drop for Journal {
+    fn drop(&mut self) {
+        if self.waiting.is_empty() {
+            return;
+        }
+        if let Err(why) = self.write() {
+            log::warn!("the last answers of a run to resume are lost: {why}");
+        }
     }
 }
 

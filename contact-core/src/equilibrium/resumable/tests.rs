@@ -326,6 +326,79 @@ fn a_request_to_stop_is_no_answer() {
     std::fs::remove_file(&path).expect("a file");
 }
 
+/// Answers that took many factorisations are a group each, and are in the file at once or with the next one.
+#[test]
+fn costly_answers_are_kept_one_by_one() {
+    struct Costly(usize);
+    impl Equilibrium for Costly {
+        fn solve(
+            &mut self,
+            problem: &dyn ContactProblem,
+            start: State,
+            context: &StepContext<'_>,
+        ) -> Result<Solution, Error> {
+            let all = Rc::default();
+            let mut solution = Drifting { asked: 0, all }.solve(problem, start, context)?;
+            solution.history[0].cost.factorizations = self.0;
+            Ok(solution)
+        }
+    }
+    // 10 factorisations are worth a group: of 3 answers with 4 each, and of 1 with 12
+    for (factorisations, expected) in [(0, 0), (4, 3), (12, 4)] {
+        let path = file("costly");
+        let mut solver = Resumable::new(&path, || Costly(factorisations)).every(100);
+        let start = State {
+            u: vec![0.0],
+            ..State::default()
+        };
+        let mut seen = 0;
+        let run = steps().run(&mut Spring::new(), &mut solver, start, |_| {
+            seen += 1;
+            match seen == 4 {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        });
+        run.expect("a run");
+        drop(solver);
+        let steps = kept(&path).expect("a file").map_or(0, |kept| kept.steps);
+        assert_eq!(steps, expected, "{factorisations}");
+        std::fs::remove_file(&path).expect("a file");
+    }
+}
+
+/// What waits is written once writing takes little of the run.
+#[test]
+fn groups_wait_for_moments() {
+    let path = file("waits");
+    let header = Resumable::new(&path, || Drifting {
+        asked: 0,
+        all: Rc::default(),
+    })
+    .header(0);
+    let mut journal = Journal::open(&path, &header).expect("a file");
+    let length = || std::fs::metadata(&path).expect("a file").len();
+    let at_first = length();
+    let ago = |past: u64| Instant::now().checked_sub(Duration::from_secs(past));
+    journal.written = Some((ago(19).expect("a time"), Duration::from_secs(1)));
+    journal.complete(&path, false).expect("kept");
+    assert_eq!(length(), at_first);
+    journal.written = Some((ago(21).expect("a time"), Duration::from_secs(1)));
+    journal.complete(&path, false).expect("kept");
+    let written = length();
+    // two groups without answers
+    assert!(written > at_first && (written - at_first).is_multiple_of(2));
+    journal.written = Some((ago(0).expect("a time"), Duration::from_secs(1)));
+    journal.complete(&path, true).expect("kept");
+    assert!(length() > written, "at the end of a phase");
+    journal.written = Some((ago(0).expect("a time"), Duration::from_secs(1)));
+    journal.complete(&path, false).expect("kept");
+    let before = length();
+    drop(journal);
+    assert!(length() > before, "at the end of the run");
+    std::fs::remove_file(&path).expect("a file");
+}
+
 /// The second of two runs by one value reads what the first has kept.
 #[test]
 fn a_value_serves_one_run_after_the_other() {
