@@ -91,12 +91,15 @@ fn last_state(folder: &Path, summary: &Summary) -> Result<(PathBuf, Piece), Erro
     };
     let time = attribute("timestep").and_then(|time| time.parse::<f64>().ok());
     let (Some(file), Some(time)) = (attribute("file"), time) else {
-        return Err(malformed(&listing, "it lists no state"));
+        return Err(malformed(
+            &listing,
+            "it lists no state: do the run again with files for ParaView, `vtu-every = 1` in a scene file",
+        ));
     };
     // the two are the same number, written by two programs
     if (time - summary.load_factor).abs() > 1e-12 {
         let why = format!(
-            "the last state is at the load factor {time}, the result at {}: record with `vtu_every = 1`",
+            "the last state is at the load factor {time}, the result at {}: do the run again, which writes its last state",
             summary.load_factor
         );
         return Err(malformed(&listing, why));

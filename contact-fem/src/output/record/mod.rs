@@ -95,7 +95,7 @@ pub struct Plan<'a, const D: usize> {
     /// The prefix of the file names, of letters, digits, `_`, `-` and `.`; by default the name of
     /// the folder.
     pub name: String,
-    /// The interval of `.vtu` files in increments; 0 writes none. 1 by default.
+    /// The interval of `.vtu` files in increments, beside the first and the last state; 0 writes none. 1 by default.
     pub vtu_every: usize,
     /// The file name of the picture; an empty name draws none.
     pub picture: String,
@@ -237,7 +237,7 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
             Err(error) => return Err(folder.failed(error)),
         };
         let result = simulation.run_observed(problem, |step| observer.observe(step));
-        let written = observer.finish(result.as_ref().ok());
+        let written = observer.finish(problem, result.as_ref().ok());
         let drawn = plan.draw(problem, &observer.stages, observer.folder);
         let written = written.and(drawn);
         let spent = cpu_seconds()

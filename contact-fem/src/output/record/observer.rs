@@ -28,6 +28,8 @@ pub(super) struct Observer<'a, const D: usize> {
     /// The time spent in the observer (s).
     pub(super) seconds: f64,
     failure: Option<Error>,
+    /// The load factor of the last state, if no file of the series has it.
+    unwritten: Option<f64>,
 }
 
 impl<'a, const D: usize> Observer<'a, D> {
@@ -64,6 +66,7 @@ impl<'a, const D: usize> Observer<'a, D> {
             }],
             seconds: 0.0,
             failure: None,
+            unwritten: None,
         })
     }
 
@@ -94,6 +97,7 @@ impl<'a, const D: usize> Observer<'a, D> {
             let (time, problem) = (record.factor, step.problem);
             write(self.folder, &mut self.series, time, problem, &snapshot)?;
         }
+        self.unwritten = (recording.vtu_every > 0 && !is_due).then_some(record.factor);
         // the last stage is replaced by the next one unless it is at rest or half way
         if self.stages.len() > 1 && !self.stages[self.stages.len() - 1].is_half_way {
             self.stages.pop();
@@ -110,13 +114,21 @@ impl<'a, const D: usize> Observer<'a, D> {
         Ok(())
     }
 
-    /// Ends the recording: adds the failed attempts to the tables and brings all data to the disk, or
-    /// returns the error of a file that could not be written during the run.
-    pub(super) fn finish(&mut self, history: Option<&History<D>>) -> Result<(), Error> {
+    /// Ends the recording: writes the last state if the series lacks it, adds the failed attempts to the tables and brings all data to
+    /// the disk, or returns the error of a file that could not be written during the run.
+    pub(super) fn finish(
+        &mut self,
+        problem: &Problem<D>,
+        history: Option<&History<D>>,
+    ) -> Result<(), Error> {
         let clock = Instant::now();
         self.progress.finish();
         if let Some(failure) = self.failure.take() {
             return Err(failure);
+        }
+        if let (Some(time), Some(stage)) = (self.unwritten.take(), self.stages.last()) {
+            let snapshot = &stage.snapshot;
+            write(self.folder, &mut self.series, time, problem, snapshot)?;
         }
         if let Some(history) = history {
             self.tables.finish(history)?;
