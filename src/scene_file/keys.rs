@@ -8,7 +8,7 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 
 use super::laws::Law;
-use super::meshes::MeshKeys;
+use super::meshes::{MeshKeys, only};
 use super::run::{Departure, Solver};
 
 #[derive(Clone, Debug, Deserialize)]
@@ -514,7 +514,7 @@ impl<'de> Visitor<'de> for Anywhere {
     }
 
     fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<BoundaryKeys, M::Error> {
-        let region = Region::deserialize(MapAccessDeserializer::new(map))?;
+        let region = only(map, "a boundary is where one table takes its facets from")?;
         Ok(match region {
             Region::Plane(plane) => BoundaryKeys::Plane(plane),
             Region::Box(corners) => BoundaryKeys::Box(corners),

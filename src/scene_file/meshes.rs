@@ -11,7 +11,7 @@ use contact_fem::mesh::generators::{
 };
 use contact_fem::{Mesh, MeshFile};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::Error;
@@ -191,7 +191,12 @@ impl StepsKeys {
             return Err(place.key("count").wrong(what));
         }
         match (self.first, self.last) {
-            (None, None) => Ok(linspace(from, to, count)),
+            (None, None) => match linspace(from, to, count) {
+                values if values.is_empty() => Err(place.key("count").wrong(format!(
+                    "a grid has 10⁸ steps at most, and `count` is {count}: choose fewer"
+                ))),
+                values => Ok(values),
+            },
             (Some(first), None) => place.of(graded(from, to, first, count)),
             (None, Some(last)) => {
                 // the same steps backwards, whose first one is the last
@@ -386,6 +391,20 @@ impl From<DiagonalKeys> for Diagonals {
     }
 }
 
+/// The one entry of a table, which says what `has` one.
+pub(super) fn only<'de, T: Deserialize<'de>, M: MapAccess<'de>>(
+    mut map: M,
+    has: &str,
+) -> Result<T, M::Error> {
+    let one = T::deserialize(MapAccessDeserializer::new(&mut map))?;
+    match map.next_key::<String>()? {
+        None => Ok(one),
+        Some(other) => Err(M::Error::custom(format!(
+            "{has}, and there is `{other}` beside another one: leave one of them out"
+        ))),
+    }
+}
+
 /// A string or a list where the one is meant, a table where the other is: unlike untagged enums, it keeps what is wrong
 /// within either, with its line.
 struct Either<S, T> {
@@ -405,7 +424,7 @@ impl<'de> Visitor<'de> for Either<PathBuf, Made> {
     }
 
     fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<MeshKeys, M::Error> {
-        Made::deserialize(MapAccessDeserializer::new(map)).map(MeshKeys::Made)
+        only(map, "a mesh that is made has one generator").map(MeshKeys::Made)
     }
 }
 

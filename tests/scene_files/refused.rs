@@ -222,7 +222,7 @@ type Wrong = (
 );
 
 /// What is wrong with the blocks.
-const WRONG_BLOCKS: [Wrong; 25] = [
+const WRONG_BLOCKS: [Wrong; 27] = [
     (
         "increments = 2",
         "increments = \"two\"",
@@ -379,6 +379,20 @@ const WRONG_BLOCKS: [Wrong; 25] = [
         17,
         "`mesh.rectangle.x.count`",
         "one step",
+    ),
+    (
+        "x = [0, 1, 2], y = [1, 2]",
+        "x = { from = 0, to = 2, count = 4000000000 }, y = [1, 2]",
+        17,
+        "`mesh.rectangle.x.count`",
+        "`count` is 4000000000",
+    ),
+    (
+        "{ rectangle = { x = [0, 1, 2], y = [1, 2] } }",
+        "{ rectangle = { x = [0, 1, 2], y = [1, 2] }, disc = { radius = 1, segments = 9, rings = 2 } }",
+        17,
+        "one generator",
+        "leave one of them out",
     ),
 ];
 
