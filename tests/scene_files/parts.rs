@@ -651,6 +651,47 @@ fn switched_supports_from_a_file() {
     );
 }
 
+/// Adaptive steps end where amplitudes have corners: a peak between two times is seen, and is that of a single step to it.
+#[test]
+fn adaptive_steps_end_at_corners_of_amplitudes() {
+    let folder = fresh("corners");
+    let run = |run: &str, amplitude: &str| {
+        let text = format!(
+            r#"
+            {run}
+
+            [[body]]
+            name = "block"
+            mesh = {{ rectangle = {{ x = [0, 1, 2], y = [0, 0.5, 1] }} }}
+            law = "neo-hookean"
+            young = 100
+            poisson = 0.3
+            supports = [{{ on = "bottom", x = 0, y = 0 }}, {{ on = "top", y = -0.4{amplitude} }}]
+            "#
+        );
+        let file = SceneFile::parse(&text, &folder).expect("a file");
+        let mut problem = file.problem::<2>().expect("a problem");
+        let history = file.simulation().expect("settings").run(&mut problem);
+        let history = history.expect("a run");
+        assert!(history.is_complete());
+        let steps = history.steps.iter();
+        let energies = steps.map(|record| (record.factor, record.stored_energy));
+        energies.collect::<Vec<_>>()
+    };
+    let phase = "phase = [{ name = \"a\", until = 1, increments = 3, least-step = 0.01, largest-step = 0.5 }]";
+    let peak = ", amplitude = [[0, 0], [0.4, 0], [0.45, 1], [0.5, 0]]";
+    let found = run(phase, peak);
+    let at = |time: f64| {
+        let mut own = found.iter();
+        own.find(|(factor, _)| *factor == time).expect("a step").1
+    };
+    let [(_, expected)] = run("increments = 1", "")[..] else {
+        panic!("one step");
+    };
+    assert!((at(0.45) / expected - 1.0).abs() < 1e-6, "{found:?}");
+    assert!(at(0.4) < 1e-12 && at(0.5) < 1e-6 * expected, "{found:?}");
+}
+
 #[test]
 fn a_program_from_a_file() {
     let folder = fresh("phases");

@@ -47,6 +47,19 @@ impl<'a> Pace<'a> {
         LoadSteps::CLOSE * (self.phase.until - self.began)
     }
 
+    /// The next corner behind `last`, or the end of the phase.
+    fn corner(&self, last: f64) -> f64 {
+        let (until, close) = (self.phase.until, self.close());
+        let corners = self.phase.corners.iter().copied();
+        let ahead = corners.filter(|own| *own > last + close && *own < until - close);
+        ahead.fold(until, f64::min)
+    }
+
+    /// Whether an adaptive step that ends at `factor` ends at a corner.
+    pub fn is_corner(&self, factor: f64) -> bool {
+        self.phase.adaptive.is_some() && self.phase.corners.contains(&factor)
+    }
+
     /// The end of the next step from `last`; `None` at the end of the phase.
     pub fn next(&self, last: f64) -> Option<Target> {
         let (until, close) = (self.phase.until, self.close());
@@ -55,9 +68,10 @@ impl<'a> Pace<'a> {
         }
         let whole = self.step * 0.5f64.powi(self.halvings as i32);
         let increment = self.before + self.done + 1;
+        let corner = self.corner(last);
         let goal = match self.phase.adaptive {
             // what would be left over is no step of its own
-            Some(Adaptive { least, .. }) if last + whole > until - least + close => until,
+            Some(Adaptive { least, .. }) if last + whole > corner - least + close => corner,
             Some(_) => last + whole,
             None if self.done + 1 >= self.phase.increments => until,
             None => self.began + (self.done + 1) as f64 * self.step,
@@ -85,14 +99,14 @@ impl<'a> Pace<'a> {
     }
 
     /// Shortens the step from `last` that failed, or tells that it may not be shorter. An adaptive one becomes half as long, or the
-    /// least one if that is shorter by a tenth at least; what is left of the phase must not be less, either.
+    /// least one if that is shorter by a tenth at least; what is left up to the next corner must not be less, either.
     pub fn cut(&mut self, last: f64, failed: Target) -> bool {
         let Some(Adaptive { least, .. }) = self.phase.adaptive else {
             let may = self.halvings < self.most;
             self.halvings += usize::from(may);
             return may;
         };
-        let (length, left) = (failed.factor - last, self.phase.until - last);
+        let (length, left) = (failed.factor - last, self.corner(last) - last);
         let shorter = least.max(0.5 * length);
         let may = shorter <= 0.9 * length && shorter <= left - least + self.close();
         if may {
@@ -149,6 +163,33 @@ mod tests {
         // what is left over, 0.02, would be shorter than the least step
         let first = Phase::new("", 2.0, 1).adaptive(0.03, 0.49);
         assert_eq!(ends(&first, &[8]), [1.49, 2.0]);
+    }
+
+    /// By hand: steps of 1/8 with corners in between, of which two are closer than the least step, and others that are outside.
+    #[test]
+    fn adaptive_steps_end_at_corners() {
+        let corners = [1.4, 0.5, 1.0, 2.0, 3.0, 1.41];
+        let phase = Phase::new("", 2.0, 8)
+            .adaptive(0.03, 0.125)
+            .with_corners(corners);
+        let found = ends(&phase, &[8]);
+        let expected = [1.125, 1.25, 1.4, 1.41, 1.535, 1.66, 1.785, 1.91, 2.0];
+        // 1.375 would leave 0.025 up to the first corner
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        let pairs = found.iter().zip(expected);
+        assert!({ pairs }.all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
+        assert!(found.contains(&1.4) && found.contains(&1.41));
+        // equal increments do not
+        let equal = Phase::new("", 2.0, 2).with_corners(corners);
+        assert_eq!(ends(&equal, &[8]), [1.5, 2.0]);
+        // a step that fails leaves no less than the least one up to the corner
+        let phase = Phase::new("", 2.0, 1)
+            .adaptive(0.1, 1.0)
+            .with_corners([1.15]);
+        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        let target = pace.next(1.0).expect("a step");
+        assert_eq!(target.factor, 1.15);
+        assert!(!pace.cut(1.0, target));
     }
 
     #[test]

@@ -121,6 +121,10 @@ impl Path<'_> {
             };
             let flow = observe(&step);
             self.advance(target.factor, solution);
+            if pace.is_corner(target.factor) {
+                // loads change their course here
+                self.before = None;
+            }
             if flow.is_break() && self.last.factor < self.settings.end() - pace.close() {
                 return Ok(Some(Ending::Interrupted {
                     at: target.factor,
