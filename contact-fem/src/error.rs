@@ -204,7 +204,7 @@ pub enum Error {
     #[error(
         "the pressure on boundary `{boundary}` of body `{body}` is not conservative, since the rim of the boundary is free at \
          {at:?}: hold the rim, let it slide in a plane perpendicular to an axis (`Body::symmetry`), name a closed \
-         boundary, or take a traction, whose direction stays"
+         boundary (join adjacent ones by `Mesh::join_boundaries`), or take a traction, whose direction stays"
     )]
     FreeRim {
         /// The body.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// What a scene file calls the names of Rust that texts of the library have. Longer texts come before those that they begin with.
-const KEYS: [(&str, &str); 28] = [
+const KEYS: [(&str, &str); 29] = [
     (
         "`Condensed` does not treat `Energy::is_quadratic` = false",
         "the solver condensed takes laws for small strains alone, without pressures that follow",
@@ -38,6 +38,7 @@ const KEYS: [(&str, &str); 28] = [
     ("`Body::during`", "`during`"),
     ("`Amplitude::table`", "a list of times and values"),
     ("`Mesh::translated`", "`translated`"),
+    ("`Mesh::join_boundaries`", "`boundaries`"),
     ("`Mesh::quadratic`", "`quadratic = true`"),
     ("make it `quadratic()` first", "give it `quadratic = true`"),
     ("`Mesh::curved`", "`curved`"),
