@@ -106,12 +106,22 @@ fn bodies_that_move_together_are_not_told() {
     assert!(told.is_empty() && (moved / still - 1.0).abs() < 1e-9);
 }
 
+/// Flat surfaces keep their gaps. A tool of width 0.5 that has moved by a tenth of it presses on as much of the block that it has left.
 #[test]
-fn a_flat_tool_that_has_moved_is_not_told() {
+fn a_flat_tool_is_told_by_what_it_has_left() {
     let (xs, ys) = (linspace(-0.25, 0.25, 9), linspace(-1.0, 0.0, 10));
-    let tool = elastic(rectangle(&xs, &ys, Diagonals::Rising).expect("a mesh"));
-    let (force, told) = pressed((tool, "top", "bottom"), 61, [0.05, 0.0], BOTH);
+    let moved = |way: f64| {
+        let tool = elastic(rectangle(&xs, &ys, Diagonals::Rising).expect("a mesh"));
+        pressed((tool, "top", "bottom"), 61, [way, 0.0], BOTH)
+    };
+    let (force, told) = moved(0.01);
     assert!(force > 0.0 && told.is_empty(), "{told:?}");
+    let (_, told) = moved(0.05);
+    let [[error, indentation]] = told[..] else {
+        panic!("{told:?}");
+    };
+    let share = error / indentation;
+    assert!((0.05..0.2).contains(&share), "{share}");
 }
 
 /// The block ends at 1: most of the tool has slid beyond, and what it presses there in the reference is not opposite any more.

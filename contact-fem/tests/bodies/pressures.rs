@@ -1,4 +1,5 @@
 //! What contact that carries nothing leaves.
+#![allow(non_snake_case)]
 
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::model::Geometry;

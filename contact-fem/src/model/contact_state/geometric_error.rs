@@ -31,8 +31,8 @@ impl<const D: usize> Problem<D> {
     /// indentation, with their worst zones: as where a curved body has moved sideways on another one, or has turned.
     ///
     /// Contact in [`Geometry::Reference`] does not follow such motions: places, and with both passes areas and forces, are wrong, and
-    /// [`Geometry::Current`] is the better choice. Flat surfaces that slide on each other keep their gaps, until one slides off the other. Empty in
-    /// [`Geometry::Current`], and if `solution` is not of this problem.
+    /// [`Geometry::Current`] is the better choice. Flat surfaces that slide on each other keep their gaps, but for what slides off: there it
+    /// is the whole indentation. Empty in [`Geometry::Current`], and if `solution` is not of this problem.
     pub fn geometric_errors(&self, solution: &Solution) -> Vec<GeometricError> {
         let (u, rows) = (&solution.state.u, (&solution.gaps, &solution.lambda[..]));
         if self.geometry() == Geometry::Current || self.check_rows(u, rows.0, rows.1).is_err() {
