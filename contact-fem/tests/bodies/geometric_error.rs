@@ -112,7 +112,8 @@ fn a_flat_tool_is_told_by_what_it_has_left() {
     let (xs, ys) = (linspace(-0.25, 0.25, 9), linspace(-1.0, 0.0, 10));
     let moved = |way: f64| {
         let tool = elastic(rectangle(&xs, &ys, Diagonals::Rising).expect("a mesh"));
-        pressed((tool, "top", "bottom"), 61, [way, 0.0], BOTH)
+        // nodes of the block at multiples of 1/30
+        pressed((tool, "top", "bottom"), 60, [way, 0.0], BOTH)
     };
     let (force, told) = moved(0.01);
     assert!(force > 0.0 && told.is_empty(), "{told:?}");
