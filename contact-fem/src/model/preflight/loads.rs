@@ -29,7 +29,7 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
         } else if is_told {
             report.add(
                 Finding::new(Severity::Note, FindingKind::Unloaded, &[]).says(
-                    "up to load factor 1, no body is loaded, and all prescribed displacements are zero".into(),
+                    "no body is loaded, and all prescribed displacements are zero".into(),
                     "prescribe a displacement or add a load, unless the bodies are to stay as they are",
                 ),
             );

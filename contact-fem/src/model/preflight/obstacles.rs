@@ -217,7 +217,7 @@ fn reached<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
             report.add(finding(FindingKind::OutOfReach).measured(distance, reach).says(
                 format!(
                     "{what} is {distance:.3e} away from body `{}`, further than the search radius of {reach:.3e} and \
-                     what is prescribed: there is no contact between them",
+                     what is prescribed: loads alone could bring them together",
                     names[0]
                 ),
                 "set `Scene::reach`, move them together, or leave out the obstacle",

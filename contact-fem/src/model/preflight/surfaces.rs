@@ -55,7 +55,7 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
             report.add(finding.measured(nearest.distance, reach).says(
                 format!(
                     "{what} are {:.3e} apart, further than the search radius of {reach:.3e} and what is \
-                     prescribed: there is no contact between them",
+                     prescribed: loads alone could bring them together",
                     nearest.distance
                 ),
                 "set `Scene::reach`, move the bodies together, or leave out the pair",
