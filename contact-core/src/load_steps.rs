@@ -21,6 +21,12 @@ pub trait LoadStepped: ContactProblem {
         Ok(())
     }
 
+    /// The load factors at which loads or motions change their course, in any order: adaptive steps end there, so that none steps over a
+    /// peak unseen, and no start is extrapolated across one. The default has none.
+    fn corners(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Begins a phase from `span[0]` to `span[1]`, at the converged `u` and, behind the first phase, its solution. `Some` are the
     /// unknowns of the same state if others are free in the phase than before: their number, the energy and the rows
     /// have changed then. The default keeps all.
@@ -79,8 +85,6 @@ pub struct Phase {
     pub increments: usize,
     /// The bounds of steps whose lengths follow from what the last ones took; `None`, the default, for equal increments.
     pub adaptive: Option<Adaptive>,
-    /// Load factors at which adaptive steps end, too, in any order; none by default.
-    pub corners: Vec<f64>,
 }
 
 /// Bounds of adaptive load steps. After a step of n iterations the next one is √(8/n) times as long, at least half and at most
@@ -106,7 +110,6 @@ impl Phase {
             until,
             increments,
             adaptive: None,
-            corners: Vec::new(),
         }
     }
 
@@ -114,23 +117,6 @@ impl Phase {
     pub fn adaptive(self, least: f64, largest: f64) -> Self {
         Phase {
             adaptive: Some(Adaptive { least, largest }),
-            ..self
-        }
-    }
-
-    /// With adaptive steps that end at these load factors, too, as where a load changes its course: none steps over a peak unseen, and
-    /// no start is extrapolated across one. Those outside of the phase have no effect. Between corners that are closer than the least
-    /// step, a step is shorter.
-    ///
-    /// ```
-    /// use contact_core::Phase;
-    ///
-    /// let phase = Phase::new("press", 1.0, 4).adaptive(0.01, 0.5).with_corners([0.4, 0.45, 0.5]);
-    /// assert_eq!(phase.corners.len(), 3);
-    /// ```
-    pub fn with_corners(self, corners: impl IntoIterator<Item = f64>) -> Self {
-        Phase {
-            corners: corners.into_iter().collect(),
             ..self
         }
     }

@@ -352,11 +352,19 @@ impl FoundationKeys {
 }
 
 impl SupportKeys {
-    /// Whether a support of this body has this name in the library.
-    fn is_called<const D: usize>(&self, name: &str, body: &Body<D>) -> bool {
+    /// Whether the library may call it so; the numbers of the nodes that it holds `at` points are not in the file.
+    pub(super) fn may_be_called(&self, name: &str) -> bool {
         match (&self.on, &self.at) {
             (Some(on), _) => on.to_string() == name,
-            (None, Some(points)) => {
+            (None, Some(_)) => name.starts_with("node"),
+            (None, None) => name == ALL_NODES,
+        }
+    }
+
+    /// Whether a support of this body has this name in the library.
+    fn is_called<const D: usize>(&self, name: &str, body: &Body<D>) -> bool {
+        match &self.at {
+            Some(points) => {
                 let points: Option<Vec<[f64; D]>> = points
                     .iter()
                     .map(|x| x.as_slice().try_into().ok())
@@ -364,7 +372,7 @@ impl SupportKeys {
                 let nodes = points.and_then(|points| body.mesh().nodes_at(&points).ok());
                 nodes.is_some_and(|nodes| name_of_nodes(&nodes) == name)
             }
-            (None, None) => name == ALL_NODES,
+            None => self.may_be_called(name),
         }
     }
 

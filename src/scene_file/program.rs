@@ -63,7 +63,6 @@ impl SceneFile {
             );
             return Err(self.place().key("increments").wrong(what));
         }
-        let corners = self.corners();
         let mut phases = Vec::new();
         for (k, keys) in self.keys.phase.iter().enumerate() {
             let name = format!("phase {}", keys.name);
@@ -76,9 +75,7 @@ impl SceneFile {
             let phase = Phase::new(&keys.name, keys.until, keys.increments);
             phases.push(match (keys.least_step, keys.largest_step) {
                 (None, None) => phase,
-                (Some(least), Some(largest)) => phase
-                    .adaptive(least, largest)
-                    .with_corners(corners.iter().copied()),
+                (Some(least), Some(largest)) => phase.adaptive(least, largest),
                 (Some(_), None) => {
                     let what = "adaptive steps need `largest-step`, too: give it, or leave `least-step` out";
                     return Err(place.key("least-step").wrong(what));
@@ -107,32 +104,6 @@ impl SceneFile {
             }
         }
         Ok(phases)
-    }
-
-    /// The times at which amplitudes may change their course, in ascending order.
-    fn corners(&self) -> Vec<f64> {
-        let (bodies, obstacles) = (&self.keys.body, &self.keys.obstacle);
-        let supports = || bodies.iter().flat_map(|body| &body.supports);
-        let moved = supports().map(|own| &own.motion);
-        let moved = moved.chain(obstacles.iter().map(|own| &own.motion));
-        let motions = moved.flat_map(|own| &own.0).map(|own| &own.amplitude);
-        let tractions = bodies.iter().flat_map(|body| &body.tractions);
-        let pressures = bodies.iter().flat_map(|body| &body.pressures);
-        let forces = bodies.iter().flat_map(|body| &body.forces);
-        let all = supports().map(|own| &own.amplitude).chain(motions);
-        let all = all.chain(tractions.map(|own| &own.amplitude));
-        let all = all.chain(pressures.map(|own| &own.amplitude));
-        let all = all.chain(forces.map(|own| &own.amplitude));
-        let all = all.chain(bodies.iter().map(|own| &own.body_force_amplitude));
-        let mut times = Vec::new();
-        for amplitude in all.flatten() {
-            if let AmplitudeKeys::Table(pairs) = amplitude {
-                times.extend(pairs.iter().map(|(t, _)| *t));
-            }
-        }
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        times
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the library tells, with the place in the file that it is about, and in the words of a file.
 
 use contact_fem::element::{Element, P1, P2};
-use contact_fem::model::{ALL_NODES, Finding, FindingKind, Problem, Severity};
+use contact_fem::model::{Finding, FindingKind, Problem, Severity};
 use contact_fem::{Error as Refused, Scene};
 
 use super::keys::{BodyKeys, Name, SupportKeys};
@@ -80,9 +80,7 @@ impl SceneFile {
         let last = |body: &BodyKeys| {
             let is_on = |name: &String| {
                 let mut all = body.supports.iter();
-                all.rposition(|own| {
-                    own.on.as_ref().map(ToString::to_string).unwrap_or_default() == *name
-                })
+                all.rposition(|own| own.may_be_called(name))
             };
             let [first, second] = [is_on(&on[0])?, is_on(&on[1])?];
             Some(first.max(second))
@@ -322,13 +320,7 @@ impl SceneFile {
             .map(|keys| &keys.supports);
         let switched = supports.into_iter().flatten().enumerate();
         let switched = switched.filter(|(_, support)| support.during.is_some());
-        // the numbers of nodes are not in the file
-        let is_on = |support: &SupportKeys| match (&support.on, &support.at) {
-            (Some(name), _) => name.to_string() == on,
-            (None, Some(_)) => on.starts_with("node"),
-            (None, None) => on == ALL_NODES,
-        };
-        let mut own = switched.filter(|(_, support)| is_on(support));
+        let mut own = switched.filter(|(_, support)| support.may_be_called(on));
         let on_boundary = |(_, support): &(usize, &SupportKeys)| support.on.is_some();
         match (own.next(), own.next()) {
             (Some(first), second) if second.is_none() || on_boundary(&first) => {

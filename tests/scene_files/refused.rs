@@ -397,7 +397,7 @@ const WRONG_BLOCKS: [Wrong; 27] = [
 ];
 
 /// What is wrong with the bar.
-const WRONG_BAR: [Wrong; 26] = [
+const WRONG_BAR: [Wrong; 27] = [
     ("until = 2", "until = 0.5", 7, "`until`", "finite time"),
     (
         "until = 2",
@@ -542,6 +542,13 @@ const WRONG_BAR: [Wrong; 26] = [
     (
         "x = 0.1",
         "x = 0.1\namplitude = [[0, 0], [1, 1], [2, 0]]\n[[body.supports]]\non = \"right\"\nx = 0.1\namplitude = [[0, 0], [1, 1], [2, 3]]",
+        23,
+        "`supports`",
+        "at time 2",
+    ),
+    (
+        "x = 0.1",
+        "x = 0.1\namplitude = [[0, 0], [1, 1], [2, 0]]\n[[body.supports]]\nat = [[2, 0]]\nx = 0.1\namplitude = [[0, 0], [1, 1], [2, 3]]",
         23,
         "`supports`",
         "at time 2",

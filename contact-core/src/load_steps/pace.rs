@@ -5,6 +5,8 @@ use super::{Adaptive, LoadSteps, Phase};
 /// The steps of one phase: equal increments that are halved where they fail, or lengths that follow from what steps took.
 pub(super) struct Pace<'a> {
     phase: &'a Phase,
+    /// Where adaptive steps end, too.
+    corners: Vec<f64>,
     began: f64,
     /// The number of increments before the phase, and those of it that are complete.
     before: usize,
@@ -25,7 +27,12 @@ pub(super) struct Target {
 }
 
 impl<'a> Pace<'a> {
-    pub fn new(phase: &'a Phase, (began, before): (f64, usize), most: usize) -> Self {
+    pub fn new(
+        phase: &'a Phase,
+        corners: Vec<f64>,
+        (began, before): (f64, usize),
+        most: usize,
+    ) -> Self {
         let increment = (phase.until - began) / phase.increments as f64;
         let step = match phase.adaptive {
             Some(Adaptive { least, largest }) => increment.min(largest).max(least),
@@ -33,6 +40,7 @@ impl<'a> Pace<'a> {
         };
         Pace {
             phase,
+            corners,
             began,
             before,
             done: 0,
@@ -50,14 +58,14 @@ impl<'a> Pace<'a> {
     /// The next corner behind `last`, or the end of the phase.
     fn corner(&self, last: f64) -> f64 {
         let (until, close) = (self.phase.until, self.close());
-        let corners = self.phase.corners.iter().copied();
+        let corners = self.corners.iter().copied();
         let ahead = corners.filter(|own| *own > last + close && *own < until - close);
         ahead.fold(until, f64::min)
     }
 
     /// Whether an adaptive step that ends at `factor` ends at a corner.
     pub fn is_corner(&self, factor: f64) -> bool {
-        self.phase.adaptive.is_some() && self.phase.corners.contains(&factor)
+        self.phase.adaptive.is_some() && self.corners.contains(&factor)
     }
 
     /// The end of the next step from `last`; `None` at the end of the phase.
@@ -127,7 +135,11 @@ mod tests {
 
     /// The ends of the steps of a phase from 1 to 2 that take these iterations, one after the other.
     fn ends(phase: &Phase, iterations: &[usize]) -> Vec<f64> {
-        let mut pace = Pace::new(phase, (1.0, 5), 0);
+        ends_with(&[], phase, iterations)
+    }
+
+    fn ends_with(corners: &[f64], phase: &Phase, iterations: &[usize]) -> Vec<f64> {
+        let mut pace = Pace::new(phase, corners.to_vec(), (1.0, 5), 0);
         let (mut last, mut ends) = (1.0, Vec::new());
         let mut iterations = iterations.iter().copied().cycle();
         while let Some(target) = pace.next(last) {
@@ -169,10 +181,8 @@ mod tests {
     #[test]
     fn adaptive_steps_end_at_corners() {
         let corners = [1.4, 0.5, 1.0, 2.0, 3.0, 1.41];
-        let phase = Phase::new("", 2.0, 8)
-            .adaptive(0.03, 0.125)
-            .with_corners(corners);
-        let found = ends(&phase, &[8]);
+        let phase = Phase::new("", 2.0, 8).adaptive(0.03, 0.125);
+        let found = ends_with(&corners, &phase, &[8]);
         let expected = [1.125, 1.25, 1.4, 1.41, 1.535, 1.66, 1.785, 1.91, 2.0];
         // 1.375 would leave 0.025 up to the first corner
         assert_eq!(found.len(), expected.len(), "{found:?}");
@@ -180,13 +190,11 @@ mod tests {
         assert!({ pairs }.all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
         assert!(found.contains(&1.4) && found.contains(&1.41));
         // equal increments do not
-        let equal = Phase::new("", 2.0, 2).with_corners(corners);
-        assert_eq!(ends(&equal, &[8]), [1.5, 2.0]);
+        let equal = Phase::new("", 2.0, 2);
+        assert_eq!(ends_with(&corners, &equal, &[8]), [1.5, 2.0]);
         // a step that fails leaves no less than the least one up to the corner
-        let phase = Phase::new("", 2.0, 1)
-            .adaptive(0.1, 1.0)
-            .with_corners([1.15]);
-        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        let phase = Phase::new("", 2.0, 1).adaptive(0.1, 1.0);
+        let mut pace = Pace::new(&phase, vec![1.15], (1.0, 0), 16);
         let target = pace.next(1.0).expect("a step");
         assert_eq!(target.factor, 1.15);
         assert!(!pace.cut(1.0, target));
@@ -213,20 +221,20 @@ mod tests {
             ends
         };
         let phase = Phase::new("", 2.0, 8).adaptive(0.03, 1.0);
-        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 16);
         assert_eq!(tried(&mut pace, 1.0), [1.125, 1.0625, 1.03125]);
         // none is tried twice, and the least one is
         let phase = Phase::new("", 2.0, 1).adaptive(0.24, 1.0);
-        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 16);
         assert_eq!(tried(&mut pace, 1.0), [2.0, 1.5, 1.25]);
-        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 16);
         assert_eq!(tried(&mut pace, 1.5), [2.0, 1.75]);
         assert_eq!(tried(&mut pace, 1.55), [2.0]);
         let phase = Phase::new("", 2.0, 2).adaptive(0.4, 1.0);
-        let mut pace = Pace::new(&phase, (1.0, 0), 16);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 16);
         assert_eq!(tried(&mut pace, 1.0), [1.5, 1.4]);
         let phase = Phase::new("", 2.0, 8);
-        let mut pace = Pace::new(&phase, (1.0, 0), 1);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 1);
         assert_eq!(tried(&mut pace, 1.0), [1.125, 1.0625]);
         let half = pace.next(1.0).expect("a step");
         assert_eq!((half.factor, half.increment), (1.0625, None));

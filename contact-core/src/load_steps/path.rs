@@ -43,7 +43,12 @@ impl Path<'_> {
         };
         let (mut began, mut before) = (0.0, 0);
         for phase in phases {
-            let mut pace = Pace::new(phase, (began, before), self.settings.max_halvings);
+            let mut pace = Pace::new(
+                phase,
+                problem.corners(),
+                (began, before),
+                self.settings.max_halvings,
+            );
             // loads may change their course here
             self.before = None;
             self.begin(problem, phase.until)?;

@@ -239,6 +239,17 @@ where
     }
 }
 
+/// The nodes of a cell, and their displacements (UL).
+fn gathered<const D: usize, E: Element<D>>(
+    cell: &[usize],
+    U: &[Vector<D>],
+) -> (E::PerNode<usize>, E::PerNode<Vector<D>>) {
+    let mut local = E::per_node(Vector::zeros());
+    let displacements = local.as_mut().iter_mut().zip(cell);
+    displacements.for_each(|(v, &a)| *v = U[a]);
+    (nodes_of::<D, E>(cell), local)
+}
+
 /// For each node of a cell what each quadrature point weighs in the linear function that is closest to the values at the points.
 fn extrapolation<const D: usize, E: Element<D>>() -> Vec<Vec<f64>> {
     let count = E::QUADRATURE.len();
@@ -419,10 +430,7 @@ where
 
     fn cell_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
         let state = |(k, cell): (usize, &[usize])| {
-            let nodes = nodes_of::<D, E>(cell);
-            let mut local = E::per_node(Vector::zeros());
-            let displacements = local.as_mut().iter_mut().zip(cell);
-            displacements.for_each(|(v, &a)| *v = U[a]);
+            let (nodes, local) = gathered::<D, E>(cell, U);
             K::state(self.laws.at_centre(k), K::points(mesh, &nodes), &local)
         };
         mesh.cells().enumerate().map(state).collect()
@@ -431,10 +439,7 @@ where
     fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
         let extrapolation = extrapolation::<D, E>();
         let of_cell = |(k, cell): (usize, &[usize])| {
-            let nodes = nodes_of::<D, E>(cell);
-            let mut local = E::per_node(Vector::zeros());
-            let displacements = local.as_mut().iter_mut().zip(cell);
-            displacements.for_each(|(v, &a)| *v = U[a]);
+            let (nodes, local) = gathered::<D, E>(cell, U);
             let law = self.laws.at_centre(k);
             let points = K::points(mesh, &nodes);
             let at_points: Vec<CellState<D>> = points

@@ -288,24 +288,14 @@ impl<const D: usize> Audit<D> {
 
     /// The overlaps with obstacles at positions `x` of all nodes (UL), one for each face.
     fn in_obstacles(&self, x: &[Vector<D>]) -> Vec<Overlap<D>> {
-        let (topology, bodies) = (&self.topology, self.orders.len());
         let obstacles = self.obstacles.iter().enumerate();
         let found = obstacles.flat_map(|(index, blocks)| {
-            let faces = topology
-                .faces
-                .iter()
-                .filter(|face| blocks.bodies[face.body]);
+            let faces = self.topology.faces.iter();
+            let faces = faces.filter(|face| blocks.bodies[face.body]);
             faces.filter_map(move |face| {
                 let corners = face.nodes.map(|a| x[a]);
                 let (depth, at) = blocks.deepest(corners)?;
-                let overlap = Overlap {
-                    bodies: [face.body, bodies + index],
-                    at,
-                    depth,
-                    relative: depth / face.size.min(face.thickness),
-                    of_thickness: depth / face.thickness.min(topology.thick),
-                    face: face.nodes,
-                };
+                let overlap = self.in_obstacle(face, index, (depth, at));
                 (overlap.relative > Self::TOUCHES).then_some(overlap)
             })
         });
@@ -320,26 +310,33 @@ impl<const D: usize> Audit<D> {
         index: usize,
         blocks: &'a Blocks<D>,
     ) -> impl Iterator<Item = Overlap<D>> + 'a {
-        let (topology, bodies) = (&self.topology, self.orders.len());
-        let cells = topology.cells.iter();
+        let cells = self.topology.cells.iter();
         let cells = cells.filter(|cell| blocks.bodies[cell.body]);
         cells.filter_map(move |cell| {
-            let corners: [_; 4] = cell.nodes.map(|a| x[a]);
-            let (depth, at) = blocks.core(&corners[..=D])?;
-            let faces = topology.faces.iter().zip(&self.is_held);
+            let (depth, at) = blocks.core(cell.nodes.map(|a| x[a]))?;
+            let faces = self.topology.faces.iter().zip(&self.is_held);
             let free = faces.filter(|(face, is_held)| face.body == cell.body && !**is_held);
             let ways = free.map(|(face, _)| (distance(&at, &face.nodes.map(|a| x[a])), face));
             let (way, face) = ways.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            let depth = depth + way;
-            Some(Overlap {
-                bodies: [cell.body, bodies + index],
-                at,
-                depth,
-                relative: depth / face.size.min(face.thickness),
-                of_thickness: depth / face.thickness.min(topology.thick),
-                face: face.nodes,
-            })
+            Some(self.in_obstacle(face, index, (depth + way, at)))
         })
+    }
+
+    /// The overlap of a body with an obstacle, so deep (UL) at a place near a face of the body.
+    fn in_obstacle(
+        &self,
+        face: &topology::Face<D>,
+        index: usize,
+        (depth, at): (f64, Vector<D>),
+    ) -> Overlap<D> {
+        Overlap {
+            bodies: [face.body, self.orders.len() + index],
+            at,
+            depth,
+            relative: depth / face.size.min(face.thickness),
+            of_thickness: depth / face.thickness.min(self.topology.thick),
+            face: face.nodes,
+        }
     }
 
     /// All overlaps of bodies at positions `x` of all nodes (UL).
@@ -434,22 +431,26 @@ impl<const D: usize> Audit<D> {
         after: &[Vector<D>],
         granted: impl Fn([usize; 2]) -> f64,
     ) -> Option<Overlap<D>> {
-        let moved = before.iter().zip(after).map(|(a, b)| (b - a).norm());
-        let moved = moved.fold(0.0, f64::max);
-        let thinnest = self.topology.thinnest();
-        let stops = (moved / (Self::STRIDE * thinnest))
-            .ceil()
-            .min(Self::MOST_STOPS);
-        let at = |k: usize| {
+        let mut stops = self.stops(before, after, |_| true);
+        stops.find_map(|x| first_beyond(self.find_overlaps(&x), &granted))
+    }
+
+    /// The positions of all nodes (UL) at stops on their straight ways, which the longest of those that `counts` sets apart.
+    fn stops<'a>(
+        &self,
+        before: &'a [Vector<D>],
+        after: &'a [Vector<D>],
+        counts: impl Fn(usize) -> bool,
+    ) -> impl Iterator<Item = Vec<Vector<D>>> {
+        let way = move || before.iter().zip(after);
+        let ways = way().enumerate().filter(|(a, _)| counts(*a));
+        let moved = ways.map(|(_, (a, b))| (b - a).norm()).fold(0.0, f64::max);
+        let stops = (moved / (Self::STRIDE * self.topology.thinnest())).ceil();
+        let stops = stops.min(Self::MOST_STOPS);
+        (1..stops as usize).map(move |k| {
             let t = k as f64 / stops;
-            let way = before.iter().zip(after);
-            let x: Vec<_> = way.map(|(a, b)| a * (1.0 - t) + b * t).collect();
-            let mut overlaps = self.find_overlaps(&x).into_iter();
-            overlaps.find(|overlap| {
-                overlap.of_thickness > Overlap::<D>::LIMIT + granted(overlap.bodies)
-            })
-        };
-        (1..stops as usize).find_map(at)
+            way().map(|(a, b)| a * (1.0 - t) + b * t).collect()
+        })
     }
 
     /// As [`Audit::passage`], of the cores of obstacles through bodies: on the way as the obstacles see it, which have moved from where
@@ -461,27 +462,13 @@ impl<const D: usize> Audit<D> {
         from: f64,
         granted: impl Fn([usize; 2]) -> f64,
     ) -> Option<Overlap<D>> {
-        let thinnest = self.topology.thinnest();
         let through = |(index, blocks): (usize, &Blocks<D>)| {
             let then = blocks.obstacle.pose(from);
             let is_own = |a: usize| blocks.bodies[self.topology.body_of[a]];
             let before = before.iter().map(|x| blocks.pose.place(&then.back(x)));
             let before: Vec<_> = before.collect();
-            let ways = before.iter().zip(after).enumerate();
-            let moved = ways.filter(|(a, _)| is_own(*a));
-            let moved = moved.map(|(_, (a, b))| (b - a).norm());
-            let moved = moved.fold(0.0, f64::max);
-            let stops = (moved / (Self::STRIDE * thinnest)).ceil();
-            let stops = stops.min(Self::MOST_STOPS);
-            (1..stops as usize).find_map(|k| {
-                let t = k as f64 / stops;
-                let way = before.iter().zip(after);
-                let x: Vec<_> = way.map(|(a, b)| a * (1.0 - t) + b * t).collect();
-                let mut overlaps = self.around_obstacle(&x, index, blocks);
-                overlaps.find(|overlap| {
-                    overlap.of_thickness > Overlap::<D>::LIMIT + granted(overlap.bodies)
-                })
-            })
+            let mut stops = self.stops(&before, after, is_own);
+            stops.find_map(|x| first_beyond(self.around_obstacle(&x, index, blocks), &granted))
         };
         self.obstacles.iter().enumerate().find_map(through)
     }
@@ -603,6 +590,16 @@ impl<const D: usize> Audit<D> {
         }
         nearest
     }
+}
+
+/// The first overlap that is deeper than [`Overlap::LIMIT`] of the thickness and what is `granted` to the two bodies in addition.
+fn first_beyond<const D: usize>(
+    overlaps: impl IntoIterator<Item = Overlap<D>>,
+    granted: impl Fn([usize; 2]) -> f64,
+) -> Option<Overlap<D>> {
+    let limit = |bodies| Overlap::<D>::LIMIT + granted(bodies);
+    let mut overlaps = overlaps.into_iter();
+    overlaps.find(|overlap| overlap.of_thickness > limit(overlap.bodies))
 }
 
 /// The edges of a simplex from its first node, as columns (UL).

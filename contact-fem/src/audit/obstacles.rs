@@ -20,10 +20,10 @@ impl<const D: usize> Blocks<D> {
         Some((depth, self.pose.place(&at)))
     }
 
-    /// A point of a flat cell in the core of the obstacle, as [`core`], with its depth (UL).
-    pub fn core(&self, corners: &[Vector<D>]) -> Option<(f64, Vector<D>)> {
-        let corners: Vec<_> = corners.iter().map(|x| self.pose.back(x)).collect();
-        let (depth, at) = core(&corners, &self.obstacle)?;
+    /// A point of a flat cell, given by its first D + 1 corners, in the core of the obstacle, as [`core`], with its depth (UL).
+    pub fn core(&self, corners: [Vector<D>; 4]) -> Option<(f64, Vector<D>)> {
+        let corners = corners.map(|x| self.pose.back(&x));
+        let (depth, at) = core(&corners[..=D], &self.obstacle)?;
         Some((depth, self.pose.place(&at)))
     }
 }

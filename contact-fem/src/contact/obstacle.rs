@@ -244,8 +244,12 @@ impl<const D: usize> Obstacle<D> {
 
     /// The pseudo-times at which its ways are estimated before a run: to the end of its amplitudes' tables, and to 1 at least.
     pub(crate) fn times(&self) -> Vec<f64> {
-        let motions = self.motion.iter();
-        samples_with(motions.flat_map(Motion::knots))
+        samples_with(self.knots())
+    }
+
+    /// The times of the tables of its motion's amplitudes.
+    pub(crate) fn knots(&self) -> impl Iterator<Item = f64> + '_ {
+        self.motion.iter().flat_map(Motion::knots)
     }
 
     /// The centre of a ball whose first coordinate is not 0.

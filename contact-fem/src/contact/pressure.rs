@@ -97,7 +97,7 @@ impl<const D: usize> Pressed<'_, D> {
             mean - worth.clamp(-LARGEST_ADDITION * size, size)
         };
         let mut trial: Vec<f64> = (0..means.len()).map(at_node).collect();
-        // gaps that take all pressure of a surface are none that its forces know of
+        // where gaps would take all pressure of a surface, its forces alone count
         if !trial.iter().any(|p| *p > 0.0) {
             trial.clone_from(&means);
         }

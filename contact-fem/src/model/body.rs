@@ -264,9 +264,14 @@ impl<const D: usize> Body<D> {
         if !self.has_program() {
             return vec![1.0];
         }
+        samples_with(self.knots())
+    }
+
+    /// The times of the tables of all amplitudes.
+    pub(super) fn knots(&self) -> impl Iterator<Item = f64> + '_ {
         let loads = self.loads.iter().flat_map(|(_, load)| load.knots());
         let pressures = self.pressures.iter().flat_map(Pressure::knots);
-        samples_with(self.supports.knots().chain(loads).chain(pressures))
+        self.supports.knots().chain(loads).chain(pressures)
     }
 
     /// The displacements prescribed at a load factor (UL), as [`Body::prescribed`].

@@ -1,19 +1,19 @@
-//! How gaps of nodes are from the gaps of their rows.
+//! How far the gaps of nodes are from those of their rows, equation (5) of the paper.
 
 use super::consistent::{shares, test_nodes};
 use crate::contact::surface::Surface;
 use crate::element::{FacetRule, facet_shapes};
 
-/// A row whose test function has at least this share of its integral where there is a counterpart is whole; the rest is the error of
-/// quadrature.
+/// A row is whole if its points have at least this share of ∫ φ_i dS: quadrature may take the rest.
 const WHOLE: f64 = 0.99;
 
-/// At each node of `surface` by how much the gap of its row is above the mean that the `gaps` of nodes (UL), interpolated by the shape
-/// functions, have with its test function (UL). A row has the gaps of straight facets, which change between nodes with the curvature of the
-/// other surface. Where both surfaces touch all along, each node's gap is minus this.
+/// c_i − Σ_a ∫ φ_i N_a dS g_a / ∫ φ_i dS at each node of `surface` (UL): the gap c_i of its row less the mean of the nodes' gaps g_a with its
+/// test function φ_i, both over the reference surface. The two differ where the other surface is curved between the nodes. Where smooth
+/// surfaces touch everywhere, c_i is zero and all g_a have one value, which is minus this.
 ///
-/// `row` has the gap (UL) and the integral of the test function (UL or UL², reference) of the row of a node, if it has one. Nodes without a
-/// test function have what those of their edge interpolate. It is 0 where a part of the test function has no counterpart.
+/// `gaps` has g_a (UL). `row` has c_i (UL) and ∫ φ_i dS (UL in the plane, UL² in space and of revolution) over the points that have a
+/// counterpart, for each node that has a row. Nodes without a test function have the mean of the two ends of their edge. The result is 0 at
+/// nodes without a row, and where a part of the test function has no counterpart.
 pub fn row_offsets<const D: usize>(
     surface: &Surface<D>,
     gaps: &[Option<f64>],

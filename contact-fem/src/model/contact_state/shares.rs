@@ -188,16 +188,17 @@ impl<const D: usize> Problem<D> {
         (u, rows): (&[f64], &LinearGaps),
     ) -> Vec<f64> {
         if rows.sampling() == Sampling::Points {
-            return vec![0.0; gaps.len()];
+            return vec![0.0; gaps.len()]; // rows of points have no test functions
         }
-        let mut values = vec![0.0; rows.len()];
-        rows.value(u, &mut values);
-        let all = rows.keys().iter().zip(values).zip(rows.weights());
-        let own =
-            all.filter(|((key, _), _)| self.passes().get(key.pass as usize).is_some_and(&is_own));
-        let own: HashMap<usize, (f64, f64)> = own
-            .map(|((key, value), weight)| (key.node as usize, (value, *weight)))
-            .collect();
+        let passes = self.passes();
+        let all = rows.keys().iter().enumerate();
+        let own = all.filter(|(_, key)| passes.get(key.pass as usize).is_some_and(&is_own));
+        // its gap C u + c₀, and the integral of its test function
+        let own = own.map(|(i, key)| {
+            let gap = rows.constant()[i] + rows.matrix().times(i, u);
+            (key.node as usize, (gap, rows.weights()[i]))
+        });
+        let own: HashMap<usize, (f64, f64)> = own.collect();
         pressure::row_offsets(surface, gaps, |a| own.get(&surface.nodes()[a]).copied())
     }
 

@@ -44,6 +44,14 @@ impl<const D: usize> LoadStepped for Problem<D> {
         Ok(self.check_supports(ends)?)
     }
 
+    fn corners(&self) -> Vec<f64> {
+        let bodies = self.scene.bodies().iter().flat_map(|body| body.knots());
+        let obstacles = self.scene.obstacles().iter();
+        bodies
+            .chain(obstacles.flat_map(|own| own.knots()))
+            .collect()
+    }
+
     fn begin(
         &mut self,
         span: [f64; 2],
