@@ -176,7 +176,7 @@ impl<const D: usize> ContactProblem for Full<'_, D> {
             .collect();
         let x = if self.lean.is_exact() { X } else { &moved };
         let surfaces = self.lean.surfaces();
-        let masters: Vec<_> = surfaces.iter().map(|s| Master::new(s, x)).collect();
+        let masters: Vec<_> = surfaces.iter().map(|s| Master::new(s, x, Projection::AlongNormals)).collect();
         let unknowns = Unknowns {
             dofs: &self.dofs,
             supports: self.lean.dofs(),

@@ -5,15 +5,16 @@
 //! the master; it has a kink where the projection passes to the next facet. [`Integration::Exact`]
 //! divides the slave's facets there, as segment-based mortar methods do (M. A. Puso and T. A.
 //! Laursen, *A mortar segment-to-segment contact method for large deformation solid mechanics*,
-//! CMAME 193, 2004). The master's facets near a slave facet are projected on the plane of its
-//! corners, all along its normal, so that neighbours stay neighbours. Facets that do not face it,
+//! CMAME 193, 2004). The corners of the master's facets near a slave facet are projected on the plane of its
+//! corners: along the master's averaged normals, as the points of the slave are, or, where points have their feet at the closest
+//! points, all along the slave's normal. Neighbours stay neighbours. Facets that do not face it,
 //! or are nearly perpendicular to it, are left out. In the plane the projected ends divide the
-//! segment. In space the triangle is clipped (see `clip`), and the polygons are divided into
+//! segment, also a curved one. In space the triangle is clipped (see `clip`), and the polygons are divided into
 //! triangles. The parts that no facet covers are integrated, too: the projection of each of their
 //! points decides whether it counts.
 
 use super::clip::{Clipper, EMPTY, area, centroid, corners, fan, measure};
-use super::projection::{along_normal, interpolate};
+use super::projection::{Projection, along_normal, interpolate};
 use super::search::{Master, Seeker};
 use super::surface::Surface;
 use crate::element::{Facet, FacetRule};
@@ -114,11 +115,19 @@ impl<const D: usize> Cutter<D> {
         master: &Master<D>,
         seeker: &impl Fn(&Vector<D>) -> Seeker<'a, D>,
     ) -> &[(f64, Vector<D>)] {
-        self.cast(facet, master, &seeker(&Vector::repeat(1.0 / D as f64)));
+        let middle = seeker(&Vector::repeat(1.0 / D as f64));
         self.pieces.clear();
-        if D == 2 {
+        self.breaks.clear();
+        if D == 2 && master.by() == Projection::AlongNormals {
+            self.cast_ends(facet, master, &middle);
+            self.cut_segment();
+        } else if D == 2 {
+            self.cast(facet, master, &middle);
+            let ends = self.shadows.iter().flat_map(|(_, shadow)| shadow);
+            self.breaks.extend(ends.map(|end| end[1]));
             self.cut_segment();
         } else {
+            self.cast(facet, master, &middle);
             self.cut_triangle(|lambda| master.find(&seeker(lambda)).map(|p| p.facet));
         }
         self.points.clear();
@@ -132,24 +141,29 @@ impl<const D: usize> Cutter<D> {
         &self.points
     }
 
-    /// Projects those facets of the master that can contain the closest point of a point of
-    /// `facet`; `middle` is the centre of `facet`.
-    fn cast(&mut self, facet: &Facet<D>, master: &Master<D>, middle: &Seeker<'_, D>) {
-        self.shadows.clear();
+    /// A bound of the distance between a point of `facet` and the master's points close to it, by the triangle inequality;
+    /// `middle` is the centre of `facet`. `None` where all are out of reach.
+    fn distance(facet: &Facet<D>, master: &Master<D>, middle: &Seeker<'_, D>) -> Option<f64> {
         let distances = facet.nodes().iter().map(|x| (x - middle.x).norm());
         let radius = distances.fold(0.0, f64::max);
         let distance = master.distance(middle);
-        if distance > middle.reach + radius {
+        (distance <= middle.reach + radius).then_some(distance + 2.0 * radius)
+    }
+
+    /// Projects those facets of the master that can contain the foot of a point of `facet`.
+    fn cast(&mut self, facet: &Facet<D>, master: &Master<D>, middle: &Seeker<'_, D>) {
+        self.shadows.clear();
+        let Some(distance) = Self::distance(facet, master, middle) else {
             return;
-        }
-        // a bound by the triangle inequality, for every point of the facet
-        let near = master.within(&middle.x, distance + 2.0 * radius);
+        };
         let corners = facet.corners();
         let own_measure = facet_normal(&corners).norm();
-        let shadows = near.filter_map(|(index, other)| {
-            let other = other.corners();
-            let shadow = other.map(|x| along_normal(&x, &corners));
-            let least = EDGE_ON * facet_normal(&other).norm() / own_measure;
+        let shadows = master.within(&middle.x, distance).filter_map(|(index, other)| {
+            let shadow = match master.by() {
+                Projection::AlongNormals => shadow_along_normals(index, master, &corners)?,
+                Projection::Closest => other.corners().map(|x| along_normal(&x, &corners)),
+            };
+            let least = EDGE_ON * facet_normal(&other.corners()).norm() / own_measure;
             faces(&shadow, least).then_some((index, shadow))
         });
         self.shadows.extend(shadows);
@@ -157,12 +171,27 @@ impl<const D: usize> Cutter<D> {
         self.shadows.sort_unstable_by_key(|(index, _)| *index);
     }
 
-    /// Divides a segment at the projected ends of the master's facets.
+    /// Finds where a segment is met by the normals of the master's nodes: between those, all feet are on one facet.
+    fn cast_ends(&mut self, facet: &Facet<D>, master: &Master<D>, middle: &Seeker<'_, D>) {
+        let Some(distance) = Self::distance(facet, master, middle) else {
+            return;
+        };
+        let at = |t: f64| facet.point(&Vector::from_fn(|i, _| if i == 0 { 1.0 - t } else { t }));
+        let points = [0.0, 0.5, 1.0].map(at);
+        let surface = master.moving();
+        for (index, _) in master.within(&middle.x, distance) {
+            for &b in &surface.surface().facet(index)[..D] {
+                let (x, n) = (surface.positions()[b], surface.normals()[b]);
+                let beside = points.map(|y| (y[0] - x[0]) * n[1] - (y[1] - x[1]) * n[0]);
+                let is_near = |t: &f64| (at(*t) - x).norm() <= distance;
+                self.breaks.extend(zeros(beside).filter(is_near));
+            }
+        }
+    }
+
+    /// Divides a segment at the breaks.
     fn cut_segment(&mut self) {
-        let ends = self.shadows.iter().flat_map(|(_, shadow)| shadow);
-        let inside = ends.map(|end| end[1]).filter(|t| *t > 0.0 && *t < 1.0);
-        self.breaks.clear();
-        self.breaks.extend(inside);
+        self.breaks.retain(|t| *t > 0.0 && *t < 1.0);
         self.breaks.push(1.0);
         self.breaks.sort_unstable_by(f64::total_cmp);
         let at = |t: f64| Vector::from_fn(|i, _| if i == 0 { 1.0 - t } else { t });
@@ -215,6 +244,38 @@ impl<const D: usize> Cutter<D> {
         }
         self.pieces.append(&mut self.clipper.rest);
     }
+}
+
+/// The corners of a facet of the master where their averaged normals pass through the plane of `corners`; `None` where one
+/// is nearly parallel to that plane.
+fn shadow_along_normals<const D: usize>(
+    index: usize,
+    master: &Master<D>,
+    corners: &[Vector<D>; D],
+) -> Option<[Vector<D>; D]> {
+    let plane = facet_normal(corners);
+    let surface = master.moving();
+    let mut shadow = [Vector::zeros(); D];
+    for (own, &b) in shadow.iter_mut().zip(surface.surface().facet(index)) {
+        let (x, n) = (surface.positions()[b], surface.normals()[b]);
+        let towards = -n.dot(&plane);
+        if !(towards > EDGE_ON * plane.norm()) {
+            return None;
+        }
+        let away = (x - corners[0]).dot(&plane) / towards;
+        *own = along_normal(&(x + n * away), corners);
+    }
+    Some(shadow)
+}
+
+/// The zeros of the parabola with these values at 0, ½ and 1.
+fn zeros([first, middle, last]: [f64; 3]) -> impl Iterator<Item = f64> {
+    let bend = 2.0 * (first - 2.0 * middle + last);
+    let slope = last - first - bend;
+    let root = (slope * slope - 4.0 * bend * first).sqrt();
+    // without cancellation; one of them is infinite on a line, and both are NaN where there is none
+    let sum = -0.5 * (slope + root.copysign(slope));
+    [sum / bend, first / sum].into_iter()
 }
 
 /// Whether a shadow belongs to a facet that faces the slave's, and is larger than `least`.
@@ -319,6 +380,8 @@ mod tests {
             (3, shadow(9.0, 1.0)),
             (4, shadow(f64::NAN, f64::NAN)),
         ];
+        let ends = cutter.shadows.iter().flat_map(|(_, shadow)| shadow);
+        cutter.breaks.extend(ends.map(|end| end[1]));
         cutter.cut_segment();
         let ends: Vec<[f64; 2]> = cutter.pieces.iter().map(|p| [p[0][1], p[1][1]]).collect();
         assert_eq!(ends.len(), 3, "{ends:?}");
@@ -340,8 +403,20 @@ mod tests {
         master: (&Surface<D>, &[Vector<D>]),
         gap: f64,
     ) -> (usize, usize) {
+        let found = [Projection::Closest, Projection::AlongNormals]
+            .map(|by| points_by_piece_found(slave, master, gap, by));
+        assert_eq!(found[0], found[1], "on flat surfaces, feet are the same");
+        found[0]
+    }
+
+    fn points_by_piece_found<const D: usize>(
+        slave: (&Surface<D>, &[Vector<D>]),
+        master: (&Surface<D>, &[Vector<D>]),
+        gap: f64,
+        by: Projection,
+    ) -> (usize, usize) {
         let (slave, at) = slave;
-        let master = Master::new(&Arc::new(master.0.clone()), master.1);
+        let master = Master::new(&Arc::new(master.0.clone()), master.1, by);
         let mut points = Points::new(Integration::Exact, slave, master.surface());
         let (mut all, mut counted) = (0, 0);
         for facet in slave.facets_at(&slave.gather(at)) {
@@ -460,7 +535,7 @@ mod tests {
         }
         let facets = facets.iter().map(|f| &f[..]);
         let master = Surface::new(1, Order::Linear, facets, &nodes);
-        let master = Master::new(&Arc::new(master), &nodes);
+        let master = Master::new(&Arc::new(master), &nodes, Projection::Closest);
         let ends = [[1.0, 0.0], [-1.0, 0.0]].map(Vector::<2>::from);
         let facet = Facet::gather(Order::Linear, &[0, 1], &ends);
         let seeker = |lambda: &Vector<2>| Seeker {

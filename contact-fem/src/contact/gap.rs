@@ -7,15 +7,18 @@
 //! g(x) = p·n,  p = x_q − x̄(λ*),  n = m/|m|,  m = Σ_b N_b(λ*) n_b(x),
 //!
 //! where x̄(λ) = Σ_b N_b(λ) x_b is the master's facet, n_b(x) its averaged normals (see
-//! [`normals`](super::normals)) and λ*(x) the closest point: p·∂x̄/∂λ·v = 0 for all v with Σv = 0 that
-//! keep it on the side of the facet or in the corner where it is. Write ,k for ∂/∂λ_k, t_k = x̄,k and
-//! δ for the derivative along a change of x.
+//! [`normals`](super::normals)) and λ*(x) the foot. Write ,k for ∂/∂λ_k, t_k = x̄,k and
+//! δ for the derivative along a change of x. A = (I − n nᵀ)/|m| is the derivative of n by m.
+//!
+//! # The closest point
+//!
+//! p·∂x̄/∂λ·v = 0 for all v with Σv = 0 that keep λ* on the side of the facet or in the corner where it is.
 //!
 //! **Foot.** H_kj = t_k·t_j − p·x̄,kj is the Hessian of ½|p|², and K = V (VᵀHV)⁻¹ Vᵀ its inverse on the
 //! span of the v. The implicit function theorem gives δλ = Kρ with
 //! ρ_k = t_k·(δx_q − Σ N_b δx_b) + p·Σ N_b,k δx_b.
 //!
-//! **First derivative.** With A = (I − n nᵀ)/|m|, w = Ap, the slope γ_k = w·m,k − n·t_k of p·n along the
+//! **First derivative.** With w = Ap, the slope γ_k = w·m,k − n·t_k of p·n along the
 //! facet, μ = Kγ and q = n + Σ μ_k t_k:
 //!
 //! δg = q·(δx_q − Σ N_b δx_b) + p·Σ μ_k N_b,k δx_b + w·Σ N_b δn_b.
@@ -32,11 +35,33 @@
 //! where S = −(p nᵀ + n pᵀ + p·n (I − 3 n nᵀ))/|m|² is the second derivative of p·m/|m|, and δp, δm and
 //! δt_k are of first order and with δλ in them.
 //!
-//! ∇²g is symmetric. The derivative of the frozen gradient is not: contact forces with held
-//! projections, as in the paper, are not the gradient of a potential of x. While the foot stays on
-//! one facet, and in its interior, on one side or in one corner, g is as smooth as the surface,
+//! While the foot stays on one facet, and in its interior, on one side or in one corner, g is as smooth as the surface,
 //! unless a facet has no area or normals cancel. g is discontinuous where the foot jumps to another
-//! facet; ∇g is where the foot crosses a common side to a neighbour. Exact integration cuts the
+//! facet; ∇g is where the foot crosses a common side to a neighbour.
+//!
+//! # Along normals
+//!
+//! p − g n = 0. Let B have the columns (t_k + g A m,k) v_k and n, for a basis v of the changes of λ, and let the rows of B⁻¹ be R_k
+//! and, for n, q: q·n = 1, and q is orthogonal to what the foot sweeps.
+//!
+//! **Foot.** δλ = R (δx_q − Σ N_b δx_b − g A Σ N_b δn_b).
+//!
+//! **First derivative.** With w = −g A q,
+//!
+//! δg = q·(δx_q − Σ N_b δx_b) + w·Σ N_b δn_b.
+//!
+//! **Second derivative.** q makes L = g + q·(p − g n) stationary in λ and g:
+//!
+//! δ²g = −2 δg q·A δm + δm·S δm + Σ N_b w·δ²n_b
+//!     + 2 Σ_j δλ_j Σ_b (−N_b,j q·δx_b + N_b,j w·δn_b)
+//!     + Σ_kj δλ_k δλ_j (w·m,kj − q·x̄,kj),
+//!
+//! where S is −g times the second derivative of q·m/|m|. g is continuous across sides; ∇g is not, by the gap times the change of slope.
+//!
+//! # Both
+//!
+//! ∇²g is symmetric. The derivative of the frozen gradient is not: contact forces with held
+//! projections, as in the paper, are not the gradient of a potential of x. Exact integration cuts the
 //! slave's facets at positions that move with x; the derivatives of ξ and of the weight are not
 //! part of ∇g.
 
@@ -45,6 +70,7 @@ pub(super) mod foot;
 use foot::Foot;
 
 use super::obstacle::Placed;
+use super::projection::Projection;
 use super::stencil::{Against, Stencil};
 use crate::element::{FacetShapes, MAX_FACET_NODES, facet_slopes};
 use crate::tensor::{Matrix, Vector};
@@ -283,22 +309,31 @@ impl<const D: usize> MovingGap<D> {
 
     /// The forms that contain δλ.
     fn follow_the_foot(&mut self, foot: &Foot<'_, D>) {
-        let (A, S) = (foot.m.slope(), foot.m.curvature(&foot.p));
+        let (A, S) = (foot.m.slope(), foot.curvature());
+        let along_normals = foot.by == Projection::AlongNormals;
+        if along_normals {
+            self.near = self.nodes.len();
+        }
         // Σ_k μ_k x̄,kj as columns, and half of the factor of δλ_k δλ_j
         let mut t_bends = Matrix::<D>::zeros();
         for (forms, x) in self.forms.iter().zip(foot.x.nodes()) {
             t_bends += x * forms.bends.transpose();
         }
         let half = (foot.normals.curvature(&foot.w) - foot.x.curvature(&foot.q)) * 0.5;
-        for forms in &mut self.forms {
-            forms.lambda = foot.t.transpose() * forms.shape + forms.slopes * foot.p.transpose();
-            forms.lambda = foot.K * forms.lambda;
-            forms.p = Matrix::identity() * forms.shape - foot.t * forms.lambda;
+        for (forms, gradient) in self.forms.iter_mut().zip(&self.gradient) {
+            forms.lambda = foot.lambda(forms.shape, &forms.slopes);
+            forms.lambda += foot.lambda_by_normals() * forms.m;
             forms.m += foot.m_slopes * forms.lambda;
             forms.n = A * forms.m;
             forms.s = S * forms.m;
-            let t = Matrix::identity() * forms.slopes.dot(&foot.mu) + t_bends * forms.lambda;
-            forms.r = forms.n + t;
+            if along_normals {
+                forms.p = self.n * gradient.transpose();
+                forms.r = self.n * forms.n.tr_mul(&foot.q).transpose() * -1.0;
+            } else {
+                forms.p = Matrix::identity() * forms.shape - foot.t * forms.lambda;
+                let t = Matrix::identity() * forms.slopes.dot(&foot.mu) + t_bends * forms.lambda;
+                forms.r = forms.n + t;
+            }
             forms.c -= forms.slopes * foot.q.transpose();
             forms.c += forms.bends * foot.p.transpose() + half * forms.lambda;
         }

@@ -3,6 +3,7 @@
 //! [`stencil`] → [`rows`]; derivatives that follow the projection: [`gap`]. On a rigid [`obstacle`], distances take the place
 //! of the search.
 
+mod along_normals;
 mod clip;
 mod closed_surface;
 pub mod cut;
@@ -25,6 +26,7 @@ pub use cut::Integration;
 pub use gap::MovingGap;
 pub use moving::Moving;
 pub use obstacle::Obstacle;
+pub use projection::Projection;
 pub use rows::Pass;
 pub use search::Master;
 pub use stencil::{Against, Stencil};

@@ -13,7 +13,7 @@ use rstar::{AABB, RTree};
 
 use super::normals;
 use super::obstacle::Placed;
-use super::projection::{along_normal, closest, interpolate};
+use super::projection::{Projection, along_normal, closest, interpolate};
 use super::search::{Master, Seeker};
 use super::surface::Surface;
 use crate::program::Pose;
@@ -79,7 +79,7 @@ impl<const D: usize> Motion<'_, D> {
         if leaving.is_empty() {
             return None;
         }
-        let before = Master::new(master, self.before);
+        let before = Master::new(master, self.before, Projection::Closest);
         let normals = normals::averaged(slave, &slave.gather(self.before));
         let through = leaving.into_iter().filter_map(|(k, mut crossings)| {
             crossings.sort_by(|a, b| a.time.total_cmp(&b.time));

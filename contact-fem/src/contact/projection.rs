@@ -1,7 +1,19 @@
-//! The closest point on one facet.
+//! How points are projected, and the closest point on one facet.
 
 use crate::element::Facet;
 use crate::tensor::{Matrix, Vector, facet_normal};
+
+/// Where a point of a slave has its foot on the master.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Projection {
+    /// Where the interpolated averaged normal of the master passes through the point: x = x̄ + g n. This foot is continuous in the
+    /// state, across the edges of facets, too.
+    #[default]
+    AlongNormals,
+    /// At the closest point of the master, as in the paper. From inside an edge of the master, it jumps from one facet to the
+    /// next where it is equally close to both, by the gap times the angle of the edge. At isolated loads there is no equilibrium then.
+    Closest,
+}
 
 /// Barycentric coordinates (D of them, ≥ 0, sum 1) of the closest point to `x` on a flat or curved
 /// facet.

@@ -41,14 +41,16 @@ impl Unknowns<'_> {
     }
 }
 
+/// Rows lean on their neighbours where less than this share of their test function is opposite the master.
+const LEANS: f64 = 0.25;
+
 /// One constraint during summation, in terms of nodes: c = Σ_a coefficient_a · (X_a + u_a) + constant.
 #[derive(Clone, Debug, Default)]
 struct NodalRow<const D: usize> {
     /// (scene node, coefficient); a node may appear more than once until they are merged.
     terms: Vec<(usize, Vector<D>)>,
-    /// a_i = Σ_q w_q φ_i(q) and Σ_q w_q |φ_i(q)| over the points that count.
+    /// a_i = Σ_q w_q φ_i(q) over the points that count.
     area: f64,
-    magnitude: f64,
     /// What the terms leave out of the gap (UL).
     constant: f64,
     /// What is added to the gap (UL).
@@ -60,12 +62,64 @@ struct NodalRow<const D: usize> {
 /// c_i(u) = 1/a_i Σ_q w_q φ_i(q) (x_q(u) − x̄_q(u))·n_q, equation (5) of the paper, with η*_q and
 /// n_q frozen at `x` and w_q the weight times the reference measure. With sampling at points, each
 /// row is the gap of one point, and a_i its w_q.
+///
+/// # Rims
+///
+/// Where the master ends, a_i is less than A_i = ∫ φ_i, and it may fall to zero as the bodies slide. A row that left then would
+/// leave with its force. Below a_i = A_i/4, therefore, a row leans on its neighbours j: with s_i = 4 a_i/A_i, from 0 to 1, its test function
+/// is
+///
+/// s_i φ_i + (1 − s_i) Σ_j s_j φ_j,
+///
+/// so that a row that leaves has become one of its neighbours. Corner functions of a quadratic segment are negative on its far half,
+/// where a_i may be negative and s_i is 0.
 pub struct PassRows<'a, const D: usize> {
     sampling: Sampling,
     stencils: Vec<Stencil<'a, D>>,
     /// The keys of the rows: scene nodes, or numbers of integration points.
     names: Vec<usize>,
     rows: Vec<NodalRow<D>>,
+    leaning: Leaning,
+}
+
+/// The rows that lean on their neighbours.
+#[derive(Default)]
+struct Leaning {
+    /// s_i of every row; empty where none leans.
+    own: Vec<f64>,
+    /// (j, i, (1 − s_i) s_j): test function j is a part of row i. Ascending.
+    on: Vec<(usize, usize, f64)>,
+}
+
+impl Leaning {
+    /// For rows with these a_i.
+    fn new<const D: usize>(slave: &Surface<D>, rows: &[NodalRow<D>]) -> Self {
+        let areas = rows.iter().zip(slave.test_areas());
+        let own = areas.map(|(row, whole)| (row.area / (LEANS * whole)).clamp(0.0, 1.0));
+        let own: Vec<f64> = own.collect();
+        let mut on = Vec::new();
+        for (i, row) in rows.iter().enumerate() {
+            if own[i] < 1.0 && !row.terms.is_empty() {
+                let others = slave.test_neighbours(i).into_iter();
+                let others = others.map(|j| (j, i, (1.0 - own[i]) * own[j]));
+                on.extend(others.filter(|(.., share)| *share > 0.0));
+            }
+        }
+        on.sort_unstable_by_key(|(j, i, _)| (*j, *i));
+        match own.iter().zip(rows).all(|(s, row)| *s == 1.0 || row.terms.is_empty()) {
+            true => Leaning::default(),
+            false => Leaning { own, on },
+        }
+    }
+
+    /// The rows of which test function `j` is a part, and with what factors.
+    fn rows_of(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let own = self.own.get(j).copied().unwrap_or(1.0);
+        let first = self.on.partition_point(|(k, ..)| *k < j);
+        let others = self.on[first..].iter().take_while(move |(k, ..)| *k == j);
+        let others = others.map(|(_, i, share)| (*i, *share));
+        std::iter::once((j, own)).filter(|(_, s)| *s > 0.0).chain(others)
+    }
 }
 
 impl<'a, const D: usize> PassRows<'a, D> {
@@ -90,12 +144,25 @@ impl<'a, const D: usize> PassRows<'a, D> {
                 rows[i].add(w, stencil.frozen_gradient(), stencil.frozen_constant());
             }
         }
+        let leaning = match sampling {
+            Sampling::Nodes => Leaning::new(slave, &rows),
+            Sampling::Points => Leaning::default(),
+        };
+        if !leaning.own.is_empty() {
+            let mut leant = vec![NodalRow::default(); rows.len()];
+            for (j, row) in rows.iter().enumerate() {
+                let parts = leaning.rows_of(j);
+                parts.for_each(|(i, share)| leant[i].add_row(row, share));
+            }
+            rows = leant;
+        }
         rows.iter_mut().for_each(NodalRow::normalize);
         PassRows {
             sampling,
             stencils,
             names,
             rows,
+            leaning,
         }
     }
 
@@ -124,7 +191,10 @@ impl<'a, const D: usize> PassRows<'a, D> {
         &self,
     ) -> impl Iterator<Item = (&Stencil<'a, D>, impl Iterator<Item = (usize, f64)> + '_)> {
         let with_shares = move |(q, stencil)| {
-            let shares = shares(self.sampling, q, stencil);
+            let shares = shares(self.sampling, q, stencil).flat_map(|(j, w)| {
+                let rows = self.leaning.rows_of(j);
+                rows.map(move |(i, share)| (i, w * share))
+            });
             let supported = shares.filter(|&(i, _)| self.rows[i].has_support());
             let of_row = |(i, w): (usize, f64)| (self.names[i], w / self.rows[i].area);
             (stencil, supported.map(of_row))
@@ -211,16 +281,20 @@ impl<const D: usize> NodalRow<D> {
     fn add(&mut self, w: f64, terms: impl Iterator<Item = (usize, Vector<D>)>, constant: f64) {
         self.area += w;
         self.constant += w * constant;
-        self.magnitude += w.abs();
         self.terms.extend(terms.map(|(a, c)| (a, c * w)));
     }
 
-    /// Whether enough points count for a_i to be a proper weight. The corner functions of a
-    /// quadratic segment are negative on its far half: if the master ends within the segment, the
-    /// weighted sum of gaps is no mean. Over a whole segment Σ w φ and Σ w |φ| are in the ratio 2 :
-    /// 3.
+    /// Adds a share of another row.
+    fn add_row(&mut self, other: &NodalRow<D>, share: f64) {
+        let terms = other.terms.iter().map(|(a, c)| (*a, c * share));
+        self.terms.extend(terms);
+        self.area += share * other.area;
+        self.constant += share * other.constant;
+    }
+
+    /// Whether any point counts.
     fn has_support(&self) -> bool {
-        self.area > self.magnitude / 3.0
+        self.area > 0.0
     }
 
     /// Merges the terms of each node and divides by a_i: c_i is then a length and λ_i a force.
@@ -233,10 +307,10 @@ impl<const D: usize> NodalRow<D> {
             }
             same
         });
-        for term in &mut self.terms {
-            term.1 /= self.area;
+        if self.has_support() {
+            self.terms.iter_mut().for_each(|term| term.1 /= self.area);
+            self.constant /= self.area;
         }
-        self.constant /= self.area;
     }
 }
 
@@ -246,7 +320,7 @@ mod tests {
 
     use super::*;
     use crate::contact::stencil::projected;
-    use crate::contact::{Integration, Master};
+    use crate::contact::{Integration, Master, Projection};
     use crate::element::Order;
 
     /// One quadratic segment from x = 0 to 1 on a longer one, with points at ξ. A width of 1 at its first
@@ -267,7 +341,7 @@ mod tests {
             Surface::new(body, Order::Quadratic, facets.into_iter(), &x)
         };
         let (slave, master) = (surface(0, [0, 1, 2]), Arc::new(surface(1, [3, 4, 5])));
-        let master = Master::new(&master, &x);
+        let master = Master::new(&master, &x, Projection::AlongNormals);
         let points = projected(&slave, &master, &x, Integration::Gauss(6), 1.0);
         assert_eq!(points.len(), 6);
         let all_free = DofMap::new(&[false; 12]);

@@ -3,8 +3,10 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::along_normals::{self, Foot};
 use super::moving::Moving;
 use super::normals;
+use super::projection::Projection;
 use super::surface::Surface;
 use super::tree::{Closest, FacetTree};
 use crate::element::{Facet, facet_shapes};
@@ -16,11 +18,14 @@ pub struct Master<const D: usize> {
     /// The tree is built by the first search.
     tree: OnceLock<FacetTree<D>>,
     facet_size: f64,
+    projection: Projection,
 }
 
-/// The projection of a point x: the closest point x̄ of a master surface.
+/// The projection of a point x: its foot x̄ on a master surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Projection<const D: usize> {
+pub struct FootPoint<const D: usize> {
+    /// How it was found. Where a point has no foot along normals, this is [`Projection::Closest`].
+    pub by: Projection,
     /// The index of the facet.
     pub facet: usize,
     /// η*: the barycentric coordinates of x̄ on the facet.
@@ -65,6 +70,24 @@ pub struct Own<'a, const D: usize> {
     pub nodes: &'a [usize],
 }
 
+/// What a point must face its foot by to count in full: the cosine between the slave's normal and the master's, reversed.
+const FACING: f64 = 0.2;
+/// The share of the search radius within which points lose their weight.
+const FAR: f64 = 0.1;
+
+impl<const D: usize> Seeker<'_, D> {
+    /// The share of its weight with which a point counts. It falls to zero towards the search radius, and where slave and
+    /// master are at right angles, so that no point leaves its row at once.
+    pub(super) fn share(&self, p: &FootPoint<D>) -> f64 {
+        let facing = -self.facing.dot(&p.normal) / self.facing.norm();
+        let near = match self.reach.is_finite() {
+            true => (self.reach - p.distance) / (FAR * self.reach),
+            false => 1.0,
+        };
+        (facing / FACING).clamp(0.0, 1.0) * near.clamp(0.0, 1.0)
+    }
+}
+
 impl<const D: usize> Master<D> {
     /// The tolerance of a projection beyond the rim, as a share of the facet size: a larger
     /// tangential offset is off the end.
@@ -85,13 +108,19 @@ impl<const D: usize> Master<D> {
     /// surfaces slide on each other, most of the path is along them.
     const THROUGH: f64 = 0.5;
 
-    /// At positions `x` of all scene nodes.
-    pub fn new(surface: &Arc<Surface<D>>, x: &[Vector<D>]) -> Self {
+    /// At positions `x` of all scene nodes, with feet by `projection`.
+    pub fn new(surface: &Arc<Surface<D>>, x: &[Vector<D>], projection: Projection) -> Self {
         Master {
             moving: Moving::new(surface, x),
             tree: OnceLock::new(),
             facet_size: surface.facet_size(),
+            projection,
         }
+    }
+
+    /// How points find their feet.
+    pub(super) fn by(&self) -> Projection {
+        self.projection
     }
 
     /// The surface's positions and normals.
@@ -114,24 +143,24 @@ impl<const D: usize> Master<D> {
             .get_or_init(|| FacetTree::new(self.surface().facets_at(self.moving.positions())))
     }
 
-    /// The closest point to `x`, or `None` if the surface has no facets.
-    pub fn project(&self, x: &Vector<D>) -> Option<Projection<D>> {
+    /// The foot of `x` nearby its closest point, or `None` if the surface has no facets.
+    pub fn project(&self, x: &Vector<D>) -> Option<FootPoint<D>> {
         let closest = self.tree().nearest(x)?;
-        Some(self.projection(&closest, x))
+        Some(self.foot(&closest, x))
     }
 
-    /// The point that `seeker` must not penetrate, or `None`. It is the closest point of the
+    /// The foot of the point that `seeker` must not penetrate, or `None`. It is the one nearby the closest point of the
     /// surface if that counts: it is within the search radius, not off the master's end, faces the
     /// seeker, and is not separated from it by material. If the seeker is inside a body beyond its
     /// middle, the closest point is on the far side: then it is the closest one that counts and is a
     /// local minimum of the distance. On the seeker's own body it is the closest
     /// of those points that count, are on no facet of the neighbourhood, and are local minima of
     /// the distance.
-    pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<Projection<D>> {
+    pub fn find(&self, seeker: &Seeker<'_, D>) -> Option<FootPoint<D>> {
         if self.tree().is_beyond(&seeker.x, seeker.reach) {
             return None;
         }
-        let counts = |p: &Projection<D>| {
+        let counts = |p: &FootPoint<D>| {
             p.distance <= seeker.reach
                 && !p.off_the_end
                 && seeker.facing.dot(&p.normal) < 0.0
@@ -146,8 +175,9 @@ impl<const D: usize> Master<D> {
             }
             let behind = self.tree().by_distance(&seeker.x, seeker.reach);
             return behind
-                .map(|closest| self.projection(&closest, &seeker.x))
-                .find(|p| counts(p) && self.is_local_minimum(p, &seeker.x));
+                .map(|closest| (closest, self.foot(&closest, &seeker.x)))
+                .find(|(closest, p)| counts(p) && self.is_local_minimum(closest, &seeker.x))
+                .map(|(_, p)| p);
         };
         let is_own = |node: usize| own.nodes.iter().any(|&a| own.surface.nodes()[a] == node);
         let neighbour = |facet: usize| {
@@ -157,13 +187,15 @@ impl<const D: usize> Master<D> {
         let nearest = self.tree().by_distance(&seeker.x, seeker.reach);
         nearest
             .filter(|closest| !neighbour(closest.leaf.index))
-            .map(|closest| self.projection(&closest, &seeker.x))
-            .find(|p| counts(p) && self.is_local_minimum(p, &seeker.x))
+            .map(|closest| (closest, self.foot(&closest, &seeker.x)))
+            .find(|(closest, p)| counts(p) && self.is_local_minimum(closest, &seeker.x))
+            .map(|(_, p)| p)
+            .filter(|p| !neighbour(p.facet))
     }
 
     /// Whether material lies between the seeker and the closest point, of its own body or of the
     /// other one. The surface is then seen from behind, as the top of a slab is from below.
-    fn is_through_material(&self, p: &Projection<D>, seeker: &Seeker<'_, D>) -> bool {
+    fn is_through_material(&self, p: &FootPoint<D>, seeker: &Seeker<'_, D>) -> bool {
         if p.gap >= 0.0 {
             return false;
         }
@@ -183,23 +215,26 @@ impl<const D: usize> Master<D> {
         p.distance > Self::MATERIAL * length && starts.max(ends) > least
     }
 
-    /// Whether the projection is a local minimum of the distance: no adjacent facet has a point
+    /// Whether the closest point of a facet is a local minimum of the distance: no adjacent facet has a point
     /// closer to `x`.
-    fn is_local_minimum(&self, p: &Projection<D>, x: &Vector<D>) -> bool {
-        let inner = p.lambda.iter().all(|&l| l > 0.0);
-        if inner || p.distance <= Self::CLOSED * self.facet_size {
+    fn is_local_minimum(&self, closest: &Closest<'_, D>, x: &Vector<D>) -> bool {
+        let Closest { leaf, lambda, .. } = closest;
+        let inner = lambda.iter().all(|&l| l > 0.0);
+        let foot = leaf.facet.point(lambda);
+        let distance = (x - foot).norm();
+        if inner || distance <= Self::CLOSED * self.facet_size {
             return true;
         }
-        let nodes = self.surface().facet(p.facet);
-        let closer = p.distance * (1.0 - Self::OFF_THE_END);
+        let nodes = self.surface().facet(leaf.index);
+        let closer = distance * (1.0 - Self::OFF_THE_END);
         let mut others = self
             .tree()
-            .at(&p.foot, Self::OFF_THE_END * self.facet_size)
-            .filter(|leaf| {
-                let others = self.surface().facet(leaf.index);
-                leaf.index != p.facet && others.iter().any(|a| nodes.contains(a))
+            .at(&foot, Self::OFF_THE_END * self.facet_size)
+            .filter(|other| {
+                let others = self.surface().facet(other.index);
+                other.index != leaf.index && others.iter().any(|a| nodes.contains(a))
             });
-        !others.any(|leaf| leaf.distance(x) < closer)
+        !others.any(|other| other.distance(x) < closer)
     }
 
     /// The distance of `seeker` from the surface (UL). On its own body, the distance from the point
@@ -222,33 +257,58 @@ impl<const D: usize> Master<D> {
         near.map(|leaf| (leaf.index, &leaf.facet))
     }
 
-    fn projection(&self, closest: &Closest<'_, D>, x: &Vector<D>) -> Projection<D> {
-        let Closest { leaf, lambda, .. } = *closest;
-        let foot = leaf.facet.point(&lambda);
-        let offset = x - foot;
-        let nodes = self.surface().facet(leaf.index);
-        let mut normal = Vector::<D>::zeros();
+    /// The foot of `x` nearby the closest point of a facet.
+    fn foot(&self, closest: &Closest<'_, D>, x: &Vector<D>) -> FootPoint<D> {
+        let nearby = (closest.leaf.index, closest.lambda);
+        let along_normals = match self.projection {
+            Projection::AlongNormals => along_normals::foot(&self.moving, x, nearby),
+            Projection::Closest => Foot::None,
+        };
+        match along_normals {
+            Foot::On(facet, lambda) => FootPoint {
+                by: Projection::AlongNormals,
+                ..self.at(facet, lambda, x)
+            },
+            Foot::OffTheEnd => FootPoint {
+                off_the_end: true,
+                ..self.at(nearby.0, nearby.1, x)
+            },
+            Foot::None => FootPoint {
+                off_the_end: self.is_off_the_end(closest, x),
+                ..self.at(nearby.0, nearby.1, x)
+            },
+        }
+    }
+
+    /// With the foot at λ on a facet.
+    fn at(&self, facet: usize, lambda: Vector<D>, x: &Vector<D>) -> FootPoint<D> {
+        let nodes = self.surface().facet(facet);
         let N = facet_shapes(self.surface().order(), &lambda);
+        let (mut foot, mut normal) = (Vector::<D>::zeros(), Vector::<D>::zeros());
         for (N, &a) in N.iter().zip(nodes) {
+            foot.axpy(*N, &self.moving.positions()[a], 1.0);
             normal.axpy(*N, &self.normals()[a], 1.0);
         }
         let normal = normals::unit(normal);
-        Projection {
-            facet: leaf.index,
+        let offset = x - foot;
+        FootPoint {
+            by: Projection::Closest,
+            facet,
             lambda,
             foot,
             normal,
             distance: offset.norm(),
             gap: offset.dot(&normal),
-            off_the_end: self.is_off_the_end(closest, &offset),
+            off_the_end: false,
         }
     }
 
-    fn is_off_the_end(&self, closest: &Closest<'_, D>, offset: &Vector<D>) -> bool {
+    fn is_off_the_end(&self, closest: &Closest<'_, D>, x: &Vector<D>) -> bool {
         let Closest { leaf, lambda, .. } = closest;
         if !self.surface().is_rim(leaf.index, lambda) {
             return false;
         }
+        let offset = x - leaf.facet.point(lambda);
         let tangent = leaf.facet.tangent(lambda);
         let n = normals::unit(facet_normal(&tangent));
         let size = (tangent[1] - tangent[0]).norm();
@@ -371,7 +431,7 @@ mod tests {
         let mesh = cylinder(1.0, 1.0, 3, 1).expect("mesh");
         let facets = mesh.boundary("top").expect("named");
         let top = Surface::new(0, Order::Linear, facets.iter().copied(), mesh.nodes());
-        let master = Master::new(&Arc::new(top), mesh.nodes());
+        let master = Master::new(&Arc::new(top), mesh.nodes(), Projection::Closest);
         for k in 0..3600 {
             let angle = std::f64::consts::TAU * f64::from(k) / 3600.0;
             let x = Vector::<3>::new(1.1 * angle.cos(), 1.1 * angle.sin(), 1.01);
@@ -388,7 +448,7 @@ mod tests {
         let in_the_middle = |mesh: &Mesh<2>, boundary: &str| -> Vec<f64> {
             let facets = mesh.boundary(boundary).expect("named");
             let surface = Surface::new(0, Order::Linear, facets.iter().copied(), mesh.nodes());
-            let master = Master::new(&Arc::new(surface), mesh.nodes());
+            let master = Master::new(&Arc::new(surface), mesh.nodes(), Projection::Closest);
             let middle = Vector::<2>::new(0.5, 0.5);
             let facets = master.surface().facets();
             let bulges = facets.map(|facet| bulge(&master, facet, mesh.nodes(), &middle));
@@ -433,7 +493,7 @@ mod tests {
         let x: Vec<Vector<2>> = points.iter().copied().map(Vector::from).collect();
         let facets: Vec<[usize; 2]> = (1..x.len()).map(|k| [k, k - 1]).collect();
         let facets = facets.iter().map(|f| &f[..]);
-        Master::new(&Arc::new(Surface::new(0, Order::Linear, facets, &x)), &x)
+        Master::new(&Arc::new(Surface::new(0, Order::Linear, facets, &x)), &x, Projection::Closest)
     }
 
     /// Above a valley of depth 1, whose box reaches up to its ends: the middle is farther away than the
@@ -504,7 +564,7 @@ mod tests {
         let facets = [[1, 0], [2, 1], [3, 2], [0, 3]];
         let facets = facets.iter().map(|f| &f[..]);
         let surface = Arc::new(Surface::new(0, Order::Linear, facets, &x));
-        let master = Master::new(&surface, &x);
+        let master = Master::new(&surface, &x, Projection::Closest);
         let own = Own {
             surface: &surface,
             nodes: &[3],
@@ -552,7 +612,7 @@ mod tests {
                 now[..3].iter_mut().for_each(|x| x[1] = -0.01);
                 now[3..].iter_mut().for_each(|x| x[1] = 0.0);
             }
-            let master = Master::new(&surface, &now);
+            let master = Master::new(&surface, &now, Projection::Closest);
             let own = Own {
                 surface: &surface,
                 nodes: &[1],

@@ -5,7 +5,8 @@ use std::ops::Range;
 use super::cut::{Integration, Points};
 use super::moving::Moving;
 use super::obstacle::Placed;
-use super::search::{Master, Own, Projection, Seeker};
+use super::projection::Projection;
+use super::search::{FootPoint, Master, Own, Seeker};
 use super::surface::Surface;
 use crate::element::{Facet, FacetRule, facet_shapes};
 use crate::parallel;
@@ -21,7 +22,7 @@ pub struct Projected<const D: usize> {
     lambda: Vector<D>,
     weight: f64,
     x: Vector<D>,
-    projection: Projection<D>,
+    projection: FootPoint<D>,
 }
 
 /// What the points of a slave must not penetrate: a surface with nodes, or an obstacle without any.
@@ -89,7 +90,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
     }
 
     /// The projection of x_q on the master. On an obstacle, which has no facets, facet and coordinates have no meaning.
-    pub fn projection(&self) -> &Projection<D> {
+    pub fn projection(&self) -> &FootPoint<D> {
         &self.point.projection
     }
 
@@ -151,7 +152,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
 
     /// The same slave point at other positions, with its foot at `lambda` on the same facet.
     pub(super) fn moved(&self, master: &'a Moving<D>, x: Vector<D>, lambda: Vector<D>) -> Self {
-        let projection = Projection {
+        let projection = FootPoint {
             lambda,
             ..self.point.projection
         };
@@ -241,7 +242,8 @@ pub(crate) fn on_obstacle<const D: usize>(
                 lambda: *lambda,
                 weight: slave.measure(index, lambda) * weight,
                 x,
-                projection: Projection {
+                projection: FootPoint {
+                    by: Projection::Closest,
                     facet: 0,
                     lambda: Vector::zeros(),
                     foot: x - normal * gap,
@@ -310,14 +312,15 @@ fn on_facets<const D: usize>(
         };
         for (weight, lambda) in rule.on(&facet, master, &seeker) {
             let seeker = seeker(lambda);
-            projected.extend(master.find(&seeker).map(|projection| Projected {
+            let found = master.find(&seeker).map(|projection| Projected {
                 number,
                 facet: index,
                 lambda: *lambda,
-                weight: weight * slave.measure(index, lambda),
+                weight: weight * slave.measure(index, lambda) * seeker.share(&projection),
                 x: seeker.x,
                 projection,
-            }));
+            });
+            projected.extend(found.filter(|point| point.weight > 0.0));
             number += 1;
         }
     }

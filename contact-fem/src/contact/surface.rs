@@ -31,6 +31,8 @@ pub struct Surface<const D: usize> {
     rim: Vec<[bool; D]>,
     /// For each node, whether it is a corner on the rim.
     rim_corners: Vec<bool>,
+    /// A_i = ∫ φ_i of each node.
+    test_areas: Vec<f64>,
 }
 
 impl<const D: usize> Surface<D> {
@@ -86,6 +88,7 @@ impl<const D: usize> Surface<D> {
                 .collect(),
             facets: facets.flatten().map(|node| number[node]).collect(),
             incidences: Vec::new(),
+            test_areas: Vec::new(),
             nodes,
         };
         let per_facet = order.facet_nodes::<D>();
@@ -94,7 +97,22 @@ impl<const D: usize> Surface<D> {
         surface.incidences = incidences.collect();
         surface.incidences.sort_unstable();
         surface.N = averaged(&surface, &surface.X);
+        surface.test_areas = surface.integrated_tests();
         surface
+    }
+
+    /// A_i by Gauss's rule, exact up to curved measures.
+    fn integrated_tests(&self) -> Vec<f64> {
+        let mut areas = vec![0.0; self.nodes.len()];
+        let rule = FacetRule::<D>::gauss(3);
+        for (index, nodes) in self.facets().enumerate() {
+            for (weight, lambda) in rule.points() {
+                let w = weight * self.measure(index, lambda);
+                let tests = nodes.iter().zip(self.test_functions(lambda));
+                tests.take(self.test_nodes()).for_each(|(&a, phi)| areas[a] += w * phi);
+            }
+        }
+        areas
     }
 
     /// The number of the surface's body.
@@ -207,6 +225,21 @@ impl<const D: usize> Surface<D> {
     /// where the one on the axis has mean zero.
     pub fn test_functions(&self, lambda: &Vector<D>) -> FacetShapes {
         facet_shapes(self.test_order(), lambda)
+    }
+
+    /// A_i = ∫ φ_i over the reference configuration (UL in the plane, UL² in space and of revolution); 0 without a test function.
+    pub(super) fn test_areas(&self) -> &[f64] {
+        &self.test_areas
+    }
+
+    /// The other nodes with a test function on the facets around node `a`, ascending.
+    pub(super) fn test_neighbours(&self, a: usize) -> Vec<usize> {
+        let facets = self.facets_around(a).map(|(f, _)| f);
+        let nodes = facets.flat_map(|f| &self.facet(f)[..self.test_nodes()]);
+        let mut others: Vec<usize> = nodes.copied().filter(|&b| b != a).collect();
+        others.sort_unstable();
+        others.dedup();
+        others
     }
 
     /// The number of nodes with a test function.

@@ -7,6 +7,8 @@
 //! δg = q·(δx_q − Σ N_b δx_b) + p·Σ μ_k N_b,k δx_b + w·Σ N_b δn_b,
 //! δn = A (m,k δλ_k + Σ N_b δn_b).
 //!
+//! Along normals, δλ has a term with Σ N_b δn_b, too.
+//!
 //! Many points share the averaged normals n_b of a node, and each n_b depends on all facets around
 //! it. Their variations are internal variables of a [`GapVariation`], so that a point has entries at its
 //! own two facets only.
@@ -140,6 +142,8 @@ impl<const D: usize> Piece<D> {
         }
         self.pushes = true;
         let A = foot.m.slope() * force;
+        let by_normals = foot.lambda_by_normals();
+        let A = A + A * foot.m_slopes * by_normals;
         let push = foot.m.n * force;
         for (a, own) in near.iter().enumerate() {
             let sums = &mut self.forces[a * near.len()..];
@@ -150,8 +154,12 @@ impl<const D: usize> Piece<D> {
                 }
             }
             let sums = &mut self.forces_by_normals[a * count..];
+            let mut by_normal = A * own.shape;
+            if let Some(slopes) = &own.slopes {
+                by_normal -= push * by_normals.tr_mul(slopes).transpose();
+            }
             for (sum, N) in sums.iter_mut().zip(&foot.N[..count]) {
-                *sum += A * (N * own.shape);
+                *sum += by_normal * *N;
             }
         }
     }
@@ -379,8 +387,7 @@ impl<const D: usize> Variation<D> {
 fn near<const D: usize>(stencil: &Stencil<'_, D>, foot: &Foot<'_, D>) -> Vec<Near<D>> {
     let A = foot.m.slope();
     let near = |node: usize, shape: f64, slopes: Option<Vector<D>>| {
-        let of_slopes = slopes.map_or_else(Matrix::zeros, |slopes| slopes * foot.p.transpose());
-        let lambda = foot.K * (foot.t.transpose() * shape + of_slopes);
+        let lambda = foot.lambda(shape, &slopes.unwrap_or_else(Vector::zeros));
         Near {
             node,
             shape,

@@ -18,7 +18,7 @@ use crate::contact::obstacle::Placed;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::stencil::{Projected, on_obstacle, projected_unless};
 use crate::contact::variation::Variation;
-use crate::contact::{Master, Pass, Surface};
+use crate::contact::{Master, Pass, Projection, Surface};
 use crate::tensor::Vector;
 
 /// The default search radius in [`Geometry::Current`], as a share of the scene's diagonal. It decides
@@ -49,6 +49,7 @@ pub(super) struct ContactSet<const D: usize> {
     switches: Switches,
     pub geometry: Geometry,
     integration: Integration,
+    projection: Projection,
     /// The search radius of integration points (UL).
     pub reach: f64,
     /// Whether the radius is the default.
@@ -79,6 +80,7 @@ pub(super) struct Located<const D: usize> {
     /// The positions of all nodes (UL): X in [`Geometry::Reference`], x in [`Geometry::Current`].
     pub x: Vec<Vector<D>>,
     surfaces: Vec<Arc<Surface<D>>>,
+    projection: Projection,
     /// One master for each surface, in the same order, once somebody has asked for it.
     masters: Vec<OnceLock<Master<D>>>,
     /// The integration points of each pass with their projections.
@@ -92,7 +94,7 @@ impl<const D: usize> Located<D> {
         match known.get() {
             Some(master) => master,
             None => {
-                let master = Master::new(&self.surfaces[k], &self.x);
+                let master = Master::new(&self.surfaces[k], &self.x, self.projection);
                 known.get_or_init(|| master)
             }
         }
@@ -152,6 +154,7 @@ impl<const D: usize> ContactSet<D> {
             switches,
             geometry,
             integration: scene.integration(),
+            projection: scene.projection,
             reach: match (scene.reach, geometry) {
                 (Some(reach), _) => reach,
                 (None, Geometry::Reference) => kinematics.diagonal(),
@@ -425,6 +428,7 @@ impl<const D: usize> ContactSet<D> {
         let located = Arc::new(Located {
             x: x.to_vec(),
             surfaces: self.surfaces.clone(),
+            projection: self.projection,
             masters: self.surfaces.iter().map(|_| OnceLock::new()).collect(),
             projected: self.passes.iter().map(|_| OnceLock::new()).collect(),
         });

@@ -7,7 +7,7 @@ use super::kinematics::Kinematics;
 use super::preflight::{self, Report, Setup};
 use super::switches::{During, Switched};
 use super::tie::{Tie, Ties};
-use super::{Body, BodyId, Finding, InitialGaps, Integration, Obstacle, ObstacleId, Problem, Side};
+use super::{Body, BodyId, Finding, InitialGaps, Integration, Obstacle, ObstacleId, Problem, Projection, Side};
 use crate::audit::Audit;
 use crate::element::Order;
 use crate::error::Error;
@@ -103,12 +103,15 @@ pub struct Scene<const D: usize> {
     obstructed: Vec<(Side, usize)>,
     /// The pairs and obstacles that do not count at all times.
     switched: Vec<(Switched, During)>,
-    /// The quadrature of the constraints. By default 4 Gauss points for each facet and direction;
-    /// with quadratic elements, whose pressures are more sensitive to quadrature errors, 12 in the
-    /// plane and 8 in space. Gauss points do not resolve the edges of the facets of the other
+    /// The quadrature of the constraints. By default [`Integration::Exact`] in the plane, and in space 4 Gauss points for each
+    /// facet and direction; with quadratic elements, whose pressures are more sensitive to quadrature errors, 8. Gauss points do
+    /// not resolve the edges of the facets of the other
     /// surface: in flat contact of non-matching meshes the error is about 0.1 % of the stress, with
-    /// one pass more. [`Integration::Exact`] resolves them. Obstacles have no facets: on them, it means the default.
+    /// one pass more. [`Integration::Exact`] resolves them. Obstacles have no facets: on them, it means Gauss points, 4 with linear
+    /// elements, and with quadratic ones 12 in the plane and 8 in space.
     pub integration: Option<Integration>,
+    /// Where the points of one surface have their feet on the other. [`Projection::AlongNormals`] by default.
+    pub projection: Projection,
     /// The positions at which contact is searched. By default [`Geometry::Reference`] if all laws
     /// are small-strain laws, else [`Geometry::Current`]. If bodies with laws of both kinds are in
     /// contact pairs, it must be set.
@@ -141,6 +144,7 @@ impl<const D: usize> Default for Scene<D> {
             obstructed: Vec::new(),
             switched: Vec::new(),
             integration: None,
+            projection: Projection::default(),
             geometry: None,
             reach: None,
             overlap_tolerance: 0.05,
@@ -554,7 +558,10 @@ impl<const D: usize> Scene<D> {
 
     /// The quadrature of the constraints: the one that was set, or the default.
     pub(super) fn integration(&self) -> Integration {
-        let by_default = Integration::Gauss(self.default_points());
+        let by_default = match D {
+            2 => Integration::Exact,
+            _ => Integration::Gauss(self.default_points()),
+        };
         self.integration.unwrap_or(by_default)
     }
 

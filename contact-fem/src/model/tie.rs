@@ -15,7 +15,7 @@ use super::preflight;
 use super::{BodyId, Problem, Scene, Side};
 use crate::assembly::Dof;
 use crate::contact::tie::Tied;
-use crate::contact::{Master, Surface};
+use crate::contact::{Master, Projection, Surface};
 use crate::error::Error;
 use crate::tensor::Vector;
 
@@ -507,7 +507,7 @@ fn built<const D: usize>(
         false => [second, first],
     };
     let size = slave.facet_size().max(master.facet_size());
-    let master = Master::new(master, &kinematics.X);
+    let master = Master::new(master, &kinematics.X, Projection::Closest);
     let limit = tie.tolerance * size;
     let tied = Tied::new(slave, &master, size.max(limit));
     let place = |x: &Vector<D>| x.iter().copied().collect();

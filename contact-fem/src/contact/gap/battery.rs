@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::definition::{Case, DIFFERENCE, STEP, add_middles, bump, master};
 use super::*;
 use crate::contact::stencil::stencils;
-use crate::contact::{Integration, Master, Moving, Surface};
+use crate::contact::{Integration, Master, Moving, Projection, Surface};
 use crate::element::{FacetRule, Order, facet_edge, facet_shapes};
 
 /// The largest differences from the expected values.
@@ -139,6 +139,7 @@ fn over<const D: usize>(
     up: Vector<D>,
     height: f64,
     xi: &Vector<D>,
+    by: Projection,
 ) -> Case<D> {
     let (mut x, master) = master::<D>(order);
     let first = x.len();
@@ -170,6 +171,7 @@ fn over<const D: usize>(
         slave: vec![(first..x.len()).collect()],
         x,
         master,
+        by,
     };
     let shift = foot + up * height - case.point(&case.slave[0], xi);
     case.x[first..].iter_mut().for_each(|x| *x += shift);
@@ -191,7 +193,7 @@ fn compare_at<const D: usize>(case: &Case<D>, wanted: &Vector<D>, facet: usize) 
             &X,
         ))
     });
-    let at = Master::new(&master, &case.x);
+    let at = Master::new(&master, &case.x, case.by);
     let all = stencils(&slave, &at, &case.x, Integration::Gauss(1), 1.0);
     let found = all.first()?.projection();
     let same_pattern = (0..D).all(|k| (found.lambda[k] == 0.0) == (wanted[k] == 0.0));
@@ -206,7 +208,12 @@ fn compare_at<const D: usize>(case: &Case<D>, wanted: &Vector<D>, facet: usize) 
 
 /// Every point λ of every facet, with slave points above and below it in directions for which the
 /// foot stays there.
-fn battery<const D: usize>(order: Order, what: &str, lambdas: &[[f64; 3]], least: usize) {
+fn battery<const D: usize>(
+    (order, by): (Order, Projection),
+    what: &str,
+    lambdas: &[[f64; 3]],
+    least: usize,
+) {
     let mut errors = Errors::default();
     let rule = FacetRule::<D>::gauss(1);
     let xi = rule.points()[0].1;
@@ -216,14 +223,18 @@ fn battery<const D: usize>(order: Order, what: &str, lambdas: &[[f64; 3]], least
         x,
         slave: vec![],
         master: facets,
+        by,
     };
     for lambda in lambdas {
         let mut wanted = Vector::<D>::from_fn(|k, _| lambda[k]);
         wanted /= wanted.sum();
         for (index, facet) in plain.master.iter().enumerate() {
             let foot = plain.point(facet, &wanted);
-            let mut up = plain.facet_normal(facet, &wanted);
-            if wanted.iter().any(|&l| l == 0.0) {
+            let mut up = match by {
+                Projection::AlongNormals => plain.normal(facet, &wanted),
+                Projection::Closest => plain.facet_normal(facet, &wanted),
+            };
+            if by == Projection::Closest && wanted.iter().any(|&l| l == 0.0) {
                 // between the normals of the facets that meet there
                 let corners: Vec<usize> = (0..D)
                     .filter(|&k| wanted[k] > 0.0)
@@ -239,7 +250,7 @@ fn battery<const D: usize>(order: Order, what: &str, lambdas: &[[f64; 3]], least
                 up = around.map(at).sum::<Vector<D>>().normalize();
             }
             for height in [0.08, -0.05] {
-                let case = over(order, foot, up, height, &xi);
+                let case = over(order, foot, up, height, &xi, by);
                 if let Some(found) = compare_at(&case, &wanted, index) {
                     errors.add(found);
                 }
@@ -256,10 +267,14 @@ const NEAR_AN_END: [[f64; 3]; 3] = [[1.0, 1e-6, 0.0], [1e-4, 1.0, 0.0], [1.0, 1e
 #[test]
 fn segments() {
     for order in [Order::Linear, Order::Quadratic] {
-        battery::<2>(order, &format!("{order:?} inside"), &INSIDE, 14);
-        battery::<2>(order, &format!("{order:?} near an end"), &NEAR_AN_END, 12);
+        for by in [Projection::Closest, Projection::AlongNormals] {
+            let how = (order, by);
+            battery::<2>(how, &format!("{how:?} inside"), &INSIDE, 14);
+            battery::<2>(how, &format!("{how:?} near an end"), &NEAR_AN_END, 12);
+        }
+        let how = (order, Projection::Closest);
         let ends = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        battery::<2>(order, &format!("{order:?} at an end"), &ends, 6);
+        battery::<2>(how, &format!("{how:?} at an end"), &ends, 6);
     }
 }
 
@@ -274,20 +289,24 @@ fn quadratic_triangles() {
 }
 
 fn triangles(order: Order) {
-    battery::<3>(order, &format!("{order:?} inside"), &INSIDE[..1], 12);
-    battery::<3>(order, &format!("{order:?} near a side"), &NEAR_A_SIDE, 12);
+    for by in [Projection::Closest, Projection::AlongNormals] {
+        let how = (order, by);
+        battery::<3>(how, &format!("{how:?} inside"), &INSIDE[..1], 12);
+        battery::<3>(how, &format!("{how:?} near a side"), &NEAR_A_SIDE, 12);
+    }
+    let how = (order, Projection::Closest);
     let sides = [[0.4, 0.6, 0.0], [0.0, 0.3, 0.7]];
-    battery::<3>(order, &format!("{order:?} on a side"), &sides, 10);
+    battery::<3>(how, &format!("{how:?} on a side"), &sides, 10);
     battery::<3>(
-        order,
-        &format!("{order:?} in a corner"),
+        how,
+        &format!("{how:?} in a corner"),
         &[[1.0, 0.0, 0.0]],
         2,
     );
 }
 
 /// A channel with facing sides: facets around the foot share nodes with the slave's facet.
-fn in_a_channel<const D: usize>(order: Order, least: usize) {
+fn in_a_channel<const D: usize>((order, by): (Order, Projection), least: usize) {
     let profile = [[0.55, 0.9], [0.5, 0.0], [0.0, 0.1], [-0.05, 1.0]];
     let levels: &[f64] = if D == 2 { &[0.0] } else { &[0.0, 0.8, 1.7] };
     let mut x = Vec::new();
@@ -313,7 +332,7 @@ fn in_a_channel<const D: usize>(order: Order, least: usize) {
     }
     let facets = master.iter().map(Vec::as_slice);
     let surface = Arc::new(Surface::new(0, order, facets, &x));
-    let at = Master::new(&surface, &x);
+    let at = Master::new(&surface, &x, by);
     let xi = FacetRule::<D>::gauss(1).points()[0].1;
     let mut errors = Errors::default();
     for stencil in stencils(&surface, &at, &x, Integration::Gauss(1), 1.0) {
@@ -323,6 +342,8 @@ fn in_a_channel<const D: usize>(order: Order, least: usize) {
             x: x.clone(),
             slave: vec![own],
             master: master.clone(),
+            // too deep in a corner, there is no foot along normals
+            by: stencil.projection().by,
         };
         let mut gap = MovingGap::default();
         gap.first(&stencil);
@@ -339,13 +360,15 @@ fn in_a_channel<const D: usize>(order: Order, least: usize) {
             errors.add(compare(&case, &surface, &stencil, &xi));
         }
     }
-    errors.assert_small(&format!("{order:?} in a channel"), least);
+    errors.assert_small(&format!("{order:?} {by:?} in a channel"), least);
 }
 
 #[test]
 fn self_contact() {
     for order in [Order::Linear, Order::Quadratic] {
-        in_a_channel::<2>(order, 2);
-        in_a_channel::<3>(order, 4);
+        for by in [Projection::Closest, Projection::AlongNormals] {
+            in_a_channel::<2>((order, by), 2);
+            in_a_channel::<3>((order, by), 4);
+        }
     }
 }

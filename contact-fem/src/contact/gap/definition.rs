@@ -1,6 +1,7 @@
 //! An independent evaluation of the gap from its definition, on bumpy surfaces, and difference
 //! formulas.
 
+use crate::contact::Projection;
 use crate::element::{Order, facet_edge, facet_shapes};
 use crate::tensor::Vector;
 
@@ -10,6 +11,7 @@ pub(super) struct Case<const D: usize> {
     pub x: Vec<Vector<D>>,
     pub slave: Vec<Vec<usize>>,
     pub master: Vec<Vec<usize>>,
+    pub by: Projection,
 }
 
 /// The definition; of the tested code it uses only the shape functions.
@@ -70,18 +72,31 @@ impl<const D: usize> Case<D> {
         sum.normalize()
     }
 
-    /// g, λ* and n of a point x_q over a facet of the master. λ* stays on the side of the facet on
-    /// which `start` is, but may leave the facet along that side, so that g stays smooth.
+    /// n at λ on a facet.
+    pub fn normal(&self, facet: &[usize], lambda: &Vector<D>) -> Vector<D> {
+        let N = facet_shapes(self.order, lambda);
+        let normals = facet.iter().zip(N).map(|(&b, N)| self.averaged(b) * N);
+        normals.sum::<Vector<D>>().normalize()
+    }
+
+    /// g, λ* and n of a point x_q over a facet of the master. λ* may leave the facet, so that g stays smooth; as the closest point
+    /// it stays on the side of the facet on which `start` is. Along normals, no part of p is across n; that part is
+    /// across the facet only where n is along it.
     pub fn gap(
         &self,
         x: &Vector<D>,
         facet: &[usize],
         start: &Vector<D>,
     ) -> (f64, Vector<D>, Vector<D>) {
-        let free: Vec<usize> = (0..D).filter(|&k| start[k] != 0.0).collect();
+        let is_free = |k: &usize| start[*k] != 0.0 || self.by == Projection::AlongNormals;
+        let free: Vec<usize> = (0..D).filter(is_free).collect();
         let sides: Vec<_> = free[1..].iter().map(|&k| [free[0], k]).collect();
         let slopes = |lambda: &Vector<D>| -> Vec<f64> {
-            let p = x - self.point(facet, lambda);
+            let mut p = x - self.point(facet, lambda);
+            if self.by == Projection::AlongNormals {
+                let n = self.normal(facet, lambda);
+                p -= n * n.dot(&p);
+            }
             let of = sides
                 .iter()
                 .map(|&side| p.dot(&self.along(facet, lambda, side)));
@@ -112,9 +127,7 @@ impl<const D: usize> Case<D> {
                 lambda[b] += s;
             }
         }
-        let N = facet_shapes(self.order, &lambda);
-        let normals = facet.iter().zip(N).map(|(&b, N)| self.averaged(b) * N);
-        let n = normals.sum::<Vector<D>>().normalize();
+        let n = self.normal(facet, &lambda);
         ((x - self.point(facet, &lambda)).dot(&n), lambda, n)
     }
 }

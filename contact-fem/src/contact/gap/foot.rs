@@ -2,6 +2,7 @@
 
 use crate::contact::moving::Moving;
 use crate::contact::normals::Direction;
+use crate::contact::projection::Projection;
 use crate::contact::stencil::Stencil;
 use crate::element::{Facet, FacetShapes, MAX_FACET_NODES, facet_shapes, facet_slopes};
 use crate::tensor::{Matrix, Vector};
@@ -22,10 +23,19 @@ pub(in crate::contact) struct Foot<'a, const D: usize> {
     /// t_k and m,k as columns.
     pub t: Matrix<D>,
     pub m_slopes: Matrix<D>,
-    pub K: Matrix<D>,
     pub mu: Vector<D>,
     pub q: Vector<D>,
     pub w: Vector<D>,
+    pub by: Projection,
+    follows: Follows<D>,
+}
+
+/// δλ = R (δx_q − Σ N_b δx_b) + K Σ_b N_b,k p·δx_b + M Σ N_b δn_b.
+#[derive(Clone, Copy)]
+struct Follows<const D: usize> {
+    R: Matrix<D>,
+    K: Matrix<D>,
+    M: Matrix<D>,
 }
 
 impl<'a, const D: usize> Foot<'a, D> {
@@ -44,10 +54,7 @@ impl<'a, const D: usize> Foot<'a, D> {
         let (t, m_slopes) = (combine(&slopes, &x), combine(&slopes, &normals));
         let p = stencil.point() - x.point(lambda);
         let m = Direction::of(normals.point(lambda));
-        let w = m.slope() * p;
-        let K = inverse_within(&(t.tr_mul(&t) - x.curvature(&p)), lambda);
-        let mu = K * (m_slopes.tr_mul(&w) - t.tr_mul(&m.n));
-        Foot {
+        let mut foot = Foot {
             master,
             nodes,
             x,
@@ -56,13 +63,82 @@ impl<'a, const D: usize> Foot<'a, D> {
             N: facet_shapes(order, lambda),
             slopes,
             p,
-            q: m.n + t * mu,
+            q: m.n,
             m,
             t,
             m_slopes,
+            mu: Vector::zeros(),
+            w: Vector::zeros(),
+            by: stencil.projection().by,
+            follows: Follows {
+                R: Matrix::zeros(),
+                K: Matrix::zeros(),
+                M: Matrix::zeros(),
+            },
+        };
+        match foot.by {
+            Projection::AlongNormals => foot.follow_along_normals(),
+            Projection::Closest => foot.follow_as_closest(lambda),
+        }
+        foot
+    }
+
+    /// λ solves p·t_k v_k = 0.
+    fn follow_as_closest(&mut self, lambda: &Vector<D>) {
+        let (p, t) = (self.p, &self.t);
+        self.w = self.m.slope() * p;
+        let K = inverse_within(&(t.tr_mul(t) - self.x.curvature(&p)), lambda);
+        self.mu = K * (self.m_slopes.tr_mul(&self.w) - t.tr_mul(&self.m.n));
+        self.q = self.m.n + t * self.mu;
+        self.follows = Follows {
+            R: K * t.transpose(),
             K,
-            mu,
-            w,
+            M: Matrix::zeros(),
+        };
+    }
+
+    /// λ and g solve p − g n = 0. Where the facet does not sweep space, the foot is held.
+    fn follow_along_normals(&mut self) {
+        let (A, n) = (self.m.slope(), self.m.n);
+        let g = self.p.dot(&n);
+        let slopes = self.t + A * self.m_slopes * g;
+        let mut swept = Matrix::<D>::zeros();
+        for k in 1..D {
+            swept.set_column(k - 1, &(slopes.column(k) - slopes.column(0)));
+        }
+        swept.set_column(D - 1, &n);
+        let Some(inverse) = swept.try_inverse() else {
+            return;
+        };
+        self.q = inverse.row(D - 1).transpose();
+        self.w = A * self.q * -g;
+        let mut R = Matrix::<D>::zeros();
+        for k in 1..D {
+            R.set_row(k, &inverse.row(k - 1));
+            R.set_row(0, &(R.row(0) - inverse.row(k - 1)));
+        }
+        self.follows = Follows {
+            R,
+            K: Matrix::zeros(),
+            M: R * A * -g,
+        };
+    }
+
+    /// δλ by the position of a node with these shape function and slopes, normals held.
+    pub fn lambda(&self, shape: f64, slopes: &Vector<D>) -> Matrix<D> {
+        self.follows.R * shape + self.follows.K * slopes * self.p.transpose()
+    }
+
+    /// δλ by Σ N_b δn_b.
+    pub fn lambda_by_normals(&self) -> Matrix<D> {
+        self.follows.M
+    }
+
+    /// S, the second derivative of the gap by δm alone.
+    pub fn curvature(&self) -> Matrix<D> {
+        match self.by {
+            Projection::AlongNormals => self.m.curvature(&self.q) * -self.p.dot(&self.m.n),
+            Projection::Closest => self.m.curvature(&self.p),
         }
     }
 }

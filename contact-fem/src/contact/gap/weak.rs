@@ -11,7 +11,7 @@ use super::*;
 use crate::assembly::DofMap;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::stencil::projected;
-use crate::contact::{Integration, Master, Surface};
+use crate::contact::{Integration, Master, Projection, Surface};
 use crate::element::{FacetRule, Order, facet_shapes};
 
 /// Two bumpy surfaces with many points.
@@ -27,7 +27,7 @@ type Feet = Vec<(usize, Vec<usize>)>;
 
 impl<const D: usize> Pair<D> {
     /// A smaller reversed copy of [`master`] above it.
-    fn new(order: Order) -> Self {
+    fn new(order: Order, by: Projection) -> Self {
         let (mut x, master) = master::<D>(order);
         let (count, middle) = (x.len(), x.iter().sum::<Vector<D>>() / x.len() as f64);
         let mut slave = master.clone();
@@ -59,12 +59,31 @@ impl<const D: usize> Pair<D> {
             x,
             slave,
             master,
+            by,
         };
         Pair {
             case,
             slave: own,
             master: other,
             X,
+        }
+    }
+
+    /// The foot along normals by exhaustive search over facets: facet, λ and n.
+    fn along_normals(&self, x: &Vector<D>) -> Option<(usize, Vector<D>, Vector<D>)> {
+        let feet = self.case.master.iter().enumerate().filter_map(|(f, facet)| {
+            let middle = Vector::repeat(1.0 / D as f64);
+            let (gap, lambda, n) = self.case.gap(x, facet, &middle);
+            (lambda.min() >= 0.0).then_some((gap, (f, lambda, n)))
+        });
+        let nearest = feet.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+        nearest.map(|(_, foot)| foot)
+    }
+
+    fn foot(&self, x: &Vector<D>) -> Option<(usize, Vector<D>, Vector<D>)> {
+        match self.case.by {
+            Projection::AlongNormals => self.along_normals(x),
+            Projection::Closest => self.closest(x),
         }
     }
 
@@ -87,46 +106,75 @@ impl<const D: usize> Pair<D> {
         (!self.master.is_rim(facet, &lambda)).then_some((facet, lambda, n))
     }
 
-    /// a_i and the coefficients of all nodes in a_i c_i.
-    fn rows(&self, points: usize) -> BTreeMap<usize, (f64, f64, Vec<Vector<D>>)> {
+    /// a_i and the coefficients of all nodes in a_i c_i; and how many rows lean on their neighbours.
+    fn rows(&self, points: usize) -> (BTreeMap<usize, (f64, Vec<Vector<D>>)>, usize) {
         let Case { order, x, .. } = &self.case;
         let tests = if D == 2 { *order } else { Order::Linear };
+        let mut whole = BTreeMap::<usize, f64>::new();
         let mut rows = BTreeMap::new();
+        let X = Case {
+            x: self.X.clone(),
+            slave: vec![],
+            master: vec![],
+            ..self.case
+        };
         for facet in &self.case.slave {
             for (weight, xi) in FacetRule::<D>::gauss(points).points() {
+                let w = weight * X.measure(facet, xi).norm();
+                for (&i, phi) in facet.iter().zip(facet_shapes(tests, xi)) {
+                    *whole.entry(i).or_default() += w * phi;
+                }
                 let at = self.case.point(facet, xi);
-                let Some((foot, lambda, n)) = self.closest(&at) else {
+                let Some((foot, lambda, n)) = self.foot(&at) else {
                     continue;
                 };
-                let X = Case {
-                    x: self.X.clone(),
-                    slave: vec![],
-                    master: vec![],
-                    ..self.case
-                };
-                let w = weight * X.measure(facet, xi).norm();
                 let own = facet.iter().zip(facet_shapes(*order, xi));
                 let nodes = self.case.master[foot].iter();
                 let foot = nodes.zip(facet_shapes(*order, &lambda).map(|N| -N));
                 let terms = own.chain(foot);
                 for (&i, phi) in facet.iter().zip(facet_shapes(tests, xi)) {
+                    if phi == 0.0 {
+                        continue;
+                    }
                     let row = rows.entry(i);
-                    let (a, magnitude, row) =
-                        row.or_insert((0.0, 0.0, vec![Vector::zeros(); x.len()]));
+                    let (a, row) = row.or_insert((0.0, vec![Vector::zeros(); x.len()]));
                     *a += w * phi;
-                    *magnitude += (w * phi).abs();
                     terms
                         .clone()
                         .for_each(|(&b, N)| row[b] += n * (N * w * phi));
                 }
             }
         }
-        rows.retain(|_, (a, magnitude, _)| *a > *magnitude / 3.0);
-        rows
+        self.leant(&rows, &whole)
     }
 
-    fn are_rows(&self, points: usize) -> f64 {
-        let master = Master::new(&self.master, &self.case.x);
+    /// s_i row_i + (1 − s_i) Σ_j s_j row_j.
+    fn leant(
+        &self,
+        rows: &BTreeMap<usize, (f64, Vec<Vector<D>>)>,
+        whole: &BTreeMap<usize, f64>,
+    ) -> (BTreeMap<usize, (f64, Vec<Vector<D>>)>, usize) {
+        let s = |i: &usize| rows.get(i).map_or(0.0, |(a, _)| (4.0 * a / whole[i]).clamp(0.0, 1.0));
+        let mut leaning = 0;
+        let mut leant = BTreeMap::new();
+        for (&i, (a, row)) in rows {
+            let near = self.case.slave.iter().filter(|f| f.contains(&i)).flatten();
+            let near: std::collections::BTreeSet<usize> = near.copied().filter(|&j| j != i).collect();
+            let (mut a, mut row) = (a * s(&i), row.iter().map(|c| c * s(&i)).collect::<Vec<_>>());
+            for (other, share) in near.iter().filter_map(|j| Some((rows.get(j)?, (1.0 - s(&i)) * s(j)))) {
+                a += share * other.0;
+                row.iter_mut().zip(&other.1).for_each(|(sum, c)| *sum += c * share);
+            }
+            leaning += usize::from(s(&i) < 1.0);
+            leant.insert(i, (a, row));
+        }
+        leant.retain(|_, (a, _)| *a > 0.0);
+        (leant, leaning)
+    }
+
+    /// The largest difference, and how many rows lean.
+    fn are_rows(&self, points: usize) -> (f64, usize) {
+        let master = Master::new(&self.master, &self.case.x, self.case.by);
         let x = &self.case.x;
         let integration = Integration::Gauss(points);
         let found = projected(&self.slave, &master, x, integration, 1.0);
@@ -140,13 +188,13 @@ impl<const D: usize> Pair<D> {
         let mut gaps = LinearGaps::new(false);
         // with X = 0, the unknowns are the positions
         rows.append(0, &vec![Vector::zeros(); x.len()], &unknowns, &mut gaps);
-        let expected = self.rows(points);
+        let (expected, leaning) = self.rows(points);
         let counting = rows.stencils().count();
         assert!(counting > 5 && counting < points.pow(D as u32 - 1) * self.slave.len());
         let named: Vec<usize> = gaps.keys().iter().map(|key| key.node as usize).collect();
         assert_eq!(named, expected.keys().copied().collect::<Vec<_>>());
         let mut error = 0.0f64;
-        for (i, (area, _, coefficients)) in expected.values().enumerate() {
+        for (i, (area, coefficients)) in expected.values().enumerate() {
             let row = gaps.row(i);
             error = error.max((row.weight - area).abs());
             let mut difference: Vec<f64> =
@@ -154,13 +202,13 @@ impl<const D: usize> Pair<D> {
             row.free.iter().for_each(|&(j, c)| difference[j] -= c);
             error = difference.iter().fold(error, |m, d| m.max(d.abs()));
         }
-        error
+        (error, leaning)
     }
 
     /// Multipliers λ_i and the forces Σ_i λ_i ∇c_i of the moving gaps; with `along`, the derivative
     /// of the forces in that direction; and the positions of the feet.
     fn forces(&self, x: &[Vector<D>], along: Option<&[Vector<D>]>) -> (f64, Vec<Vector<D>>, Feet) {
-        let master = Master::new(&self.master, x);
+        let master = Master::new(&self.master, x, self.case.by);
         let integration = Integration::Gauss(2);
         let found = projected(&self.slave, &master, x, integration, 1.0);
         let rows = PassRows::new(&self.slave, &master, &found, Sampling::Nodes);
@@ -180,6 +228,7 @@ impl<const D: usize> Pair<D> {
             let facet = &case.master[p.facet];
             let (g, foot, _) = case.gap(&stencil.point(), facet, &p.lambda);
             energy += force * g;
+            assert_eq!(p.by, self.case.by);
             let mut corners: Vec<usize> = (0..D)
                 .filter(|&k| p.lambda[k] != 0.0)
                 .map(|k| facet[k])
@@ -236,12 +285,15 @@ impl<const D: usize> Pair<D> {
 /// Agreement up to round-off on flat facets; on curved ones up to the accuracy of the feet.
 #[test]
 fn rows_and_their_forces() {
-    for (order, most) in [(Order::Linear, 1e-14), (Order::Quadratic, 1e-8)] {
-        let (plane, space) = (Pair::<2>::new(order), Pair::<3>::new(order));
-        let errors = [plane.are_rows(4), space.are_rows(2)];
-        println!("{order:?}: rows {errors:?}");
-        assert!(errors.iter().all(|e| *e < most), "{errors:?}");
-        plane.are_derivatives();
-        space.are_derivatives();
+    for by in [Projection::Closest, Projection::AlongNormals] {
+        for (order, most) in [(Order::Linear, 1e-14), (Order::Quadratic, 1e-8)] {
+            let (plane, space) = (Pair::<2>::new(order, by), Pair::<3>::new(order, by));
+            let all = [plane.are_rows(4), plane.are_rows(3), space.are_rows(2)];
+            println!("{order:?} {by:?}: rows, leaning {all:?}");
+            assert!(all.iter().all(|(error, _)| *error < most), "{all:?}");
+            assert!(all.iter().any(|(_, leaning)| *leaning > 0), "{all:?}");
+            plane.are_derivatives();
+            space.are_derivatives();
+        }
     }
 }

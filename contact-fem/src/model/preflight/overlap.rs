@@ -9,7 +9,7 @@ use rstar::{
 
 use super::Setup;
 use crate::contact::projection::closest;
-use crate::contact::{Master, Surface};
+use crate::contact::{Master, Projection, Surface};
 use crate::element::Facet;
 use crate::error::Error;
 use crate::mesh::Mesh;
@@ -166,7 +166,7 @@ fn swallowed_node<const D: usize>(
     let facet = |nodes: &[usize]| nodes.iter().map(|a| a + first).collect::<Vec<_>>();
     let facets: Vec<Vec<usize>> = mesh.exterior().map(facet).collect();
     let exterior = Surface::new(body, mesh.order(), facets.iter().map(Vec::as_slice), x);
-    let boundary = Master::new(&Arc::new(exterior), x);
+    let boundary = Master::new(&Arc::new(exterior), x, Projection::Closest);
     let depths = inside
         .iter()
         .filter_map(|&a| Some((a, -boundary.project(&x[a])?.distance)));
