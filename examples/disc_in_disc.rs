@@ -74,7 +74,8 @@ fn run(arguments: &Arguments) -> Result<Recorded<2>, Failure> {
     };
     let force = |record: &StepRecord<2>| record.reaction(roles.ring())[1];
 
-    let mut problem = disc_in_disc::scene(arguments.mesh, roles)?.problem()?;
+    let scene = disc_in_disc::scene(arguments.mesh, roles)?;
+    let mut problem = arguments.options.scene(scene).problem()?;
     let mut simulation = arguments.options.simulation(100)?;
     let mut recording = arguments.options.record(&mut simulation, "disc_in_disc");
     recording.plan.own_files = vec!["force.svg".into()];

@@ -48,7 +48,8 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<Recorded<2>, Failure> {
-    let mut problem = hairpin::scene(arguments.fine, !arguments.without)?.problem()?;
+    let scene = hairpin::scene(arguments.fine, !arguments.without)?;
+    let mut problem = arguments.options.scene(scene).problem()?;
     let mut simulation = arguments.options.simulation(16)?;
     let mut recording = arguments.options.record(&mut simulation, "hairpin");
     recording.plan.picture = "hairpin.svg".into();

@@ -33,9 +33,6 @@ struct Arguments {
     /// Cells along the slab, from 3; a third of it through its thickness
     #[arg(long, default_value_t = 36, value_parser = cells)]
     cells: usize,
-    /// `exact`, or the number of Gauss points a facet, 1 to 64 [default: the library's]
-    #[arg(long, value_name = "exact|N", value_parser = integration)]
-    integration: Option<Integration>,
     /// Radius of the die (UL)
     #[arg(long, value_name = "R", default_value_t = 3.0, value_parser = above_zero)]
     radius: f64,
@@ -61,15 +58,6 @@ fn cells(text: &str) -> Result<usize, String> {
     }
 }
 
-/// `--integration`
-fn integration(text: &str) -> Result<Integration, String> {
-    match (text, positive(text)) {
-        ("exact", _) => Ok(Integration::Exact),
-        (_, Ok(points)) if points <= 64 => Ok(Integration::Gauss(points)),
-        _ => Err("`exact` or a whole number from 1 to 64 is needed".into()),
-    }
-}
-
 fn above_zero(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(number) if number > 0.0 && f64::is_finite(number) => Ok(number),
@@ -87,12 +75,11 @@ fn run(arguments: &Arguments) -> Result<Recorded<2>, Failure> {
         Elements::P2 => Order::Quadratic,
     };
     let ironing = Ironing {
-        integration: arguments.integration,
         radius: arguments.radius,
         young: arguments.young,
         ..Ironing::new(order, arguments.cells)
     };
-    let mut problem = ironing.scene()?.problem()?;
+    let mut problem = arguments.options.scene(ironing.scene()?).problem()?;
     // the increments of the slide; the press has a fifth of them
     let slide = arguments.options.increments.unwrap_or(100);
     let mut simulation = arguments.options.simulation(slide)?;

@@ -76,7 +76,7 @@ fn run(arguments: &Arguments) -> Result<Recorded<3>, Failure> {
         contact: !arguments.apart,
         ..Beams::new(arguments.across, order, law)
     };
-    let mut problem = beams.scene()?.problem()?;
+    let mut problem = arguments.options.scene(beams.scene()?).problem()?;
     let mut simulation = arguments.options.simulation(increments)?;
     let mut recording = arguments.options.record(&mut simulation, "three_beams");
     // the undeformed and the deformed beams, as in the paper's Figure 2

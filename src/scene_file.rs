@@ -54,9 +54,9 @@ use std::path::{Path, PathBuf};
 
 use contact_fem::Scene;
 use contact_fem::element::{Element, P1, P2};
-use contact_fem::model::{Geometry, InitialGaps, Integration, Overlaps};
+use contact_fem::model::{Geometry, InitialGaps, Integration, Overlaps, Projection};
 
-use keys::{InitialGapKeys, IntegrationKeys, Keys, OverlapKeys, Where};
+use keys::{InitialGapKeys, IntegrationKeys, Keys, OverlapKeys, ProjectionKeys, Where};
 use place::Place;
 
 pub use changes::Change;
@@ -197,6 +197,12 @@ impl SceneFile {
             Where::Current => Geometry::Current,
         });
         scene.reach = self.keys.reach;
+        if let Some(projection) = self.keys.projection {
+            scene.projection = match projection {
+                ProjectionKeys::AlongNormals => Projection::AlongNormals,
+                ProjectionKeys::Closest => Projection::Closest,
+            };
+        }
         if let Some(tolerance) = self.keys.overlap_tolerance {
             scene.overlap_tolerance = tolerance;
         }

@@ -10,8 +10,9 @@ use contact_core::{
     Acceleration, Automatic, Budget, Condensed, CondensedNewton, Equilibrium, InteriorPoint,
     Literal, Method, PenalizedSlack, Penalty, Retry,
 };
-use contact_fem::Simulation;
+use contact_fem::model::{Integration, Projection};
 use contact_fem::output::record::Recording;
+use contact_fem::{Scene, Simulation};
 
 use crate::Failure;
 
@@ -24,10 +25,16 @@ pub struct Options {
     /// How a load increment is solved [default: ipopt with an option that only Ipopt has, else automatic]
     #[arg(long, value_enum)]
     pub solver: Option<Solver>,
-    /// Solve as the paper's script does, step by step: plain, with a cold Ipopt in the user's units, and on from increments
-    /// that do not converge in 30 iterations
+    /// Solve as the paper's script does, step by step: with its points, plain, with a cold Ipopt in the user's units, and on from
+    /// increments that do not converge in 30 iterations
     #[arg(long)]
     pub literal: bool,
+    /// How rows are integrated: at this number of Gauss points a facet and direction, or exactly [default: the scene's]
+    #[arg(long, value_name = "exact|N", value_parser = integration)]
+    pub integration: Option<Integration>,
+    /// Where points have their feet; the paper's are the closest points [default: along-normals, closest with --literal]
+    #[arg(long, value_enum)]
+    pub projection: Option<Feet>,
     /// Relative change of the displacement at which an increment has converged, in (0, 1); `condensed` has none
     /// [default: 1e-6 for ipopt, else 1e-8]
     #[arg(long, value_parser = tolerance)]
@@ -130,7 +137,44 @@ pub enum Combine {
     Anderson,
 }
 
+/// `--projection`
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feet {
+    /// Where the averaged normals pass through the points
+    AlongNormals,
+    /// At the closest points, as in the paper
+    Closest,
+}
+
+/// `--integration`
+fn integration(text: &str) -> Result<Integration, String> {
+    if text == "exact" {
+        return Ok(Integration::Exact);
+    }
+    match text.parse() {
+        Ok(points @ 1..=64) => Ok(Integration::Gauss(points)),
+        _ => Err("`exact`, or Gauss points from 1 to 64, are needed".into()),
+    }
+}
+
 impl Options {
+    /// The scene with the points of the options.
+    pub fn scene<const D: usize>(&self, mut scene: Scene<D>) -> Scene<D> {
+        if self.literal {
+            scene.points_as_in_the_paper();
+        }
+        if let Some(integration) = self.integration {
+            scene.integration = Some(integration);
+        }
+        if let Some(feet) = self.projection {
+            scene.projection = match feet {
+                Feet::AlongNormals => Projection::AlongNormals,
+                Feet::Closest => Projection::Closest,
+            };
+        }
+        scene
+    }
+
     /// The load steps and the solver of the options; `increments` is the example's
     /// default number. An option that Ipopt does not have is detected here, before any file is
     /// written.

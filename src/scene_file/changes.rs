@@ -4,7 +4,7 @@ use std::fmt;
 
 use contact_fem::model::{Geometry, Passes};
 
-use super::keys::{PassKeys, Where};
+use super::keys::{PassKeys, ProjectionKeys, Where};
 use super::{Error, SceneFile, Solver};
 
 /// What may be otherwise in another program's scene.
@@ -13,6 +13,8 @@ use super::{Error, SceneFile, Solver};
 pub enum Change {
     /// Gauss points of each facet and direction.
     Points(usize),
+    /// Feet at the closest points.
+    Closest,
     /// The roles of all contacts.
     Passes(Passes),
     /// Where contact is looked for.
@@ -29,6 +31,7 @@ impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Change::Points(points) => write!(f, "points = {points}"),
+            Change::Closest => f.write_str("projection = closest"),
             Change::Passes(Passes::Both) => f.write_str("passes = both"),
             Change::Passes(Passes::FirstIsSlave) => f.write_str("passes = first-is-slave"),
             Change::Passes(Passes::SecondIsSlave) => f.write_str("passes = second-is-slave"),
@@ -47,7 +50,11 @@ impl SceneFile {
         let mut file = self.clone();
         let keys = &mut file.keys;
         match change {
-            Change::Points(points) => keys.points = Some(points),
+            Change::Points(points) => {
+                keys.points = Some(points);
+                keys.integration = None;
+            }
+            Change::Closest => keys.projection = Some(ProjectionKeys::Closest),
             Change::Passes(passes) => {
                 let passes = match passes {
                     Passes::Both => PassKeys::Both,
@@ -73,8 +80,8 @@ impl SceneFile {
         file
     }
 
-    /// The scene to be solved as the paper's script does: by [`Solver::Literal`], with 4 points if the file does not say
-    /// otherwise, in the increments of the file, those that do not converge included unless it has `goes-on = false`.
+    /// The scene to be solved as the paper's script does: by [`Solver::Literal`], with 4 points and feet at the closest
+    /// points if the file does not say otherwise, in the increments of the file, those that do not converge included unless it has `goes-on = false`.
     ///
     /// # Errors
     /// A file that asks for another solver.
@@ -88,7 +95,10 @@ impl SceneFile {
         }
         let mut file = self.clone();
         file.keys.solver = Some(Solver::Literal);
-        file.keys.points.get_or_insert(4);
+        if file.keys.integration.is_none() {
+            file.keys.points.get_or_insert(4);
+        }
+        file.keys.projection.get_or_insert(ProjectionKeys::Closest);
         file.keys.goes_on.get_or_insert(true);
         Ok(file)
     }

@@ -32,6 +32,7 @@ pub(super) struct Keys {
     pub(super) ipopt: BTreeMap<String, OptionKeys>,
     pub(super) points: Option<usize>,
     pub(super) integration: Option<IntegrationKeys>,
+    pub(super) projection: Option<ProjectionKeys>,
     pub(super) initial_gaps: Option<InitialGapKeys>,
     pub(super) overlap_tolerance: Option<f64>,
     pub(super) overlaps: Option<OverlapKeys>,
@@ -122,6 +123,13 @@ pub(super) enum OptionKeys {
 #[serde(rename_all = "kebab-case")]
 pub(super) enum IntegrationKeys {
     Exact,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum ProjectionKeys {
+    AlongNormals,
+    Closest,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]

@@ -125,7 +125,7 @@ fn the_literal_solver_finds_the_same_equilibrium() {
 fn the_literal_flag_is_the_literal_solver() {
     let folder = fresh("flag");
     let text = TWO_BODIES.replace("linear-elastic", "neo-hookean");
-    let keys = "solver = \"literal\"\ngoes-on = true\npoints = 4";
+    let keys = "solver = \"literal\"\ngoes-on = true\npoints = 4\nprojection = \"closest\"";
     let (flag, file) = (folder.join("flag"), folder.join("file"));
     let path = written_bodies(&folder, &text.replace("points = 4", keys));
     let (code, told) = program(&["run", "--out"], &[&file, &path]);

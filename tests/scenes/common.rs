@@ -9,9 +9,10 @@ use contact_fem::tensor::Vector;
 use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 
 /// The paper's disc-in-disc (section 6.1) with `segments` around the hole; 64 is the mesh that the
-/// reference values belong to.
+/// reference values belong to. Points are those of the paper.
 pub fn disc_in_disc(segments: usize, roles: Roles) -> Problem<2> {
-    let scene = disc_in_disc::scene(Fineness::scaled(segments), roles).expect("a scene");
+    let mut scene = disc_in_disc::scene(Fineness::scaled(segments), roles).expect("a scene");
+    scene.points_as_in_the_paper();
     scene.problem().expect("valid scene")
 }
 

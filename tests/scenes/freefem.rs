@@ -58,7 +58,7 @@ fn agrees(name: &str, size: Size, left: f64) {
 fn pressure_tolerance(case: &Case, size: Size, theirs: &Outcome, left: f64) -> f64 {
     let pressures = || theirs.pressures.iter().flat_map(|all| all.values());
     let rows = pressures().count() as f64;
-    let apart = match (case.build)(size).expect("a scene") {
+    let apart = match case.scene(size).expect("a scene") {
         Built::Plane(scene) => apart(&scene.problem().expect("a problem"), rows, left),
         Built::Space(scene) => apart(&scene.problem().expect("a problem"), rows, left),
     };

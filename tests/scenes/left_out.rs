@@ -11,9 +11,9 @@ use contact_core::{
     LoadSteps, Method, Penalty, Retry, Scale, State,
 };
 use contact_fem::assembly::{BodyEnergy, DofMap, StrainEnergy};
-use contact_fem::contact::Master;
 use contact_fem::contact::rows::{PassRows, Unknowns};
 use contact_fem::contact::stencil::projected;
+use contact_fem::contact::{Master, Projection};
 use contact_fem::element::{Element, Order, P1, P2};
 use contact_fem::mesh::generators::{Diagonals, cuboid, disc, linspace, rectangle};
 use contact_fem::model::{Integration, Problem};
@@ -69,6 +69,9 @@ fn cube_on_block<M: Material<3>>(law: M, order: Order) -> Scene<3> {
 /// The Gauss points that a scene has by default.
 fn integration<const D: usize>(scene: &Scene<D>) -> Integration {
     let is_quadratic = |body: &Body<D>| body.mesh().order() == Order::Quadratic;
+    if D == 2 {
+        return Integration::Exact;
+    }
     Integration::Gauss(match (scene.bodies().iter().any(is_quadratic), D) {
         (false, _) => 4,
         (true, 2) => 12,
@@ -176,7 +179,10 @@ impl<const D: usize> ContactProblem for Full<'_, D> {
             .collect();
         let x = if self.lean.is_exact() { X } else { &moved };
         let surfaces = self.lean.surfaces();
-        let masters: Vec<_> = surfaces.iter().map(|s| Master::new(s, x, Projection::AlongNormals)).collect();
+        let masters: Vec<_> = surfaces
+            .iter()
+            .map(|s| Master::new(s, x, Projection::AlongNormals))
+            .collect();
         let unknowns = Unknowns {
             dofs: &self.dofs,
             supports: self.lean.dofs(),

@@ -3,7 +3,7 @@
 use crate::common::{disc_in_disc, relative};
 use contact_core::{CondensedNewton, InteriorPoint, Retry};
 use contact_fem::element::Order;
-use contact_fem::model::{Integration, Problem};
+use contact_fem::model::{Integration, Problem, Projection};
 use contact_fem::simulation::History;
 use contact_fem::{Scene, Simulation};
 use ipopt_contact_scenes::beams::{Beams, LENGTH, LOAD, Law, SIDE};
@@ -115,6 +115,7 @@ fn exact_integration() {
     let scene = |fineness| {
         let mut scene = discs::scene(fineness, Roles::default()).expect("a scene");
         scene.integration = Some(Integration::Exact);
+        scene.projection = Projection::Closest;
         scene
     };
     compare(|| scene(Fineness::scaled(24)), 20, 20);

@@ -74,8 +74,7 @@ fn accepted<const D: usize>(
     lambda: Vector<D>,
 ) -> Option<Vector<D>> {
     let is_inside = |k: usize| {
-        lambda[k] >= -ROUND_OFF
-            || lambda[k] >= -RIM && across(surface, facet, k).is_none()
+        lambda[k] >= -ROUND_OFF || lambda[k] >= -RIM && across(surface, facet, k).is_none()
     };
     (0..D).all(is_inside).then_some(lambda)
 }
@@ -125,7 +124,11 @@ fn around<const D: usize>(surface: &Moving<D>, x: &Vector<D>, first: usize) -> O
 }
 
 fn gathered<const D: usize>(surface: &Moving<D>, facet: usize, of: &[Vector<D>]) -> Facet<D> {
-    Facet::gather(surface.surface().order(), surface.surface().facet(facet), of)
+    Facet::gather(
+        surface.surface().order(),
+        surface.surface().facet(facet),
+        of,
+    )
 }
 
 /// λ of x = x̄(λ) + s m(λ) on one facet, which may be outside it, by Newton's method from `start`. `None` where the iteration

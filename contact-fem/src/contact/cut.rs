@@ -158,14 +158,16 @@ impl<const D: usize> Cutter<D> {
         };
         let corners = facet.corners();
         let own_measure = facet_normal(&corners).norm();
-        let shadows = master.within(&middle.x, distance).filter_map(|(index, other)| {
-            let shadow = match master.by() {
-                Projection::AlongNormals => shadow_along_normals(index, master, &corners)?,
-                Projection::Closest => other.corners().map(|x| along_normal(&x, &corners)),
-            };
-            let least = EDGE_ON * facet_normal(&other.corners()).norm() / own_measure;
-            faces(&shadow, least).then_some((index, shadow))
-        });
+        let shadows = master
+            .within(&middle.x, distance)
+            .filter_map(|(index, other)| {
+                let shadow = match master.by() {
+                    Projection::AlongNormals => shadow_along_normals(index, master, &corners)?,
+                    Projection::Closest => other.corners().map(|x| along_normal(&x, &corners)),
+                };
+                let least = EDGE_ON * facet_normal(&other.corners()).norm() / own_measure;
+                faces(&shadow, least).then_some((index, shadow))
+            });
         self.shadows.extend(shadows);
         // an order that does not depend on the bodies' positions
         self.shadows.sort_unstable_by_key(|(index, _)| *index);

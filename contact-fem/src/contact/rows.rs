@@ -106,7 +106,11 @@ impl Leaning {
             }
         }
         on.sort_unstable_by_key(|(j, i, _)| (*j, *i));
-        match own.iter().zip(rows).all(|(s, row)| *s == 1.0 || row.terms.is_empty()) {
+        match own
+            .iter()
+            .zip(rows)
+            .all(|(s, row)| *s == 1.0 || row.terms.is_empty())
+        {
             true => Leaning::default(),
             false => Leaning { own, on },
         }
@@ -118,7 +122,9 @@ impl Leaning {
         let first = self.on.partition_point(|(k, ..)| *k < j);
         let others = self.on[first..].iter().take_while(move |(k, ..)| *k == j);
         let others = others.map(|(_, i, share)| (*i, *share));
-        std::iter::once((j, own)).filter(|(_, s)| *s > 0.0).chain(others)
+        std::iter::once((j, own))
+            .filter(|(_, s)| *s > 0.0)
+            .chain(others)
     }
 }
 

@@ -10,7 +10,7 @@ use super::projection::Projection;
 use super::surface::Surface;
 use super::tree::{Closest, FacetTree};
 use crate::element::{Facet, facet_shapes};
-use crate::tensor::{Vector, facet_normal};
+use crate::tensor::{Matrix, Vector, facet_normal};
 
 /// A master surface at current positions, on which points are projected.
 pub struct Master<const D: usize> {
@@ -97,6 +97,8 @@ impl<const D: usize> Master<D> {
     /// body and the distance is larger than this. Penetrations are much smaller, and material is not
     /// compressed that far.
     const MATERIAL: f64 = 0.2;
+    /// The depth, as a share of the facet size, up to which a way to the foot is not looked at for what it crosses.
+    const SHALLOW: f64 = 0.05;
     /// The smallest depth of the reference path on a single body, as a share of the facet size. The
     /// sides of a closed slit are nearer to each other. Closer than this, a projection also counts as
     /// a local minimum of the distance.
@@ -193,11 +195,15 @@ impl<const D: usize> Master<D> {
             .filter(|p| !neighbour(p.facet))
     }
 
-    /// Whether material lies between the seeker and the closest point, of its own body or of the
-    /// other one. The surface is then seen from behind, as the top of a slab is from below.
+    /// Whether material lies between the seeker and its foot, of its own body or of the
+    /// other one. The surface is then seen from behind, as the top of a slab is from below. Two signs tell: the way to the foot
+    /// crosses the surface elsewhere, or the way between them in the reference configuration leads through a body.
     fn is_through_material(&self, p: &FootPoint<D>, seeker: &Seeker<'_, D>) -> bool {
         if p.gap >= 0.0 {
             return false;
+        }
+        if p.distance > Self::SHALLOW * self.facet_size && self.crosses(&seeker.x, p) {
+            return true;
         }
         let there = &self.surface().reference()[p.facet];
         let way = there.point(&p.lambda) - seeker.X;
@@ -213,6 +219,32 @@ impl<const D: usize> Master<D> {
             }
         };
         p.distance > Self::MATERIAL * length && starts.max(ends) > least
+    }
+
+    /// Whether the way from x to its foot crosses a facet that has no node in common with the foot's.
+    fn crosses(&self, x: &Vector<D>, p: &FootPoint<D>) -> bool {
+        let middle = (x + p.foot) * 0.5;
+        let foot = self.surface().facet(p.facet);
+        let mut others = self.tree().at(&middle, 0.5 * p.distance).filter(|leaf| {
+            let nodes = self.surface().facet(leaf.index);
+            !nodes.iter().any(|a| foot.contains(a))
+        });
+        others.any(|leaf| {
+            let corners = leaf.facet.corners();
+            // x + t (foot − x) is the first corner + Σ λ_k sides_k
+            let mut sides = Matrix::<D>::zeros();
+            for k in 1..D {
+                sides.set_column(k - 1, &(corners[k] - corners[0]));
+            }
+            sides.set_column(D - 1, &(x - p.foot));
+            let Some(inverse) = sides.try_inverse() else {
+                return false;
+            };
+            let at = inverse * (x - corners[0]);
+            let (t, lambda) = (at[D - 1], at.rows(0, D - 1));
+            let is_on_facet = lambda.min() >= 0.0 && lambda.sum() <= 1.0;
+            is_on_facet && t > Self::CLOSED && t < 1.0 - Self::CLOSED
+        })
     }
 
     /// Whether the closest point of a facet is a local minimum of the distance: no adjacent facet has a point
@@ -493,7 +525,11 @@ mod tests {
         let x: Vec<Vector<2>> = points.iter().copied().map(Vector::from).collect();
         let facets: Vec<[usize; 2]> = (1..x.len()).map(|k| [k, k - 1]).collect();
         let facets = facets.iter().map(|f| &f[..]);
-        Master::new(&Arc::new(Surface::new(0, Order::Linear, facets, &x)), &x, Projection::Closest)
+        Master::new(
+            &Arc::new(Surface::new(0, Order::Linear, facets, &x)),
+            &x,
+            Projection::Closest,
+        )
     }
 
     /// Above a valley of depth 1, whose box reaches up to its ends: the middle is farther away than the

@@ -109,7 +109,9 @@ impl<const D: usize> Surface<D> {
             for (weight, lambda) in rule.points() {
                 let w = weight * self.measure(index, lambda);
                 let tests = nodes.iter().zip(self.test_functions(lambda));
-                tests.take(self.test_nodes()).for_each(|(&a, phi)| areas[a] += w * phi);
+                tests
+                    .take(self.test_nodes())
+                    .for_each(|(&a, phi)| areas[a] += w * phi);
             }
         }
         areas

@@ -7,7 +7,10 @@ use super::kinematics::Kinematics;
 use super::preflight::{self, Report, Setup};
 use super::switches::{During, Switched};
 use super::tie::{Tie, Ties};
-use super::{Body, BodyId, Finding, InitialGaps, Integration, Obstacle, ObstacleId, Problem, Projection, Side};
+use super::{
+    Body, BodyId, Finding, InitialGaps, Integration, Obstacle, ObstacleId, Problem, Projection,
+    Side,
+};
 use crate::audit::Audit;
 use crate::element::Order;
 use crate::error::Error;
@@ -554,6 +557,12 @@ impl<const D: usize> Scene<D> {
             }),
             false => Ok(side),
         }
+    }
+
+    /// Integrates the constraints as the paper does: at Gauss points, of the default number, with their feet at the closest points.
+    pub fn points_as_in_the_paper(&mut self) {
+        self.integration = Some(Integration::Gauss(self.default_points()));
+        self.projection = Projection::Closest;
     }
 
     /// The quadrature of the constraints: the one that was set, or the default.

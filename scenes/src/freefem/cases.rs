@@ -39,8 +39,8 @@ pub struct Case {
     /// The convergence tolerance of the fixed-point iterations: the relative change of the
     /// displacement.
     pub tolerance: f64,
-    /// The scene.
-    pub build: fn(Size) -> Result<Built, Error>,
+    /// The scene with default settings.
+    build: fn(Size) -> Result<Built, Error>,
 }
 
 /// One of FreeFEM's scripts for a scene.
@@ -195,6 +195,21 @@ fn beams(law: Law, poisson: f64, size: Size) -> Result<Built, Error> {
 fn half_cylinder(size: Size) -> Result<Built, Error> {
     let fineness = hertz::Fineness::family(size.of([4, 8, 16, 32]));
     Ok(Built::Plane(Hertz::new(fineness, Order::Linear).scene()?))
+}
+
+impl Case {
+    /// The scene, integrated as the scripts do.
+    ///
+    /// # Errors
+    /// Those of the scene.
+    pub fn scene(&self, size: Size) -> Result<Built, Error> {
+        let mut built = (self.build)(size)?;
+        match &mut built {
+            Built::Plane(scene) => scene.points_as_in_the_paper(),
+            Built::Space(scene) => scene.points_as_in_the_paper(),
+        }
+        Ok(built)
+    }
 }
 
 impl Built {

@@ -69,7 +69,7 @@ enum Child {
 
 fn export(case: &Case, size: Size, folder: &Path) -> Result<(), Failure> {
     files::make_folder(folder)?;
-    Ok((case.build)(size)?.export(case.bodies, folder)?)
+    Ok(case.scene(size)?.export(case.bodies, folder)?)
 }
 
 fn compare(arguments: &Arguments, cases: &[&Case]) -> Result<ExitCode, Failure> {
@@ -248,7 +248,7 @@ impl<'a> Bench<'a> {
         if !self.arguments.save_reference || !is_first {
             return Ok(());
         }
-        let dimension = match (self.case.build)(self.size)? {
+        let dimension = match self.case.scene(self.size)? {
             Built::Plane(_) => 2,
             Built::Space(_) => 3,
         };

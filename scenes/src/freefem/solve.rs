@@ -17,7 +17,7 @@ use crate::{Failure, cli::Solver, files};
 /// `pressure_BODY.txt` to `folder`.
 pub fn solve(case: &Case, size: Size, folder: &Path) -> Result<(), Failure> {
     let clock = Instant::now();
-    match (case.build)(size)? {
+    match case.scene(size)? {
         Built::Plane(scene) => run(case, size, scene.problem()?, clock, folder),
         Built::Space(scene) => run(case, size, scene.problem()?, clock, folder),
     }

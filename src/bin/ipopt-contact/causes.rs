@@ -76,6 +76,19 @@ pub fn command(words: &[String]) -> Result<ExitCode, String> {
     };
     print(row(&name, &asked));
     let mut causes = Vec::new();
+    // scripts project to closest points: all other changes are tried with those
+    file = file.changed(Change::Closest);
+    let closest = Change::Closest.to_string();
+    match tried(&file, "closest") {
+        Ok((found, _)) => {
+            print(row(&closest, &found));
+            if largest(&found) < LEAVES * largest(&asked) {
+                causes.push((closest.clone(), largest(&found)));
+            }
+        }
+        Err(why) => print(format!("{closest:<28} {why}")),
+    }
+    print(format!("with {closest}, and"));
     for (k, change) in changes(&notes, is_curved && !needs_straight).enumerate() {
         let name = change.to_string();
         match tried(&file.changed(change), &format!("change_{k}")) {

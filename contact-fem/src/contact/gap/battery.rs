@@ -297,12 +297,7 @@ fn triangles(order: Order) {
     let how = (order, Projection::Closest);
     let sides = [[0.4, 0.6, 0.0], [0.0, 0.3, 0.7]];
     battery::<3>(how, &format!("{how:?} on a side"), &sides, 10);
-    battery::<3>(
-        how,
-        &format!("{how:?} in a corner"),
-        &[[1.0, 0.0, 0.0]],
-        2,
-    );
+    battery::<3>(how, &format!("{how:?} in a corner"), &[[1.0, 0.0, 0.0]], 2);
 }
 
 /// A channel with facing sides: facets around the foot share nodes with the slave's facet.

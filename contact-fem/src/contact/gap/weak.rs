@@ -71,11 +71,16 @@ impl<const D: usize> Pair<D> {
 
     /// The foot along normals by exhaustive search over facets: facet, λ and n.
     fn along_normals(&self, x: &Vector<D>) -> Option<(usize, Vector<D>, Vector<D>)> {
-        let feet = self.case.master.iter().enumerate().filter_map(|(f, facet)| {
-            let middle = Vector::repeat(1.0 / D as f64);
-            let (gap, lambda, n) = self.case.gap(x, facet, &middle);
-            (lambda.min() >= 0.0).then_some((gap, (f, lambda, n)))
-        });
+        let feet = self
+            .case
+            .master
+            .iter()
+            .enumerate()
+            .filter_map(|(f, facet)| {
+                let middle = Vector::repeat(1.0 / D as f64);
+                let (gap, lambda, n) = self.case.gap(x, facet, &middle);
+                (lambda.min() >= 0.0).then_some((gap, (f, lambda, n)))
+            });
         let nearest = feet.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
         nearest.map(|(_, foot)| foot)
     }
@@ -154,16 +159,25 @@ impl<const D: usize> Pair<D> {
         rows: &BTreeMap<usize, (f64, Vec<Vector<D>>)>,
         whole: &BTreeMap<usize, f64>,
     ) -> (BTreeMap<usize, (f64, Vec<Vector<D>>)>, usize) {
-        let s = |i: &usize| rows.get(i).map_or(0.0, |(a, _)| (4.0 * a / whole[i]).clamp(0.0, 1.0));
+        let s = |i: &usize| {
+            rows.get(i)
+                .map_or(0.0, |(a, _)| (4.0 * a / whole[i]).clamp(0.0, 1.0))
+        };
         let mut leaning = 0;
         let mut leant = BTreeMap::new();
         for (&i, (a, row)) in rows {
             let near = self.case.slave.iter().filter(|f| f.contains(&i)).flatten();
-            let near: std::collections::BTreeSet<usize> = near.copied().filter(|&j| j != i).collect();
+            let near: std::collections::BTreeSet<usize> =
+                near.copied().filter(|&j| j != i).collect();
             let (mut a, mut row) = (a * s(&i), row.iter().map(|c| c * s(&i)).collect::<Vec<_>>());
-            for (other, share) in near.iter().filter_map(|j| Some((rows.get(j)?, (1.0 - s(&i)) * s(j)))) {
+            for (other, share) in near
+                .iter()
+                .filter_map(|j| Some((rows.get(j)?, (1.0 - s(&i)) * s(j))))
+            {
                 a += share * other.0;
-                row.iter_mut().zip(&other.1).for_each(|(sum, c)| *sum += c * share);
+                row.iter_mut()
+                    .zip(&other.1)
+                    .for_each(|(sum, c)| *sum += c * share);
             }
             leaning += usize::from(s(&i) < 1.0);
             leant.insert(i, (a, row));

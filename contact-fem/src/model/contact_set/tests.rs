@@ -177,6 +177,7 @@ fn points_keep_their_numbers() {
         scene
             .contact_in_passes(lower, upper, passes)
             .expect("a pair");
+        scene.integration = Some(Integration::Gauss(4));
         let problem = scene.problem().expect("a problem");
         let rest = vec![0.0; problem.dofs().free()];
         let rows = problem.rows(&rest, Sampling::Points).expect("a state");

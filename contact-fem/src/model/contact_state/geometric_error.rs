@@ -72,12 +72,6 @@ impl<const D: usize> Problem<D> {
         [taken, present]: [Vec<Option<NodalGap>>; 2],
     ) -> Vec<[f64; 2]> {
         let surface = &self.surfaces()[share.side.surface];
-        // where the other surface is no longer opposite, there would be no contact
-        let apart = |a: usize, indentation: f64| match (taken[a], present[a]) {
-            (Some(taken), Some(present)) => (present.smooth() - taken.smooth()).abs(),
-            (Some(_), None) => indentation,
-            _ => 0.0,
-        };
         let areas = surface.node_areas(surface.reference_nodes());
         let forces = &share.side.forces;
         let of_zone = |zone: Vec<usize>| {
@@ -87,8 +81,14 @@ impl<const D: usize> Problem<D> {
             let is_in_space = D == 3 || surface.is_of_revolution();
             let width = if is_in_space { area.sqrt() } else { area };
             let indentation = force / (area * share.modulus) * width;
-            // gaps of the surface count where its own rows act
-            let error = sum(&|a| share.own[a].norm() * apart(a, indentation)) / force;
+            // gaps of the surface count where its own rows act; where the other surface is no longer opposite, no row of either would
+            let error = sum(&|a| match (taken[a], present[a]) {
+                (Some(taken), Some(present)) => {
+                    share.own[a].norm() * (present.smooth() - taken.smooth()).abs()
+                }
+                (Some(_), None) => forces[a].norm() * indentation,
+                _ => 0.0,
+            }) / force;
             [error, indentation]
         };
         let zones = surface.zones(&loaded(forces)).into_iter().map(of_zone);
