@@ -4,7 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use contact_core::Acceleration;
-use ipopt_contact_scenes::disc_in_disc::{self, ENDS, EXACT_END, Fineness, FullLoad, PUSH, Roles};
+use ipopt_contact_scenes::disc_in_disc::{
+    self, DEFAULT_END, ENDS, EXACT_END, Fineness, FullLoad, PUSH, Roles,
+};
 
 /// Crates and their sources. Documents may leave the latter out of a path.
 const CRATES: [(&str, &str); 6] = [
@@ -390,6 +392,9 @@ fn results_of_the_disc_in_disc_are_those_asserted() {
         let row = format!("| {energy} | {force} |");
         assert!(readme.contains(&row), "{passes:?}: {row}");
     }
+    let FullLoad { energy, force } = DEFAULT_END;
+    let row = format!("| both sides, default settings | {energy} | {force} |");
+    assert!(readme.contains(&row), "{row}");
     let FullLoad { energy, force } = EXACT_END;
     let exact = format!("an energy of {energy} and a force of {force},");
     let pushed = format!("pushed down by {PUSH} in 100 increments");

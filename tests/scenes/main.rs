@@ -11,6 +11,7 @@ mod beams;
 mod budget;
 mod certificate;
 mod condensed;
+mod continuity;
 mod derivatives;
 mod disc_in_disc;
 mod extremes;

@@ -2,13 +2,16 @@
 
 use crate::common::{disc_in_disc, relative};
 use contact_core::{CondensedNewton, InteriorPoint, Retry};
+use contact_fem::certificate::Limits;
 use contact_fem::element::Order;
 use contact_fem::model::{Integration, Problem, Projection};
 use contact_fem::simulation::History;
 use contact_fem::{Scene, Simulation};
 use ipopt_contact_scenes::beams::{Beams, LENGTH, LOAD, Law, SIDE};
 use ipopt_contact_scenes::cli::Solver;
-use ipopt_contact_scenes::disc_in_disc::{self as discs, ENDS, EXACT_END, Fineness, Roles};
+use ipopt_contact_scenes::disc_in_disc::{
+    self as discs, DEFAULT_END, ENDS, EXACT_END, Fineness, Roles,
+};
 use ipopt_contact_scenes::freefem::cases::{Case, Size};
 use ipopt_contact_scenes::freefem::reference::Reference;
 use ipopt_contact_scenes::{arch, extremes, hairpin, tight};
@@ -122,6 +125,47 @@ fn exact_integration() {
     let mut problem = scene(Fineness::REFERENCE).problem().expect("valid scene");
     let history = newton(&mut problem, 20);
     assert!((energy(&history) - EXACT_END.energy).abs() < 1e-4);
+}
+
+/// With default settings, whichever body comes first.
+#[test]
+fn disc_in_disc_with_default_settings() {
+    let ends = [false, true].map(|swapped| {
+        let roles = Roles {
+            swapped,
+            ..Roles::default()
+        };
+        let scene = discs::scene(Fineness::REFERENCE, roles).expect("a scene");
+        let history = newton(&mut scene.problem().expect("valid scene"), 20);
+        let last = history.last().expect("steps");
+        let found = [last.energy, last.reaction(roles.ring())[1]];
+        assert!((found[0] - DEFAULT_END.energy).abs() < 1e-4, "{found:?}");
+        assert!((found[1] - DEFAULT_END.force).abs() < 1e-3, "{found:?}");
+        found
+    });
+    let apart = (0..2).map(|k| relative(ends[0][k], ends[1][k]));
+    assert!(apart.fold(0.0, f64::max) < 1e-12, "{ends:?}");
+}
+
+/// Meshes of which each has a load without an equilibrium where feet are the closest points of Gauss points.
+#[test]
+fn meshes_on_which_closest_points_fail() {
+    for segments in [28, 36, 38, 50] {
+        let scene = discs::scene(Fineness::scaled(segments), Roles::default()).expect("a scene");
+        let mut problem = scene.problem().expect("valid scene");
+        let history = Simulation::with_increments(100).run(&mut problem);
+        let history = history.expect("a run");
+        assert!(history.is_complete(), "{segments}: {}", history.run.ending);
+        assert_eq!(history.run.cuts(), 0, "{segments}");
+        let certificate = history.certificate().expect("steps");
+        assert!(
+            certificate.holds(&Limits::default()),
+            "{segments}: {certificate}"
+        );
+        let cost = history.run.cost();
+        assert!(cost.outer_iterations <= 500, "{segments}: {cost:?}");
+        assert!(cost.factorizations <= 600, "{segments}: {cost:?}");
+    }
 }
 
 #[test]

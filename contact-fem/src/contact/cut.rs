@@ -119,7 +119,7 @@ impl<const D: usize> Cutter<D> {
         self.pieces.clear();
         self.breaks.clear();
         if D == 2 && master.by() == Projection::AlongNormals {
-            self.cast_ends(facet, master, &middle);
+            self.cast_ends(facet, master, seeker);
             self.cut_segment();
         } else if D == 2 {
             self.cast(facet, master, &middle);
@@ -173,20 +173,36 @@ impl<const D: usize> Cutter<D> {
         self.shadows.sort_unstable_by_key(|(index, _)| *index);
     }
 
-    /// Finds where a segment is met by the normals of the master's nodes: between those, all feet are on one facet.
-    fn cast_ends(&mut self, facet: &Facet<D>, master: &Master<D>, middle: &Seeker<'_, D>) {
-        let Some(distance) = Self::distance(facet, master, middle) else {
+    /// Finds where a segment is met by the normals of the master's nodes that it faces: between those, all feet are on one facet.
+    /// On a body that touches itself, normals also meet segments through the body, where no foot is.
+    fn cast_ends<'a>(
+        &mut self,
+        facet: &Facet<D>,
+        master: &Master<D>,
+        seeker: &impl Fn(&Vector<D>) -> Seeker<'a, D>,
+    ) {
+        let middle = seeker(&Vector::repeat(1.0 / D as f64));
+        let Some(distance) = Self::distance(facet, master, &middle) else {
             return;
         };
-        let at = |t: f64| facet.point(&Vector::from_fn(|i, _| if i == 0 { 1.0 - t } else { t }));
+        let lambda = |t: f64| Vector::from_fn(|i, _| if i == 0 { 1.0 - t } else { t });
+        let at = |t: f64| facet.point(&lambda(t));
         let points = [0.0, 0.5, 1.0].map(at);
         let surface = master.moving();
         for (index, _) in master.within(&middle.x, distance) {
             for &b in &surface.surface().facet(index)[..D] {
                 let (x, n) = (surface.positions()[b], surface.normals()[b]);
                 let beside = points.map(|y| (y[0] - x[0]) * n[1] - (y[1] - x[1]) * n[0]);
-                let is_near = |t: &f64| (at(*t) - x).norm() <= distance;
-                self.breaks.extend(zeros(beside).filter(is_near));
+                let is_foot = |t: f64| {
+                    let found = master.find(&seeker(&lambda(t)));
+                    found.is_some_and(|p| surface.surface().facet(p.facet).contains(&b))
+                };
+                let is_met = |t: &f64| {
+                    let faces = facet.normal(&lambda(*t)).dot(&n) < 0.0;
+                    let is_near = faces && (at(*t) - x).norm() <= distance;
+                    is_near && (middle.own.is_none() || 0.0 < *t && *t < 1.0 && is_foot(*t))
+                };
+                self.breaks.extend(zeros(beside).filter(is_met));
             }
         }
     }

@@ -168,7 +168,7 @@ impl<const D: usize> Master<D> {
                 && seeker.facing.dot(&p.normal) < 0.0
                 && !self.is_through_material(p, seeker)
         };
-        let Some(own) = seeker.own else {
+        if seeker.own.is_none() {
             let nearest = self.project(&seeker.x)?;
             let is_beyond_the_middle =
                 nearest.gap < 0.0 && seeker.facing.dot(&nearest.normal) >= 0.0;
@@ -180,11 +180,10 @@ impl<const D: usize> Master<D> {
                 .map(|closest| (closest, self.foot(&closest, &seeker.x)))
                 .find(|(closest, p)| counts(p) && self.is_local_minimum(closest, &seeker.x))
                 .map(|(_, p)| p);
-        };
-        let is_own = |node: usize| own.nodes.iter().any(|&a| own.surface.nodes()[a] == node);
+        }
         let neighbour = |facet: usize| {
-            let nodes = self.surface().facet(facet).iter();
-            nodes.map(|&b| self.surface().nodes()[b]).any(is_own)
+            let mut nodes = self.surface().facet(facet).iter();
+            nodes.any(|&b| self.is_own(seeker, b))
         };
         let nearest = self.tree().by_distance(&seeker.x, seeker.reach);
         nearest
@@ -195,6 +194,13 @@ impl<const D: usize> Master<D> {
             .filter(|p| !neighbour(p.facet))
     }
 
+    /// Whether node `b` of the surface is one of the seeker's neighbourhood.
+    fn is_own(&self, seeker: &Seeker<'_, D>, b: usize) -> bool {
+        let node = self.surface().nodes()[b];
+        let own = |own: Own<'_, D>| own.nodes.iter().any(|&a| own.surface.nodes()[a] == node);
+        seeker.own.is_some_and(own)
+    }
+
     /// Whether material lies between the seeker and its foot, of its own body or of the
     /// other one. The surface is then seen from behind, as the top of a slab is from below. Two signs tell: the way to the foot
     /// crosses the surface elsewhere, or the way between them in the reference configuration leads through a body.
@@ -202,7 +208,7 @@ impl<const D: usize> Master<D> {
         if p.gap >= 0.0 {
             return false;
         }
-        if p.distance > Self::SHALLOW * self.facet_size && self.crosses(&seeker.x, p) {
+        if p.distance > Self::SHALLOW * self.facet_size && self.crosses(seeker, p) {
             return true;
         }
         let there = &self.surface().reference()[p.facet];
@@ -221,13 +227,16 @@ impl<const D: usize> Master<D> {
         p.distance > Self::MATERIAL * length && starts.max(ends) > least
     }
 
-    /// Whether the way from x to its foot crosses a facet that has no node in common with the foot's.
-    fn crosses(&self, x: &Vector<D>, p: &FootPoint<D>) -> bool {
+    /// Whether the way from the seeker to its foot crosses a facet that has no node in common with those at its ends.
+    fn crosses(&self, seeker: &Seeker<'_, D>, p: &FootPoint<D>) -> bool {
+        let x = &seeker.x;
         let middle = (x + p.foot) * 0.5;
         let foot = self.surface().facet(p.facet);
         let mut others = self.tree().at(&middle, 0.5 * p.distance).filter(|leaf| {
             let nodes = self.surface().facet(leaf.index);
-            !nodes.iter().any(|a| foot.contains(a))
+            !nodes
+                .iter()
+                .any(|a| foot.contains(a) || self.is_own(seeker, *a))
         });
         others.any(|leaf| {
             let corners = leaf.facet.corners();
