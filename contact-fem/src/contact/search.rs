@@ -208,9 +208,6 @@ impl<const D: usize> Master<D> {
         if p.gap >= 0.0 {
             return false;
         }
-        if p.distance > Self::SHALLOW * self.facet_size && self.crosses(seeker, p) {
-            return true;
-        }
         let there = &self.surface().reference()[p.facet];
         let way = there.point(&p.lambda) - seeker.X;
         // the depth of the reference path below the surface at its start and at its end
@@ -224,7 +221,8 @@ impl<const D: usize> Master<D> {
                 (Self::OVERLAP * facet).max(Self::THROUGH * length)
             }
         };
-        p.distance > Self::MATERIAL * length && starts.max(ends) > least
+        let is_through = p.distance > Self::MATERIAL * length && starts.max(ends) > least;
+        is_through || p.distance > Self::SHALLOW * self.facet_size && self.crosses(seeker, p)
     }
 
     /// Whether the way from the seeker to its foot crosses a facet that has no node in common with those at its ends.
