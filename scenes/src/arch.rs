@@ -23,7 +23,8 @@ pub const PUSH: f64 = 2.0;
 /// Only the surface of the arch is slave: since all normals are vertical, its rows are the weighted
 /// means of y + u_y with its test functions.
 pub fn scene(across: usize) -> Result<Scene<2>, Error> {
-    on_foundation(arch(across)?)
+    let ground = Body::new(ground()?, LinearElastic::new(YOUNG, NU)?);
+    on_foundation(arch(across)?, ground)
 }
 
 /// A neo-Hookean arch with large displacements.
@@ -44,14 +45,16 @@ impl Large {
     pub fn scene(&self) -> Result<Scene<2>, Error> {
         let law = NeoHookean::new(YOUNG, self.poisson)?;
         let arch = Body::new(mesh(self.along, self.across)?, law);
-        on_foundation(pushed(arch, self.push)?)
+        on_foundation(pushed(arch, self.push)?, Body::new(ground()?, law))
     }
 }
 
-fn on_foundation(arch: Body<2>) -> Result<Scene<2>, Error> {
+/// The foundation has the law of the arch, since a scene has either small or large strains.
+fn on_foundation(arch: Body<2>, mut foundation: Body<2>) -> Result<Scene<2>, Error> {
     let mut scene = Scene::new();
+    foundation.prescribe_all([Some(0.0); 2])?;
     let arch = scene.add("arch", arch);
-    let foundation = scene.add("foundation", foundation()?);
+    let foundation = scene.add("foundation", foundation);
     scene.contact_in_passes(
         arch.on("bottom"),
         foundation.on("top"),
@@ -92,13 +95,10 @@ fn pushed(mut arch: Body<2>, push: f64) -> Result<Body<2>, Error> {
     Ok(arch)
 }
 
-fn foundation() -> Result<Body<2>, Error> {
-    let ground = rectangle(
+fn ground() -> Result<Mesh<2>, Error> {
+    rectangle(
         &[-2.0 * RADIUS, 2.0 * RADIUS],
         &[-THICKNESS, 0.0],
         Diagonals::Rising,
-    )?;
-    let mut foundation = Body::new(ground, LinearElastic::new(YOUNG, NU)?);
-    foundation.prescribe_all([Some(0.0); 2])?;
-    Ok(foundation)
+    )
 }

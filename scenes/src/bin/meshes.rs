@@ -332,7 +332,7 @@ impl Sweep<'_> {
                     fold: around(random, 8),
                     through: around(random, 2),
                     // beyond this the arms are flat on each other, and single nodes would be pressed into them
-                    press: near(random, hairpin::PRESS).min(1.05 * hairpin::PRESS),
+                    press: hairpin::PRESS * random.between(1.0 - SPREAD, 1.05),
                     poisson: near(random, hairpin::NU),
                 };
                 let text = format!(
