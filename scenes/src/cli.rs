@@ -146,8 +146,8 @@ pub enum Feet {
     Closest,
 }
 
-/// `--integration`
-fn integration(text: &str) -> Result<Integration, String> {
+/// Parses `exact`, or a number of Gauss points.
+pub fn integration(text: &str) -> Result<Integration, String> {
     if text == "exact" {
         return Ok(Integration::Exact);
     }

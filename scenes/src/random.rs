@@ -28,9 +28,16 @@ const ROUNDOFF: f64 = 1e-9;
 const ROUNDOFF_OF_ALL: f64 = 1e-12;
 
 /// SplitMix64 (G. Steele, D. Lea, C. Flood, 2014).
-struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
+    /// The numbers of one case.
+    pub fn of_case(seed: u64, number: u64) -> Self {
+        let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ number);
+        random.bits();
+        random
+    }
+
     fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -42,7 +49,8 @@ impl Random {
         (self.bits() % end as u64) as usize
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    /// A number from `low` to `high`.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
@@ -401,8 +409,7 @@ fn balance<const D: usize>(problem: &Problem<D>, history: &History<D>) -> Result
 /// # Errors
 /// What must not be: a panic, values that are no numbers, forces out of balance where the certificate holds.
 pub fn case(seed: u64, number: u64) -> Result<String, String> {
-    let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ number);
-    random.bits();
+    let mut random = Random::of_case(seed, number);
     let solved = catch_unwind(AssertUnwindSafe(|| match random.one_in(6) {
         true => {
             let scene = scene::<3>(&mut random, space);
