@@ -2,12 +2,14 @@
 //!
 //! A facet with its interpolated normals m(λ) = Σ N_b(λ) n_b sweeps the points x̄(λ) + s m(λ). Neighbours share the normals
 //! of their common nodes, so that what they sweep fits together without gaps and overlaps as far as the normals do not
-//! cross. The foot of a point x is where the surface sweeps it:
+//! cross. The foot x̄ of a point x, which stands for the projection in (3) of the paper, is where the surface sweeps the point:
 //!
-//! x = x̄(λ) + s m(λ),  g = s |m(λ)|.
+//! x = x̄(λ) + s m(λ),  g = s |m(λ)| (UL).
 //!
 //! λ and g are continuous in x and in the nodes. The closest point is not: from inside an edge it jumps across the bisector, by
 //! the gap times the angle of the edge. Both agree as g → 0.
+
+use std::collections::BTreeSet;
 
 use super::moving::Moving;
 use crate::element::{Facet, facet_slopes};
@@ -113,7 +115,8 @@ fn carried<const D: usize>(
 fn around<const D: usize>(surface: &Moving<D>, x: &Vector<D>, first: usize) -> Option<Foot<D>> {
     let nodes = surface.surface().facet(first).iter();
     let facets = nodes.flat_map(|&a| surface.surface().facets_around(a).map(|(f, _)| f));
-    let feet = facets.filter_map(|f| {
+    let facets: BTreeSet<usize> = facets.collect();
+    let feet = facets.into_iter().filter_map(|f| {
         let lambda = on_facet(surface, f, x, &Vector::repeat(1.0 / D as f64))?;
         let lambda = accepted(surface, f, lambda)?;
         let facet = gathered(surface, f, surface.positions());

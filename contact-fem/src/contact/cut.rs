@@ -173,7 +173,7 @@ impl<const D: usize> Cutter<D> {
         self.shadows.sort_unstable_by_key(|(index, _)| *index);
     }
 
-    /// Finds where a segment is met by the normals of the master's nodes that it faces: between those, all feet are on one facet.
+    /// Finds where a segment is met by the normals of the master's nodes that it faces: between such places, all feet are on one facet.
     /// On a body that touches itself, normals also meet segments through the body, where no foot is.
     fn cast_ends<'a>(
         &mut self,

@@ -328,7 +328,8 @@ impl<const D: usize> MovingGap<D> {
             forms.s = S * forms.m;
             if along_normals {
                 forms.p = self.n * gradient.transpose();
-                forms.r = self.n * forms.n.tr_mul(&foot.q).transpose() * -1.0;
+                // the product is −δg q·A δm
+                forms.r = -self.n * forms.n.tr_mul(&foot.q).transpose();
             } else {
                 forms.p = Matrix::identity() * forms.shape - foot.t * forms.lambda;
                 let t = Matrix::identity() * forms.slopes.dot(&foot.mu) + t_bends * forms.lambda;

@@ -188,8 +188,8 @@ impl<'a, const D: usize> PassRows<'a, D> {
     }
 
     /// The integration points that count. Each comes with its rows as (the row's [`RowKey::node`],
-    /// its share w_q φ_i(q)/a_i in the row): c_i = Σ_q share_iq g_q. Rows without support are left
-    /// out.
+    /// its share w_q φ_i(q)/a_i in the row): c_i = Σ_q share_iq g_q. φ_i is the test function that a leaning row has; such a row
+    /// may come twice. Rows without support are left out.
     ///
     /// With one multiplier λ_i for each row, a point carries the force π_q = Σ_i λ_i share_iq (UF),
     /// and Cᵀλ = Σ_q π_q ∇g_q.
@@ -298,7 +298,7 @@ impl<const D: usize> NodalRow<D> {
         self.constant += share * other.constant;
     }
 
-    /// Whether any point counts.
+    /// Whether a_i, that of the test function which a leaning row has, is positive, so that c_i is a mean of gaps.
     fn has_support(&self) -> bool {
         self.area > 0.0
     }

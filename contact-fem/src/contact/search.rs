@@ -70,7 +70,7 @@ pub struct Own<'a, const D: usize> {
     pub nodes: &'a [usize],
 }
 
-/// What a point must face its foot by to count in full: the cosine between the slave's normal and the master's, reversed.
+/// A point counts in full if the cosine between the slave's normal and the reversed normal of the master is at least this.
 const FACING: f64 = 0.2;
 /// The share of the search radius within which points lose their weight.
 const FAR: f64 = 0.1;
@@ -97,7 +97,7 @@ impl<const D: usize> Master<D> {
     /// body and the distance is larger than this. Penetrations are much smaller, and material is not
     /// compressed that far.
     const MATERIAL: f64 = 0.2;
-    /// The depth, as a share of the facet size, up to which a way to the foot is not looked at for what it crosses.
+    /// The depth, as a share of the facet size, beyond which the way to the foot is checked for facets that it crosses.
     const SHALLOW: f64 = 0.05;
     /// The smallest depth of the reference path on a single body, as a share of the facet size. The
     /// sides of a closed slit are nearer to each other. Closer than this, a projection also counts as
@@ -189,9 +189,10 @@ impl<const D: usize> Master<D> {
         nearest
             .filter(|closest| !neighbour(closest.leaf.index))
             .map(|closest| (closest, self.foot(&closest, &seeker.x)))
-            .find(|(closest, p)| counts(p) && self.is_local_minimum(closest, &seeker.x))
+            .find(|(closest, p)| {
+                counts(p) && !neighbour(p.facet) && self.is_local_minimum(closest, &seeker.x)
+            })
             .map(|(_, p)| p)
-            .filter(|p| !neighbour(p.facet))
     }
 
     /// Whether node `b` of the surface is one of the seeker's neighbourhood.
@@ -225,7 +226,7 @@ impl<const D: usize> Master<D> {
         is_through || p.distance > Self::SHALLOW * self.facet_size && self.crosses(seeker, p)
     }
 
-    /// Whether the way from the seeker to its foot crosses a facet that has no node in common with those at its ends.
+    /// Whether the way from the seeker to its foot crosses a facet that shares no node with the facets at both ends.
     fn crosses(&self, seeker: &Seeker<'_, D>, p: &FootPoint<D>) -> bool {
         let x = &seeker.x;
         let middle = (x + p.foot) * 0.5;
