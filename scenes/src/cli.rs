@@ -29,12 +29,9 @@ pub struct Options {
     /// increments that do not converge in 30 iterations
     #[arg(long)]
     pub literal: bool,
-    /// How rows are integrated: at this number of Gauss points a facet and direction, or exactly [default: the scene's]
-    #[arg(long, value_name = "exact|N", value_parser = integration)]
-    pub integration: Option<Integration>,
-    /// Where points have their feet; the paper's are the closest points [default: along-normals, closest with --literal]
-    #[arg(long, value_enum)]
-    pub projection: Option<Feet>,
+    /// The integration points
+    #[command(flatten)]
+    pub points: Points,
     /// Relative change of the displacement at which an increment has converged, in (0, 1); `condensed` has none
     /// [default: 1e-6 for ipopt, else 1e-8]
     #[arg(long, value_parser = tolerance)]
@@ -137,6 +134,30 @@ pub enum Combine {
     Anderson,
 }
 
+/// The options of the integration points.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub struct Points {
+    /// How rows are integrated: exactly, or at this number of Gauss points a facet and direction [default: the scene's]
+    #[arg(long, value_name = "exact|N", value_parser = integration)]
+    pub integration: Option<Integration>,
+    /// Where points have their feet; the paper's are the closest points [default: the scene's, or closest with --literal]
+    #[arg(long, value_enum)]
+    pub projection: Option<Feet>,
+}
+
+impl Points {
+    /// The scene with these points.
+    pub fn of<const D: usize>(&self, mut scene: Scene<D>) -> Scene<D> {
+        scene.integration = self.integration.or(scene.integration);
+        match self.projection {
+            Some(Feet::AlongNormals) => scene.projection = Projection::AlongNormals,
+            Some(Feet::Closest) => scene.projection = Projection::Closest,
+            None => {}
+        }
+        scene
+    }
+}
+
 /// `--projection`
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feet {
@@ -146,8 +167,8 @@ pub enum Feet {
     Closest,
 }
 
-/// Parses `exact`, or a number of Gauss points.
-pub fn integration(text: &str) -> Result<Integration, String> {
+/// `--integration`
+fn integration(text: &str) -> Result<Integration, String> {
     if text == "exact" {
         return Ok(Integration::Exact);
     }
@@ -163,16 +184,7 @@ impl Options {
         if self.literal {
             scene.points_as_in_the_paper();
         }
-        if let Some(integration) = self.integration {
-            scene.integration = Some(integration);
-        }
-        if let Some(feet) = self.projection {
-            scene.projection = match feet {
-                Feet::AlongNormals => Projection::AlongNormals,
-                Feet::Closest => Projection::Closest,
-            };
-        }
-        scene
+        self.points.of(scene)
     }
 
     /// The load steps and the solver of the options; `increments` is the example's

@@ -147,6 +147,13 @@ fn disc_in_disc_with_default_settings() {
     assert!(apart.fold(0.0, f64::max) < 1e-12, "{ends:?}");
 }
 
+/// Exact rows along normals are solved as the paper's algorithm around Ipopt solves them.
+#[test]
+fn default_settings_as_the_fixed_point_has_them() {
+    let scene = || discs::scene(Fineness::scaled(24), Roles::default()).expect("a scene");
+    compare(scene, 20, 20);
+}
+
 /// Meshes of which each has a load without an equilibrium where feet are the closest points of Gauss points.
 #[test]
 fn meshes_on_which_closest_points_fail() {

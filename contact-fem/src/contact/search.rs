@@ -177,9 +177,9 @@ impl<const D: usize> Master<D> {
             }
             let behind = self.tree().by_distance(&seeker.x, seeker.reach);
             return behind
-                .map(|closest| (closest, self.foot(&closest, &seeker.x)))
-                .find(|(closest, p)| counts(p) && self.is_local_minimum(closest, &seeker.x))
-                .map(|(_, p)| p);
+                .filter(|closest| self.is_local_minimum(closest, &seeker.x))
+                .map(|closest| self.foot(&closest, &seeker.x))
+                .find(counts);
         }
         let neighbour = |facet: usize| {
             let mut nodes = self.surface().facet(facet).iter();
@@ -188,11 +188,9 @@ impl<const D: usize> Master<D> {
         let nearest = self.tree().by_distance(&seeker.x, seeker.reach);
         nearest
             .filter(|closest| !neighbour(closest.leaf.index))
-            .map(|closest| (closest, self.foot(&closest, &seeker.x)))
-            .find(|(closest, p)| {
-                counts(p) && !neighbour(p.facet) && self.is_local_minimum(closest, &seeker.x)
-            })
-            .map(|(_, p)| p)
+            .filter(|closest| self.is_local_minimum(closest, &seeker.x))
+            .map(|closest| self.foot(&closest, &seeker.x))
+            .find(|p| counts(p) && !neighbour(p.facet))
     }
 
     /// Whether node `b` of the surface is one of the seeker's neighbourhood.

@@ -17,13 +17,12 @@ use clap::{Parser, ValueEnum};
 use contact_core::{Ending, Outcome, Phase};
 use contact_fem::certificate::{Certificate, Limits};
 use contact_fem::element::Order;
-use contact_fem::model::{Integration, Projection};
 use contact_fem::output::record::{exit, print};
 use contact_fem::simulation::History;
 use contact_fem::{Error, Scene, Simulation};
 use ipopt_contact_scenes::arch::{self, Large};
 use ipopt_contact_scenes::beams::{Beams, Law};
-use ipopt_contact_scenes::cli::{Feet, integration, positive};
+use ipopt_contact_scenes::cli::{Points, positive};
 use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 use ipopt_contact_scenes::hairpin::{self, Hairpin};
 use ipopt_contact_scenes::ironing::{self, Ironing};
@@ -71,12 +70,8 @@ struct Arguments {
     /// The seed of the variants
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Where points have their feet [default: the scene's]
-    #[arg(long, value_enum)]
-    projection: Option<Feet>,
-    /// How rows are integrated: exactly, or at this number of Gauss points a facet and direction [default: the scene's]
-    #[arg(long, value_name = "exact|N", value_parser = integration)]
-    integration: Option<Integration>,
+    #[command(flatten)]
+    points: Points,
     /// Seconds after which a run is stopped
     #[arg(long, value_name = "S", default_value_t = 60.0)]
     seconds: f64,
@@ -209,7 +204,7 @@ impl std::fmt::Display for Line {
     }
 }
 
-/// Iterations and factorisations of each increment, with those of its cuts. The last one may not have converged.
+/// Iterations and factorisations of each increment, its cuts included. The last increment may not have converged.
 fn increments<const D: usize>(history: &History<D>) -> Vec<[usize; 2]> {
     let (mut all, mut now) = (Vec::new(), None);
     let mut steps = history.steps.iter();
@@ -405,16 +400,7 @@ impl Sweep<'_> {
         increments: usize,
         phases: &[Phase],
     ) -> Result<History<D>, Error> {
-        let mut scene = scene?;
-        if let Some(feet) = self.arguments.projection {
-            scene.projection = match feet {
-                Feet::AlongNormals => Projection::AlongNormals,
-                Feet::Closest => Projection::Closest,
-            };
-        }
-        if let Some(integration) = self.arguments.integration {
-            scene.integration = Some(integration);
-        }
+        let scene = self.arguments.points.of(scene?);
         let mut simulation = Simulation::with_increments(increments);
         simulation.load_steps.phases = phases.to_vec();
         simulation.load_steps.budget.seconds = Some(self.arguments.seconds);

@@ -76,7 +76,7 @@ pub fn command(words: &[String]) -> Result<ExitCode, String> {
     };
     print(row(&name, &asked));
     let mut causes = Vec::new();
-    // scripts project to closest points: all other changes are tried with those
+    // scripts project to closest points: all other changes are tried with closest points
     file = file.changed(Change::Closest);
     let closest = Change::Closest.to_string();
     match tried(&file, "closest") {

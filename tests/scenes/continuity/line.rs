@@ -10,7 +10,7 @@ use contact_fem::model::Problem;
 
 /// Into so many intervals a line is divided at first.
 const INTERVALS: usize = 100;
-/// So many intervals are halved again, those with the largest bends.
+/// So many intervals, with the largest bends, are halved again.
 const KEPT: usize = 4;
 /// The length of the smallest intervals, as a share of the line's.
 const SHORTEST: f64 = 1e-8;
@@ -95,11 +95,11 @@ impl Sample {
     }
 }
 
-/// An interval between samples, with those before and after it.
+/// An interval between two samples, with the samples before and after it.
 #[derive(Clone)]
 struct Interval {
     samples: [usize; 4],
-    /// The changes across this interval and those that it is a half of, the longest first.
+    /// The changes across this interval and across the intervals that it is a half of, the longest first.
     changes: Vec<f64>,
 }
 

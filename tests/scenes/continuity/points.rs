@@ -20,7 +20,7 @@ struct Point<const D: usize> {
     gap: f64,
 }
 
-/// The row of a jump, and those of its points that differ before and after.
+/// The row of a jump, and its points that differ before and after.
 pub fn told<const D: usize>(problem: &Problem<D>, line: &Line<'_, D>, jump: &Jump) -> String {
     let [before, after] = jump.between;
     let mut told = format!(
