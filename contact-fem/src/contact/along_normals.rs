@@ -27,8 +27,8 @@ const WAY: usize = 16;
 pub(super) enum Foot<const D: usize> {
     /// At λ on a facet.
     On(usize, Vector<D>),
-    /// Beyond the rim of the surface.
-    OffTheEnd,
+    /// Beyond the rim of the surface, at λ on a facet that goes on there.
+    Beyond(usize, Vector<D>),
     /// Nowhere near: the point is beyond the place where normals cross.
     None,
 }
@@ -44,7 +44,7 @@ pub(super) fn foot<const D: usize>(
 ) -> Foot<D> {
     let (mut facet, mut start) = (first, lambda);
     let mut visited = [usize::MAX; WAY];
-    let mut leaves = false;
+    let mut end = Foot::None;
     for step in 0..WAY {
         visited[step] = facet;
         let Some(lambda) = on_facet(surface, facet, x, &start) else {
@@ -57,16 +57,16 @@ pub(super) fn foot<const D: usize>(
         beyond.sort_unstable_by(|&a, &b| lambda[a].total_cmp(&lambda[b]));
         let sides = beyond.into_iter().filter(|&k| lambda[k] < 0.0);
         let mut neighbours = sides.map(|k| across(surface, facet, k));
-        leaves = neighbours.clone().all(|neighbour| neighbour.is_none());
+        end = match neighbours.clone().all(|neighbour| neighbour.is_none()) {
+            true => Foot::Beyond(facet, lambda),
+            false => Foot::None,
+        };
         let next = neighbours.find_map(|neighbour| neighbour.filter(|f| !visited.contains(f)));
         let Some(next) = next else { break };
         start = carried(surface, (facet, &lambda), next);
         facet = next;
     }
-    around(surface, x, first).unwrap_or(match leaves {
-        true => Foot::OffTheEnd,
-        false => Foot::None,
-    })
+    around(surface, x, first).unwrap_or(end)
 }
 
 /// λ if it is on the facet, up to round-off.

@@ -12,10 +12,16 @@
 //! segment, also a curved one. In space the triangle is clipped (see `clip`), and the polygons are divided into
 //! triangles. The parts that no facet covers are integrated, too: the projection of each of their
 //! points decides whether it counts.
+//!
+//! # Rims
+//!
+//! No point leaves its row at once where the master ends. Pieces end there, so that their weights vanish. In space they end at
+//! chords of the rim's shadow: points of a covered piece count although their feet may be a little beyond the rim, and the other points do not
+//! count although their feet may be a little inside it. Gauss points, which are not cut, lose their weight as their feet come to the rim.
 
 use super::clip::{Clipper, EMPTY, area, centroid, corners, fan, measure};
 use super::projection::{Projection, along_normal, interpolate};
-use super::search::{Master, Seeker};
+use super::search::{FootPoint, Master, Seeker};
 use super::surface::Surface;
 use crate::element::{Facet, FacetRule};
 use crate::tensor::{Vector, facet_normal};
@@ -38,15 +44,52 @@ pub enum Integration {
 
 /// The integration points of one pass, facet by facet.
 pub(super) enum Points<const D: usize> {
-    Same(FacetRule<D>),
+    /// The same on every facet, and the depth (see [`Rim::depth`](super::rim::Rim::depth)) from which they count in full.
+    Same(Vec<Place<D>>, f64),
     Cut(Box<Cutter<D>>),
+}
+
+/// An integration point on a facet of the slave.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<const D: usize> {
+    /// The weights of a facet sum to 1 up to round-off.
+    pub weight: f64,
+    /// ξ: barycentric coordinates.
+    pub lambda: Vector<D>,
+    cover: Cover,
+}
+
+/// What is known of the piece in which an integration point is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cover {
+    /// Nothing: the projection of the point decides whether it counts.
+    Unknown,
+    /// It is opposite a facet of the master.
+    Covered,
+    /// It is opposite none of the facets that cast shadows.
+    Bare,
+}
+
+impl<const D: usize> Place<D> {
+    fn of((weight, lambda): &(f64, Vector<D>), cover: Cover) -> Self {
+        Place {
+            weight: *weight,
+            lambda: *lambda,
+            cover,
+        }
+    }
+
+    /// Whether the point counts although its foot is beyond the rim of the master.
+    pub fn reaches_beyond(&self) -> bool {
+        self.cover == Cover::Covered
+    }
 }
 
 impl<const D: usize> Points<D> {
     /// The points of `integration` between these two surfaces.
     pub fn new(integration: Integration, slave: &Surface<D>, master: &Surface<D>) -> Self {
         match integration {
-            Integration::Gauss(points) => Points::Same(FacetRule::gauss(points)),
+            Integration::Gauss(points) => Points::uncut(points, slave, master),
             Integration::Exact => {
                 let shapes = slave.order().degree().max(master.order().degree());
                 Points::exact(slave.test_order().degree() + shapes)
@@ -59,17 +102,55 @@ impl<const D: usize> Points<D> {
         Points::Cut(Box::new(Cutter::new(degree)))
     }
 
-    /// The points on `facet` of the slave as (weight, barycentric coordinates); the weights sum to
-    /// 1 up to round-off. `seeker` returns the slave point with given coordinates.
-    pub fn on<'a>(
+    /// Gauss points. Where the surfaces end together, the outermost points of the slave have their whole weight.
+    fn uncut(points: usize, slave: &Surface<D>, master: &Surface<D>) -> Self {
+        let rule = FacetRule::<D>::gauss(points);
+        let places = rule.points().iter();
+        let places: Vec<_> = places
+            .map(|point| Place::of(point, Cover::Unknown))
+            .collect();
+        let outermost = places
+            .iter()
+            .fold(1.0, |least: f64, place| least.min(place.lambda.min()));
+        let ratio = slave.smallest_facet() / master.smallest_facet();
+        Points::Same(places, (outermost * D as f64 * ratio).min(1.0))
+    }
+
+    /// Finds the points on `facet` of the slave. `seeker` returns the slave point with given coordinates.
+    pub fn cut<'a>(
         &mut self,
         facet: &Facet<D>,
         master: &Master<D>,
         seeker: &impl Fn(&Vector<D>) -> Seeker<'a, D>,
-    ) -> &[(f64, Vector<D>)] {
+    ) {
+        if let Points::Cut(cutter) = self {
+            cutter.points(facet, master, seeker);
+        }
+    }
+
+    /// Those on the facet that was last cut.
+    pub fn places(&self) -> &[Place<D>] {
         match self {
-            Points::Same(rule) => rule.points(),
-            Points::Cut(cutter) => cutter.points(facet, master, seeker),
+            Points::Same(places, _) => places,
+            Points::Cut(cutter) => &cutter.points,
+        }
+    }
+
+    /// The share of its weight with which a point counts whose foot is `p`, by what is known of the master's rim.
+    pub fn share(&self, place: &Place<D>, p: &FootPoint<D>, master: &Master<D>) -> f64 {
+        match self {
+            _ if master.by() == Projection::Closest => 1.0,
+            Points::Same(_, full) => {
+                let surface = master.surface();
+                let depth = surface
+                    .rim()
+                    .depth(p.facet, surface.facet(p.facet), &p.lambda);
+                (depth / full).min(1.0)
+            }
+            Points::Cut(cutter) => match place.cover {
+                Cover::Bare if cutter.has_shadow(p.facet) => 0.0,
+                _ => 1.0,
+            },
         }
     }
 }
@@ -85,7 +166,10 @@ pub(super) struct Cutter<const D: usize> {
     breaks: Vec<f64>,
     clipper: Clipper<D>,
     pieces: Vec<[Vector<D>; D]>,
-    points: Vec<(f64, Vector<D>)>,
+    /// So many pieces are covered, and what is known of the others.
+    covered: usize,
+    others: Cover,
+    points: Vec<Place<D>>,
 }
 
 /// The smallest measure of a shadow, as a share of its facet's. Facets with a smaller one are
@@ -105,6 +189,8 @@ impl<const D: usize> Cutter<D> {
             breaks: Vec::new(),
             clipper: Clipper::default(),
             pieces: Vec::new(),
+            covered: 0,
+            others: Cover::Unknown,
             points: Vec::new(),
         }
     }
@@ -114,10 +200,11 @@ impl<const D: usize> Cutter<D> {
         facet: &Facet<D>,
         master: &Master<D>,
         seeker: &impl Fn(&Vector<D>) -> Seeker<'a, D>,
-    ) -> &[(f64, Vector<D>)] {
+    ) {
         let middle = seeker(&Vector::repeat(1.0 / D as f64));
         self.pieces.clear();
         self.breaks.clear();
+        (self.covered, self.others) = (0, Cover::Unknown);
         if D == 2 && master.by() == Projection::AlongNormals {
             self.cast_ends(facet, master, seeker);
             self.cut_segment();
@@ -131,14 +218,25 @@ impl<const D: usize> Cutter<D> {
             self.cut_triangle(|lambda| master.find(&seeker(lambda)).map(|p| p.facet));
         }
         self.points.clear();
-        for piece in &self.pieces {
+        for (k, piece) in self.pieces.iter().enumerate() {
             let share = measure(piece);
-            let on_facet = |mu: &Vector<D>| interpolate(mu, piece);
+            let cover = match k < self.covered {
+                true => Cover::Covered,
+                false => self.others,
+            };
             let points = self.rule.points().iter();
-            self.points
-                .extend(points.map(|(w, mu)| (w * share, on_facet(mu))));
+            self.points.extend(
+                points.map(|(w, mu)| Place::of(&(w * share, interpolate(mu, piece)), cover)),
+            );
         }
-        &self.points
+    }
+
+    /// Whether this facet of the master cast a shadow on the facet that was last cut.
+    fn has_shadow(&self, facet: usize) -> bool {
+        let index = self
+            .shadows
+            .binary_search_by_key(&facet, |(index, _)| *index);
+        index.is_ok()
     }
 
     /// A bound of the distance between a point of `facet` and the master's points close to it, by the triangle inequality;
@@ -233,6 +331,8 @@ impl<const D: usize> Cutter<D> {
         if (covered - 1.0).abs() > TILED {
             self.pieces.clear();
             self.cut_untiled_triangle(covered > 1.0, found);
+        } else {
+            self.covered = self.pieces.len();
         }
     }
 
@@ -259,6 +359,9 @@ impl<const D: usize> Cutter<D> {
                 self.pieces.truncate(before);
                 fan(self.clipper.clip(&whole, shadow), &mut self.pieces);
             }
+        }
+        if !overlap {
+            (self.covered, self.others) = (self.pieces.len(), Cover::Bare);
         }
         self.pieces.append(&mut self.clipper.rest);
     }
@@ -446,15 +549,19 @@ mod tests {
                 N: facet.normal(lambda),
                 facet_size: 0.0,
                 own: None,
+                reaches_beyond: false,
             };
-            let on_facet = points.on(&facet, &master, &seeker).to_vec();
+            points.cut(&facet, &master, &seeker);
+            let on_facet = points.places().to_vec();
             let Points::Cut(cutter) = &points else {
                 panic!("exact")
             };
-            let total: f64 = on_facet.iter().map(|(w, _)| w).sum();
+            let total: f64 = on_facet.iter().map(|place| place.weight).sum();
             assert!((total - 1.0).abs() < 1e-12, "{total}");
             for piece in on_facet.chunks_exact(cutter.rule.points().len()) {
-                let found = piece.iter().map(|(_, lambda)| master.find(&seeker(lambda)));
+                let found = piece
+                    .iter()
+                    .map(|place| master.find(&seeker(&place.lambda)));
                 let found: Vec<_> = found.collect();
                 let facets: Vec<_> = found.iter().map(|p| p.map(|p| p.facet)).collect();
                 assert!(facets.iter().all(|f| *f == facets[0]), "{facets:?}");
@@ -564,6 +671,7 @@ mod tests {
             N: facet.normal(lambda),
             facet_size: 2.0,
             own: None,
+            reaches_beyond: false,
         };
         let mut cutter = Cutter::<2>::new(2);
         cutter.points(&facet, &master, &seeker);

@@ -14,6 +14,7 @@ pub mod normals;
 pub mod obstacle;
 pub mod pressure;
 pub mod projection;
+mod rim;
 pub mod rows;
 pub mod search;
 pub mod stencil;

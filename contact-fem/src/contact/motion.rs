@@ -170,6 +170,7 @@ impl<const D: usize> Motion<'_, D> {
             N: slave.reference_normals()[k],
             facet_size: slave.facet_size(),
             own: None,
+            reaches_beyond: false,
         };
         let same_body = slave.body() == master.surface().body();
         let found = if same_body {

@@ -38,7 +38,8 @@ pub struct FootPoint<const D: usize> {
     pub distance: f64,
     /// (x − x̄)·n, positive = open (UL).
     pub gap: f64,
-    /// Whether x̄ is on the rim of the surface and x beyond it.
+    /// Whether x is beyond the rim of the surface. If x̄ is along normals, it is a little beyond the rim, too, where the facet goes on; else it
+    /// is on the rim.
     pub off_the_end: bool,
 }
 
@@ -59,6 +60,8 @@ pub struct Seeker<'a, const D: usize> {
     pub facet_size: f64,
     /// Its place on its own body if the master belongs to the same body, else `None`.
     pub own: Option<Own<'a, D>>,
+    /// Whether a foot that is a little beyond the rim of the master counts.
+    pub reaches_beyond: bool,
 }
 
 /// The place of a slave point on its own body, for self-contact.
@@ -92,6 +95,9 @@ impl<const D: usize> Master<D> {
     /// The tolerance of a projection beyond the rim, as a share of the facet size: a larger
     /// tangential offset is off the end.
     const OFF_THE_END: f64 = 1e-9;
+    /// How far a facet goes on beyond the rim, in barycentric coordinates: much farther than the chord of a shadow is from the
+    /// rim.
+    const BEYOND: f64 = 0.2;
     /// The smallest distance of a point that is separated by material, as a share of the length of the
     /// reference path to it. Material lies between two points if that path starts or ends inside a
     /// body and the distance is larger than this. Penetrations are much smaller, and material is not
@@ -164,7 +170,7 @@ impl<const D: usize> Master<D> {
         }
         let counts = |p: &FootPoint<D>| {
             p.distance <= seeker.reach
-                && !p.off_the_end
+                && Self::is_above(p, seeker)
                 && seeker.facing.dot(&p.normal) < 0.0
                 && !self.is_through_material(p, seeker)
         };
@@ -172,7 +178,7 @@ impl<const D: usize> Master<D> {
             let nearest = self.project(&seeker.x)?;
             let is_beyond_the_middle =
                 nearest.gap < 0.0 && seeker.facing.dot(&nearest.normal) >= 0.0;
-            if !is_beyond_the_middle || nearest.off_the_end {
+            if !is_beyond_the_middle || !Self::is_above(&nearest, seeker) {
                 return Some(nearest).filter(counts);
             }
             let behind = self.tree().by_distance(&seeker.x, seeker.reach);
@@ -191,6 +197,11 @@ impl<const D: usize> Master<D> {
             .filter(|closest| self.is_local_minimum(closest, &seeker.x))
             .map(|closest| self.foot(&closest, &seeker.x))
             .find(|p| counts(p) && !neighbour(p.facet))
+    }
+
+    /// Whether a foot is on the surface, or as little beyond its rim as the seeker allows.
+    fn is_above(p: &FootPoint<D>, seeker: &Seeker<'_, D>) -> bool {
+        !p.off_the_end || seeker.reaches_beyond && p.by == Projection::AlongNormals
     }
 
     /// Whether node `b` of the surface is one of the seeker's neighbourhood.
@@ -307,7 +318,12 @@ impl<const D: usize> Master<D> {
                 by: Projection::AlongNormals,
                 ..self.at(facet, lambda, x)
             },
-            Foot::OffTheEnd => FootPoint {
+            Foot::Beyond(facet, lambda) if lambda.min() > -Self::BEYOND => FootPoint {
+                by: Projection::AlongNormals,
+                off_the_end: true,
+                ..self.at(facet, lambda, x)
+            },
+            Foot::Beyond(..) => FootPoint {
                 off_the_end: true,
                 ..self.at(nearby.0, nearby.1, x)
             },
@@ -343,7 +359,8 @@ impl<const D: usize> Master<D> {
 
     fn is_off_the_end(&self, closest: &Closest<'_, D>, x: &Vector<D>) -> bool {
         let Closest { leaf, lambda, .. } = closest;
-        if !self.surface().is_rim(leaf.index, lambda) {
+        let nodes = self.surface().facet(leaf.index);
+        if !self.surface().rim().has(leaf.index, nodes, lambda) {
             return false;
         }
         let offset = x - leaf.facet.point(lambda);
@@ -441,6 +458,7 @@ pub fn nodal_gaps<const D: usize>(
                 surface: slave,
                 nodes: &numbers[k..=k],
             }),
+            reaches_beyond: false,
         })?;
         let surface = master.surface();
         let facet = surface.facet(p.facet);
@@ -524,6 +542,7 @@ mod tests {
             N: facing.into(),
             facet_size: 1.0,
             own: None,
+            reaches_beyond: false,
         }
     }
 
@@ -619,6 +638,7 @@ mod tests {
             N: Vector::<2>::new(0.0, 1.0),
             facet_size: 1.0,
             own: Some(own),
+            reaches_beyond: false,
         });
         assert!(found.is_none(), "{found:?}");
     }
@@ -668,6 +688,7 @@ mod tests {
                 N: Vector::<2>::new(0.0, up),
                 facet_size: 1.0,
                 own: Some(own),
+                reaches_beyond: false,
             });
             match is_wall {
                 true => assert!(found.is_none(), "{found:?}"),

@@ -310,16 +310,25 @@ fn on_facets<const D: usize>(
                 surface: slave,
                 nodes: slave.facet(index),
             }),
+            reaches_beyond: false,
         };
-        for (weight, lambda) in rule.on(&facet, master, &seeker) {
-            let seeker = seeker(lambda);
-            let found = master.find(&seeker).map(|projection| Projected {
-                number,
-                facet: index,
-                lambda: *lambda,
-                weight: weight * slave.measure(index, lambda) * seeker.share(&projection),
-                x: seeker.x,
-                projection,
+        rule.cut(&facet, master, &seeker);
+        for place in rule.places() {
+            let lambda = &place.lambda;
+            let seeker = Seeker {
+                reaches_beyond: place.reaches_beyond(),
+                ..seeker(lambda)
+            };
+            let found = master.find(&seeker).map(|projection| {
+                let share = seeker.share(&projection) * rule.share(place, &projection, master);
+                Projected {
+                    number,
+                    facet: index,
+                    lambda: *lambda,
+                    weight: place.weight * slave.measure(index, lambda) * share,
+                    x: seeker.x,
+                    projection,
+                }
             });
             projected.extend(found.filter(|point| point.weight > 0.0));
             number += 1;

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::normals::averaged;
+use super::rim::Rim;
 use crate::element::{Facet, FacetRule, FacetShapes, Order, facet_edge, facet_shapes};
 use crate::tensor::Vector;
 
@@ -26,11 +27,7 @@ pub struct Surface<const D: usize> {
     N: Vec<Vector<D>>,
     /// Whether its body is one of revolution about the axis r = 0, with r as the first coordinate.
     is_revolved: bool,
-    /// For each facet and corner, whether the side opposite the corner is on the rim of the
-    /// surface.
-    rim: Vec<[bool; D]>,
-    /// For each node, whether it is a corner on the rim.
-    rim_corners: Vec<bool>,
+    rim: Rim<D>,
     /// A_i = ∫ φ_i of each node.
     test_areas: Vec<f64>,
 }
@@ -58,30 +55,13 @@ impl<const D: usize> Surface<D> {
         nodes.sort_unstable();
         nodes.dedup();
         let number: HashMap<usize, usize> = nodes.iter().copied().zip(0..).collect();
-        let mut rim = rim::<D>(facets.clone());
-        if is_revolved {
-            // beyond the axis, the surface goes on as its mirror image
-            for (facet, sides) in facets.clone().zip(&mut rim) {
-                let sides = sides.iter_mut().enumerate();
-                let is_axis = |k: usize| (0..D).all(|c| c == k || X[facet[c]][0] == 0.0);
-                sides.for_each(|(k, side)| *side &= !is_axis(k));
-            }
-        }
-        let mut rim_corners = vec![false; nodes.len()];
-        for (facet, sides) in facets.clone().zip(&rim) {
-            for (k, _) in sides.iter().enumerate().filter(|(_, on_rim)| **on_rim) {
-                let side = (0..D).filter(|&corner| corner != k);
-                side.for_each(|corner| rim_corners[number[&facet[corner]]] = true);
-            }
-        }
         let mut surface = Surface {
             body,
             order,
             X: nodes.iter().map(|&node| X[node]).collect(),
             N: Vec::new(),
             is_revolved,
-            rim,
-            rim_corners,
+            rim: Rim::default(),
             reference: facets
                 .clone()
                 .map(|facet| Facet::gather(order, facet, X))
@@ -96,6 +76,7 @@ impl<const D: usize> Surface<D> {
         let incidences = facets.map(|(i, &a)| (a, i / per_facet, i % per_facet));
         surface.incidences = incidences.collect();
         surface.incidences.sort_unstable();
+        surface.rim = Rim::of(&surface);
         surface.N = averaged(&surface, &surface.X);
         surface.test_areas = surface.integrated_tests();
         surface
@@ -188,13 +169,9 @@ impl<const D: usize> Surface<D> {
             .map(|nodes| Facet::gather(self.order, nodes, x))
     }
 
-    /// Whether the point λ of `facet` is on the rim of the surface: on a side without a neighbour,
-    /// or in a corner that is on the rim.
-    pub fn is_rim(&self, facet: usize, lambda: &Vector<D>) -> bool {
-        let on_side = |k: usize| lambda[k] == 0.0;
-        let corner = (0..D).find(|&k| lambda[k] == 1.0);
-        (0..D).any(|k| on_side(k) && self.rim[facet][k])
-            || corner.is_some_and(|k| self.rim_corners[self.facet(facet)[k]])
+    /// Where the surface ends.
+    pub(super) fn rim(&self) -> &Rim<D> {
+        &self.rim
     }
 
     /// Whether the surface is one of revolution.
@@ -391,22 +368,4 @@ impl<const D: usize> Surface<D> {
             .iter()
             .map(move |facet| facet.normal(&centre).norm())
     }
-}
-
-/// For each facet and corner, whether no other facet shares the side opposite that corner.
-fn rim<'a, const D: usize>(facets: impl Iterator<Item = &'a [usize]> + Clone) -> Vec<[bool; D]> {
-    let side = |facet: &[usize], omitted: usize| {
-        // a side is a node in the plane, an edge in space
-        let [a, b] = facet_edge::<D>((omitted + 1) % D);
-        let (a, b) = if D == 2 { (a, a) } else { (a, b) };
-        [facet[a].min(facet[b]), facet[a].max(facet[b])]
-    };
-    let mut sharers: HashMap<[usize; 2], usize> = HashMap::new();
-    for facet in facets.clone() {
-        for k in 0..D {
-            *sharers.entry(side(facet, k)).or_insert(0) += 1;
-        }
-    }
-    let on_rim = |facet: &[usize]| std::array::from_fn(|k| sharers[&side(facet, k)] == 1);
-    facets.map(on_rim).collect()
 }

@@ -81,11 +81,13 @@ impl<'a, const D: usize> Tied<'a, D> {
                 N: facet.normal(lambda),
                 facet_size,
                 own: None,
+                reaches_beyond: false,
             };
             let (mut own, mut found, mut all) = (Vec::new(), 0.0, 0.0);
-            for (weight, lambda) in rule.on(facet, master, &seeker) {
-                let seeker = seeker(lambda);
-                let weight = weight * seeker.N.norm();
+            rule.cut(facet, master, &seeker);
+            for place in rule.places() {
+                let (seeker, lambda) = (seeker(&place.lambda), &place.lambda);
+                let weight = place.weight * seeker.N.norm();
                 all += weight;
                 let Some(foot) = master.find(&seeker) else {
                     continue;

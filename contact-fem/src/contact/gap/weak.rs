@@ -108,7 +108,71 @@ impl<const D: usize> Pair<D> {
             }
         }
         let (facet, lambda, n) = best.1?;
-        (!self.master.is_rim(facet, &lambda)).then_some((facet, lambda, n))
+        let nodes = self.master.facet(facet);
+        let is_on_rim = self.master.rim().has(facet, nodes, &lambda);
+        (!is_on_rim).then_some((facet, lambda, n))
+    }
+
+    /// The share of its weight with which a Gauss point counts whose foot is at λ: the foot's depth inside the rim over that of the outermost
+    /// of the rule's points on a facet of the slave, with facets of the same size. The depth is linear on the parts of a facet between a corner, the middle of
+    /// a side and the centre, 0 at those of them that are on the rim and 1 at the others.
+    fn share(&self, facet: usize, lambda: &Vector<D>, points: usize) -> f64 {
+        if self.case.by == Projection::Closest {
+            return 1.0;
+        }
+        let nodes = self.case.master[facet][..D].to_vec();
+        let is_on_rim = |corners: &[usize]| {
+            let of_sides = (0..D).map(|k| (0..D).filter(|c| *c != k).map(|c| nodes[c]).collect());
+            let sharers = |side: &Vec<usize>| {
+                let facets = self.case.master.iter();
+                let with = facets.filter(|f| side.iter().all(|a| f[..D].contains(a)));
+                with.count()
+            };
+            let has = |side: &Vec<usize>| corners.iter().all(|a| side.contains(a));
+            match corners.len() {
+                // a corner is on the rim if any side at it is, of any facet
+                1 => self.case.master.iter().any(|f| {
+                    (0..D).any(|k| {
+                        let side: Vec<usize> = (0..D).filter(|c| *c != k).map(|c| f[c]).collect();
+                        has(&side) && sharers(&side) == 1
+                    })
+                }),
+                n if n < D => of_sides
+                    .into_iter()
+                    .any(|side| has(&side) && sharers(&side) == 1),
+                _ => false,
+            }
+        };
+        let mut order: Vec<usize> = (0..D).collect();
+        order.sort_by(|a, b| lambda[*b].total_cmp(&lambda[*a]));
+        // columns: the corner, the middle of the side, the centre
+        let part = Matrix::<D>::from_fn(|i, k| {
+            let is_in = order[..=k].contains(&i);
+            f64::from(u8::from(is_in)) / (k + 1) as f64
+        });
+        let within = part.try_inverse().expect("a simplex") * lambda;
+        let depth: f64 = (0..D)
+            .filter(|k| !is_on_rim(&order[..=*k].iter().map(|c| nodes[*c]).collect::<Vec<_>>()))
+            .map(|k| within[k])
+            .sum();
+        let rule = FacetRule::<D>::gauss(points);
+        let outermost = rule.points().iter().map(|(_, xi)| xi.min());
+        let outermost = outermost.fold(1.0, f64::min) * D as f64;
+        let size = |facets: &[Vec<usize>]| {
+            let X = Case {
+                x: self.X.clone(),
+                slave: vec![],
+                master: vec![],
+                ..self.case
+            };
+            let middle = Vector::repeat(1.0 / D as f64);
+            let measures = facets.iter().map(|f| X.measure(f, &middle).norm());
+            measures
+                .fold(f64::INFINITY, f64::min)
+                .powf(1.0 / (D as f64 - 1.0))
+        };
+        let ratio = size(&self.case.slave) / size(&self.case.master);
+        (depth / (outermost * ratio)).min(1.0)
     }
 
     /// a_i and the coefficients of all nodes in a_i c_i; and how many rows lean on their neighbours.
@@ -133,6 +197,7 @@ impl<const D: usize> Pair<D> {
                 let Some((foot, lambda, n)) = self.foot(&at) else {
                     continue;
                 };
+                let w = w * self.share(foot, &lambda, points);
                 let own = facet.iter().zip(facet_shapes(*order, xi));
                 let nodes = self.case.master[foot].iter();
                 let foot = nodes.zip(facet_shapes(*order, &lambda).map(|N| -N));
