@@ -56,32 +56,17 @@ pub(super) struct Place<const D: usize> {
     pub weight: f64,
     /// ξ: barycentric coordinates.
     pub lambda: Vector<D>,
-    cover: Cover,
-}
-
-/// What is known of the piece in which an integration point is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cover {
-    /// Nothing: the projection of the point decides whether it counts.
-    Unknown,
-    /// It is opposite a facet of the master.
-    Covered,
-    /// It is opposite none of the facets that cast shadows.
-    Bare,
+    /// Whether it is in a piece that is opposite a facet of the master, so that it counts although its foot is beyond the rim.
+    pub is_covered: bool,
 }
 
 impl<const D: usize> Place<D> {
-    fn of((weight, lambda): &(f64, Vector<D>), cover: Cover) -> Self {
+    fn of((weight, lambda): &(f64, Vector<D>), is_covered: bool) -> Self {
         Place {
             weight: *weight,
             lambda: *lambda,
-            cover,
+            is_covered,
         }
-    }
-
-    /// Whether the point counts although its foot is beyond the rim of the master.
-    pub fn reaches_beyond(&self) -> bool {
-        self.cover == Cover::Covered
     }
 }
 
@@ -106,9 +91,7 @@ impl<const D: usize> Points<D> {
     fn uncut(points: usize, slave: &Surface<D>, master: &Surface<D>) -> Self {
         let rule = FacetRule::<D>::gauss(points);
         let places = rule.points().iter();
-        let places: Vec<_> = places
-            .map(|point| Place::of(point, Cover::Unknown))
-            .collect();
+        let places: Vec<_> = places.map(|point| Place::of(point, false)).collect();
         let outermost = places
             .iter()
             .fold(1.0, |least: f64, place| least.min(place.lambda.min()));
@@ -147,10 +130,11 @@ impl<const D: usize> Points<D> {
                     .depth(p.facet, surface.facet(p.facet), &p.lambda);
                 (depth / full).min(1.0)
             }
-            Points::Cut(cutter) => match place.cover {
-                Cover::Bare if cutter.has_shadow(p.facet) => 0.0,
-                _ => 1.0,
-            },
+            // what is opposite this facet are other pieces
+            Points::Cut(cutter) if !place.is_covered => {
+                f64::from(u8::from(cutter.used.binary_search(&p.facet).is_err()))
+            }
+            Points::Cut(_) => 1.0,
         }
     }
 }
@@ -166,9 +150,10 @@ pub(super) struct Cutter<const D: usize> {
     breaks: Vec<f64>,
     clipper: Clipper<D>,
     pieces: Vec<[Vector<D>; D]>,
-    /// So many pieces are covered, and what is known of the others.
+    /// So many pieces are covered: the first ones.
     covered: usize,
-    others: Cover,
+    /// The facets whose shadows were used to cut where some part is not covered, ascending.
+    used: Vec<usize>,
     points: Vec<Place<D>>,
 }
 
@@ -190,7 +175,7 @@ impl<const D: usize> Cutter<D> {
             clipper: Clipper::default(),
             pieces: Vec::new(),
             covered: 0,
-            others: Cover::Unknown,
+            used: Vec::new(),
             points: Vec::new(),
         }
     }
@@ -204,7 +189,8 @@ impl<const D: usize> Cutter<D> {
         let middle = seeker(&Vector::repeat(1.0 / D as f64));
         self.pieces.clear();
         self.breaks.clear();
-        (self.covered, self.others) = (0, Cover::Unknown);
+        self.covered = 0;
+        self.used.clear();
         if D == 2 && master.by() == Projection::AlongNormals {
             self.cast_ends(facet, master, seeker);
             self.cut_segment();
@@ -215,28 +201,28 @@ impl<const D: usize> Cutter<D> {
             self.cut_segment();
         } else {
             self.cast(facet, master, &middle);
-            self.cut_triangle(|lambda| master.find(&seeker(lambda)).map(|p| p.facet));
+            self.cut_triangle(|lambda, index| {
+                let seeker = Seeker {
+                    reaches_beyond: true,
+                    ..seeker(lambda)
+                };
+                let found = master.find(&seeker).map(|p| p.facet);
+                found.is_some_and(|facet| {
+                    let nodes = master.surface().facet(index);
+                    let mut own = master.surface().facet(facet).iter();
+                    facet == index || own.any(|a| nodes.contains(a))
+                })
+            });
         }
         self.points.clear();
         for (k, piece) in self.pieces.iter().enumerate() {
             let share = measure(piece);
-            let cover = match k < self.covered {
-                true => Cover::Covered,
-                false => self.others,
-            };
+            let is_covered = k < self.covered;
             let points = self.rule.points().iter();
             self.points.extend(
-                points.map(|(w, mu)| Place::of(&(w * share, interpolate(mu, piece)), cover)),
+                points.map(|(w, mu)| Place::of(&(w * share, interpolate(mu, piece)), is_covered)),
             );
         }
-    }
-
-    /// Whether this facet of the master cast a shadow on the facet that was last cut.
-    fn has_shadow(&self, facet: usize) -> bool {
-        let index = self
-            .shadows
-            .binary_search_by_key(&facet, |(index, _)| *index);
-        index.is_ok()
     }
 
     /// A bound of the distance between a point of `facet` and the master's points close to it, by the triangle inequality;
@@ -322,7 +308,7 @@ impl<const D: usize> Cutter<D> {
     }
 
     /// Divides a triangle into its intersections with the shadows, and the remainder.
-    fn cut_triangle(&mut self, found: impl Fn(&Vector<D>) -> Option<usize>) {
+    fn cut_triangle(&mut self, is_opposite: impl Fn(&Vector<D>, usize) -> bool) {
         let whole = corners();
         let mut covered = 0.0;
         for (_, shadow) in &self.shadows {
@@ -330,7 +316,7 @@ impl<const D: usize> Cutter<D> {
         }
         if (covered - 1.0).abs() > TILED {
             self.pieces.clear();
-            self.cut_untiled_triangle(covered > 1.0, found);
+            self.cut_untiled_triangle(is_opposite);
         } else {
             self.covered = self.pieces.len();
         }
@@ -338,19 +324,19 @@ impl<const D: usize> Cutter<D> {
 
     /// As [`Cutter::cut_triangle`] where shadows leave gaps, as at the rim of the master, or
     /// overlap, as those of two facets one behind the other. An intersection is then used only if
-    /// its centroid projects on the shadow's facet, which `found` determines. No part is used
-    /// twice, and the remainder is added.
-    fn cut_untiled_triangle(&mut self, overlap: bool, found: impl Fn(&Vector<D>) -> Option<usize>) {
+    /// its centroid projects on the shadow's facet or on one beside it, since seams of facets may have curved shadows; `is_opposite` determines
+    /// that. No part is used twice, and the remainder is added.
+    fn cut_untiled_triangle(&mut self, is_opposite: impl Fn(&Vector<D>, usize) -> bool) {
         let whole = corners();
         self.clipper.rest.clear();
         self.clipper.rest.push(whole);
         for (index, shadow) in &self.shadows {
             let common = self.clipper.clip(&whole, shadow);
             let (common_area, middle) = (area(common), centroid(common));
-            let is_behind = || overlap && found(&middle) != Some(*index);
-            if common_area <= EMPTY || is_behind() {
+            if common_area <= EMPTY || !is_opposite(&middle, *index) {
                 continue;
             }
+            self.used.push(*index);
             let before = self.pieces.len();
             let taken = self.clipper.take(shadow, &mut self.pieces);
             if common_area - taken <= TILED {
@@ -360,9 +346,7 @@ impl<const D: usize> Cutter<D> {
                 fan(self.clipper.clip(&whole, shadow), &mut self.pieces);
             }
         }
-        if !overlap {
-            (self.covered, self.others) = (self.pieces.len(), Cover::Bare);
-        }
+        self.covered = self.pieces.len();
         self.pieces.append(&mut self.clipper.rest);
     }
 }
@@ -428,7 +412,7 @@ mod tests {
                 .shadows
                 .extend((0..k % 7).map(|index| (index, random.shadow())));
             cutter.pieces.clear();
-            cutter.cut_triangle(|x| (x[1] < 0.6).then_some(k % 5));
+            cutter.cut_triangle(|x, index| x[1] < 0.6 && index == k % 5);
             let total: f64 = cutter.pieces.iter().map(measure).sum();
             assert!((total - 1.0).abs() < 1e-12, "{k}: {total}");
             cutter.pieces.clear();
@@ -474,7 +458,7 @@ mod tests {
             assert!(faces(&shadow, 0.0));
             let mut cutter = Cutter::<3>::new(2);
             cutter.shadows.push((0, shadow));
-            cutter.cut_triangle(|_| Some(0));
+            cutter.cut_triangle(|_, index| index == 0);
             let total: f64 = cutter.pieces.iter().map(measure).sum();
             assert!(
                 (total - 1.0).abs() < 1e-14 && cutter.pieces.len() == 1,

@@ -316,7 +316,7 @@ fn on_facets<const D: usize>(
         for place in rule.places() {
             let lambda = &place.lambda;
             let seeker = Seeker {
-                reaches_beyond: place.reaches_beyond(),
+                reaches_beyond: place.is_covered,
                 ..seeker(lambda)
             };
             let found = master.find(&seeker).map(|projection| {

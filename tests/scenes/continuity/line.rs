@@ -11,7 +11,7 @@ use contact_fem::model::Problem;
 /// Into so many intervals a line is divided at first.
 const INTERVALS: usize = 100;
 /// So many intervals, with the largest bends, are halved again.
-const KEPT: usize = 4;
+const KEPT: usize = 8;
 /// The length of the smallest intervals, as a share of the line's.
 const SHORTEST: f64 = 1e-8;
 /// A change falls with the length of its interval if it falls by 3 for every factor of 10. It is measured over 1024, since the change
