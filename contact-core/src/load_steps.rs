@@ -131,6 +131,9 @@ pub struct LoadSteps {
     pub phases: Vec<Phase>,
     /// How often an increment may be halved before the run ends as not converged; at most 16.
     pub max_halvings: usize,
+    /// How many increments a step may go beyond one in which no equilibrium was found. There may be none: where a row jumps, or where a body
+    /// leaves an edge. [`Run::leaps`] tells where that was done. 0 ends the run there.
+    pub max_leaps: usize,
     /// Whether each increment starts from the linear extrapolation of the last two converged
     /// states, where that is admissible.
     pub predictor: bool,
@@ -150,6 +153,7 @@ impl Default for LoadSteps {
             increments: 1,
             phases: Vec::new(),
             max_halvings: 6,
+            max_leaps: 2,
             predictor: true,
             guess: None,
             stop: Stop::default(),
@@ -209,6 +213,16 @@ impl Attempt {
 }
 
 impl Run {
+    /// The load factors between which no equilibrium was found, although one was beyond: see [`LoadSteps::max_leaps`].
+    pub fn leaps(&self) -> Vec<[f64; 2]> {
+        let leapt = |pair: &[Attempt]| {
+            let (before, now) = (&pair[0], &pair[1]);
+            let is_farther = now.from == before.from && now.to > before.to;
+            (is_farther && now.outcome == Outcome::Converged).then_some([now.from, now.to])
+        };
+        self.attempts.windows(2).filter_map(leapt).collect()
+    }
+
     /// The number of attempts that did not converge, those that were stopped left out.
     pub fn cuts(&self) -> usize {
         let failed = |attempt: &&Attempt| {

@@ -50,6 +50,13 @@ pub enum Outcome {
     Interrupted,
 }
 
+impl Outcome {
+    /// Whether an equilibrium was sought and not found, so that there may be none at this load.
+    pub(crate) fn has_no_equilibrium(&self) -> bool {
+        matches!(self, Outcome::Cycle { .. } | Outcome::IterationLimit)
+    }
+}
+
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

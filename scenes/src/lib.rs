@@ -6,6 +6,7 @@
 //! | [`disc_in_disc`], [`beams`] | sections 6.1 and 6.2 of the paper |
 //! | [`hertz`], [`arch`], [`blocks`], [`hairpin`], [`ironing`] | Hertz's contact, Signorini's problem, the patch test, self-contact, a die on a slab |
 //! | [`sliding_disc`] | a disc that is pressed on a block and moved along it |
+//! | [`wheel`] | a soft wheel that rolls on a soft slab |
 //! | [`cantilevers`] | rows of both passes that are one |
 //! | [`extremes`] | scenes at the limits, with their truths and benign twins |
 //! | [`needs`] | scenes in which little has to be computed, with the cheapest ways to their results |
@@ -35,6 +36,7 @@ pub mod random;
 pub mod sliding_disc;
 pub mod studies;
 pub mod tables;
+pub mod wheel;
 
 use contact_fem::certificate::{Condition, Limits};
 use contact_fem::model::Passes;

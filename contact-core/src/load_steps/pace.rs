@@ -1,4 +1,5 @@
-//! How far the next load step of a phase goes.
+//! How far the next load step of a phase goes: to the end of an increment, a part of the way where that fails, and beyond it where no part
+//! succeeds.
 
 use super::{Adaptive, LoadSteps, Phase};
 
@@ -16,6 +17,9 @@ pub(super) struct Pace<'a> {
     /// How often the present increment is halved; no more often than the last number.
     halvings: usize,
     most: usize,
+    /// How many increments the next step goes beyond the present one; no more than the last number.
+    leap: usize,
+    farthest: usize,
 }
 
 /// The end of the next step.
@@ -31,7 +35,7 @@ impl<'a> Pace<'a> {
         phase: &'a Phase,
         corners: Vec<f64>,
         (began, before): (f64, usize),
-        most: usize,
+        [most, farthest]: [usize; 2],
     ) -> Self {
         let increment = (phase.until - began) / phase.increments as f64;
         let step = match phase.adaptive {
@@ -47,6 +51,8 @@ impl<'a> Pace<'a> {
             step,
             halvings: 0,
             most,
+            leap: 0,
+            farthest,
         }
     }
 
@@ -75,17 +81,18 @@ impl<'a> Pace<'a> {
             return None;
         }
         let whole = self.step * 0.5f64.powi(self.halvings as i32);
-        let increment = self.before + self.done + 1;
+        let ahead = self.done + 1 + self.leap;
+        let increment = self.before + ahead;
         let corner = self.corner(last);
         let goal = match self.phase.adaptive {
             // what would be left over is no step of its own
             Some(Adaptive { least, .. }) if last + whole > corner - least + close => corner,
             Some(_) => last + whole,
-            None if self.done + 1 >= self.phase.increments => until,
-            None => self.began + (self.done + 1) as f64 * self.step,
+            None if ahead >= self.phase.increments => until,
+            None => self.began + ahead as f64 * self.step,
         };
         let cut = last + whole;
-        let arrives = self.phase.adaptive.is_some() || cut > goal - close;
+        let arrives = self.phase.adaptive.is_some() || self.leap > 0 || cut > goal - close;
         Some(Target {
             factor: if arrives { goal } else { cut },
             increment: arrives.then_some(increment),
@@ -94,7 +101,9 @@ impl<'a> Pace<'a> {
 
     /// The step to `target` converged in so many iterations.
     pub fn succeeded(&mut self, target: Target, iterations: usize) {
-        self.done += usize::from(target.increment.is_some());
+        if target.increment.is_some() {
+            self.done += 1 + std::mem::take(&mut self.leap);
+        }
         match self.phase.adaptive {
             Some(Adaptive { least, largest }) => {
                 let share = Adaptive::ITERATIONS / iterations.max(1) as f64;
@@ -123,6 +132,22 @@ impl<'a> Pace<'a> {
         may
     }
 
+    /// Aims from `last` beyond the increment that failed, by one increment more than before, or tells that it may not be farther, or not
+    /// beyond a corner. Adaptive steps do not leap.
+    pub fn leap(&mut self, last: f64) -> bool {
+        let ahead = self.done + 2 + self.leap;
+        let is_before_corner =
+            || self.began + ahead as f64 * self.step <= self.corner(last) + self.close();
+        let may = self.phase.adaptive.is_none() && self.leap < self.farthest && is_before_corner();
+        self.leap += usize::from(may);
+        may
+    }
+
+    /// Whether the next step goes beyond the present increment.
+    pub fn leaps(&self) -> bool {
+        self.leap > 0
+    }
+
     /// The number of increments so far, over all phases.
     pub fn increments(&self) -> usize {
         self.before + self.done
@@ -139,7 +164,7 @@ mod tests {
     }
 
     fn ends_with(corners: &[f64], phase: &Phase, iterations: &[usize]) -> Vec<f64> {
-        let mut pace = Pace::new(phase, corners.to_vec(), (1.0, 5), 0);
+        let mut pace = Pace::new(phase, corners.to_vec(), (1.0, 5), [0, 0]);
         let (mut last, mut ends) = (1.0, Vec::new());
         let mut iterations = iterations.iter().copied().cycle();
         while let Some(target) = pace.next(last) {
@@ -194,7 +219,7 @@ mod tests {
         assert_eq!(ends_with(&corners, &equal, &[8]), [1.5, 2.0]);
         // a step that fails leaves no less than the least one up to the corner
         let phase = Phase::new("", 2.0, 1).adaptive(0.1, 1.0);
-        let mut pace = Pace::new(&phase, vec![1.15], (1.0, 0), 16);
+        let mut pace = Pace::new(&phase, vec![1.15], (1.0, 0), [16, 0]);
         let target = pace.next(1.0).expect("a step");
         assert_eq!(target.factor, 1.15);
         assert!(!pace.cut(1.0, target));
@@ -221,22 +246,49 @@ mod tests {
             ends
         };
         let phase = Phase::new("", 2.0, 8).adaptive(0.03, 1.0);
-        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 16);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), [16, 0]);
         assert_eq!(tried(&mut pace, 1.0), [1.125, 1.0625, 1.03125]);
         // none is tried twice, and the least one is
         let phase = Phase::new("", 2.0, 1).adaptive(0.24, 1.0);
-        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 16);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), [16, 0]);
         assert_eq!(tried(&mut pace, 1.0), [2.0, 1.5, 1.25]);
-        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 16);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), [16, 0]);
         assert_eq!(tried(&mut pace, 1.5), [2.0, 1.75]);
         assert_eq!(tried(&mut pace, 1.55), [2.0]);
         let phase = Phase::new("", 2.0, 2).adaptive(0.4, 1.0);
-        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 16);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), [16, 0]);
         assert_eq!(tried(&mut pace, 1.0), [1.5, 1.4]);
         let phase = Phase::new("", 2.0, 8);
-        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), 1);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 0), [1, 0]);
         assert_eq!(tried(&mut pace, 1.0), [1.125, 1.0625]);
         let half = pace.next(1.0).expect("a step");
         assert_eq!((half.factor, half.increment), (1.0625, None));
+    }
+
+    /// By hand: increments of 1/4 of which the second is halved once, and then left out with the third; none is beyond the end.
+    #[test]
+    fn beyond_an_increment_that_fails_is_the_next_one() {
+        let phase = Phase::new("", 2.0, 4);
+        let mut pace = Pace::new(&phase, Vec::new(), (1.0, 7), [1, 2]);
+        let first = pace.next(1.0).expect("a step");
+        pace.succeeded(first, 3);
+        let whole = pace.next(1.25).expect("a step");
+        assert!(pace.cut(1.25, whole) && !pace.cut(1.25, whole));
+        for (factor, increment) in [(1.75, 10), (2.0, 11)] {
+            assert!(pace.leap(1.25) && pace.leaps());
+            let target = pace.next(1.25).expect("a step");
+            assert_eq!((target.factor, target.increment), (factor, Some(increment)));
+        }
+        assert!(!pace.leap(1.25), "the phase ends");
+        let target = pace.next(1.25).expect("a step");
+        pace.succeeded(target, 3);
+        assert!(!pace.leaps() && pace.next(2.0).is_none());
+        assert_eq!(pace.increments(), 11);
+        let mut none = Pace::new(&phase, Vec::new(), (1.0, 0), [1, 0]);
+        assert!(!none.leap(1.0));
+        let adaptive = Phase::new("", 2.0, 4).adaptive(0.1, 1.0);
+        assert!(!Pace::new(&adaptive, Vec::new(), (1.0, 0), [1, 2]).leap(1.0));
+        let mut corner = Pace::new(&phase, vec![1.4], (1.0, 0), [1, 2]);
+        assert!(!corner.leap(1.0) && corner.leap(1.4));
     }
 }

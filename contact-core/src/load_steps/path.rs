@@ -47,7 +47,7 @@ impl Path<'_> {
                 phase,
                 problem.corners(),
                 (began, before),
-                self.settings.max_halvings,
+                [self.settings.max_halvings, self.settings.max_leaps],
             );
             // loads may change their course here
             self.before = None;
@@ -82,6 +82,8 @@ impl Path<'_> {
         (phase, pace): (&Phase, &mut Pace<'_>),
         observe: &mut impl FnMut(&Step<'_, P>) -> ControlFlow<()>,
     ) -> Result<Option<Ending>, Error> {
+        // what the present increment failed by
+        let mut failed: Option<Solution> = None;
         while let Some(target) = pace.next(self.last.factor) {
             if self.stop.is_requested() {
                 return Ok(Some(self.interrupted()));
@@ -97,7 +99,13 @@ impl Path<'_> {
                 Outcome::Interrupted => return Ok(Some(self.interrupted())),
                 _ => {
                     let is_stuck = self.is_stuck();
-                    if !is_stuck && pace.cut(self.last.factor, target) {
+                    if !pace.leaps() && !is_stuck && pace.cut(self.last.factor, target) {
+                        continue;
+                    }
+                    let is_sought = solution.outcome.has_no_equilibrium();
+                    let solution = failed.take().unwrap_or(solution);
+                    if is_sought && pace.leap(self.last.factor) {
+                        failed = Some(solution);
                         continue;
                     }
                     let stuck = is_stuck.then(|| "smaller steps do not reduce it".into());
@@ -116,6 +124,13 @@ impl Path<'_> {
                         why: solution.outcome,
                     }));
                 }
+            }
+            if failed.take().is_some() {
+                log::warn!(
+                    "no equilibrium was found beyond load factor {}: the step to {} leapt over it",
+                    self.last.factor,
+                    target.factor
+                );
             }
             let step = Step {
                 problem: &*problem,

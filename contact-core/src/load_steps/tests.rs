@@ -483,6 +483,55 @@ fn a_run_that_gives_up_leaves_the_last_load() {
     }
 }
 
+/// Between two loads there is no equilibrium. A step goes beyond them, to the end of an increment, as far as it may; where it went is told. Where
+/// none is found beyond, either, the run ends by what failed first.
+#[test]
+fn steps_leap_over_loads_without_an_equilibrium() {
+    let between = |low: f64, high: f64| {
+        move |_: f64, to: f64| match to > low && to < high {
+            true => Outcome::Cycle {
+                period: 2,
+                amplitude: 1e-5,
+            },
+            false => Outcome::Converged,
+        }
+    };
+    let with = |max_leaps: usize, [low, high]: [f64; 2]| {
+        let settings = LoadSteps {
+            max_leaps,
+            ..in_increments(10)
+        };
+        let mut solver = Follows::new(|t| t, |_| [0.0; 2], between(low, high));
+        run(&settings, &mut Line::default(), &mut solver)
+    };
+    // from 0.4, half of the increment, its quarter and so on are stuck; so is the next increment
+    let leapt = with(2, [0.4, 0.65]);
+    assert_eq!(leapt.ending, Ending::Complete);
+    let [[from, to]] = leapt.leaps()[..] else {
+        panic!("{:?}", leapt.leaps())
+    };
+    assert!(
+        (from - 0.4).abs() < 1e-12 && (to - 0.7).abs() < 1e-12,
+        "{from} {to}"
+    );
+    for (most, gap) in [
+        (1, [0.4, 0.65]),
+        (0, [0.4, 0.65]),
+        (2, [0.4, 0.75]),
+        (2, [0.8, 2.0]),
+    ] {
+        let ended = with(most, gap);
+        let Ending::NotConverged { at, why, .. } = &ended.ending else {
+            panic!("{:?}", ended.ending)
+        };
+        assert!(
+            (at - gap[0]).abs() < 1e-12 && matches!(why, Outcome::Cycle { .. }),
+            "{at} {why}"
+        );
+        assert!(ended.leaps().is_empty());
+    }
+}
+
 /// A stall that is as large after three cuts ends the run and says so; one that shrinks with the step, and failures without a
 /// size, are cut to the end.
 #[test]

@@ -96,7 +96,8 @@ impl<const D: usize> Points<D> {
             .iter()
             .fold(1.0, |least: f64, place| least.min(place.lambda.min()));
         let ratio = slave.smallest_facet() / master.smallest_facet();
-        Points::Same(places, (outermost * D as f64 * ratio).min(1.0))
+        // the depth rises by at least 2 from a side of the rim to the next one
+        Points::Same(places, (2.0 * outermost * ratio).min(1.0))
     }
 
     /// Finds the points on `facet` of the slave. `seeker` returns the slave point with given coordinates.

@@ -28,6 +28,7 @@ use ipopt_contact_scenes::hairpin::{self, Hairpin};
 use ipopt_contact_scenes::ironing::{self, Ironing};
 use ipopt_contact_scenes::random::Random;
 use ipopt_contact_scenes::tables::Table;
+use ipopt_contact_scenes::wheel::{self, Wheel};
 use ipopt_contact_scenes::{Failure, files};
 use nix::time::{ClockId, clock_gettime};
 use serde::Serialize;
@@ -42,6 +43,10 @@ const QUADRATIC: usize = 48;
 const INCREMENTS: usize = 10;
 /// The share of these that presses the die.
 const PRESS: usize = 2;
+/// The increments in which the wheel rolls.
+const ROLL: usize = 20;
+/// The largest share by which cells of a slab are narrower in the middle, or wider.
+const GRADED: f64 = 0.5;
 
 /// Standard scenes on many meshes: how many are complete and certified
 #[derive(Parser, Debug)]
@@ -58,7 +63,7 @@ struct Arguments {
     /// discs: both orders of the bodies
     #[arg(long, conflicts_with = "quadratic")]
     swap: bool,
-    /// discs: quadratic cells, with up to 48 segments
+    /// Quadratic cells of discs, with up to 48 segments, and of ironing and wheel
     #[arg(long)]
     quadratic: bool,
     /// Random variants of each other scene
@@ -88,6 +93,7 @@ enum Kind {
     Hairpin,
     Arch,
     Beams,
+    Wheel,
 }
 
 impl std::fmt::Display for Kind {
@@ -309,14 +315,19 @@ impl Sweep<'_> {
             Kind::Discs => Ok(()),
             Kind::Ironing => {
                 let cells = around(random, 24);
+                let order = match self.arguments.quadratic {
+                    true => Order::Quadratic,
+                    false => Order::Linear,
+                };
                 let ironing = Ironing {
                     radius: near(random, 3.0),
                     young: near(random, 1000.0),
-                    ..Ironing::new(Order::Linear, cells)
+                    graded: random.between(-GRADED, GRADED),
+                    ..Ironing::new(order, cells)
                 };
                 let text = format!(
-                    "case={number} cells={cells} radius={:.3} young={:.0}",
-                    ironing.radius, ironing.young
+                    "case={number} {order:?} cells={cells} radius={:.3} young={:.0} graded={:.3}",
+                    ironing.radius, ironing.young, ironing.graded
                 );
                 let phases = ironing::phases(PRESS, INCREMENTS - PRESS);
                 self.solve(kind, text, ironing.scene(), INCREMENTS, &phases)
@@ -361,6 +372,27 @@ impl Sweep<'_> {
                     beams.along, beams.across, beams.count, beams.poisson
                 );
                 self.solve(kind, text, beams.scene(), INCREMENTS, &[])
+            }
+            Kind::Wheel => {
+                let wheel = Wheel {
+                    around: 2 * around(random, 16),
+                    layers: around(random, 4),
+                    turned: random.between(0.0, 1.0),
+                    cells: around(random, 30),
+                    graded: random.between(-GRADED, GRADED),
+                    quadratic: self.arguments.quadratic,
+                };
+                let text = format!(
+                    "case={number} quadratic={} around={} layers={} turned={:.3} cells={} graded={:.3}",
+                    wheel.quadratic,
+                    wheel.around,
+                    wheel.layers,
+                    wheel.turned,
+                    wheel.cells,
+                    wheel.graded
+                );
+                let phases = wheel::phases(PRESS, ROLL);
+                self.solve(kind, text, wheel.scene(), PRESS + ROLL, &phases)
             }
         }
     }

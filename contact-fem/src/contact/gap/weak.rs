@@ -157,7 +157,7 @@ impl<const D: usize> Pair<D> {
             .sum();
         let rule = FacetRule::<D>::gauss(points);
         let outermost = rule.points().iter().map(|(_, xi)| xi.min());
-        let outermost = outermost.fold(1.0, f64::min) * D as f64;
+        let outermost = outermost.fold(1.0, f64::min) * 2.0;
         let size = |facets: &[Vec<usize>]| {
             let X = Case {
                 x: self.X.clone(),

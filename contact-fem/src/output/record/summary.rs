@@ -49,6 +49,8 @@ pub(super) struct Summary {
     load_factor: f64,
     steps: usize,
     cuts: usize,
+    /// The load factors between which no equilibrium was found, although one was beyond.
+    leaps: Vec<[f64; 2]>,
     /// Converged steps by solver.
     steps_by_solver: BTreeMap<&'static str, usize>,
     /// Attempts at a load step that failed and were repeated with another solver or setting.
@@ -245,6 +247,7 @@ impl Summary {
             load_factor: last.map_or(0.0, |record| record.factor),
             steps: records.len(),
             cuts: history.map_or(0, |history| history.run.cuts()),
+            leaps: history.map_or(Vec::new(), |history| history.run.leaps()),
             steps_by_solver,
             repeated_attempts: history.map_or(0, repeated_attempts),
             energy: last.map(|record| record.energy),
@@ -428,6 +431,20 @@ fn status<const D: usize>(
             };
             (status, ending.to_string())
         }
+    };
+    let leaps = result
+        .as_ref()
+        .map_or(Vec::new(), |history| history.run.leaps());
+    let leaps: Vec<String> = leaps
+        .iter()
+        .map(|[from, to]| format!("{from} and {to}"))
+        .collect();
+    let told = match leaps[..] {
+        [] => told,
+        _ => format!(
+            "{told}; no equilibrium was found between the load factors {}",
+            leaps.join(", ")
+        ),
     };
     match certificate {
         Some(found) if !found.holds(&Limits::default()) => {
