@@ -239,6 +239,7 @@ impl Options {
         let mut simulation = Simulation::solved_by(solver, increments);
         simulation.load_steps.predictor = false;
         simulation.load_steps.max_halvings = 0;
+        simulation.load_steps.max_leaps = 0;
         simulation.load_steps.budget = self.budget();
         Ok(simulation)
     }

@@ -386,6 +386,7 @@ impl SceneFile {
             let departures = self.keys.departures.as_deref().unwrap_or_default();
             simulation.load_steps.predictor = departures.contains(&Departure::Predictor);
             simulation.load_steps.max_halvings = 0;
+            simulation.load_steps.max_leaps = 0;
         }
         let checked = simulation.solver.validate();
         let checked = checked.and_then(|()| simulation.load_steps.validate());

@@ -133,6 +133,7 @@ fn the_plain_fixed_point_reports_its_cycle() {
     let solver = Retry::<InteriorPoint>::default();
     let mut simulation = Simulation::solved_by(solver, 100);
     simulation.load_steps.max_halvings = 0;
+    simulation.load_steps.max_leaps = 0;
     simulation.solver.fixed_point.tolerance = 1e-8;
     simulation.solver.fixed_point.acceleration = Acceleration::Plain;
     let history = simulation.run(&mut problem).expect("no misuse");
