@@ -186,10 +186,16 @@ impl<S: Equilibrium> Simulation<S> {
         };
         let mut steps = Vec::new();
         let mut done = (External::at_rest(problem), Vec::new());
+        let ends: Vec<f64> = match &self.load_steps.phases[..] {
+            [] => vec![1.0],
+            phases => phases.iter().map(|phase| phase.until).collect(),
+        };
         let run = self
             .load_steps
             .run(problem, &mut self.solver, start, |step| {
-                let record = StepRecord::new(step, &mut done);
+                let is_end = |end: &f64| (step.factor - end).abs() <= 1e-9 * end.abs();
+                let whole = ends.iter().any(is_end);
+                let record = StepRecord::new(step, &mut done, whole);
                 let flow = observe(&StepView {
                     problem: step.problem,
                     solution: step.solution,
@@ -244,8 +250,12 @@ impl<const D: usize> StepRecord<D> {
         self.pairs.iter().map(|pair| pair.area).sum::<f64>() + 0.0
     }
 
-    /// `done` has supports and loads at the last step, and the work until there.
-    fn new(step: &Step<'_, Problem<D>>, done: &mut (External<D>, Vec<WorkRecord>)) -> Self {
+    /// `done` has supports and loads at the last step, and the work until there; `whole` tells whether all of the certificate is computed.
+    fn new(
+        step: &Step<'_, Problem<D>>,
+        done: &mut (External<D>, Vec<WorkRecord>),
+        whole: bool,
+    ) -> Self {
         let (problem, solution) = (step.problem, step.solution);
         let u = &solution.state.u;
         let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
@@ -300,7 +310,7 @@ impl<const D: usize> StepRecord<D> {
             rows: solution.gaps.len(),
             penetration: problem.penetration(u),
             weak_penetration: c.iter().fold(0.0, |depth: f64, c| depth.max(-c)),
-            certificate: Certificate::new(problem, solution),
+            certificate: Certificate::of_step(problem, solution, whole),
             attempt: step.attempt.clone(),
         }
     }

@@ -253,7 +253,7 @@ impl<const D: usize> ContactSet<D> {
     }
 
     /// Whether a pass, or the one with exchanged roles, counts at the present load factor.
-    fn is_on(&self, pass: Pass) -> bool {
+    pub fn is_on(&self, pass: Pass) -> bool {
         self.switches.is_on(pass)
     }
 
