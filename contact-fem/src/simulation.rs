@@ -257,6 +257,8 @@ impl<const D: usize> StepRecord<D> {
         whole: bool,
     ) -> Self {
         let (problem, solution) = (step.problem, step.solution);
+        #[cfg(planted)]
+        let solution = &spoiled(solution);
         let u = &solution.state.u;
         let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
         let mut c = vec![0.0; solution.gaps.len()];
@@ -297,7 +299,13 @@ impl<const D: usize> StepRecord<D> {
             support_reactions,
             pairs: states.into_iter().map(|state| state.record).collect(),
             ties: problem.tie_records(u, &forces),
+            #[cfg(not(planted))]
             pressures: range,
+            #[cfg(planted)]
+            pressures: match contact_core::planted!("pressures are doubled") {
+                true => range.map(|p| 2.0 * p),
+                false => range,
+            },
             contact_forces: bodies
                 .map(|body| problem.nodes(body).map(|a| forces[a]).sum())
                 .collect(),
@@ -314,6 +322,23 @@ impl<const D: usize> StepRecord<D> {
             attempt: step.attempt.clone(),
         }
     }
+}
+
+/// What faults make of a solution.
+#[cfg(planted)]
+fn spoiled(solution: &Solution) -> Solution {
+    let mut spoiled = solution.clone();
+    if contact_core::planted!("every ninth multiplier is lost") {
+        spoiled.lambda.iter_mut().step_by(9).for_each(|l| *l = 0.0);
+    }
+    if contact_core::planted!("multipliers are those of the next row") && !spoiled.lambda.is_empty()
+    {
+        spoiled.lambda.rotate_left(1);
+    }
+    if contact_core::planted!("the state is a thousandth off") {
+        spoiled.state.u.iter_mut().for_each(|u| *u *= 1.001);
+    }
+    spoiled
 }
 
 #[cfg(test)]

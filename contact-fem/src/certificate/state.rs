@@ -137,6 +137,7 @@ impl Certificate {
             Condition::RemeasuredPenetration => again.map(|own| own.penetration),
             Condition::RemeasuredComplementarity => again.map(|own| own.complementarity),
             Condition::RemeasuredClosed => again.map(|own| own.missing as f64),
+            Condition::RemeasuredAreas => again.map(|own| own.areas),
             Condition::RemeasuredForces => again.and_then(|own| own.forces),
             Condition::VirtualWork => again.and_then(|own| own.work),
             Condition::EnergySlope => again.and_then(|_| slope()),

@@ -17,6 +17,8 @@ mod rule;
 #[cfg(test)]
 mod tests;
 
+use std::collections::HashMap;
+
 use contact_core::{LinearGaps, Multipliers, RowKey};
 
 use super::worse;
@@ -44,6 +46,8 @@ pub(super) struct Units<'a> {
 pub(super) struct Remeasured {
     pub penetration: f64,
     pub complementarity: f64,
+    /// The largest difference of the area of a row that is opposite the master as a whole.
+    pub areas: f64,
     /// Closed rows that the solver did not have.
     pub missing: usize,
     /// The largest difference of the forces on a node; `None` where multipliers do not belong to nodes.
@@ -55,15 +59,20 @@ pub(super) struct Remeasured {
 /// Rows with a smaller share of their test function opposite the master are not judged by their gaps. Where facets are not cut at the end of the
 /// master, by the solver in space and with Gauss points, single points decide what such a row is.
 const COVERED: [f64; 2] = [0.1, 0.99];
+/// Areas are compared of rows with at least this share of their test function opposite the master, of which all points count in full.
+const WHOLE: f64 = 1.0 - 1e-6;
 
 /// How much of what gaps vary by within a row counts as their unit, where facets are cut and where they are not. Two rules of integration differ by a
 /// share of it: on the discs and Hertz's cylinders by 1e-4 of it and less where facets are cut, on the beams in space with 4 Gauss
 /// points by 2e-2.
 const UNRESOLVED: [f64; 2] = [1.0, 5.0];
 
-/// By how much larger differences of forces on nodes are granted where facets are not cut. Three blocks on each other in space, whose
-/// facets do not match, differ by 7e-2 with 4 Gauss points.
-const COARSE: [f64; 2] = [1.0, 10.0];
+/// The round-off of gaps as a share of the largest coordinate: gaps are differences of positions.
+const ROUNDED: f64 = 64.0 * f64::EPSILON;
+
+/// Differences of forces on nodes that quadrature leaves where surfaces are flat, where facets are cut and where they are not. Three blocks on each other
+/// in space, whose facets do not match, differ by 7e-2 with 4 Gauss points.
+const FORCES: [f64; 2] = [1e-4, 0.1];
 
 /// What is added to the sine of the angle between averaged normals and those of facets, which bounds the difference of works: what
 /// quadrature leaves where surfaces are flat.
@@ -214,8 +223,8 @@ pub(super) fn measure<const D: usize>(
     if of_nodes {
         let state = (&x[..], gaps, lambda);
         let unresolved = usize::from(!is_cut(problem));
-        let apart = pairs::forces_apart(problem, &measured, state, units.forces);
-        found.forces = Some(apart / COARSE[unresolved]);
+        let own = (units.forces, FORCES[unresolved]);
+        found.forces = Some(pairs::forces_apart(problem, &measured, state, own));
         let follows = problem.geometry() == Geometry::Current;
         let own = (units.forces, FLAT[unresolved]);
         found.work = follows.then(|| pairs::works_apart(problem, &measured, state, own));
@@ -246,7 +255,11 @@ fn judge<const D: usize>(
     let ranges = pass.ranges(&of_points);
     let moves = moves(problem, pass);
     let force = units.forces[pass.slave.body];
-    let known: std::collections::HashSet<&RowKey> = gaps.keys().iter().collect();
+    let weights = gaps.keys().iter().zip(gaps.weights().iter().copied());
+    let known: HashMap<&RowKey, f64> = weights.collect();
+    let coordinates = x.iter().map(Vector::amax);
+    let rounded = ROUNDED * coordinates.fold(0.0, f64::max);
+    let is_of_nodes = gaps.sampling() == contact_core::gaps::Sampling::Nodes;
     let is_cut = is_cut(problem);
     let share = COVERED[usize::from(!is_cut)];
     for (i, c) in c.iter().enumerate() {
@@ -256,14 +269,18 @@ fn judge<const D: usize>(
         }
         let c = c + widths.get(i).copied().unwrap_or(0.0);
         let [least, most] = ranges[i];
-        let varies = (most - least) * UNRESOLVED[usize::from(!is_cut)];
+        let varies = rounded + (most - least) * UNRESOLVED[usize::from(!is_cut)];
         let relative = c / (units.strain * sizes[i] + varies);
         found.penetration = worse(found.penetration, -relative);
         let unit = force * (units.resolution + varies);
         let product = (own.lambda[i] * c).abs() / unit;
         found.complementarity = worse(found.complementarity, product);
-        let has_row = own.key(i).is_some_and(|key| known.contains(&key));
-        let is_of_nodes = gaps.sampling() == contact_core::gaps::Sampling::Nodes;
+        let weight = own.key(i).and_then(|key| known.get(&key));
+        let has_row = weight.is_some();
+        let is_whole = is_of_nodes && is_cut && pass.is_covered(i, WHOLE);
+        if let Some(weight) = weight.filter(|_| is_whole) {
+            found.areas = worse(found.areas, (weight / pass.areas[i] - 1.0).abs());
+        }
         // a row that is open by less than the accuracy of both may be open for the solver
         if relative < -units.closed && is_of_nodes && !has_row {
             found.missing += 1;

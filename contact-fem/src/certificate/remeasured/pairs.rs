@@ -29,17 +29,22 @@ fn solved<const D: usize>(
     problem.contact_forces(gaps, &lambda.collect::<Vec<f64>>())
 }
 
-/// The largest difference of the solver's force on a node from that which the multipliers mean, by the largest force on a node of the body.
+/// The largest difference of the solver's force on a node from that which the multipliers mean, by the largest force on a node of the body. The unit
+/// is the square of the mean sine of the angle between averaged normals and those of facets, to which both rules of integration differ
+/// where facets are chords, and `flat` more.
 pub(super) fn forces_apart<const D: usize>(
     problem: &Problem<D>,
     measured: &[Measured<'_, D>],
     state: State<'_, D>,
-    units: &[f64],
+    (units, flat): (&[f64], f64),
 ) -> f64 {
     let all: Vec<_> = measured.iter().collect();
     let mut apart = solved(problem, &all, state);
+    let mut tilt = 0.0_f64;
     for own in measured {
         let pushes = own.pass.pushes(&own.lambda);
+        let [sum, all] = own.pass.tilt(&pushes);
+        tilt = tilt.max(if all > 0.0 { sum / all } else { 0.0 });
         let opposite: Vec<f64> = pushes.iter().map(|push| -push).collect();
         own.pass.add_forces(&opposite, &mut apart);
     }
@@ -50,7 +55,7 @@ pub(super) fn forces_apart<const D: usize>(
             .iter()
             .fold(worst, |worst, force| worse(worst, force.amax() / unit));
     }
-    worst
+    worst / (flat + tilt * tilt)
 }
 
 /// The largest difference of the work of the solver's forces in a virtual motion from the change of Σ λ_i c_i, over all pairs, both
