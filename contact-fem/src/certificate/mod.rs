@@ -44,7 +44,7 @@ pub enum Condition {
     /// obstacle takes the force that it gives.
     ActionReaction,
     /// All forces are in equilibrium: |Σ reactions + Σ loads + Σ forces of obstacles| divided by the largest resultant of reactions, loads
-    /// or contact forces on a body. Forces on nodes are no unit: in nearly incompressible bodies they are large and cancel.
+    /// or contact forces on a body; the reactions that results tell are those. Forces on nodes are no unit: in nearly incompressible bodies they are large and cancel.
     Balance,
     /// No element is inverted: the number of quadrature points with J ≤ 0 or, if that is larger, of
     /// [simplices](crate::audit) whose volume is not positive, or of quadratic cells in which J > 0 is not

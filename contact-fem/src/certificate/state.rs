@@ -381,7 +381,8 @@ struct Residual {
     free: f64,
     /// For each body the largest force on a node, but at least the smallest unit of forces (UF).
     forces: Vec<f64>,
-    /// |Σ reactions, those of foundations included, + Σ loads + Σ forces of obstacles| (UF).
+    /// |Σ reactions, those of foundations included, + Σ loads + Σ forces of obstacles| (UF), or, if that is larger, the difference of a body's
+    /// reaction from the one that results tell.
     sum: f64,
     /// The largest of all resultants of reactions, loads and contact forces on a body (UF); around an axis, what points away from it
     /// is summed by its amount.
@@ -400,7 +401,9 @@ impl Residual {
         let (mut sum, mut resultant) = (-of_obstacles.iter().sum::<Vector<D>>(), 0.0_f64);
         let (residuals, U) = (problem.residuals(u), problem.displacements(u));
         // what ties do to one body, and the opposite to the other, is a load like contact
+        let reported = problem.reactions(u, contact);
         let contact = problem.with_tie_forces(u, contact);
+        let mut told = 0.0;
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = &residuals[body];
             let (loads, springs) = on_boundary(problem, body, &U);
@@ -415,6 +418,7 @@ impl Residual {
             let (mut rest_free, mut largest) = (0.0, noticed);
             // of reactions, loads and contact forces
             let mut resultants = [Vector::<D>::zeros(); 3];
+            let mut held = Vector::<D>::zeros();
             for (k, node) in problem.nodes(body).enumerate() {
                 for i in 0..D {
                     let dof = D * k + i;
@@ -427,6 +431,7 @@ impl Residual {
                     rest_free = worse((rest - reaction).abs(), rest_free);
                     let spring = springs.get(dof).copied().unwrap_or(0.0);
                     sum[i] += load + reaction + spring;
+                    held[i] += reaction + spring;
                     largest = spring.abs().max(largest);
                     let forces = [reaction + spring, load, contact[node][i]];
                     for (resultant, force) in resultants.iter_mut().zip(forces) {
@@ -438,6 +443,7 @@ impl Residual {
             let norms = resultants.iter().map(|sum| sum.norm());
             resultant = norms.fold(resultant, f64::max);
             free = worse(over(rest_free, largest), free);
+            told = worse(told, (held - reported[body]).norm());
             forces.push(largest);
         }
         if is_revolved(problem) {
@@ -447,7 +453,7 @@ impl Residual {
         Residual {
             free,
             forces,
-            sum: sum.norm(),
+            sum: worse(sum.norm(), told),
             resultant,
         }
     }
