@@ -67,7 +67,7 @@ struct Arguments {
     #[arg(long)]
     quadratic: bool,
     /// Random variants of each other scene
-    #[arg(long, default_value_t = 40)]
+    #[arg(long, default_value_t = 40, value_parser = clap::value_parser!(u64).range(1..))]
     cases: u64,
     /// Only the variant of this number, to run it again
     #[arg(long, value_name = "N")]

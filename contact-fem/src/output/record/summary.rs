@@ -437,7 +437,7 @@ fn status<const D: usize>(
         .map_or(Vec::new(), |history| history.run.leaps());
     let leaps: Vec<String> = leaps
         .iter()
-        .map(|[from, to]| format!("{from} and {to}"))
+        .map(|[from, to]| format!("{from:.6} and {to:.6}"))
         .collect();
     let told = match leaps[..] {
         [] => told,
