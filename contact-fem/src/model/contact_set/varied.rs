@@ -93,8 +93,13 @@ fn space(is_quadratic: bool, passes: Passes, projection: Projection) -> Problem<
         let mesh = cuboid([0.0, 0.0, z], [1.0, 1.0, 0.5], [cells, cells, 1]).expect("a mesh");
         if is_quadratic { mesh.quadratic() } else { mesh }
     };
+    // along normals, some rows have to be away from the rims
+    let cells = match projection {
+        Projection::Closest => [2, 3],
+        Projection::AlongNormals => [4, 5],
+    };
     blocks(
-        [mesh(0.0, 4), mesh(0.5, 5)].map(neo_hookean),
+        [mesh(0.0, cells[0]), mesh(0.5, cells[1])].map(neo_hookean),
         (passes, projection),
         2,
     )
@@ -224,7 +229,7 @@ fn assert_rows_vary_as_differences<const D: usize>(
             };
             let scales = [0, 1].map(|k| apart(&small[k], &vec![0.0; small[k].len()]));
             assert!(
-                scales.iter().all(|scale| *scale > 0.1),
+                scales.iter().all(|scale| *scale > 0.01),
                 "{what}: {scales:?}"
             );
             if (0..2).any(|k| apart(&large[k], &small[k]) > within * scales[k]) {
