@@ -12,8 +12,6 @@ pub mod motion;
 pub mod moving;
 pub mod normals;
 pub mod obstacle;
-#[cfg(planted)]
-mod planted;
 pub mod pressure;
 pub mod projection;
 mod rim;
