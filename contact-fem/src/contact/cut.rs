@@ -36,9 +36,8 @@ pub enum Integration {
     Gauss(usize),
     /// Gauss points of the pieces into which the master's mesh cuts the facets. The quadrature is
     /// exact up to round-off on flat surfaces in contact whose quadratic elements have their middle
-    /// nodes half-way along the edges. On other surfaces it is an approximation: the cuts follow
-    /// the chords of curved sides and a single projection direction for each facet, and the number
-    /// of points is that of flat pieces.
+    /// nodes half-way along the edges. On other surfaces it is an approximation: in space the cuts follow
+    /// chords of curved sides and of their shadows, and the number of points is that of flat pieces.
     Exact,
 }
 
@@ -112,7 +111,7 @@ impl<const D: usize> Points<D> {
         }
     }
 
-    /// Those on the facet that was last cut.
+    /// The points on the facet that was last cut.
     pub fn places(&self) -> &[Place<D>] {
         match self {
             Points::Same(places, _) => places,
@@ -211,7 +210,7 @@ impl<const D: usize> Cutter<D> {
                 found.is_some_and(|facet| {
                     let nodes = master.surface().facet(index);
                     let mut own = master.surface().facet(facet).iter();
-                    facet == index || own.any(|a| nodes.contains(a))
+                    own.any(|a| nodes.contains(a))
                 })
             });
         }

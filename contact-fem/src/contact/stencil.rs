@@ -75,7 +75,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
     }
 
     /// w_q: the quadrature weight times the reference measure (UL in the plane, UL² in space and of revolution), and times the
-    /// share with which the point counts near the search radius and at right angles.
+    /// share with which the point counts near the search radius, near a rim and at right angles.
     pub fn weight(&self) -> f64 {
         self.point.weight
     }

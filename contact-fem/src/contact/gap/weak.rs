@@ -115,7 +115,7 @@ impl<const D: usize> Pair<D> {
 
     /// The share of its weight with which a Gauss point counts whose foot is at λ: the foot's depth inside the rim over that of the outermost
     /// of the rule's points on a facet of the slave, with facets of the same size. The depth is linear on the parts of a facet between a corner, the middle of
-    /// a side and the centre, 0 at those of them that are on the rim and 1 at the others.
+    /// a side and the centre: 0 at each of these three that is on the rim, 1 at each that is not.
     fn share(&self, facet: usize, lambda: &Vector<D>, points: usize) -> f64 {
         if self.case.by == Projection::Closest {
             return 1.0;

@@ -228,6 +228,7 @@ fn assert_rows_vary_as_differences<const D: usize>(
                 continue;
             };
             let scales = [0, 1].map(|k| apart(&small[k], &vec![0.0; small[k].len()]));
+            // errors are shares of the largest slopes, which must be no round-off
             assert!(
                 scales.iter().all(|scale| *scale > 0.01),
                 "{what}: {scales:?}"
