@@ -148,6 +148,8 @@ pub(super) struct Cutter<const D: usize> {
     rule: FacetRule<D>,
     shadows: Vec<Shadow<D>>,
     breaks: Vec<f64>,
+    /// The nodes of the master whose normals may meet a segment.
+    ends: Vec<usize>,
     clipper: Clipper<D>,
     pieces: Vec<[Vector<D>; D]>,
     /// So many pieces are covered: the first ones.
@@ -172,6 +174,7 @@ impl<const D: usize> Cutter<D> {
             rule: FacetRule::of_degree(degree),
             shadows: Vec::new(),
             breaks: Vec::new(),
+            ends: Vec::new(),
             clipper: Clipper::default(),
             pieces: Vec::new(),
             covered: 0,
@@ -273,21 +276,25 @@ impl<const D: usize> Cutter<D> {
         let at = |t: f64| facet.point(&lambda(t));
         let points = [0.0, 0.5, 1.0].map(at);
         let surface = master.moving();
-        for (index, _) in master.within(&middle.x, distance) {
-            for &b in &surface.surface().facet(index)[..D] {
-                let (x, n) = (surface.positions()[b], surface.normals()[b]);
-                let beside = points.map(|y| (y[0] - x[0]) * n[1] - (y[1] - x[1]) * n[0]);
-                let is_foot = |t: f64| {
-                    let found = master.find(&seeker(&lambda(t)));
-                    found.is_some_and(|p| surface.surface().facet(p.facet).contains(&b))
-                };
-                let is_met = |t: &f64| {
-                    let faces = facet.normal(&lambda(*t)).dot(&n) < 0.0;
-                    let is_near = faces && (at(*t) - x).norm() <= distance;
-                    is_near && (middle.own.is_none() || 0.0 < *t && *t < 1.0 && is_foot(*t))
-                };
-                self.breaks.extend(zeros(beside).filter(is_met));
-            }
+        self.ends.clear();
+        let near = master.within(&middle.x, distance);
+        let near = near.flat_map(|(index, _)| &surface.surface().facet(index)[..D]);
+        self.ends.extend(near);
+        self.ends.sort_unstable();
+        self.ends.dedup();
+        for &b in &self.ends {
+            let (x, n) = (surface.positions()[b], surface.normals()[b]);
+            let beside = points.map(|y| (y[0] - x[0]) * n[1] - (y[1] - x[1]) * n[0]);
+            let is_foot = |t: f64| {
+                let found = master.find(&seeker(&lambda(t)));
+                found.is_some_and(|p| surface.surface().facet(p.facet).contains(&b))
+            };
+            let is_met = |t: &f64| {
+                let faces = facet.normal(&lambda(*t)).dot(&n) < 0.0;
+                let is_near = faces && (at(*t) - x).norm() <= distance;
+                is_near && (middle.own.is_none() || 0.0 < *t && *t < 1.0 && is_foot(*t))
+            };
+            self.breaks.extend(zeros(beside).filter(is_met));
         }
     }
 

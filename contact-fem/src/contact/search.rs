@@ -103,6 +103,8 @@ impl<const D: usize> Master<D> {
     /// body and the distance is larger than this. Penetrations are much smaller, and material is not
     /// compressed that far.
     const MATERIAL: f64 = 0.2;
+    /// The cosine between two normals above which surfaces face the same way: round a right-angled edge, averaged normals turn by 45°.
+    const ALIKE: f64 = 0.75;
     /// The depth, as a share of the facet size, beyond which the way to the foot is checked for facets that it crosses.
     const SHALLOW: f64 = 0.05;
     /// The smallest depth of the reference path on a single body, as a share of the facet size. The
@@ -193,7 +195,7 @@ impl<const D: usize> Master<D> {
         };
         let nearest = self.tree().by_distance(&seeker.x, seeker.reach);
         nearest
-            .filter(|closest| !neighbour(closest.leaf.index))
+            .filter(|closest| !neighbour(closest.leaf.index) && !self.faces_alike(closest, seeker))
             .filter(|closest| self.is_local_minimum(closest, &seeker.x))
             .map(|closest| self.foot(&closest, &seeker.x))
             .find(|p| counts(p) && !neighbour(p.facet))
@@ -262,6 +264,15 @@ impl<const D: usize> Master<D> {
             let is_on_facet = lambda.min() >= 0.0 && lambda.sum() <= 1.0;
             is_on_facet && t > Self::CLOSED && t < 1.0 - Self::CLOSED
         })
+    }
+
+    /// Whether the surface faces the same way as the seeker at the closest point of a facet, so that a foot nearby does not count: the cheapest test of all.
+    fn faces_alike(&self, closest: &Closest<'_, D>, seeker: &Seeker<'_, D>) -> bool {
+        let nodes = self.surface().facet(closest.leaf.index);
+        let N = facet_shapes(self.surface().order(), &closest.lambda);
+        let normals = N.iter().zip(nodes).map(|(N, &a)| self.normals()[a] * *N);
+        let n = normals::unit(normals.sum());
+        seeker.facing.dot(&n) > Self::ALIKE * seeker.facing.norm()
     }
 
     /// Whether the closest point of a facet is a local minimum of the distance: no adjacent facet has a point
