@@ -120,9 +120,33 @@ pub(super) enum OptionKeys {
 
 /// As `points`, but not at Gauss points.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(try_from = "IntegrationValue")]
 pub(super) enum IntegrationKeys {
     Exact,
+}
+
+/// What may stand there by mistake, too.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged, expecting = "`integration` is the word `\"exact\"`")]
+enum IntegrationValue {
+    Points(i64),
+    Word(String),
+}
+
+impl TryFrom<IntegrationValue> for IntegrationKeys {
+    type Error = String;
+
+    fn try_from(value: IntegrationValue) -> Result<Self, String> {
+        match value {
+            IntegrationValue::Word(word) if word == "exact" => Ok(IntegrationKeys::Exact),
+            IntegrationValue::Word(word) => Err(format!(
+                "unknown integration `{word}`: take `\"exact\"`, or `points = 4` for Gauss points"
+            )),
+            IntegrationValue::Points(points) => Err(format!(
+                "`integration = {points}`: take `points = {points}` for Gauss points, or `integration = \"exact\"`"
+            )),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]

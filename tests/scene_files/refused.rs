@@ -86,7 +86,7 @@ normal = [0, 1]
     };
     let (code, text) = check(sound);
     assert_eq!(code, Some(0), "{text}");
-    let cases: [(&str, &str, usize, &str); 26] = [
+    let cases: [(&str, &str, usize, &str); 28] = [
         ("increments = 2", "increments = -2", 1, "increments"),
         ("points = 4", "points = 4.5", 2, "points"),
         ("points = 4", "point = 4", 2, "point"),
@@ -96,6 +96,8 @@ normal = [0, 1]
             2,
             "points",
         ),
+        ("points = 4", "integration = 4", 2, "integration"),
+        ("points = 4", "integration = \"gauss\"", 2, "integration"),
         ("points = 4", "method = \"penalty\"", 2, "method"),
         ("points = 4", "depth = 3", 2, "depth"),
         (
