@@ -344,6 +344,7 @@ mod tests {
                 failed: Vec::new(),
                 curvature: None,
                 flickering: Vec::new(),
+                held: Vec::new(),
             })
         }
     }

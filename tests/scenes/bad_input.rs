@@ -749,6 +749,7 @@ fn states_that_are_none() {
             failed: vec![],
             curvature: None,
             flickering: vec![],
+            held: vec![],
         };
         let certificate = Certificate::new(&problem, &solution);
         assert!(!certificate.holds(&Default::default()));

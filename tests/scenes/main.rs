@@ -34,6 +34,7 @@ mod programs;
 mod rows;
 mod search_faults;
 mod space;
+mod standing;
 mod surfaces;
 mod toy;
 mod units;

@@ -72,6 +72,7 @@ impl<'a> Journal<'a> {
                 failed: Vec::new(),
                 curvature: None,
                 flickering: Vec::new(),
+                held: Vec::new(),
             },
             point: start,
             clock: Instant::now(),

@@ -278,6 +278,10 @@ pub struct Solution {
     pub curvature: Option<f64>,
     /// Rows that opened or closed in the last iteration of a solve that did not converge.
     pub flickering: Vec<RowKey>,
+    /// Forces (n, UF) on motions that neither supports nor closed rows resist, which keep them where they are: ∇E = Cᵀλ + them. Empty
+    /// where nothing needs them.
+    #[cfg_attr(feature = "resume", serde(default))]
+    pub held: Vec<f64>,
 }
 
 /// An attempt at a load step after which another solver, or another setting, was tried.
@@ -396,6 +400,7 @@ fn unchanged(start: State, energy: f64, outcome: Outcome) -> Solution {
         failed: Vec::new(),
         curvature: None,
         flickering: Vec::new(),
+        held: Vec::new(),
     }
 }
 

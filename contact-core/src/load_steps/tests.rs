@@ -163,6 +163,7 @@ impl<F: FnMut(f64, f64) -> Outcome> Equilibrium for Follows<F> {
             failed: Vec::new(),
             curvature: None,
             flickering: Vec::new(),
+            held: Vec::new(),
         })
     }
 }
@@ -693,6 +694,7 @@ impl<F: FnMut(f64) -> Option<Outcome>> Equilibrium for Errs<F> {
             failed: Vec::new(),
             curvature: None,
             flickering: Vec::new(),
+            held: Vec::new(),
         })
     }
 }

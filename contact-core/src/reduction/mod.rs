@@ -190,6 +190,15 @@ impl LinearMap {
         v
     }
 
+    /// Forces on u (n) that do the work of these on v: dependent unknowns have none.
+    pub fn spread(&self, forces: &[f64]) -> Vec<f64> {
+        let force = |place: &Place| match *place {
+            Place::Independent(j) => forces[j],
+            Place::Dependent(_) => 0.0,
+        };
+        self.places.iter().map(force).collect()
+    }
+
     /// u = T v + t.
     pub fn expanded(&self, v: &[f64], constants: &[f64]) -> Vec<f64> {
         let value = |place: &Place| match *place {

@@ -166,9 +166,14 @@ impl<'a> Reduced<'a> {
                 (gaps, lambda)
             }
         };
+        let held = match solution.held.is_empty() {
+            true => Vec::new(),
+            false => self.map.spread(&solution.held),
+        };
         let multipliers = solution.state.multipliers;
         let state = State { u, multipliers };
         Ok(Solution {
+            held,
             state,
             gaps,
             lambda,

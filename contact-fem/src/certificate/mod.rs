@@ -75,6 +75,14 @@ pub enum Condition {
     /// Contact forces between bodies have no moment, without a limit: |Σ x ∧ Cᵀλ| divided by Σ |x − c| |Cᵀλ|. Forces
     /// along averaged normals have one on finite facets.
     Moment,
+    /// Nothing holds a body in place but supports and contact: the forces that hold motions which neither resists
+    /// ([`Solution::held`](contact_core::equilibrium::Solution::held)), Σ |f| on a body, divided by Σ |Cᵀλ| on it. Averaged normals leave
+    /// such forces on finite facets; a body that slides or tips needs larger ones. `None` where there are none.
+    Held,
+    /// The equilibrium is stable, as far as it was examined: the curvature of the energy along the softest motion that closed rows permit, if
+    /// it is negative, relative to the solver's matrix ([`Solution::curvature`](contact_core::equilibrium::Solution::curvature)). `None` where it
+    /// was not examined.
+    Instability,
 }
 
 /// One line of the table of conditions.
@@ -102,7 +110,7 @@ const fn line(condition: Condition, name: &'static str, limit: f64) -> Line {
 
 /// The table of conditions from which limits, files and summaries are generated, in the order of
 /// [`Condition`].
-const TABLE: [Line; 16] = [
+const TABLE: [Line; 18] = [
     line(Condition::NodalPenetration, "nodal_penetration", 0.2),
     line(Condition::WeakPenetration, "weak_penetration", 2e-3),
     line(Condition::Adhesion, "adhesion", 1e-9),
@@ -119,6 +127,8 @@ const TABLE: [Line; 16] = [
     line(Condition::Unopposed, "unopposed", 0.1),
     line(Condition::SmallStrain, "small_strain", 0.5),
     line(Condition::Moment, "moment", f64::INFINITY),
+    line(Condition::Held, "held", 2e-2),
+    line(Condition::Instability, "instability", 1e-3),
 ];
 
 impl Condition {

@@ -18,9 +18,11 @@ impl Certificate {
         let u = &solution.state.u;
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
         let forces = problem.contact_forces(gaps, lambda);
+        let holds = problem.held_forces(&solution.held);
         let of_passes = |key: &RowKey| (key.pass as usize) < problem.passes().len();
         let is_complete = forces
             .iter()
+            .chain(holds.iter().flatten())
             .all(|force| force.iter().all(|f| f.is_finite()));
         if !(problem.is_state(u) && is_complete && gaps.keys().iter().all(of_passes)) {
             return Certificate::uniform(f64::NAN, 0.0);
@@ -30,7 +32,13 @@ impl Certificate {
         let passes = problem.passes();
         let rows = problem.rows_at(passes, u, Sampling::Nodes);
         let of_obstacles = problem.obstacle_forces(gaps, lambda);
-        let residual = Residual::new(problem, u, (&forces, &of_obstacles), units.noticed);
+        let residual = Residual::new(
+            problem,
+            u,
+            (&forces, &of_obstacles),
+            holds.as_deref(),
+            &units,
+        );
         let force = |key: &RowKey| residual.forces[units.bodies[key.pass as usize]];
         let force_of = |body: usize| residual.forces[body];
         let any_force = residual.forces.iter().copied().fold(0.0, f64::max);
@@ -114,6 +122,8 @@ impl Certificate {
             Condition::Closed => Some(closed as f64),
             Condition::OtherSide => units.other_side(problem, u),
             Condition::Dropped => Some(dropped as f64),
+            Condition::Instability => solution.curvature.map(|curvature| (-curvature).max(0.0)),
+            Condition::Held => holds.is_some().then_some(residual.held),
         };
         let blank = Certificate::uniform(0.0, problem.scale().roundoff);
         Condition::all().fold(blank, |all, condition| all.with(condition, left(condition)))
@@ -310,7 +320,7 @@ fn uncovered(passes: usize, state: (&LinearGaps, &[f64]), solver: (&LinearGaps, 
         .count()
 }
 
-/// The residual ∂E/∂U − Cᵀλ.
+/// The residual ∂E/∂U − Cᵀλ, and what holds motions that nothing resists.
 struct Residual {
     /// The largest component at a free dof, divided by the largest force on its body.
     free: f64,
@@ -321,6 +331,8 @@ struct Residual {
     /// The largest of all resultants of reactions, loads and contact forces on a body (UF); around an axis, what points away from it
     /// is summed by its amount.
     resultant: f64,
+    /// The largest ratio, of all bodies, of the forces that hold it to the contact forces on it.
+    held: f64,
 }
 
 impl Residual {
@@ -328,9 +340,10 @@ impl Residual {
         problem: &Problem<D>,
         u: &[f64],
         (contact, of_obstacles): (&[Vector<D>], &[Vector<D>]),
-        noticed: f64,
+        holds: Option<&[Vector<D>]>,
+        units: &Units,
     ) -> Self {
-        let (mut free, mut forces) = (0.0, Vec::new());
+        let (mut free, mut forces, mut held) = (0.0, Vec::new(), 0.0);
         // what the bodies do to obstacles, these do to the bodies
         let (mut sum, mut resultant) = (-of_obstacles.iter().sum::<Vector<D>>(), 0.0_f64);
         let (residuals, U) = (problem.residuals(u), problem.displacements(u));
@@ -347,7 +360,7 @@ impl Residual {
                     *tied.entry(*other).or_insert(0.0) -= c * rest;
                 }
             }
-            let (mut rest_free, mut largest) = (0.0, noticed);
+            let (mut rest_free, mut largest) = (0.0, units.noticed);
             // of reactions, loads and contact forces
             let mut resultants = [Vector::<D>::zeros(); 3];
             for (k, node) in problem.nodes(body).enumerate() {
@@ -357,7 +370,10 @@ impl Residual {
                     let load = loads[dof];
                     let reaction = match owner.prescribed()[dof] {
                         Some(_) => rest,
-                        None => tied.get(&dof).copied().unwrap_or(0.0),
+                        None => {
+                            let hold = holds.map_or(0.0, |holds| holds[node][i]);
+                            hold + tied.get(&dof).copied().unwrap_or(0.0)
+                        }
                     };
                     rest_free = worse((rest - reaction).abs(), rest_free);
                     let spring = springs.get(dof).copied().unwrap_or(0.0);
@@ -374,6 +390,12 @@ impl Residual {
             resultant = norms.fold(resultant, f64::max);
             free = worse(over(rest_free, largest), free);
             forces.push(largest);
+            if let Some(holds) = holds {
+                let sum = |forces: &[Vector<D>]| -> f64 {
+                    problem.nodes(body).map(|node| forces[node].norm()).sum()
+                };
+                held = worse(over(sum(holds), sum(&contact).max(units.balanced)), held);
+            }
         }
         if is_revolved(problem) {
             // around the axis, what points away from it cancels
@@ -384,6 +406,7 @@ impl Residual {
             forces,
             sum: sum.norm(),
             resultant,
+            held,
         }
     }
 }

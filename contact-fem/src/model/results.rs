@@ -23,6 +23,19 @@ impl<const D: usize> Problem<D> {
         }
     }
 
+    /// The forces on all nodes (UF) that hold motions which nothing resists, see
+    /// [`Solution::held`](contact_core::equilibrium::Solution::held); `None` if there are none, and NaN if their number is wrong.
+    pub fn held_forces(&self, held: &[f64]) -> Option<Vec<Vector<D>>> {
+        let dofs = self.dofs();
+        let forces = match held.len() {
+            0 => return None,
+            n if n == dofs.free() => dofs.forces(held, &vec![0.0; dofs.prescribed()]),
+            _ => vec![f64::NAN; D * self.reference().len()],
+        };
+        let nodes = forces.chunks_exact(D).map(Vector::from_column_slice);
+        Some(nodes.collect())
+    }
+
     /// The contact force of the bodies on each obstacle (UF), in the order of [`Scene::obstacles`](super::Scene::obstacles);
     /// NaN where [`Problem::contact_forces`] is.
     pub fn obstacle_forces(&self, gaps: &LinearGaps, lambda: &[f64]) -> Vec<Vector<D>> {

@@ -236,6 +236,7 @@ impl Equilibrium for Condensed {
             failed: Vec::new(),
             curvature: None,
             flickering: Vec::new(),
+            held: Vec::new(),
             history: vec![Iteration {
                 solver: NAME,
                 error,

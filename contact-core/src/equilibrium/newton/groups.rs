@@ -388,6 +388,7 @@ fn joined(
         lambda,
         failed: Vec::new(),
         flickering: Vec::new(),
+        held: Vec::new(),
     }
 }
 

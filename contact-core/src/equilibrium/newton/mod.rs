@@ -2,6 +2,7 @@
 //!
 //! | file | role |
 //! |---|---|
+//! | `anchored` | springs to an anchor that follows, where the iteration does not end without |
 //! | `groups` | bodies that do not act on each other, solved by themselves |
 //! | `linearization` | E and the gaps at u, to second order |
 //! | `step` | Newton's step, the solution of the linearised contact problem |
@@ -25,6 +26,7 @@
 //! stay closed. A row that opens leaves the defect in the next step, and S before the iteration ends, so that equilibria are the
 //! same. S and its factor are kept for further steps as long as these are short and easily corrected.
 
+mod anchored;
 mod groups;
 mod linearization;
 mod stability;
@@ -66,9 +68,13 @@ use crate::{
 /// energy and overlap nor the change of u fall for a few iterations, the method returns to the best state and takes a shorter
 /// step. A converged state is checked at u itself: rows, forces and what they would still move.
 ///
-/// An equilibrium at the first load, at full load, and where contact forces have doubled is examined for motions that the
+/// An equilibrium at the first load, at the end of a phase, where contact forces have doubled, and where the energy has become flatter along
+/// the softest motion of the last one is examined for motions that the
 /// closed rows permit and that release energy. Where there is one, the method moves along it and goes on; if it does not
 /// come to another equilibrium, the unstable one is the solution, and [`Solution::curvature`] tells.
+///
+/// Where the iteration does not end, it is repeated with springs to an anchor that follows. Motions that nothing but these springs
+/// resists are held where they are, if that takes a small share of the contact forces, and [`Solution::held`] tells.
 ///
 /// The factor is kept for the next iteration and the next load step while steps are short and easily corrected, and that of
 /// a body with a quadratic energy as long as no row adds stiffness to it. Clones start without it.
@@ -87,6 +93,18 @@ pub struct CondensedNewton {
     pub max_iterations: usize,
     /// What the next load step can use again, for each group of bodies; that of the whole has none.
     kept: BTreeMap<Vec<usize>, Kept>,
+    /// The stiffness of the springs at the end of the last load step that needed some, and the smallest one that may be tried; how often
+    /// load steps were tried without springs before in vain.
+    springs: Option<(f64, f64)>,
+    failures: usize,
+    /// Whether supports alone do not hold some body.
+    floats: bool,
+    /// Whether the unknowns have springs at present.
+    has_springs: bool,
+    /// Whether an equilibrium is to be examined in any case.
+    suspects: bool,
+    /// Beside the unstable equilibrium that was found last, if no other one was.
+    beside: Option<State>,
 }
 
 /// What the next load step can use again.
@@ -94,6 +112,8 @@ struct Kept {
     tangent: Tangent,
     /// The sum of the multipliers of the last equilibrium that was examined (UF).
     examined: f64,
+    /// Its softest motion v, and the curvature of the energy along it, vᵀ(K − sym D)v (UF·UL).
+    watched: Option<(Vec<f64>, f64)>,
 }
 
 impl Default for CondensedNewton {
@@ -102,6 +122,12 @@ impl Default for CondensedNewton {
             tolerance: 1e-8,
             max_iterations: 30,
             kept: BTreeMap::new(),
+            springs: None,
+            failures: 0,
+            floats: false,
+            has_springs: false,
+            suspects: false,
+            beside: None,
         }
     }
 }
@@ -110,6 +136,12 @@ impl Clone for CondensedNewton {
     fn clone(&self) -> Self {
         CondensedNewton {
             kept: BTreeMap::new(),
+            springs: None,
+            failures: 0,
+            floats: false,
+            has_springs: false,
+            suspects: false,
+            beside: None,
             ..*self
         }
     }
@@ -136,12 +168,20 @@ const CLOSED: f64 = 1e-10;
 const NEGLIGIBLE: f64 = 1e-11;
 /// Equilibria are examined where the sum of the multipliers has grown by this factor.
 const GROWN: f64 = 2.0;
+/// They are examined, too, where the curvature along the softest motion is below this share of what it was.
+const FLATTER: f64 = 0.7;
 /// An unstable equilibrium is left by this share of the displacements, and then by so many steps with frozen rows: they
 /// lead away from it, where Newton's lead back.
 const PUSH: f64 = 0.05;
 const FROZEN: usize = 8;
+/// So many are left at one load.
+const LEAVES: usize = 3;
 /// A step is halved at most so often.
 const HALVINGS: usize = 20;
+/// Where the iteration without springs was in vain at more load steps in a row, it is not tried any more.
+const PATIENCE: usize = 1;
+/// Bodies that contact holds are held by it after so many iterations, or they need springs.
+const SETTLED: usize = 3;
 
 impl Equilibrium for CondensedNewton {
     fn solve(
@@ -152,19 +192,53 @@ impl Equilibrium for CondensedNewton {
     ) -> Result<Solution, Error> {
         self.validate()?;
         check_unbounded(problem, &start, "CondensedNewton")?;
+        (self.beside, self.suspects, self.has_springs) = (None, false, false);
+        if context.from == 0.0 {
+            (self.springs, self.failures) = (None, 0);
+        }
+        if self.failures > PATIENCE {
+            return Ok(self
+                .solve_anchored(problem, &start, false, context)?
+                .checked());
+        }
+        self.floats = problem.separable().is_some_and(|bodies| {
+            let mut all = bodies.bodies().into_iter().enumerate();
+            all.any(|(b, energy)| energy.dofs() > 0 && !bodies.is_held(b))
+        });
         let found = match problem.separable() {
             Some(bodies) => self.solve_by_groups(problem, bodies, &start, context)?,
             None => Found::Whole(Vec::new()),
         };
-        match found {
-            Found::Solution(solution) => Ok(solution.checked()),
-            Found::Whole(history) => {
-                self.kept.retain(|members, _| members.is_empty());
-                let mut solution = self.solve_whole(problem, start, &[], context)?;
-                solution.history.splice(..0, history);
-                Ok(solution.checked())
+        let mut history = match found {
+            Found::Solution(solution) if self.beside.is_none() => {
+                return Ok(solution.checked());
+            }
+            Found::Solution(solution) => solution.history,
+            Found::Whole(history) => history,
+        };
+        self.kept.retain(|members, _| members.is_empty());
+        self.suspects = self.beside.take().is_some();
+        let mut solution = self.solve_whole(problem, start.clone(), &[], context)?;
+        history.append(&mut solution.history);
+        if !matches!(
+            solution.outcome,
+            Outcome::Converged | Outcome::Interrupted | Outcome::InadmissibleStart
+        ) {
+            self.failures += 1;
+            solution = self.solve_anchored(problem, &start, false, context)?;
+            history.append(&mut solution.history);
+        } else if solution.outcome == Outcome::Converged {
+            self.failures = 0;
+        }
+        if let Some(beside) = self.beside.take() {
+            let mut other = self.solve_anchored(problem, &beside, true, context)?;
+            history.append(&mut other.history);
+            if other.outcome == Outcome::Converged && other.energy < solution.energy {
+                solution = other;
             }
         }
+        solution.history = history;
+        Ok(solution.checked())
     }
 
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
@@ -247,6 +321,7 @@ impl CondensedNewton {
             lambda: at.lambda,
             history,
             failed: Vec::new(),
+            held: Vec::new(),
         };
         Ok(solution)
     }
@@ -264,24 +339,36 @@ impl CondensedNewton {
         let kept = self.kept.entry(bodies.to_vec()).or_insert_with(|| Kept {
             tangent: Tangent::new(energy),
             examined: 0.0,
+            watched: None,
         });
         if !kept.tangent.is_of(energy) {
             kept.tangent = Tangent::new(energy);
         }
-        let Kept { tangent, examined } = kept;
+        let Kept {
+            tangent,
+            examined,
+            watched,
+        } = kept;
         if context.from == 0.0 {
             tangent.begin();
+            *watched = None;
         }
         if let Err(halt) = at.project(problem, context.stop) {
             return Ok(Ended::with(halt.outcome()?));
         }
         let unit = Scale::of(problem, &at.state.u)?.length;
-        let is_end = context.from == 0.0 || context.is_end;
+        let is_end = context.from == 0.0 || context.is_end || self.suspects;
         let mut iterate = Iterate {
             before: at.state.multipliers.clone(),
-            examined: if is_end { 0.0 } else { *examined },
+            examined: *examined,
+            // other unknowns may be free than at the last load
+            watched: watched.take().filter(|(v, _)| v.len() == at.state.u.len()),
+            is_end,
+            floats: self.floats,
             curvature: None,
             unstable: None,
+            left: 0,
+            beside: None,
             frozen: 0,
             watchdog: Watchdog::new(at, start),
             problem,
@@ -300,6 +387,10 @@ impl CondensedNewton {
             if left == 0 {
                 break Ok(Outcome::IterationLimit);
             }
+            let needs_springs = self.floats && !self.has_springs && tangent.shift() > 0.0;
+            if needs_springs && history.len() >= SETTLED {
+                break Ok(Outcome::IterationLimit);
+            }
             left -= 1;
             let clock = Instant::now();
             let mut cost = Cost {
@@ -308,7 +399,7 @@ impl CondensedNewton {
                 values: usize::from(history.is_empty()),
                 ..Cost::default()
             };
-            let was_stable = iterate.unstable.is_none();
+            let before = iterate.left;
             let moved = iterate.moved(tangent, &mut cost);
             cost.wall = clock.elapsed().as_secs_f64();
             cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
@@ -321,14 +412,16 @@ impl CondensedNewton {
             });
             match moved {
                 Ok(moved) if moved.is_over => break Ok(Outcome::Converged),
-                Ok(_) if was_stable && iterate.unstable.is_some() => left = self.max_iterations,
+                Ok(_) if iterate.left > before => left = self.max_iterations,
                 Ok(_) => {}
                 Err(halt) => break Err(halt),
             }
         };
         *examined = iterate.examined;
+        *watched = iterate.watched.take();
         let (outcome, curvature) = match (outcome, iterate.unstable) {
             (Ok(Outcome::IterationLimit) | Err(Halt::Failed(_)), Some((point, curvature))) => {
+                self.beside = iterate.beside.take();
                 *iterate.at = point;
                 tangent.forget();
                 (Outcome::Converged, Some(curvature))
@@ -364,8 +457,18 @@ struct Iterate<'a> {
     /// The sum of the multipliers of the last equilibrium that was examined (UF), and its curvature in this load step.
     examined: f64,
     curvature: Option<f64>,
-    /// An unstable equilibrium that was left, with its curvature.
+    /// See [`Kept::watched`].
+    watched: Option<(Vec<f64>, f64)>,
+    /// Whether a phase begins or ends with this load step.
+    is_end: bool,
+    /// Whether supports alone do not hold some body.
+    floats: bool,
+    /// The unstable equilibrium that was left last, with its curvature.
     unstable: Option<(Point, f64)>,
+    /// How many were left.
+    left: usize,
+    /// Where it was left for.
+    beside: Option<State>,
     /// The number of steps with frozen rows to come.
     frozen: usize,
     stop: &'a Stop,
@@ -412,9 +515,9 @@ impl Iterate<'_> {
         self.at.project(self.problem, self.stop)?;
         cost.projection += clock.elapsed().as_secs_f64();
         // a shortened step and a shifted diagonal make small changes far from a solution
-        let is_whole = trial.share == 1.0 && tangent.shift() <= SHIFT;
+        let is_whole = trial.share == 1.0 && trial.varies;
         let bound = self.tolerance.max(CLOSED) * self.at.size(self.least);
-        if error < self.tolerance && is_whole && self.frozen == 0 {
+        if error < self.tolerance && is_whole {
             // too stiff an S underestimates how far the forces that are left would move the row
             if tangent.holds_an_open_row(&self.at.state.multipliers) {
                 tangent.forget();
@@ -423,14 +526,16 @@ impl Iterate<'_> {
                 .is_equilibrium(self.problem, tangent, (bound, self.unit), cost)?
             {
                 let softest = trial.softest.filter(Softest::is_unstable);
-                if let Some(softest) = softest.filter(|_| self.unstable.is_none()) {
+                if let Some(softest) = softest.filter(|_| self.left < LEAVES) {
                     self.leave(&softest, tangent)?;
                     return Ok(Moved::on(error));
                 }
-                return Ok(Moved {
-                    error,
-                    is_over: true,
-                });
+                if tangent.shift() <= SHIFT {
+                    return Ok(Moved {
+                        error,
+                        is_over: true,
+                    });
+                }
             }
         }
         let whole = match tangent.shift() > 0.0 {
@@ -449,6 +554,7 @@ impl Iterate<'_> {
     /// Leaves an unstable equilibrium along its softest motion.
     fn leave(&mut self, softest: &Softest, tangent: &mut Tangent) -> Result<(), Halt> {
         self.unstable = Some((self.at.clone(), softest.curvature));
+        self.left += 1;
         let energy = self.problem.energy();
         let from = self.at.state.u.clone();
         let mut length = PUSH * self.at.size(self.least);
@@ -462,6 +568,7 @@ impl Iterate<'_> {
             }
             length *= 0.5;
         }
+        self.beside = Some(self.at.state.clone());
         self.at.project(self.problem, self.stop)?;
         self.watchdog = Watchdog::new(self.at, value);
         self.length = None;
@@ -496,18 +603,39 @@ impl Iterate<'_> {
         self.length = Some(step.length);
         let limit = self.watchdog.limit();
         let mut trial = Trial::new(self.problem.energy(), &here, state, &step, limit, cost)?;
+        trial.varies = varies;
         let error = relative_change(&trial.u, &state.u, self.least);
         tangent.moved(error, step.corrections);
         let pushed: f64 = step.lambda.iter().sum();
-        let is_due = self.unstable.is_some() || !(pushed <= GROWN * self.examined);
-        let is_last = error < self.tolerance && trial.share == 1.0 && tangent.shift() <= SHIFT;
-        if is_last && is_due && varies {
+        let is_last = error < self.tolerance && trial.share == 1.0 && varies;
+        // a matrix that is not positive definite may show an unstable equilibrium, or a motion that nothing resists
+        let is_flat = tangent.shift() > SHIFT;
+        if is_last && (is_flat && !self.floats || !is_flat && self.is_due(&here, pushed)) {
             trial.softest = Softest::new(&here, tangent, &step.condensed, &step.lambda, self.stop)?;
             self.curvature = trial.softest.as_ref().map(|softest| softest.curvature);
             self.examined = pushed;
+            self.watched = trial.softest.as_ref().map(|softest| {
+                let v = softest.motion.clone();
+                let curvature = dot(&v, &here.curvature(&v));
+                (v, curvature)
+            });
         }
         Ok(trial)
     }
+
+    /// Whether the equilibrium is to be examined, where the sum of the multipliers is `pushed`: at the ends of phases, where that sum has
+    /// grown, and where the energy has become flatter along the motion that was the softest.
+    fn is_due(&self, here: &Linearization<'_>, pushed: f64) -> bool {
+        let flattens = |(v, then): &(Vec<f64>, f64)| !(dot(v, &here.curvature(v)) > FLATTER * then);
+        let may_lose = pushed > 0.0 || !self.problem.energy().is_quadratic();
+        let grows = !(pushed <= GROWN * self.examined);
+        may_lose && (self.is_end || self.unstable.is_some() || grows)
+            || self.watched.as_ref().is_some_and(flattens)
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Point {
@@ -571,6 +699,8 @@ struct Trial {
     share: f64,
     /// E(u + t x) (UF·UL).
     energy: f64,
+    /// Whether the step took account of how rows vary.
+    varies: bool,
     /// The softest motion, where it was looked for.
     softest: Option<Softest>,
 }
@@ -611,6 +741,7 @@ impl Trial {
                     lambda: along(share, &here.lambda, &mut change),
                     share,
                     energy: value,
+                    varies: true,
                     softest: None,
                 });
             }

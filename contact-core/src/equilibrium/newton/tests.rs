@@ -1,5 +1,6 @@
 //! Newton's method on problems with a handful of unknowns, whose solutions are known or found by bisection.
 
+mod anchored;
 mod curved;
 mod ends;
 mod fixed;

@@ -130,6 +130,7 @@ impl Equilibrium for Drifting {
             failed: Vec::new(),
             curvature: Some(-0.0),
             flickering: vec![RowKey { pass: 7, node: 9 }],
+            held: vec![0.25, -0.5],
         })
     }
 }

@@ -98,6 +98,7 @@ fn one_set_of_trees_a_state() {
             failed: Vec::new(),
             curvature: None,
             flickering: Vec::new(),
+            held: Vec::new(),
             lambda: vec![1.0; gaps.len()],
             state: State {
                 u,

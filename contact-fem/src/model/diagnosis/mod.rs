@@ -264,6 +264,7 @@ mod tests {
             failed: Vec::new(),
             curvature: None,
             flickering: Vec::new(),
+            held: Vec::new(),
         }
     }
 
