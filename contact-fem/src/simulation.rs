@@ -345,6 +345,7 @@ mod tests {
                 curvature: None,
                 flickering: Vec::new(),
                 held: Vec::new(),
+                softest: None,
             })
         }
     }

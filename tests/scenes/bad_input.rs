@@ -750,6 +750,7 @@ fn states_that_are_none() {
             curvature: None,
             flickering: vec![],
             held: vec![],
+            softest: None,
         };
         let certificate = Certificate::new(&problem, &solution);
         assert!(!certificate.holds(&Default::default()));

@@ -247,3 +247,54 @@ fn a_straight_column_bows() {
         }
     }
 }
+
+/// A column that stands on a rigid floor or carries a loose block, far beyond Greenhill's and Euler's loads: straight, it is no stable
+/// equilibrium, and what holds bodies in place does not hold a bow.
+#[test]
+fn slender_columns_do_not_stand() {
+    const YOUNG: f64 = 1e3;
+    const HEIGHT: f64 = 10.0;
+    let column = |cells: [usize; 2]| -> Result<Body<2>, Failure> {
+        let mesh = block([-0.25, 0.0], [0.5, HEIGHT], cells)?;
+        Ok(Body::new(mesh, NeoHookean::new(YOUNG, 0.0)?))
+    };
+    // q h³ = 7.84 E I
+    let greenhill = 7.84 * YOUNG * 0.5_f64.powi(3) / 12.0 / HEIGHT.powi(3);
+    for (times, stands) in [(0.3, true), (2.5, false), (4.0, false)] {
+        let scene = || -> Result<Scene<2>, Failure> {
+            let mut scene = Scene::new();
+            let mut floor = rubber(block([-2.0, -1.0], [4.0, 1.0], [12, 3])?, 1e5)?;
+            floor.prescribe("bottom", [Some(0.0); 2])?;
+            let floor = scene.add("floor", floor);
+            let mut column = column([2, 40])?;
+            column.body_force([0.0, -2.0 * times * greenhill])?;
+            let column = scene.add("column", column);
+            scene.contact(floor.on("top"), column.on("bottom"))?;
+            Ok(scene)
+        };
+        let history = run(scene().expect("valid"), 1);
+        assert_eq!(
+            is_certified(&history),
+            stands,
+            "{times}: {}",
+            history.run.ending
+        );
+    }
+    let euler =
+        std::f64::consts::PI.powi(2) * YOUNG * 0.5_f64.powi(3) / 12.0 / (4.0 * HEIGHT * HEIGHT);
+    for times in [2.0, 6.0] {
+        let scene = || -> Result<Scene<2>, Failure> {
+            let mut scene = Scene::new();
+            let mut column = column([4, 60])?;
+            column.prescribe("bottom", [Some(0.0); 2])?;
+            let column = scene.add("column", column);
+            let mut load = rubber(block([-1.0, HEIGHT], [2.0, 0.5], [9, 3])?, 1e4)?;
+            load.body_force([0.0, -times * euler])?;
+            let load = scene.add("load", load);
+            scene.contact(column.on("top"), load.on("bottom"))?;
+            Ok(scene)
+        };
+        let history = run(scene().expect("valid"), 1);
+        assert!(!is_certified(&history), "{times}");
+    }
+}

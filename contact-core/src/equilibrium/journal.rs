@@ -73,6 +73,7 @@ impl<'a> Journal<'a> {
                 curvature: None,
                 flickering: Vec::new(),
                 held: Vec::new(),
+                softest: None,
             },
             point: start,
             clock: Instant::now(),

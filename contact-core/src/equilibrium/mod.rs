@@ -282,6 +282,10 @@ pub struct Solution {
     /// where nothing needs them.
     #[cfg_attr(feature = "resume", serde(default))]
     pub held: Vec<f64>,
+    /// Where motions are held: the softest motion v (n) that the closed rows permit, and the curvature of the energy along it,
+    /// vᵀ(K − sym D)v, negative where it releases energy.
+    #[cfg_attr(feature = "resume", serde(default))]
+    pub softest: Option<(Vec<f64>, f64)>,
 }
 
 /// An attempt at a load step after which another solver, or another setting, was tried.
@@ -401,6 +405,7 @@ fn unchanged(start: State, energy: f64, outcome: Outcome) -> Solution {
         curvature: None,
         flickering: Vec::new(),
         held: Vec::new(),
+        softest: None,
     }
 }
 

@@ -164,6 +164,7 @@ impl<F: FnMut(f64, f64) -> Outcome> Equilibrium for Follows<F> {
             curvature: None,
             flickering: Vec::new(),
             held: Vec::new(),
+            softest: None,
         })
     }
 }
@@ -695,6 +696,7 @@ impl<F: FnMut(f64) -> Option<Outcome>> Equilibrium for Errs<F> {
             curvature: None,
             flickering: Vec::new(),
             held: Vec::new(),
+            softest: None,
         })
     }
 }

@@ -170,10 +170,14 @@ impl<'a> Reduced<'a> {
             true => Vec::new(),
             false => self.map.spread(&solution.held),
         };
+        let still = vec![0.0; self.constants.len()];
+        let softest = solution.softest.as_ref();
+        let softest = softest.map(|(v, k)| (self.map.expanded(v, &still), *k));
         let multipliers = solution.state.multipliers;
         let state = State { u, multipliers };
         Ok(Solution {
             held,
+            softest,
             state,
             gaps,
             lambda,

@@ -80,8 +80,9 @@ pub enum Condition {
     /// such forces on finite facets; a body that slides or tips needs larger ones. `None` where there are none.
     Held,
     /// The equilibrium is stable, as far as it was examined: the curvature of the energy along the softest motion that closed rows permit, if
-    /// it is negative, relative to the solver's matrix ([`Solution::curvature`](contact_core::equilibrium::Solution::curvature)). `None` where it
-    /// was not examined.
+    /// it is negative, relative to the solver's matrix ([`Solution::curvature`](contact_core::equilibrium::Solution::curvature)). Where motions are
+    /// held, one that deforms bodies is measured by their stiffness at rest, and a rigid one counts where its curvature is not weak. `None` where
+    /// it was not examined.
     Instability,
 }
 

@@ -117,6 +117,7 @@ fn state(u: Vec<f64>, gaps: LinearGaps, lambda: Vec<f64>) -> Solution {
         curvature: None,
         flickering: Vec::new(),
         held: Vec::new(),
+        softest: None,
     }
 }
 

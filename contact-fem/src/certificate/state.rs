@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use contact_core::equilibrium::Solution;
 use contact_core::gaps::Sampling;
-use contact_core::{LinearGaps, Multipliers, RowKey};
+use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 
 use super::{Certificate, Condition, Limits, worse};
 use crate::audit::Overlap;
@@ -122,7 +122,7 @@ impl Certificate {
             Condition::Closed => Some(closed as f64),
             Condition::OtherSide => units.other_side(problem, u),
             Condition::Dropped => Some(dropped as f64),
-            Condition::Instability => solution.curvature.map(|curvature| (-curvature).max(0.0)),
+            Condition::Instability => instability(problem, solution),
             Condition::Held => holds.is_some().then_some(residual.held),
         };
         let blank = Certificate::uniform(0.0, problem.scale().roundoff);
@@ -261,6 +261,84 @@ fn deepest_of<const D: usize>(
     let depth = |overlap: &Overlap<D>| overlap.relative - granted(overlap.bodies);
     those.map(depth).fold(0.0, worse)
 }
+
+/// A motion is that of rigid bodies if it is farther from one by no more than this share of it.
+const RIGID: f64 = 0.07;
+/// Rigid motions that are held may release energy along a curvature of up to this share of the solver's matrix: soft floors make so much.
+const WEAK: f64 = 0.2;
+
+/// The negative curvature along the softest motion, relative to the solver's matrix. Where motions are held, springs are a part of that matrix:
+/// along a motion that deforms bodies the curvature is then relative to their stiffness at rest, and along a rigid one it may be weak.
+fn instability<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Option<f64> {
+    let left = (-solution.curvature?).max(0.0);
+    let Some((v, curvature)) = &solution.softest else {
+        return Some(left);
+    };
+    if v.len() != problem.dofs().free() || !(*curvature < 0.0) {
+        return Some(left);
+    }
+    if from_rigid(problem, &solution.state.u, v) <= RIGID {
+        return Some(if left <= WEAK { 0.0 } else { left });
+    }
+    let energy = ContactProblem::energy(problem);
+    let pattern = energy.hessian_pattern();
+    let mut stiffness = vec![0.0; pattern.len()];
+    energy.hessian(&vec![0.0; v.len()], &mut stiffness);
+    let mut forces = vec![0.0; v.len()];
+    pattern.product(&stiffness, v, &mut forces);
+    let stored: f64 = forces.iter().zip(v).map(|(f, v)| f * v).sum();
+    // at rest, prescribed displacements of the present load may turn cells inside out
+    Some(match stored > 0.0 {
+        true => over(-curvature, stored),
+        false => left,
+    })
+}
+
+/// How far the motion v of free unknowns is from translations and rotations of the bodies, as a share of it, by root mean squares over nodes.
+fn from_rigid<const D: usize>(problem: &Problem<D>, u: &[f64], v: &[f64]) -> f64 {
+    let dofs = problem.dofs();
+    let v = dofs.forces(v, &vec![0.0; dofs.prescribed()]);
+    let v: Vec<Vector<D>> = v.chunks_exact(D).map(Vector::from_column_slice).collect();
+    let x = problem.positions(u);
+    let (mut rest, mut whole) = (0.0, 0.0);
+    for body in 0..problem.scene().bodies().len() {
+        let nodes = problem.nodes(body);
+        let count = nodes.len().max(1) as f64;
+        let mean = |of: &[Vector<D>]| nodes.clone().map(|a| of[a]).sum::<Vector<D>>() / count;
+        let (centre, drift) = (mean(&x), mean(&v));
+        let pairs: Vec<_> = nodes
+            .clone()
+            .map(|a| (x[a] - centre, v[a] - drift))
+            .collect();
+        // W r with a skew W, the best in the mean: one plane of rotation after the other
+        let mut spin = Matrix::<D>::zeros();
+        for _ in 0..ROUNDS {
+            for i in 0..D {
+                for j in 0..i {
+                    let turned = |r: &Vector<D>| (r[j], -r[i]);
+                    let (mut moment, mut inertia) = (0.0, 0.0);
+                    for (r, v) in &pairs {
+                        let left = v - spin * r;
+                        let (a, b) = turned(r);
+                        moment += left[i] * a + left[j] * b;
+                        inertia += a * a + b * b;
+                    }
+                    let rate = over(moment, inertia);
+                    spin[(i, j)] += rate;
+                    spin[(j, i)] -= rate;
+                }
+            }
+        }
+        for (r, v) in &pairs {
+            rest += (v - spin * r).norm_squared();
+        }
+        whole += nodes.map(|a| v[a].norm_squared()).sum::<f64>();
+    }
+    over(rest, whole).sqrt()
+}
+
+/// Rounds over the planes of rotation; one is exact in the plane.
+const ROUNDS: usize = 20;
 
 /// |Σ x ∧ f| of the contact forces, divided by Σ |x − c| |f| with the centre c of all nodes.
 fn moment<const D: usize>(x: &[Vector<D>], forces: &[Vector<D>]) -> f64 {

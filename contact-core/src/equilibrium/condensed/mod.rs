@@ -237,6 +237,7 @@ impl Equilibrium for Condensed {
             curvature: None,
             flickering: Vec::new(),
             held: Vec::new(),
+            softest: None,
             history: vec![Iteration {
                 solver: NAME,
                 error,

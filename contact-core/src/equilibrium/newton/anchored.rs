@@ -176,7 +176,8 @@ impl CondensedNewton {
         context: &StepContext<'_>,
     ) -> Result<Solution, Error> {
         let energy = problem.energy();
-        self.has_springs = true;
+        // bodies that supports hold have no motion that nothing resists
+        let may_float = self.floats || problem.separable().is_none();
         let (base, bodies) = (weights(energy, &start.u), energy.blocks());
         let least = least_displacement(problem, Scale::of(problem, &start.u)?.length);
         let (mut stiffness, mut softest) = self.springs.unwrap_or((FIRST, SOFTEST));
@@ -196,6 +197,8 @@ impl CondensedNewton {
                     anchor: anchor.u.clone(),
                 },
             };
+            self.springs_now.clone_from(&anchored.energy.weights);
+            self.suspects = true;
             let mut history = std::mem::take(&mut last.history);
             last = self.solve_whole(&anchored, anchor.clone(), &[], context)?;
             history.append(&mut last.history);
@@ -224,10 +227,13 @@ impl CondensedNewton {
             before = moved;
             let is_free = ratio > FREE;
             let forces = anchored.energy.forces(&u);
-            if is_free && share(&forces, &bodies, &last.gaps, &last.lambda) <= HELD {
+            let is_small = || share(&forces, &bodies, &last.gaps, &last.lambda) <= HELD;
+            if is_free && may_float && is_small() {
                 self.springs = Some((stiffness, softest));
                 self.failures = usize::MAX;
                 last.held = forces;
+                let examined = self.kept.get(&Vec::new());
+                last.softest = examined.and_then(|kept| kept.watched.clone());
                 return Ok(last);
             }
             if descends && !is_free && change < NEAR {
@@ -264,9 +270,9 @@ impl CondensedNewton {
         last: &mut Solution,
         context: &StepContext<'_>,
     ) -> Result<Option<Solution>, Error> {
-        (self.has_springs, self.suspects) = (false, true);
+        self.springs_now.clear();
+        self.suspects = true;
         let plain = self.solve_whole(problem, last.state.clone(), &[], context)?;
-        (self.has_springs, self.suspects) = (true, false);
         last.history.extend_from_slice(&plain.history);
         Ok((plain.outcome == Outcome::Converged).then(|| Solution {
             history: std::mem::take(&mut last.history),

@@ -389,6 +389,7 @@ fn joined(
         failed: Vec::new(),
         flickering: Vec::new(),
         held: Vec::new(),
+        softest: None,
     }
 }
 

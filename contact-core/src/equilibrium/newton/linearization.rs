@@ -27,6 +27,8 @@ pub(super) struct Linearization<'a> {
     /// Whether the row's variation is known: it acts, or overlaps.
     matters: Vec<bool>,
     variation: Option<GapVariation>,
+    /// What of K is the stiffness of springs, which do not count in the curvature (n, UF/UL); empty without springs.
+    pub springs: &'a [f64],
 }
 
 impl<'a> Linearization<'a> {
@@ -101,6 +103,7 @@ impl<'a> Linearization<'a> {
             acts,
             matters,
             variation,
+            springs: &[],
         })
     }
 
@@ -114,7 +117,7 @@ impl<'a> Linearization<'a> {
         self.variation.iter().flat_map(GapVariation::stiffness)
     }
 
-    /// (K − sym D) v (n, UF).
+    /// (K − sym D) v (n, UF), without springs.
     pub fn curvature(&self, v: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; v.len()];
         self.pattern.product(&self.hessian, v, &mut forces);
@@ -123,6 +126,9 @@ impl<'a> Linearization<'a> {
             variation.add_forces(&half, &variation.internal(&half), &mut forces);
             variation.add_transposed_forces(&half, &mut forces);
         }
+        let springs = self.springs.iter().zip(v);
+        let pulls = forces.iter_mut().zip(springs);
+        pulls.for_each(|(force, (w, v))| *force -= w * v);
         forces
     }
 

@@ -99,8 +99,8 @@ pub struct CondensedNewton {
     failures: usize,
     /// Whether supports alone do not hold some body.
     floats: bool,
-    /// Whether the unknowns have springs at present.
-    has_springs: bool,
+    /// The stiffness of the springs that the unknowns have at present (n, UF/UL); empty without springs.
+    springs_now: Vec<f64>,
     /// Whether an equilibrium is to be examined in any case.
     suspects: bool,
     /// Beside the unstable equilibrium that was found last, if no other one was.
@@ -125,7 +125,7 @@ impl Default for CondensedNewton {
             springs: None,
             failures: 0,
             floats: false,
-            has_springs: false,
+            springs_now: Vec::new(),
             suspects: false,
             beside: None,
         }
@@ -139,7 +139,7 @@ impl Clone for CondensedNewton {
             springs: None,
             failures: 0,
             floats: false,
-            has_springs: false,
+            springs_now: Vec::new(),
             suspects: false,
             beside: None,
             ..*self
@@ -192,7 +192,8 @@ impl Equilibrium for CondensedNewton {
     ) -> Result<Solution, Error> {
         self.validate()?;
         check_unbounded(problem, &start, "CondensedNewton")?;
-        (self.beside, self.suspects, self.has_springs) = (None, false, false);
+        (self.beside, self.suspects) = (None, false);
+        self.springs_now.clear();
         if context.from == 0.0 {
             (self.springs, self.failures) = (None, 0);
         }
@@ -322,6 +323,7 @@ impl CondensedNewton {
             history,
             failed: Vec::new(),
             held: Vec::new(),
+            softest: None,
         };
         Ok(solution)
     }
@@ -365,6 +367,7 @@ impl CondensedNewton {
             watched: watched.take().filter(|(v, _)| v.len() == at.state.u.len()),
             is_end,
             floats: self.floats,
+            springs: &self.springs_now,
             curvature: None,
             unstable: None,
             left: 0,
@@ -387,7 +390,7 @@ impl CondensedNewton {
             if left == 0 {
                 break Ok(Outcome::IterationLimit);
             }
-            let needs_springs = self.floats && !self.has_springs && tangent.shift() > 0.0;
+            let needs_springs = self.floats && self.springs_now.is_empty() && tangent.shift() > 0.0;
             if needs_springs && history.len() >= SETTLED {
                 break Ok(Outcome::IterationLimit);
             }
@@ -463,6 +466,8 @@ struct Iterate<'a> {
     is_end: bool,
     /// Whether supports alone do not hold some body.
     floats: bool,
+    /// The stiffness of springs (n, UF/UL); empty without.
+    springs: &'a [f64],
     /// The unstable equilibrium that was left last, with its curvature.
     unstable: Option<(Point, f64)>,
     /// How many were left.
@@ -526,7 +531,9 @@ impl Iterate<'_> {
                 .is_equilibrium(self.problem, tangent, (bound, self.unit), cost)?
             {
                 let softest = trial.softest.filter(Softest::is_unstable);
-                if let Some(softest) = softest.filter(|_| self.left < LEAVES) {
+                if let Some(softest) =
+                    softest.filter(|_| self.left < LEAVES && self.springs.is_empty())
+                {
                     self.leave(&softest, tangent)?;
                     return Ok(Moved::on(error));
                 }
@@ -587,7 +594,9 @@ impl Iterate<'_> {
     fn trial(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Trial, Halt> {
         let (state, size) = (&self.at.state, self.at.size(self.least));
         let varies = self.frozen == 0;
-        let here = Linearization::new(self.problem, state, &self.at.gaps, varies, self.stop, cost)?;
+        let mut here =
+            Linearization::new(self.problem, state, &self.at.gaps, varies, self.stop, cost)?;
+        here.springs = self.springs;
         self.frozen = self.frozen.saturating_sub(1);
         let accuracy = Accuracy {
             before: self.length.take(),

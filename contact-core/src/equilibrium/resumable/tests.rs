@@ -131,6 +131,7 @@ impl Equilibrium for Drifting {
             curvature: Some(-0.0),
             flickering: vec![RowKey { pass: 7, node: 9 }],
             held: vec![0.25, -0.5],
+            softest: Some((vec![1.0, 0.5], -0.25)),
         })
     }
 }

@@ -99,6 +99,7 @@ fn one_set_of_trees_a_state() {
             curvature: None,
             flickering: Vec::new(),
             held: Vec::new(),
+            softest: None,
             lambda: vec![1.0; gaps.len()],
             state: State {
                 u,

@@ -265,6 +265,7 @@ mod tests {
             curvature: None,
             flickering: Vec::new(),
             held: Vec::new(),
+            softest: None,
         }
     }
 
