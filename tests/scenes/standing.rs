@@ -298,3 +298,48 @@ fn slender_columns_do_not_stand() {
         assert!(!is_certified(&history), "{times}");
     }
 }
+
+/// A block that a wide press pushes against a wall: what holds it is compared with its weight, too, not with the press alone. Where the
+/// certificate holds, floor and press carry the weight.
+#[test]
+fn a_pressed_block_is_carried() {
+    let weight = 0.4;
+    let mut certified = 0;
+    for (cells, is_quadratic) in [([5, 5], false), ([6, 4], false), ([5, 5], true)] {
+        let scene = || -> Result<Scene<2>, Failure> {
+            let order = |mesh: Mesh<2>| match is_quadratic {
+                true => mesh.quadratic(),
+                false => mesh,
+            };
+            let mut scene = Scene::new();
+            let mut floor = rubber(order(block([-2.0, -1.0], [8.0, 1.0], [24, 3])?), 100.0)?;
+            floor.prescribe("bottom", [Some(0.0); 2])?;
+            let floor = scene.add("floor", floor);
+            let mut middle = rubber(order(block([0.0, 0.0], [1.0, 1.0], cells)?), 100.0)?;
+            middle.body_force([0.0, -weight])?;
+            let middle = scene.add("block", middle);
+            let mut press = rubber(order(block([-1.0, 0.2], [0.99, 0.6], [4, 3])?), 1e3)?;
+            press.prescribe("left", [Some(0.12), Some(0.0)])?;
+            let press = scene.add("press", press);
+            let mut wall = rubber(order(block([1.05, 0.05], [0.5, 1.2], [2, 7])?), 1e5)?;
+            wall.prescribe("right", [Some(0.0); 2])?;
+            let wall = scene.add("wall", wall);
+            scene.contact(floor.on("top"), middle.on("bottom"))?;
+            scene.contact(press.on("right"), middle.on("left"))?;
+            scene.contact(wall.on("left"), middle.on("right"))?;
+            Ok(scene)
+        };
+        let history = run(scene().expect("valid"), 4);
+        if is_certified(&history) {
+            let reactions = &history.last().expect("steps").reactions;
+            let carried: f64 = reactions.iter().map(|r| r[1]).sum();
+            // by the limit of what holds
+            assert!(
+                relative(carried, weight) < 0.02 + 1e-5,
+                "{cells:?}: {carried}"
+            );
+            certified += 1;
+        }
+    }
+    assert!(certified > 0);
+}

@@ -131,7 +131,7 @@ pub fn relative_change(u: &[f64], before: &[f64], least: f64) -> f64 {
     if change == 0.0 { 0.0 } else { change / size }
 }
 
-fn max_norm(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn max_norm(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |norm, v| norm.max(v.abs()))
 }
 

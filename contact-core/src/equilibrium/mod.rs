@@ -283,7 +283,7 @@ pub struct Solution {
     #[cfg_attr(feature = "resume", serde(default))]
     pub held: Vec<f64>,
     /// Where motions are held: the softest motion v (n) that the closed rows permit, and the curvature of the energy along it,
-    /// vᵀ(K − sym D)v, negative where it releases energy.
+    /// vᵀ(K − sym D)v (UF·UL for v in UL), negative where it releases energy.
     #[cfg_attr(feature = "resume", serde(default))]
     pub softest: Option<(Vec<f64>, f64)>,
 }

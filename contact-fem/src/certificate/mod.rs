@@ -76,8 +76,8 @@ pub enum Condition {
     /// along averaged normals have one on finite facets.
     Moment,
     /// Nothing holds a body in place but supports and contact: the forces that hold motions which neither resists
-    /// ([`Solution::held`](contact_core::equilibrium::Solution::held)), Σ |f| on a body, divided by Σ |Cᵀλ| on it. Averaged normals leave
-    /// such forces on finite facets; a body that slides or tips needs larger ones. `None` where there are none.
+    /// ([`Solution::held`](contact_core::equilibrium::Solution::held)), Σ |f| on a body, divided by Σ |Cᵀλ| on it, or by the sum of all loads
+    /// if that is less and not zero. Averaged normals leave such forces on finite facets; a body that slides or tips needs larger ones. `None` where there are none.
     Held,
     /// The equilibrium is stable, as far as it was examined: the curvature of the energy along the softest motion that closed rows permit, if
     /// it is negative, relative to the solver's matrix ([`Solution::curvature`](contact_core::equilibrium::Solution::curvature)). Where motions are

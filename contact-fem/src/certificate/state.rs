@@ -270,7 +270,11 @@ const WEAK: f64 = 0.2;
 /// The negative curvature along the softest motion, relative to the solver's matrix. Where motions are held, springs are a part of that matrix:
 /// along a motion that deforms bodies the curvature is then relative to their stiffness at rest, and along a rigid one it may be weak.
 fn instability<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Option<f64> {
-    let left = (-solution.curvature?).max(0.0);
+    // what is held may be unstable, and counts as such unless it was examined
+    let Some(curvature) = solution.curvature else {
+        return (!solution.held.is_empty()).then_some(f64::INFINITY);
+    };
+    let left = (-curvature).max(0.0);
     let Some((v, curvature)) = &solution.softest else {
         return Some(left);
     };
@@ -352,6 +356,11 @@ fn moment<const D: usize>(x: &[Vector<D>], forces: &[Vector<D>]) -> f64 {
     over(sum.norm() / std::f64::consts::SQRT_2, magnitude)
 }
 
+/// |f| of the components of a force.
+fn norm(f: &[f64]) -> f64 {
+    f.iter().map(|f| f * f).sum::<f64>().sqrt()
+}
+
 /// `value` / `unit`; 0 if the value is 0, for any unit.
 fn over(value: f64, unit: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value / unit }
@@ -409,7 +418,7 @@ struct Residual {
     /// The largest of all resultants of reactions, loads and contact forces on a body (UF); around an axis, what points away from it
     /// is summed by its amount.
     resultant: f64,
-    /// The largest ratio, of all bodies, of the forces that hold it to the contact forces on it.
+    /// The largest ratio, of all bodies, of the forces that hold it to the contact forces on it, or to the loads of all bodies if they are less.
     held: f64,
 }
 
@@ -421,7 +430,9 @@ impl Residual {
         holds: Option<&[Vector<D>]>,
         units: &Units,
     ) -> Self {
-        let (mut free, mut forces, mut held) = (0.0, Vec::new(), 0.0);
+        let (mut free, mut forces) = (0.0, Vec::new());
+        // what holds each body, the contact forces on it, and the loads of all
+        let (mut held_of, mut load) = (Vec::new(), 0.0);
         // what the bodies do to obstacles, these do to the bodies
         let (mut sum, mut resultant) = (-of_obstacles.iter().sum::<Vector<D>>(), 0.0_f64);
         let (residuals, U) = (problem.residuals(u), problem.displacements(u));
@@ -468,11 +479,12 @@ impl Residual {
             resultant = norms.fold(resultant, f64::max);
             free = worse(over(rest_free, largest), free);
             forces.push(largest);
+            load += loads.chunks_exact(D).map(norm).sum::<f64>();
             if let Some(holds) = holds {
                 let sum = |forces: &[Vector<D>]| -> f64 {
                     problem.nodes(body).map(|node| forces[node].norm()).sum()
                 };
-                held = worse(over(sum(holds), sum(&contact).max(units.balanced)), held);
+                held_of.push([sum(holds), sum(&contact).max(units.balanced)]);
             }
         }
         if is_revolved(problem) {
@@ -484,7 +496,15 @@ impl Residual {
             forces,
             sum: sum.norm(),
             resultant,
-            held,
+            held: held_of.into_iter().fold(0.0, |largest, [held, contact]| {
+                // bodies between jaws may be pressed much more than they are loaded
+                let unit = if load > 0.0 {
+                    contact.min(load)
+                } else {
+                    contact
+                };
+                worse(over(held, unit), largest)
+            }),
         }
     }
 }

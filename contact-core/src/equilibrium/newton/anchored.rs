@@ -10,6 +10,7 @@
 
 use std::ops::Range;
 
+use super::super::fixed_point::max_norm;
 use super::super::{Solution, StepContext, relative_change, unchanged};
 use super::{CondensedNewton, least_displacement};
 use crate::gaps::Sampling;
@@ -30,7 +31,7 @@ const SETTLES: f64 = 0.5;
 const FREE: f64 = 0.95;
 /// A descent ends without springs where the anchor moves by less than this share of the displacements.
 const NEAR: f64 = 1e-3;
-/// Motions are held by no more than this share of the contact forces on their body: so much friction would do the same.
+/// Motions are held by no more than this share of the contact forces on their body.
 const HELD: f64 = 2e-2;
 
 /// A problem whose unknowns have springs to an anchor.
@@ -109,9 +110,6 @@ impl ContactProblem for Anchored<'_> {
     fn linearize_reversed(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
         self.problem.linearize_reversed(u, sampling)
     }
-    fn linearize_near(&self, u: &[f64], moved: f64) -> Result<LinearGaps, Error> {
-        self.problem.linearize_near(u, moved)
-    }
     fn vary_gaps(
         &self,
         u: &[f64],
@@ -161,10 +159,6 @@ fn share(forces: &[f64], bodies: &[Range<usize>], gaps: &LinearGaps, lambda: &[f
     ratios.fold(0.0, f64::max)
 }
 
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |largest: f64, value| largest.max(value.abs()))
-}
-
 impl CondensedNewton {
     /// Solves from `start` with springs to an anchor, at first there. Where it `descends`, from beside an unstable equilibrium, springs
     /// become softer whenever that goes well.
@@ -177,10 +171,10 @@ impl CondensedNewton {
     ) -> Result<Solution, Error> {
         let energy = problem.energy();
         // bodies that supports hold have no motion that nothing resists
-        let may_float = self.floats || problem.separable().is_none();
+        let may_float = self.search.floats || problem.separable().is_none();
         let (base, bodies) = (weights(energy, &start.u), energy.blocks());
         let least = least_displacement(problem, Scale::of(problem, &start.u)?.length);
-        let (mut stiffness, mut softest) = self.springs.unwrap_or((FIRST, SOFTEST));
+        let (mut stiffness, mut softest) = self.search.springs.unwrap_or((FIRST, SOFTEST));
         let mut before = f64::INFINITY;
         let mut anchor = start.clone();
         let mut last = unchanged(
@@ -197,8 +191,8 @@ impl CondensedNewton {
                     anchor: anchor.u.clone(),
                 },
             };
-            self.springs_now.clone_from(&anchored.energy.weights);
-            self.suspects = true;
+            self.search.weights.clone_from(&anchored.energy.weights);
+            self.search.suspects = true;
             let mut history = std::mem::take(&mut last.history);
             last = self.solve_whole(&anchored, anchor.clone(), &[], context)?;
             history.append(&mut last.history);
@@ -218,19 +212,19 @@ impl CondensedNewton {
             let u = last.state.u.clone();
             let change = relative_change(&u, &anchor.u, least);
             if change < self.tolerance {
-                self.springs = Some((stiffness, softest));
+                self.search.springs = Some((stiffness, softest));
                 let plain = self.without_springs(problem, &mut last, context)?;
                 return Ok(plain.unwrap_or(last));
             }
-            let moved = largest(anchor.u.iter().zip(&u).map(|(a, u)| u - a));
+            let moved = max_norm(anchor.u.iter().zip(&u).map(|(a, u)| u - a));
             let ratio = moved / before;
             before = moved;
             let is_free = ratio > FREE;
             let forces = anchored.energy.forces(&u);
             let is_small = || share(&forces, &bodies, &last.gaps, &last.lambda) <= HELD;
             if is_free && may_float && is_small() {
-                self.springs = Some((stiffness, softest));
-                self.failures = usize::MAX;
+                self.search.springs = Some((stiffness, softest));
+                self.search.failures = usize::MAX;
                 last.held = forces;
                 let examined = self.kept.get(&Vec::new());
                 last.softest = examined.and_then(|kept| kept.watched.clone());
@@ -270,8 +264,8 @@ impl CondensedNewton {
         last: &mut Solution,
         context: &StepContext<'_>,
     ) -> Result<Option<Solution>, Error> {
-        self.springs_now.clear();
-        self.suspects = true;
+        self.search.weights.clear();
+        self.search.suspects = true;
         let plain = self.solve_whole(problem, last.state.clone(), &[], context)?;
         last.history.extend_from_slice(&plain.history);
         Ok((plain.outcome == Outcome::Converged).then(|| Solution {

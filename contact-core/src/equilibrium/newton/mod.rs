@@ -42,7 +42,7 @@ use std::time::Instant;
 
 use self::groups::Found;
 use self::linearization::Linearization;
-use self::stability::Softest;
+use self::stability::{Softest, dot};
 use self::step::{Accuracy, Step};
 use self::tangent::Tangent;
 use self::watchdog::Watchdog;
@@ -93,14 +93,20 @@ pub struct CondensedNewton {
     pub max_iterations: usize,
     /// What the next load step can use again, for each group of bodies; that of the whole has none.
     kept: BTreeMap<Vec<usize>, Kept>,
-    /// The stiffness of the springs at the end of the last load step that needed some, and the smallest one that may be tried; how often
-    /// load steps were tried without springs before in vain.
+    search: Search,
+}
+
+/// How load steps are searched for an equilibrium: what the next one can use, and what holds during this one.
+#[derive(Default)]
+struct Search {
+    /// The stiffness of the springs at the end of the last load step that needed some, and the smallest one that may be tried.
     springs: Option<(f64, f64)>,
+    /// The number of load steps, one after the other, that were tried without springs in vain.
     failures: usize,
     /// Whether supports alone do not hold some body.
     floats: bool,
-    /// The stiffness of the springs that the unknowns have at present (n, UF/UL); empty without springs.
-    springs_now: Vec<f64>,
+    /// The stiffness of the springs at present (n, UF/UL); empty without springs.
+    weights: Vec<f64>,
     /// Whether an equilibrium is to be examined in any case.
     suspects: bool,
     /// Beside the unstable equilibrium that was found last, if no other one was.
@@ -122,12 +128,7 @@ impl Default for CondensedNewton {
             tolerance: 1e-8,
             max_iterations: 30,
             kept: BTreeMap::new(),
-            springs: None,
-            failures: 0,
-            floats: false,
-            springs_now: Vec::new(),
-            suspects: false,
-            beside: None,
+            search: Search::default(),
         }
     }
 }
@@ -136,12 +137,7 @@ impl Clone for CondensedNewton {
     fn clone(&self) -> Self {
         CondensedNewton {
             kept: BTreeMap::new(),
-            springs: None,
-            failures: 0,
-            floats: false,
-            springs_now: Vec::new(),
-            suspects: false,
-            beside: None,
+            search: Search::default(),
             ..*self
         }
     }
@@ -192,53 +188,28 @@ impl Equilibrium for CondensedNewton {
     ) -> Result<Solution, Error> {
         self.validate()?;
         check_unbounded(problem, &start, "CondensedNewton")?;
-        (self.beside, self.suspects) = (None, false);
-        self.springs_now.clear();
-        if context.from == 0.0 {
-            (self.springs, self.failures) = (None, 0);
+        let known = std::mem::take(&mut self.search);
+        if context.from > 0.0 {
+            (self.search.springs, self.search.failures) = (known.springs, known.failures);
         }
-        if self.failures > PATIENCE {
-            return Ok(self
-                .solve_anchored(problem, &start, false, context)?
-                .checked());
-        }
-        self.floats = problem.separable().is_some_and(|bodies| {
+        self.search.floats = problem.separable().is_some_and(|bodies| {
             let mut all = bodies.bodies().into_iter().enumerate();
             all.any(|(b, energy)| energy.dofs() > 0 && !bodies.is_held(b))
         });
-        let found = match problem.separable() {
-            Some(bodies) => self.solve_by_groups(problem, bodies, &start, context)?,
-            None => Found::Whole(Vec::new()),
+        let mut solution = match self.search.failures > PATIENCE {
+            true => self.solve_anchored(problem, &start, false, context)?,
+            false => self.solve_plainly(problem, start, context)?,
         };
-        let mut history = match found {
-            Found::Solution(solution) if self.beside.is_none() => {
-                return Ok(solution.checked());
-            }
-            Found::Solution(solution) => solution.history,
-            Found::Whole(history) => history,
-        };
-        self.kept.retain(|members, _| members.is_empty());
-        self.suspects = self.beside.take().is_some();
-        let mut solution = self.solve_whole(problem, start.clone(), &[], context)?;
-        history.append(&mut solution.history);
-        if !matches!(
-            solution.outcome,
-            Outcome::Converged | Outcome::Interrupted | Outcome::InadmissibleStart
-        ) {
-            self.failures += 1;
-            solution = self.solve_anchored(problem, &start, false, context)?;
-            history.append(&mut solution.history);
-        } else if solution.outcome == Outcome::Converged {
-            self.failures = 0;
-        }
-        if let Some(beside) = self.beside.take() {
+        if let Some(beside) = self.search.beside.take() {
             let mut other = self.solve_anchored(problem, &beside, true, context)?;
-            history.append(&mut other.history);
+            solution.history.append(&mut other.history);
             if other.outcome == Outcome::Converged && other.energy < solution.energy {
-                solution = other;
+                solution = Solution {
+                    history: solution.history,
+                    ..other
+                };
             }
         }
-        solution.history = history;
         Ok(solution.checked())
     }
 
@@ -291,6 +262,44 @@ impl CondensedNewton {
             tolerance,
             ..CondensedNewton::default()
         }
+    }
+
+    /// Solves without springs, group by group and as one, and with springs where that does not end.
+    fn solve_plainly(
+        &mut self,
+        problem: &dyn ContactProblem,
+        start: State,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let found = match problem.separable() {
+            Some(bodies) => self.solve_by_groups(problem, bodies, &start, context)?,
+            None => Found::Whole(Vec::new()),
+        };
+        // the unknowns of a group are no state of the whole
+        let mut history = match (found, self.search.beside.take()) {
+            (Found::Solution(solution), None) => return Ok(*solution),
+            (Found::Solution(solution), Some(_)) => {
+                self.search.suspects = true;
+                solution.history
+            }
+            (Found::Whole(history), _) => history,
+        };
+        self.kept.retain(|members, _| members.is_empty());
+        let mut solution = self.solve_whole(problem, start.clone(), &[], context)?;
+        history.append(&mut solution.history);
+        match solution.outcome {
+            Outcome::Converged => self.search.failures = 0,
+            Outcome::Interrupted | Outcome::InadmissibleStart => {}
+            _ => {
+                self.search.failures += 1;
+                solution = self.solve_anchored(problem, &start, false, context)?;
+                history.append(&mut solution.history);
+            }
+        }
+        Ok(Solution {
+            history,
+            ..solution
+        })
     }
 
     /// Solves a problem as one, with what is kept for these bodies.
@@ -359,15 +368,15 @@ impl CondensedNewton {
             return Ok(Ended::with(halt.outcome()?));
         }
         let unit = Scale::of(problem, &at.state.u)?.length;
-        let is_end = context.from == 0.0 || context.is_end || self.suspects;
+        let is_end = context.from == 0.0 || context.is_end || self.search.suspects;
         let mut iterate = Iterate {
             before: at.state.multipliers.clone(),
             examined: *examined,
             // other unknowns may be free than at the last load
             watched: watched.take().filter(|(v, _)| v.len() == at.state.u.len()),
             is_end,
-            floats: self.floats,
-            springs: &self.springs_now,
+            floats: self.search.floats,
+            springs: &self.search.weights,
             curvature: None,
             unstable: None,
             left: 0,
@@ -390,7 +399,8 @@ impl CondensedNewton {
             if left == 0 {
                 break Ok(Outcome::IterationLimit);
             }
-            let needs_springs = self.floats && self.springs_now.is_empty() && tangent.shift() > 0.0;
+            let needs_springs =
+                iterate.floats && iterate.springs.is_empty() && tangent.shift() > 0.0;
             if needs_springs && history.len() >= SETTLED {
                 break Ok(Outcome::IterationLimit);
             }
@@ -424,7 +434,7 @@ impl CondensedNewton {
         *watched = iterate.watched.take();
         let (outcome, curvature) = match (outcome, iterate.unstable) {
             (Ok(Outcome::IterationLimit) | Err(Halt::Failed(_)), Some((point, curvature))) => {
-                self.beside = iterate.beside.take();
+                self.search.beside = iterate.beside.take();
                 *iterate.at = point;
                 tangent.forget();
                 (Outcome::Converged, Some(curvature))
@@ -641,10 +651,6 @@ impl Iterate<'_> {
         may_lose && (self.is_end || self.unstable.is_some() || grows)
             || self.watched.as_ref().is_some_and(flattens)
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Point {

@@ -217,6 +217,6 @@ fn noise(n: usize) -> Vec<f64> {
     (0..n).map(|_| next()).collect()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
