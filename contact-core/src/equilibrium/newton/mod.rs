@@ -162,6 +162,10 @@ const SHIFT: f64 = 1e-5;
 const CLOSED: f64 = 1e-10;
 /// Corrections of a step below this share of the displacements are not needed, nor those below a tenth of the tolerance.
 const NEGLIGIBLE: f64 = 1e-11;
+/// A step up to so many tolerances long is the last one, too, where the state that it leads to is an equilibrium to this share
+/// of the tolerance.
+const NEARLY: f64 = 1e2;
+const CLEARLY: f64 = 1e-2;
 /// Equilibria are examined where the sum of the multipliers has grown by this factor.
 const GROWN: f64 = 2.0;
 /// They are examined, too, where the curvature along the softest motion is below this share of what it was.
@@ -378,6 +382,7 @@ impl CondensedNewton {
             floats: self.search.floats,
             springs: &self.search.weights,
             curvature: None,
+            softest: None,
             unstable: None,
             left: 0,
             beside: None,
@@ -472,6 +477,8 @@ struct Iterate<'a> {
     curvature: Option<f64>,
     /// See [`Kept::watched`].
     watched: Option<(Vec<f64>, f64)>,
+    /// The softest motion of the equilibrium that the last steps come to, where it was looked for.
+    softest: Option<Softest>,
     /// Whether a phase begins or ends with this load step.
     is_end: bool,
     /// Whether supports alone do not hold some body.
@@ -529,35 +536,38 @@ impl Iterate<'_> {
         let clock = Instant::now();
         self.at.project(self.problem, self.stop)?;
         cost.projection += clock.elapsed().as_secs_f64();
-        // a shortened step and a shifted diagonal make small changes far from a solution
-        let is_whole = trial.share == 1.0 && trial.varies;
-        let bound = self.tolerance.max(CLOSED) * self.at.size(self.least);
-        if error < self.tolerance && is_whole {
-            // too stiff an S underestimates how far the forces that are left would move the row
-            if tangent.holds_an_open_row(&self.at.state.multipliers) {
-                tangent.forget();
-            } else if self
-                .at
-                .is_equilibrium(self.problem, tangent, (bound, self.unit), cost)?
-            {
-                let softest = trial.softest.filter(Softest::is_unstable);
-                if let Some(softest) =
-                    softest.filter(|_| self.left < LEAVES && self.springs.is_empty())
-                {
+        // a shortened step makes small changes far from a solution
+        let whole = error / trial.share;
+        let is_small = whole < self.tolerance;
+        // too stiff an S underestimates how far the forces that are left would move a row
+        let holds_an_open_row = tangent.holds_an_open_row(&self.at.state.multipliers);
+        let bound = match is_small && !holds_an_open_row {
+            true => self.tolerance.max(CLOSED),
+            false => CLEARLY * self.tolerance / tangent.ratio().max(1.0),
+        };
+        if whole < NEARLY * self.tolerance && trial.varies {
+            let measures = (bound, self.unit, self.least);
+            if let Some(left) = self.at.equilibrium(self.problem, tangent, measures, cost)? {
+                let can_leave = self.left < LEAVES && self.springs.is_empty();
+                let softest = self.softest.take().filter(Softest::is_unstable);
+                if let Some(softest) = softest.filter(|_| can_leave) {
                     self.leave(&softest, tangent)?;
                     return Ok(Moved::on(error));
                 }
+                // a shifted diagonal does, too
                 if tangent.shift() <= SHIFT {
                     return Ok(Moved {
-                        error,
+                        error: if is_small { error } else { left },
                         is_over: true,
                     });
                 }
+            } else if is_small && holds_an_open_row {
+                tangent.forget();
             }
         }
         let whole = match tangent.shift() > 0.0 {
             true => None,
-            false => Some(error / trial.share),
+            false => Some(whole),
         };
         if let Some(best) = self
             .watchdog
@@ -612,12 +622,13 @@ impl Iterate<'_> {
             before: self.length.take(),
             negligible: NEGLIGIBLE.min(0.1 * self.tolerance) * size,
         };
-        let step = match Step::new(&here, tangent, size, &accuracy, self.stop, cost) {
-            Err(Halt::Failed(_)) if !tangent.is_fresh() => {
-                tangent.forget();
-                Step::new(&here, tangent, size, &accuracy, self.stop, cost)?
+        let step = loop {
+            match Step::new(&here, tangent, size, &accuracy, self.stop, cost) {
+                Err(Halt::Failed(_)) if !tangent.is_fresh() => tangent.forget(),
+                Ok(step) if !step.is_settled && !tangent.is_fresh() => tangent.forget(),
+                Ok(step) if !step.is_settled && tangent.raise() => {}
+                step => break step?,
             }
-            step => step?,
         };
         self.length = Some(step.length);
         let limit = self.watchdog.limit();
@@ -626,14 +637,17 @@ impl Iterate<'_> {
         let error = relative_change(&trial.u, &state.u, self.least);
         tangent.moved(error, step.corrections);
         let pushed: f64 = step.lambda.iter().sum();
-        let is_last = error < self.tolerance && trial.share == 1.0 && varies;
+        let is_last = error / trial.share < NEARLY * self.tolerance && varies;
+        if !is_last {
+            self.softest = None;
+        }
         // a matrix that is not positive definite may show an unstable equilibrium, or a motion that nothing resists
         let is_flat = tangent.shift() > SHIFT;
         if is_last && (is_flat && !self.floats || !is_flat && self.is_due(&here, pushed)) {
-            trial.softest = Softest::new(&here, tangent, &step.condensed, &step.lambda, self.stop)?;
-            self.curvature = trial.softest.as_ref().map(|softest| softest.curvature);
+            self.softest = Softest::new(&here, tangent, &step.condensed, &step.lambda, self.stop)?;
+            self.curvature = self.softest.as_ref().map(|softest| softest.curvature);
             self.examined = pushed;
-            self.watched = trial.softest.as_ref().map(|softest| {
+            self.watched = self.softest.as_ref().map(|softest| {
                 let v = softest.motion.clone();
                 let curvature = dot(&v, &here.curvature(&v));
                 (v, curvature)
@@ -670,15 +684,17 @@ impl Point {
         Ok(())
     }
 
-    /// Whether rows and forces at u itself are in equilibrium: no row overlaps by more than `bound` (UL), none with a
-    /// force is further open, and what is left of the forces would move the unknowns by no more.
-    fn is_equilibrium(
+    /// How far what is left of the forces would move the unknowns at u itself, as a share of the displacements; `None` unless
+    /// that is an equilibrium: the share is at most `bound`, no row overlaps by more, and none with a force is further open.
+    fn equilibrium(
         &self,
         problem: &dyn ContactProblem,
         tangent: &mut Tangent,
-        (bound, unit): (f64, f64),
+        (bound, unit, least): (f64, f64, f64),
         cost: &mut Cost,
-    ) -> Result<bool, Halt> {
+    ) -> Result<Option<f64>, Halt> {
+        let size = self.size(least);
+        let bound = bound * size;
         let mut c = vec![0.0; self.gaps.len()];
         self.gaps.value(&self.state.u, &mut c);
         let matrix = self.gaps.matrix();
@@ -690,7 +706,7 @@ impl Point {
             is_movable && (c < -bound || (lambda > 0.0 && c > bound))
         };
         if (0..c.len()).any(is_wrong) {
-            return Ok(false);
+            return Ok(None);
         }
         let mut left = vec![0.0; self.state.u.len()];
         let clock = Instant::now();
@@ -700,7 +716,8 @@ impl Point {
         let pushed: Vec<f64> = self.lambda.iter().map(|l| -l).collect();
         self.gaps.add_forces(&pushed, &mut left);
         tangent.solve(&mut left)?;
-        Ok(left.iter().all(|x| x.abs() <= bound))
+        let is_small = left.iter().all(|x| x.abs() <= bound);
+        Ok(is_small.then(|| left.iter().fold(0.0_f64, |most, x| most.max(x.abs())) / size))
     }
 }
 
@@ -716,8 +733,6 @@ struct Trial {
     energy: f64,
     /// Whether the step took account of how rows vary.
     varies: bool,
-    /// The softest motion, where it was looked for.
-    softest: Option<Softest>,
 }
 
 impl Trial {
@@ -757,7 +772,6 @@ impl Trial {
                     share,
                     energy: value,
                     varies: true,
-                    softest: None,
                 });
             }
             share *= 0.5;

@@ -15,6 +15,8 @@ const LOOSE: f64 = 1e-1;
 const TIGHT: f64 = 1e-3;
 /// The most corrections of one step.
 const CORRECTIONS: usize = 10;
+/// Corrections that are this share of the step at their end do not lead to it.
+const UNSETTLED: f64 = 0.5;
 /// Differences that Anderson's method uses.
 const DEPTH: usize = 8;
 /// Bound on what is left of the complementarity, relative to the largest gap, and to the displacements.
@@ -34,8 +36,9 @@ pub(super) struct Step {
     pub lambda: Vec<f64>,
     /// The largest entry of x (UL).
     pub length: f64,
-    /// The number of corrections.
+    /// The number of corrections, and whether they became small.
     pub corrections: usize,
+    pub is_settled: bool,
     /// What the last of them was made with.
     pub condensed: Condensed,
 }
@@ -84,6 +87,7 @@ impl Step {
             lambda: here.lambda.clone(),
             length: 0.0,
             corrections: 0,
+            is_settled: false,
             condensed: Condensed::new(close.collect(), here, tangent, stop)?,
         };
         let mut anderson = Anderson::of(Acceleration::Anderson(DEPTH));
@@ -112,6 +116,7 @@ impl Step {
             let is_exact = here.is_frozen() && tangent.is_fresh();
             let is_settled = is_exact || change <= accuracy.at(step.length);
             if is_last || is_settled {
+                step.is_settled = is_settled || change <= UNSETTLED * step.length;
                 step.x = image;
                 return Ok(step);
             }

@@ -18,15 +18,23 @@ use crate::{Cost, Energy, Error, Multipliers, RowKey, Stop};
 /// The factor is kept where the last step changed u by less than this share and took no more corrections than that.
 const NEAR: f64 = 1e-2;
 const FEW: usize = 8;
-/// The stiffness that is added to rows that act, relative to their own, where K is not positive definite, and the factor by
-/// which it grows.
-const FIRST: f64 = 1.0;
-const LAST: f64 = 100.0;
-const GROWTH: f64 = 10.0;
-/// Where that does not suffice: the shift of the diagonal, relative to K's, and the factor by which it grows.
-const SHIFT: f64 = 1e-6;
-const LARGEST_SHIFT: f64 = 25.0;
-const SHIFT_GROWTH: f64 = 30.0;
+/// What is added to K, level by level, until the sum is positive definite: stiffness of the rows that act, relative to their
+/// own, and a shift of the diagonal, relative to K's.
+const LEVELS: [(f64, f64); 10] = [
+    (0.0, 0.0),
+    (1.0, 0.0),
+    (10.0, 0.0),
+    (100.0, 0.0),
+    (100.0, 1e-6),
+    (100.0, 3e-5),
+    (100.0, 9e-4),
+    (100.0, 2.7e-2),
+    (100.0, 8.1e-1),
+    (100.0, 2.4e1),
+];
+/// The first level with stiffness of rows, which is kept for the rest of a run, and the first with a shift.
+const STIFFENED: usize = 1;
+const SHIFTED: usize = 4;
 /// A new order of elimination is sought where the factor has grown by this ratio.
 const FILL: f64 = 1.3;
 
@@ -43,12 +51,14 @@ pub(super) struct Tangent {
     fill: usize,
     /// One for each body, or one of all where rows have added entries; `None` before the first.
     factors: Option<Vec<Part>>,
-    /// The stiffness added to each row, what the factor has of it, and its ratio to the rows' own.
+    /// The stiffness added to each row, and what the factor has of it.
     added: Vec<f64>,
     stiffened: BTreeMap<RowKey, f64>,
-    ratio: f64,
-    /// The shift of the diagonal, relative to K's.
-    shift: f64,
+    /// That of S among [`LEVELS`], and where the search for the next one goes on beyond the first.
+    level: usize,
+    known: usize,
+    /// The least level of the next S, where more was asked for.
+    raised: Option<usize>,
     /// The relative change and the corrections of the last step.
     last: Option<(f64, usize)>,
     is_fresh: bool,
@@ -100,8 +110,9 @@ impl Tangent {
             factors: None,
             added: Vec::new(),
             stiffened: BTreeMap::new(),
-            ratio: 0.0,
-            shift: 0.0,
+            level: 0,
+            known: 0,
+            raised: None,
             last: None,
             is_fresh: false,
             diagonal: Vec::new(),
@@ -120,9 +131,14 @@ impl Tangent {
         &self.added
     }
 
+    /// The ratio of the stiffness added to rows to their own.
+    pub fn ratio(&self) -> f64 {
+        LEVELS[self.level].0
+    }
+
     /// The shift of the diagonal, relative to K's.
     pub fn shift(&self) -> f64 {
-        self.shift
+        LEVELS[self.level].1
     }
 
     /// Entries of the factor.
@@ -137,7 +153,7 @@ impl Tangent {
 
     /// At the start of a run: K is tried by itself again.
     pub fn begin(&mut self) {
-        self.ratio = 0.0;
+        (self.level, self.known) = (0, 0);
         if !self.stiffened.is_empty() {
             self.forget();
         }
@@ -156,8 +172,17 @@ impl Tangent {
     /// From now on S has the contact stiffness D, and stiffness of the rows that act: it is positive definite where the
     /// equilibrium is stable, and needs a shift where it is not, so that steps lead down.
     pub fn stiffen(&mut self) {
-        self.ratio = FIRST;
+        self.level = STIFFENED;
         self.forget();
+    }
+
+    /// Asks for one level more in place of this S, for the same step; false if there is none, or it needs none.
+    pub fn raise(&mut self) -> bool {
+        let next = self.level + 1;
+        let can_rise = self.is_fresh && self.level >= STIFFENED && next < LEVELS.len();
+        self.raised = can_rise.then_some(next);
+        self.forget();
+        can_rise
     }
 
     /// Tells how the last step went.
@@ -177,7 +202,7 @@ impl Tangent {
         let last = self.last.take();
         let went_well =
             last.is_some_and(|(change, corrections)| change < NEAR && corrections <= FEW);
-        let has_factor = self.factors.is_some() && self.shift == 0.0;
+        let has_factor = self.factors.is_some() && self.level < SHIFTED;
         if has_factor && went_well && self.is_like(here) {
             self.is_fresh = false;
             let rows = here.gaps.keys().iter().zip(&here.acts);
@@ -193,29 +218,35 @@ impl Tangent {
             .map(|i| here.acts[i] && pushes(i))
             .collect();
         let may_add = acting.contains(&true);
-        self.ratio = self.ratio.min(FIRST);
-        self.shift = 0.0;
+        let raised = self.raised.take();
+        self.level = raised.unwrap_or(self.level.min(STIFFENED));
+        self.known = self.known.saturating_sub(1);
         loop {
+            let ratio = self.ratio();
             self.added = acting
                 .iter()
                 .zip(&here.stiffness)
-                .map(|(acts, s)| if *acts { self.ratio * s } else { 0.0 })
+                .map(|(acts, s)| if *acts { ratio * s } else { 0.0 })
                 .collect();
             match self.factorize(here, stop, cost) {
                 Err(Halt::Error(Error::Factor(FactorError::NotPositiveDefinite { .. }))) => {}
-                factorized => return factorized,
+                factorized => {
+                    if self.level > STIFFENED {
+                        self.known = self.level;
+                    }
+                    return factorized;
+                }
             }
-            if may_add && self.ratio < LAST {
-                self.ratio = (GROWTH * self.ratio).max(FIRST);
-            } else if SHIFT_GROWTH * self.shift <= LARGEST_SHIFT {
-                self.shift = (SHIFT_GROWTH * self.shift).max(SHIFT);
-            } else {
+            let next = (self.level + 1).max(self.known);
+            let next = if may_add { next } else { next.max(SHIFTED) };
+            if next == LEVELS.len() {
                 self.factors = None;
                 return Err(Halt::Failed(format!(
                     "the Hessian of the energy stays indefinite with {:.0} times its diagonal added",
-                    self.shift
+                    self.shift()
                 )));
             }
+            self.level = next;
         }
     }
 
@@ -239,7 +270,7 @@ impl Tangent {
             self.values[slot] += a;
         }
         let mut missing = Vec::new();
-        if self.ratio > 0.0 {
+        if self.ratio() > 0.0 {
             for (i, j, d) in here.contact_stiffness() {
                 let half = if i == j { d } else { 0.5 * d };
                 self.add(i, j, -half, &mut missing);
@@ -255,9 +286,10 @@ impl Tangent {
             }
         }
         self.added = added;
-        if self.shift > 0.0 {
+        let shift = self.shift();
+        if shift > 0.0 {
             for j in 0..self.pattern.dim() {
-                self.add(j, j, self.shift * here.diagonal(j), &mut missing);
+                self.add(j, j, shift * here.diagonal(j), &mut missing);
             }
         }
         if !missing.is_empty() {
