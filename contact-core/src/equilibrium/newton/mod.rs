@@ -162,8 +162,8 @@ const SHIFT: f64 = 1e-5;
 const CLOSED: f64 = 1e-10;
 /// Corrections of a step below this share of the displacements are not needed, nor those below a tenth of the tolerance.
 const NEGLIGIBLE: f64 = 1e-11;
-/// A step up to so many tolerances long is the last one, too, where the state that it leads to is an equilibrium to this share
-/// of the tolerance.
+/// The iteration also ends after a step of up to so many tolerances, relative to the displacements, if the state after the step is an
+/// equilibrium to this share of the tolerance.
 const NEARLY: f64 = 1e2;
 const CLEARLY: f64 = 1e-2;
 /// Equilibria are examined where the sum of the multipliers has grown by this factor.
@@ -477,7 +477,7 @@ struct Iterate<'a> {
     curvature: Option<f64>,
     /// See [`Kept::watched`].
     watched: Option<(Vec<f64>, f64)>,
-    /// The softest motion of the equilibrium that the last steps come to, where it was looked for.
+    /// The softest motion, as examined in the last steps towards an equilibrium; `None` if the steps are longer.
     softest: Option<Softest>,
     /// Whether a phase begins or ends with this load step.
     is_end: bool,
@@ -538,14 +538,14 @@ impl Iterate<'_> {
         cost.projection += clock.elapsed().as_secs_f64();
         // a shortened step makes small changes far from a solution
         let whole = error / trial.share;
-        let is_small = whole < self.tolerance;
-        // too stiff an S underestimates how far the forces that are left would move a row
-        let holds_an_open_row = tangent.holds_an_open_row(&self.at.state.multipliers);
-        let bound = match is_small && !holds_an_open_row {
-            true => self.tolerance.max(CLOSED),
-            false => CLEARLY * self.tolerance / tangent.ratio().max(1.0),
-        };
         if whole < NEARLY * self.tolerance && trial.varies {
+            let is_small = whole < self.tolerance;
+            // too stiff an S underestimates how far the forces that are left would move a row
+            let holds_an_open_row = tangent.holds_an_open_row(&self.at.state.multipliers);
+            let bound = match is_small && !holds_an_open_row {
+                true => self.tolerance.max(CLOSED),
+                false => CLEARLY * self.tolerance / tangent.ratio().max(1.0),
+            };
             let measures = (bound, self.unit, self.least);
             if let Some(left) = self.at.equilibrium(self.problem, tangent, measures, cost)? {
                 let can_leave = self.left < LEAVES && self.springs.is_empty();
@@ -554,7 +554,7 @@ impl Iterate<'_> {
                     self.leave(&softest, tangent)?;
                     return Ok(Moved::on(error));
                 }
-                // a shifted diagonal does, too
+                // so does a shifted diagonal
                 if tangent.shift() <= SHIFT {
                     return Ok(Moved {
                         error: if is_small { error } else { left },
@@ -717,7 +717,8 @@ impl Point {
         self.gaps.add_forces(&pushed, &mut left);
         tangent.solve(&mut left)?;
         let is_small = left.iter().all(|x| x.abs() <= bound);
-        Ok(is_small.then(|| left.iter().fold(0.0_f64, |most, x| most.max(x.abs())) / size))
+        let largest = || left.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        Ok(is_small.then(|| largest() / size))
     }
 }
 

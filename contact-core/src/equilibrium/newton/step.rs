@@ -15,7 +15,7 @@ const LOOSE: f64 = 1e-1;
 const TIGHT: f64 = 1e-3;
 /// The most corrections of one step.
 const CORRECTIONS: usize = 10;
-/// Corrections that are this share of the step at their end do not lead to it.
+/// A last correction above this share of the step shows that the corrections do not converge.
 const UNSETTLED: f64 = 0.5;
 /// Differences that Anderson's method uses.
 const DEPTH: usize = 8;
@@ -36,7 +36,7 @@ pub(super) struct Step {
     pub lambda: Vec<f64>,
     /// The largest entry of x (UL).
     pub length: f64,
-    /// The number of corrections, and whether they became small.
+    /// The number of corrections, and whether the last one is at most [`UNSETTLED`] times the step.
     pub corrections: usize,
     pub is_settled: bool,
     /// What the last of them was made with.

@@ -54,10 +54,11 @@ pub(super) struct Tangent {
     /// The stiffness added to each row, and what the factor has of it.
     added: Vec<f64>,
     stiffened: BTreeMap<RowKey, f64>,
-    /// That of S among [`LEVELS`], and where the search for the next one goes on beyond the first.
+    /// The level of S, an index of [`LEVELS`], and the one at which the search for the next S goes on if [`STIFFENED`] does
+    /// not suffice.
     level: usize,
     known: usize,
-    /// The least level of the next S, where more was asked for.
+    /// The least level of the next S, if [`Tangent::raise`] has asked for one.
     raised: Option<usize>,
     /// The relative change and the corrections of the last step.
     last: Option<(f64, usize)>,
@@ -176,7 +177,7 @@ impl Tangent {
         self.forget();
     }
 
-    /// Asks for one level more in place of this S, for the same step; false if there is none, or it needs none.
+    /// Asks for an S one level higher; false if S is K, is no fresh one, or has the last level.
     pub fn raise(&mut self) -> bool {
         let next = self.level + 1;
         let can_rise = self.is_fresh && self.level >= STIFFENED && next < LEVELS.len();
