@@ -5,6 +5,7 @@ mod curved;
 mod ends;
 mod fixed;
 mod groups;
+mod levels;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,7 +13,7 @@ use super::*;
 use crate::gaps::{Row, Sampling};
 use crate::linear::SymmetricPattern;
 use crate::nlp::Bounds;
-use crate::{GapVariation, RowKey};
+use crate::{Energy, GapVariation, Multipliers, RowKey, Stop};
 
 type Value = Box<dyn Fn(&[f64]) -> f64>;
 type Gradient = Box<dyn Fn(&[f64]) -> Vec<f64>>;

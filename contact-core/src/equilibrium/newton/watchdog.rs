@@ -10,7 +10,7 @@
 //! technique of Chamberlain, Powell, Lemaréchal and Pedersen, 1982), and lengths are compared with that of the step there. The
 //! merit costs nothing as long as that does not happen.
 
-use super::Point;
+use super::point::Point;
 
 /// So many iterations may pass without progress.
 const PATIENCE: usize = 3;
