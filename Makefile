@@ -10,7 +10,7 @@ FUZZ_SCENES ?= $(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes 
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick meshes needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick meshes errors needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -31,6 +31,7 @@ help:
 	@echo "make extremes          scenes at the limits with their truths, by each solver: tables and data in out/extremes*, within an hour"
 	@echo "make extremes-quick    two dozen of them, and all on coarse meshes by Newton's method; fails where a wrong result is claimed to be right"
 	@echo "make meshes            standard scenes on many meshes: how many are complete and certified, data in out/meshes; ARGUMENTS are its options"
+	@echo "make errors            estimated against true discretisation errors: data in out/errors, within two minutes"
 	@echo "make needs             what runs cost beside what their scenes need: data in out/needs, within two minutes"
 	@echo "make features          what each cargo feature costs to compile: clean builds, and their table in docs/needs.md"
 	@echo "make mutants           plants faults one at a time and runs the tests (hours; an interrupted run goes on)"
@@ -128,6 +129,10 @@ extremes-quick: install
 # ARGUMENTS="--scenes ironing,beams --cases 10 --seed 7" takes some: --help has more. Fails below 99 % of a scene.
 meshes: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin meshes -- $(ARGUMENTS)
+
+# ARGUMENTS="--scenes beams,ball" takes some.
+errors: install
+	$(CARGO) run --release -p ipopt-contact-scenes --bin errors -- $(ARGUMENTS)
 
 needs: install
 	$(CARGO) run --release -p ipopt-contact-scenes --bin needs

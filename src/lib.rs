@@ -197,3 +197,8 @@ mod tests {
 #[cfg(doctest)]
 #[doc = include_str!("../docs/cookbook.md")]
 struct Cookbook;
+
+/// The estimate of the discretisation error.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/error.md")]
+struct DiscretisationError;

@@ -5,7 +5,7 @@ use contact_core::linear::SymmetricPattern;
 
 use super::kinematics::{Point, nodes_of, points_of};
 use super::strain_energy::median_diagonal;
-use super::{BodyEnergy, CellState, Dof, DofMap, StrainEnergy};
+use super::{BodyEnergy, CellError, CellState, Dof, DofMap, StrainEnergy};
 use crate::element::{Element, P1};
 use crate::material::{Deformation, Material, Volumetric};
 use crate::mesh::Mesh;
@@ -83,7 +83,7 @@ where
         let elastic = whole(rest);
         let cell = |nodes: &[usize]| {
             let nodes = nodes_of::<D, P1>(nodes);
-            let mut points = points_of::<D, P1>(mesh, &nodes);
+            let mut points = points_of::<D, P1>(mesh, &nodes, P1::QUADRATURE);
             points.next().map(|point| Cell { nodes, point })
         };
         let cells: Vec<Cell<D>> = mesh.cells().filter_map(cell).collect();
@@ -420,6 +420,28 @@ where
         // linear cells have one state
         let states = self.cell_states(mesh, U).into_iter();
         states.flat_map(|state| vec![state; D + 1]).collect()
+    }
+
+    // of ψ₀ as of any law; of the rest ∫ (p − p̄)²/k, with p linear between the nodes and its mean p̄
+    fn cell_errors(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellError> {
+        let at = self.volumes(U);
+        let mut errors = self.elastic.cell_errors(mesh, U);
+        let d = (D + 1) as f64;
+        for (error, cell) in errors.iter_mut().zip(&self.cells) {
+            let nodes = cell.nodes.as_ref();
+            if !nodes.iter().any(|&a| self.is_assembled(a)) {
+                continue;
+            }
+            let of_nodes = nodes.iter().map(|&a| at.nodes[a]);
+            let stored: f64 = of_nodes.clone().map(|[theta, ..]| theta * theta).sum();
+            error.energy += 0.5 * self.modulus * cell.point.weight * stored / d;
+            let pressures = of_nodes.map(|[theta, slope, _]| self.modulus * theta * slope);
+            let mean = pressures.clone().sum::<f64>() / d;
+            let apart: f64 = pressures.map(|p| (p - mean).powi(2)).sum();
+            let square = cell.point.weight * apart / (d * (d + 1.0) * self.modulus);
+            error.square = (error.square + square).max(0.0);
+        }
+        errors
     }
 
     fn assembled_cells(&self) -> usize {

@@ -19,8 +19,16 @@ pub trait Kinematics<const D: usize, E: Element<D>, M>: Send + Sync + 'static {
     /// [`Material::NEEDS_POSITIVE_J`] of the law.
     const NEEDS_POSITIVE_J: bool;
 
+    /// The points of a rule, (weight, ξ), in one cell.
+    fn points_in(
+        mesh: &Mesh<D>,
+        cell: &E::PerNode<usize>,
+        rule: &[(f64, [f64; D])],
+    ) -> impl Iterator<Item = Self::Point>;
     /// The quadrature points of one cell.
-    fn points(mesh: &Mesh<D>, cell: &E::PerNode<usize>) -> impl Iterator<Item = Self::Point>;
+    fn points(mesh: &Mesh<D>, cell: &E::PerNode<usize>) -> impl Iterator<Item = Self::Point> {
+        Self::points_in(mesh, cell, E::QUADRATURE)
+    }
     /// The weight of a point times the reference volume (UL², or UL³ in space and of revolution).
     fn weight(point: &Self::Point) -> f64;
     /// ∂N_a/∂X there (1/UL).
@@ -35,6 +43,8 @@ pub trait Kinematics<const D: usize, E: Element<D>, M>: Send + Sync + 'static {
     fn volume_ratio(at: &Self::At) -> f64;
     /// ψ (UF/UL²).
     fn energy_density(law: &M, at: &Self::At) -> f64;
+    /// d : A : d of a change d of the displacements' gradient (UF/UL²); a radius does not change.
+    fn square(law: &M, at: &Self::At, d: &Matrix<D>) -> f64;
     /// The point's share of the internal forces at the nodes (UF).
     fn forces(law: &M, at: &Self::At, point: &Self::Point) -> E::PerNode<Vector<D>>;
     /// Adds the point's share of the stiffness K_ab with b ≤ a (UF/UL).
@@ -87,12 +97,13 @@ pub(super) fn nodes_of<const D: usize, E: Element<D>>(cell: &[usize]) -> E::PerN
     nodes
 }
 
-/// The quadrature points of one cell: ∂N/∂X = (∂X/∂ξ)⁻ᵀ ∂N/∂ξ.
+/// The points of a rule in one cell: ∂N/∂X = (∂X/∂ξ)⁻ᵀ ∂N/∂ξ.
 pub(super) fn points_of<const D: usize, E: Element<D>>(
     mesh: &Mesh<D>,
     cell: &E::PerNode<usize>,
+    rule: &[(f64, [f64; D])],
 ) -> impl Iterator<Item = Point<D, E>> {
-    E::QUADRATURE.iter().map(move |&(weight, xi)| {
+    rule.iter().map(move |&(weight, xi)| {
         let mut gradients = E::shape_gradients(&Vector::from(xi));
         let mut dX = Matrix::<D>::zeros();
         for (&a, dN) in cell.as_ref().iter().zip(gradients.as_ref()) {
@@ -108,6 +119,21 @@ pub(super) fn points_of<const D: usize, E: Element<D>>(
             gradients,
         }
     })
+}
+
+/// d : A : d.
+fn double_contraction<const L: usize>(
+    law: &impl Material<L>,
+    at: &Deformation<L>,
+    d: &Matrix<L>,
+) -> f64 {
+    let A = law.contraction(at);
+    let axis = |i: usize| unit_vector::<L>(i);
+    let term = |j: usize, l: usize| d.column(j).dot(&(A(&axis(j), &axis(l)) * d.column(l)));
+    // A is symmetric
+    let pairs = (0..L).flat_map(|j| (0..j).map(move |l| (j, l)));
+    let mixed: f64 = pairs.map(|(j, l)| term(j, l)).sum();
+    (0..L).map(|j| term(j, j)).sum::<f64>() + 2.0 * mixed
 }
 
 /// E/(1 − ν²) from λ + 2μ and μ, of which it is made.
@@ -126,8 +152,12 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Kinematics<D, E, M> for Cart
     const QUADRATIC: bool = M::QUADRATIC;
     const NEEDS_POSITIVE_J: bool = M::NEEDS_POSITIVE_J;
 
-    fn points(mesh: &Mesh<D>, cell: &E::PerNode<usize>) -> impl Iterator<Item = Self::Point> {
-        points_of::<D, E>(mesh, cell)
+    fn points_in(
+        mesh: &Mesh<D>,
+        cell: &E::PerNode<usize>,
+        rule: &[(f64, [f64; D])],
+    ) -> impl Iterator<Item = Self::Point> {
+        points_of::<D, E>(mesh, cell, rule)
     }
 
     fn weight(point: &Self::Point) -> f64 {
@@ -156,6 +186,10 @@ impl<const D: usize, E: Element<D>, M: Material<D>> Kinematics<D, E, M> for Cart
 
     fn energy_density(law: &M, at: &Self::At) -> f64 {
         law.energy_density(at)
+    }
+
+    fn square(law: &M, at: &Self::At, d: &Matrix<D>) -> f64 {
+        double_contraction(law, at, d)
     }
 
     fn forces(law: &M, at: &Self::At, point: &Self::Point) -> E::PerNode<Vector<D>> {
@@ -237,18 +271,20 @@ impl<E: Element<2>, M: Material<3>> Kinematics<2, E, M> for Revolution {
     const QUADRATIC: bool = M::QUADRATIC;
     const NEEDS_POSITIVE_J: bool = M::NEEDS_POSITIVE_J;
 
-    fn points(mesh: &Mesh<2>, cell: &E::PerNode<usize>) -> impl Iterator<Item = Self::Point> {
-        let sections = points_of::<2, E>(mesh, cell);
-        sections
-            .zip(E::QUADRATURE)
-            .map(move |(mut section, &(_, xi))| {
-                let mut around = E::shapes(&Vector::from(xi));
-                let shapes = cell.as_ref().iter().zip(around.as_ref());
-                let R: f64 = shapes.map(|(&a, N)| mesh.nodes()[a][0] * N).sum();
-                section.weight *= TAU * R;
-                around.as_mut().iter_mut().for_each(|N| *N /= R);
-                RingPoint { section, around }
-            })
+    fn points_in(
+        mesh: &Mesh<2>,
+        cell: &E::PerNode<usize>,
+        rule: &[(f64, [f64; 2])],
+    ) -> impl Iterator<Item = Self::Point> {
+        let sections = points_of::<2, E>(mesh, cell, rule);
+        sections.zip(rule).map(move |(mut section, &(_, xi))| {
+            let mut around = E::shapes(&Vector::from(xi));
+            let shapes = cell.as_ref().iter().zip(around.as_ref());
+            let R: f64 = shapes.map(|(&a, N)| mesh.nodes()[a][0] * N).sum();
+            section.weight *= TAU * R;
+            around.as_mut().iter_mut().for_each(|N| *N /= R);
+            RingPoint { section, around }
+        })
     }
 
     fn weight(point: &Self::Point) -> f64 {
@@ -277,6 +313,12 @@ impl<E: Element<2>, M: Material<3>> Kinematics<2, E, M> for Revolution {
 
     fn energy_density(law: &M, at: &Self::At) -> f64 {
         law.energy_density(at)
+    }
+
+    fn square(law: &M, at: &Self::At, d: &Matrix<2>) -> f64 {
+        let mut whole = Matrix::<3>::zeros();
+        whole.fixed_view_mut::<2, 2>(0, 0).copy_from(d);
+        double_contraction(law, at, &whole)
     }
 
     // P ∇N_a in the half-plane, and the stress around times N_a/R along r

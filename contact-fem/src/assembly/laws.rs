@@ -100,6 +100,14 @@ impl<M> Laws<M> {
         &self.laws[self.of_centres.get(cell).copied().unwrap_or(0)]
     }
 
+    /// The part of the body that a cell is of: that of its law, or 0 where laws vary from point to point.
+    pub(super) fn part(&self, cell: usize) -> usize {
+        match self.laws.len() > self.of_centres.len() {
+            true => 0,
+            false => self.of_centres[cell],
+        }
+    }
+
     /// All laws.
     pub fn all(&self) -> &[M] {
         &self.laws

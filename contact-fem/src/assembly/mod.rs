@@ -8,6 +8,7 @@ mod kinematics;
 mod laws;
 mod loads;
 mod quadratic;
+mod recovery;
 mod scatter;
 mod strain_energy;
 #[cfg(test)]
@@ -22,6 +23,7 @@ pub use kinematics::{Cartesian, Kinematics, Point, Revolution, RingPoint};
 pub use laws::Laws;
 pub use loads::{add_body_force, add_traction};
 pub use quadratic::QuadraticEnergy;
+pub use recovery::CellError;
 pub use strain_energy::StrainEnergy;
 pub(crate) use tied::Tied;
 
@@ -55,6 +57,8 @@ pub trait BodyEnergy<const D: usize>: Energy + Send + Sync {
     /// The same at the nodes of every cell, cell by cell: of the linear function in the cell that is closest to what its quadrature
     /// points have. A linear cell has one point and one state.
     fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>>;
+    /// The error of every cell, estimated by recovery where the nodes are displaced by `U`.
+    fn cell_errors(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellError>;
     /// The number of assembled cells; those with all dofs prescribed are not assembled.
     fn assembled_cells(&self) -> usize;
     /// The median of the Hessian's diagonal (UF/UL) at zero displacement.

@@ -4,7 +4,7 @@ use contact_core::Energy;
 use contact_core::linear::SymmetricPattern;
 
 use super::kinematics::{Cartesian, Kinematics};
-use super::{BodyEnergy, CellState, DofMap, StrainEnergy};
+use super::{BodyEnergy, CellError, CellState, DofMap, StrainEnergy};
 use crate::element::Element;
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
@@ -145,6 +145,10 @@ where
 
     fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
         self.elastic.nodal_states(mesh, U)
+    }
+
+    fn cell_errors(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellError> {
+        self.elastic.cell_errors(mesh, U)
     }
 
     fn assembled_cells(&self) -> usize {

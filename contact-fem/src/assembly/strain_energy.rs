@@ -10,9 +10,10 @@ use super::dofs::{Dof, DofMap};
 use super::extension::Extension;
 use super::kinematics::{Cartesian, Kinematics, nodes_of};
 use super::laws::Laws;
+use super::recovery::errors_of_cells;
 use super::scatter::{SlotMap, pattern_and_slots};
 use super::trial::Trial;
-use super::{BodyEnergy, CellState};
+use super::{BodyEnergy, CellError, CellState};
 use crate::element::{Element, Order};
 use crate::material::Material;
 use crate::mesh::Mesh;
@@ -105,6 +106,11 @@ where
         };
         energy.typical_stiffness = median_diagonal(&energy);
         energy
+    }
+
+    /// Whether some displacement of a node is free.
+    fn is_free(&self, node: usize) -> bool {
+        (0..D).any(|i| matches!(self.dofs.get(D * node + i), Dof::Free(_)))
     }
 
     /// Free, or prescribed.
@@ -240,7 +246,7 @@ where
 }
 
 /// The nodes of a cell, and their displacements (UL).
-fn gathered<const D: usize, E: Element<D>>(
+pub(super) fn gathered<const D: usize, E: Element<D>>(
     cell: &[usize],
     U: &[Vector<D>],
 ) -> (E::PerNode<usize>, E::PerNode<Vector<D>>) {
@@ -450,6 +456,15 @@ where
             extrapolation.iter().map(at_node).collect::<Vec<_>>()
         };
         mesh.cells().enumerate().flat_map(of_cell).collect()
+    }
+
+    fn cell_errors(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellError> {
+        let is_free = |&a: &usize| self.is_free(a);
+        let law = |k: usize| {
+            let is_assembled = mesh.cell(k).iter().any(is_free);
+            is_assembled.then(|| (self.laws.at_centre(k), self.laws.part(k)))
+        };
+        errors_of_cells::<D, E, M, K>(mesh, U, law)
     }
 
     fn contact_modulus(&self) -> f64 {

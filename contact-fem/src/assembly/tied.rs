@@ -3,7 +3,7 @@
 use contact_core::Energy;
 use contact_core::linear::SymmetricPattern;
 
-use super::{BodyEnergy, CellState, Dof, DofMap};
+use super::{BodyEnergy, CellError, CellState, Dof, DofMap};
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
@@ -158,6 +158,10 @@ impl<const D: usize> BodyEnergy<D> for Tied<D> {
 
     fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
         self.body.nodal_states(mesh, U)
+    }
+
+    fn cell_errors(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellError> {
+        self.body.cell_errors(mesh, U)
     }
 
     fn assembled_cells(&self) -> usize {

@@ -7,7 +7,7 @@ use crate::assembly::CellState;
 use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::model::{Problem, Status};
+use crate::model::{CellErrors, Problem, Status};
 use crate::simulation::StepView;
 use crate::tensor::Vector;
 
@@ -67,6 +67,8 @@ pub struct Snapshot<const D: usize> {
     /// Stress and volume ratio at every node: means over its cells, weighted by their volumes. Each cell has there the linear function
     /// that is closest to the values at its quadrature points, a linear cell its constant.
     pub averages: Vec<CellState<D>>,
+    /// The estimated error of every cell, see [`ErrorEstimate::cells`](crate::model::ErrorEstimate::cells).
+    pub errors: Vec<f64>,
     /// The certificate, if the state is a converged step.
     pub certificate: Option<Certificate>,
 }
@@ -124,6 +126,7 @@ impl<const D: usize> Snapshot<D> {
             ("Snapshot::averages", self.averages.len(), nodes),
             ("Snapshot::contact_forces", self.contact_forces.len(), nodes),
             ("Snapshot::cells", self.cells.len(), cells),
+            ("Snapshot::errors", self.errors.len(), cells),
         ] {
             if found != expected {
                 return Err(contact_core::Error::Length {
@@ -203,6 +206,7 @@ impl<const D: usize> Snapshot<D> {
             averages,
             contact_forces: problem.contact_forces(gaps, lambda),
             cells,
+            errors: CellErrors::new(problem, u).shares(),
             certificate: None,
         })
     }

@@ -32,6 +32,7 @@ use crate::tensor::Vector;
 /// | `nodal_von_mises`, `nodal_cauchy_stress` | points | 1, 6 | UF/UL², the mean stress of the cells around, in quadratic ones extrapolated to the node, and von Mises' of that mean |
 /// | `body` | points, cells | 1 | number of the body |
 /// | `von_mises` | cells | 1 | UF/UL² |
+/// | `error_indicator` | cells | 1 | the estimated error of the cell as a share of the energy norm, see [`ErrorEstimate`](crate::model::ErrorEstimate) |
 /// | `J` | cells | 1 | volume ratio |
 /// | `cauchy_stress` | cells | 6: xx, yy, zz, xy, yz, xz | UF/UL² |
 /// | `body_NAME` | the file | 1 | the number of the body with this name |
@@ -273,7 +274,7 @@ impl Grid {
                 array("types", 1, Numbers::UInt8(types)),
             ],
             of_points: point_fields(problem, snapshot),
-            of_cells: cell_fields(&snapshot.cells, body_of_cell),
+            of_cells: cell_fields(snapshot, body_of_cell),
         }
     }
 
@@ -346,13 +347,15 @@ fn point_fields<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) ->
     ]
 }
 
-fn cell_fields<const D: usize>(cells: &[CellState<D>], bodies: Vec<i32>) -> Vec<Array> {
+fn cell_fields<const D: usize>(snapshot: &Snapshot<D>, bodies: Vec<i32>) -> Vec<Array> {
+    let cells = &snapshot.cells;
     let values = |of: fn(&CellState<D>) -> f64| cells.iter().map(of).collect::<Vec<f64>>();
     let stress = cells.iter().flat_map(symmetric_components);
     vec![
         floats("von_mises", 1, values(CellState::von_mises)),
         floats("J", 1, values(|cell| cell.J)),
         floats("cauchy_stress", 6, stress.collect()),
+        floats("error_indicator", 1, snapshot.errors.clone()),
         array("body", 1, Numbers::Int32(bodies)),
     ]
 }
@@ -489,7 +492,10 @@ mod tests {
         ];
         assert_eq!(points, known);
         let cells = names(&grid.of_cells);
-        assert_eq!(cells, ["von_mises", "J", "cauchy_stress", "body"]);
+        assert_eq!(
+            cells,
+            ["von_mises", "J", "cauchy_stress", "error_indicator", "body"]
+        );
         let stress = symmetric_components(&snapshot.cells[1]);
         let cell = &snapshot.cells[1];
         assert_eq!(

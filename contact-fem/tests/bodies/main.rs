@@ -2,6 +2,7 @@
 
 mod boundaries;
 mod common;
+mod estimate;
 mod geometric_error;
 mod locking;
 mod plane_stress;

@@ -11,7 +11,7 @@ pub(crate) use springs::{Springs, Stretch};
 use contact_core::Energy;
 use contact_core::linear::SymmetricPattern;
 
-use super::{BodyEnergy, CellState, Dof, DofMap};
+use super::{BodyEnergy, CellError, CellState, Dof, DofMap};
 use crate::mesh::Mesh;
 use crate::tensor::Vector;
 
@@ -219,6 +219,10 @@ impl<const D: usize> BodyEnergy<D> for OnBoundary<D> {
 
     fn nodal_states(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellState<D>> {
         self.body.nodal_states(mesh, U)
+    }
+
+    fn cell_errors(&self, mesh: &Mesh<D>, U: &[Vector<D>]) -> Vec<CellError> {
+        self.body.cell_errors(mesh, U)
     }
 
     fn assembled_cells(&self) -> usize {

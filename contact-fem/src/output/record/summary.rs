@@ -17,8 +17,8 @@ use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
 use crate::model::{
-    BodyId, Finding, InitialGaps, Opposite, PairRecord, Problem, ScenePlan, Side, TieRecord,
-    Undetermined, WorkRecord,
+    BodyError, BodyId, ErrorEstimate, Finding, InitialGaps, Opposite, PairRecord, Problem, Scene,
+    ScenePlan, Side, TieRecord, Undetermined, WorkRecord,
 };
 use crate::output::history::source_name;
 use crate::simulation::{History, StepRecord};
@@ -46,6 +46,13 @@ pub(super) struct Summary {
     undetermined: Vec<Value>,
     /// Pairs whose contact at the reference positions is far from that at the present ones.
     geometric_errors: Vec<Value>,
+    /// The discretisation error of the last converged state: relative in the energy norm, and of the energy (UF·UL).
+    estimated_error: Option<f64>,
+    estimated_energy_error: Option<f64>,
+    /// The share of each body, and its worst cell.
+    estimated_errors: Vec<Value>,
+    /// The fewest facets in contact of a pair with a force.
+    contact_facets_touching: Option<usize>,
     load_factor: f64,
     steps: usize,
     cuts: usize,
@@ -107,6 +114,37 @@ pub(super) struct Summary {
     table: String,
 }
 
+/// The discretisation error, where it is largest, and which contact zones it does not see.
+fn estimated<const D: usize>(estimate: &ErrorEstimate<D>, problem: &Problem<D>) -> Vec<String> {
+    let scene = problem.scene();
+    let largest = |a: &&BodyError<D>, b: &&BodyError<D>| a.energy.total_cmp(&b.energy);
+    let place = estimate.bodies.iter().max_by(largest).map(|of| {
+        let at: Vec<String> = of.place.iter().map(|x| format!("{x:.3}")).collect();
+        let name = &scene.names()[of.body.index()];
+        format!(", most in body `{name}` near ({})", at.join(", "))
+    });
+    let mut lines = vec![format!(
+        "estimated error    {:.2} % in the energy norm, {:.1e} UF·UL of the energy{}",
+        100.0 * estimate.relative,
+        estimate.energy,
+        place.unwrap_or_default()
+    )];
+    let unresolved = estimate
+        .contacts
+        .iter()
+        .filter(|pair| pair.is_unresolved(D));
+    lines.extend(unresolved.map(|pair| {
+        let second = name_of(&pair.second, scene);
+        format!(
+            "warning            the mesh does not resolve the contact of {} with {second}: {} facets touch, and force and pressures may be wrong \
+             by a tenth and more; take smaller facets there",
+            scene.name_of_side(&pair.first),
+            pair.touching.unwrap_or(0)
+        )
+    }));
+    lines
+}
+
 /// Says so where work and stored energy are far apart. What an interference fit stores is no work of supports and loads.
 fn unstored<const D: usize>(records: &[StepRecord<D>], problem: &Problem<D>) -> Option<String> {
     if problem.scene().initial_gaps == InitialGaps::Resolve {
@@ -151,6 +189,7 @@ impl Summary {
         let solution = history.and_then(|history| history.run.solution.as_ref());
         let undetermined = solution.map_or(Vec::new(), |solution| problem.undetermined(solution));
         let errors = solution.map_or(Vec::new(), |solution| problem.geometric_errors(solution));
+        let estimate = solution.and_then(|solution| problem.error_estimate(solution).ok());
         let left_out = history.map(|history| LeftOut::new(problem, history));
         let inverted = inverted(records);
         let shares = shares(&cost, observer.seconds, wall);
@@ -183,10 +222,7 @@ impl Summary {
         }));
         table.extend(errors.iter().map(|found| {
             let scene = problem.scene();
-            let second = match &found.second {
-                Opposite::Side(other) => scene.name_of_side(other),
-                Opposite::Obstacle(id) => format!("obstacle `{}`", scene.obstacle_names()[id.index()]),
-            };
+            let second = name_of(&found.second, scene);
             let first = scene.name_of_side(&found.first);
             format!(
                 "warning            contact of {first} with {second} is taken at the reference positions, where gaps differ from the present ones \
@@ -196,6 +232,11 @@ impl Summary {
                 100.0 * found.error / found.indentation
             )
         }));
+        table.extend(
+            estimate
+                .iter()
+                .flat_map(|estimate| estimated(estimate, problem)),
+        );
         table.extend(inverted.map(|(factor, least)| {
             let at: Vec<String> = least.at.iter().map(|x| format!("{x:.3e}")).collect();
             format!(
@@ -244,6 +285,18 @@ impl Summary {
                     })
                 })
                 .collect(),
+            estimated_error: estimate.as_ref().map(|estimate| estimate.relative),
+            estimated_energy_error: estimate.as_ref().map(|estimate| estimate.energy),
+            estimated_errors: estimate.iter().flat_map(|estimate| &estimate.bodies).map(|of| {
+                json!({
+                    "body": problem.scene().names()[of.body.index()],
+                    "error": of.relative, "energy": of.energy,
+                    "worst_cell": of.worst, "place": of.place.as_slice(),
+                })
+            }).collect(),
+            contact_facets_touching: estimate.as_ref().and_then(|estimate| {
+                estimate.contacts.iter().filter_map(|pair| pair.touching).min()
+            }),
             load_factor: last.map_or(0.0, |record| record.factor),
             steps: records.len(),
             cuts: history.map_or(0, |history| history.run.cuts()),
@@ -362,6 +415,13 @@ fn pair<const D: usize>(pair: &PairRecord<D>, bodies: &[String], obstacles: &[St
         "centre": pair.centre.as_ref().map(|centre| centre.as_slice()),
         "pressure_max": pair.pressure_max,
     })
+}
+
+fn name_of<const D: usize>(opposite: &Opposite, scene: &Scene<D>) -> String {
+    match opposite {
+        Opposite::Side(side) => scene.name_of_side(side),
+        Opposite::Obstacle(id) => format!("obstacle `{}`", scene.obstacle_names()[id.index()]),
+    }
 }
 
 /// The two sides of a pair, by the names of bodies and obstacles.
