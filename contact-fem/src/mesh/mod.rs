@@ -5,6 +5,7 @@ pub mod generators;
 mod places;
 mod quadratic;
 pub mod read;
+mod refine;
 mod revolution;
 pub mod write;
 

@@ -1,0 +1,182 @@
+//! Refined meshes fill the same space, with the same names, and keep the quality of their cells.
+
+use super::*;
+use crate::mesh::generators::{Diagonals, annulus, cuboid, disc, rectangle};
+use crate::tensor::Matrix;
+
+fn volume<const D: usize>(mesh: &Mesh<D>) -> f64 {
+    (0..mesh.len()).map(|k| mesh.volume(k)).sum()
+}
+
+/// The length or area of straight facets.
+fn measure<'a, const D: usize>(
+    mesh: &Mesh<D>,
+    facets: impl IntoIterator<Item = &'a [usize]>,
+) -> f64 {
+    let one = |facet: &[usize]| {
+        let side = |i: usize| mesh.nodes()[facet[i]] - mesh.nodes()[facet[0]];
+        let [a, b] = [side(1), side(D - 1)];
+        match D {
+            2 => a.norm(),
+            // Lagrange's identity
+            _ => 0.5 * (a.norm_squared() * b.norm_squared() - a.dot(&b).powi(2)).sqrt(),
+        }
+    };
+    facets.into_iter().map(one).sum()
+}
+
+/// All names have what they had.
+fn assert_same<const D: usize>(new: &Mesh<D>, old: &Mesh<D>) {
+    let is_same = |a: f64, b: f64| (a - b).abs() < 1e-12 * b.abs().max(1.0);
+    assert!(is_same(volume(new), volume(old)));
+    // a node that hangs on a facet would make it an exterior one
+    let [new_outside, outside] = [new, old].map(|mesh| measure(mesh, mesh.exterior()));
+    assert!(is_same(new_outside, outside), "{new_outside} {outside}");
+    for name in old.boundary_names() {
+        let of = |mesh: &Mesh<D>| measure(mesh, mesh.boundary(name).expect("kept"));
+        assert!(is_same(of(new), of(old)), "{name}");
+    }
+    for name in old.region_names() {
+        let of = |mesh: &Mesh<D>| {
+            let cells = mesh.region_cells(name).expect("kept").iter();
+            cells.map(|&k| mesh.volume(k)).sum::<f64>()
+        };
+        assert!(is_same(of(new), of(old)), "{name}");
+    }
+    assert!(new.boundary_names().eq(old.boundary_names()));
+    assert!(new.region_names().eq(old.region_names()));
+}
+
+fn smallest_angle(mesh: &Mesh<2>) -> f64 {
+    let of_cell = |k: usize| {
+        let x = [0, 1, 2].map(|a| mesh.nodes()[mesh.corners(k)[a]]);
+        let at = |a: usize| {
+            let [b, c] = [x[(a + 1) % 3] - x[a], x[(a + 2) % 3] - x[a]];
+            (b.dot(&c) / (b.norm() * c.norm())).acos()
+        };
+        (0..3).map(at).fold(f64::INFINITY, f64::min)
+    };
+    (0..mesh.len()).map(of_cell).fold(f64::INFINITY, f64::min)
+}
+
+/// 6√2 V / h³ of the worst cell: 1 if it is regular.
+fn quality(mesh: &Mesh<3>) -> f64 {
+    let of_cell = |k: usize| {
+        let x = [0, 1, 2, 3].map(|a| mesh.nodes()[mesh.corners(k)[a]]);
+        let pairs = CELL_EDGES.map(|[a, b]| (x[a] - x[b]).norm());
+        let h = pairs.into_iter().fold(0.0, f64::max);
+        6.0 * 2f64.sqrt() * mesh.volume(k) / (h * h * h)
+    };
+    (0..mesh.len()).map(of_cell).fold(f64::INFINITY, f64::min)
+}
+
+fn plate() -> Mesh<2> {
+    let mesh = rectangle(
+        &[0.0, 0.7, 1.0, 2.0],
+        &[0.0, 0.3, 1.0],
+        Diagonals::Alternating,
+    );
+    let mut mesh = mesh.expect("a mesh");
+    mesh.name_region("one", |X| X[0] < 1.0);
+    mesh.name_region("other", |X| X[0] > 0.7);
+    mesh
+}
+
+#[test]
+fn halved_cells_fill_the_same_space() {
+    for mesh in [plate(), plate().quadratic()] {
+        let finer = mesh.refined().expect("sound cells");
+        assert_eq!(finer.len(), 4 * mesh.len());
+        assert_same(&finer, &mesh);
+        assert!((smallest_angle(&finer) / smallest_angle(&mesh) - 1.0).abs() < 1e-9);
+        assert_same(&finer.refined().expect("sound cells"), &mesh);
+    }
+    let mut block = cuboid([0.0; 3], [1.0, 2.0, 1.0], [2, 3, 2]).expect("a mesh");
+    block.name_region("half", |X| X[1] < 1.0);
+    for mesh in [block.clone(), block.quadratic()] {
+        let finer = mesh.refined().expect("sound cells");
+        assert_eq!(finer.len(), 8 * mesh.len());
+        assert_same(&finer, &mesh);
+    }
+}
+
+/// Four times, every cell of a distorted block.
+#[test]
+fn tetrahedra_keep_their_quality() {
+    let block = cuboid([0.0; 3], [1.0; 3], [1; 3]).expect("a mesh");
+    let skew = Matrix::<3>::new(1.0, 0.4, -0.3, 0.0, 0.8, 0.5, 0.1, 0.0, 1.3);
+    let mut mesh = block.mapped(|X| skew * X).expect("sound cells");
+    let first = quality(&mesh);
+    for _ in 0..4 {
+        mesh = mesh.refined().expect("sound cells");
+        assert!(quality(&mesh) > 0.5 * first, "{} {first}", quality(&mesh));
+    }
+}
+
+/// Ten times the cells around a corner, and around a point inside.
+#[test]
+fn no_angle_becomes_smaller_than_half_the_smallest() {
+    for at in [[0.0, 0.0], [0.913, 0.377]].map(Vector::<2>::from) {
+        for mesh in [plate(), plate().quadratic()] {
+            let (first, mut finer) = (smallest_angle(&mesh), mesh.clone());
+            for level in 1..=10 {
+                let near = |k: usize| finer.barycentric(finer.cell(k), &at);
+                let marked: Vec<bool> = (0..finer.len())
+                    .map(|k| near(k).iter().all(|l| *l > -1e-9) && near(k).sum() < 1.0 + 1e-9)
+                    .collect();
+                let count = marked.iter().filter(|marked| **marked).count();
+                assert!(count > 0);
+                finer = finer.refined_where(&marked).expect("sound cells");
+                assert!(smallest_angle(&finer) > 0.5 * first - 1e-9, "{level}");
+            }
+            assert_same(&finer, &mesh);
+            assert!(finer.len() < 1000, "{}", finer.len());
+            let size = |k: usize| finer.volume(k).sqrt();
+            let smallest = (0..finer.len()).map(size).fold(1.0, f64::min);
+            assert!(smallest < 2e-3, "{smallest}");
+        }
+    }
+}
+
+/// The quadratic map of a cell is that of its pieces, and a curve can be drawn again.
+#[test]
+fn curved_cells_keep_their_shape() {
+    let onto = |X: &Vector<2>| X / X.norm();
+    let mesh = disc(1.0, 12, 2, 0.0).expect("a mesh").quadratic();
+    let mesh = mesh.curved("boundary", onto).expect("sound cells");
+    let marked: Vec<bool> = (0..mesh.len()).map(|k| k % 3 == 0).collect();
+    let finer = mesh.refined_where(&marked).expect("sound cells");
+    assert!((volume(&finer) - volume(&mesh)).abs() < 1e-13);
+    let finer = mesh.refined().expect("sound cells");
+    assert!((volume(&finer) - volume(&mesh)).abs() < 1e-13);
+    let drawn = finer.curved("boundary", onto).expect("sound cells");
+    let area = std::f64::consts::PI;
+    assert!((volume(&drawn) - area).abs() < 0.1 * (volume(&mesh) - area).abs());
+    let ring = annulus(&[1.0, 1.5, 2.0], 8, Diagonals::Rising).expect("a mesh");
+    assert_same(&ring.refined().expect("sound cells"), &ring);
+}
+
+/// A line within the mesh that has a name.
+#[test]
+fn names_within_are_kept() {
+    let mut mesh = plate();
+    let corners = |k: usize| [mesh.corners(k)[0], mesh.corners(k)[1]];
+    let line = vec![corners(0), corners(3)];
+    let length = |mesh: &Mesh<2>, line: &[[usize; 2]]| -> f64 {
+        let one = |[a, b]: &[usize; 2]| (mesh.nodes()[*a] - mesh.nodes()[*b]).norm();
+        line.iter().map(one).sum()
+    };
+    mesh.inner.insert("seam".into(), line.clone());
+    let finer = mesh.refined().expect("sound cells");
+    let (name, found) = finer.inner_facets().next().expect("kept");
+    assert_eq!((name, found.len()), ("seam", 4));
+    assert!((length(&finer, found) - length(&mesh, &line)).abs() < 1e-14);
+}
+
+#[test]
+fn marks_are_one_a_cell() {
+    let refused = plate().refined_where(&[true]).expect_err("one mark");
+    assert!(refused.to_string().contains("marks"), "{refused}");
+    let same = plate().refined_where(&vec![false; plate().len()]);
+    assert_eq!(same.expect("the same").len(), plate().len());
+}
