@@ -43,6 +43,7 @@ mod obstacles;
 mod place;
 mod program;
 mod record;
+mod rounds;
 mod run;
 mod told;
 mod words;
@@ -53,6 +54,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use contact_fem::Scene;
+use contact_fem::accuracy::Refinement;
 use contact_fem::element::{Element, P1, P2};
 use contact_fem::model::{Geometry, InitialGaps, Integration, Overlaps, Projection};
 
@@ -127,6 +129,8 @@ pub struct SceneFile {
     keys: Keys,
     /// Whether curved sides are made straight.
     is_straight: bool,
+    /// How the meshes differ from those that it names.
+    refinement: Refinement,
 }
 
 impl SceneFile {
@@ -156,7 +160,17 @@ impl SceneFile {
             text: text.into(),
             keys,
             is_straight: false,
+            refinement: Refinement::default(),
         })
+    }
+
+    /// The same scene on refined meshes. Boundaries are those of the meshes that the file names, cut into smaller facets; `curved` ones are drawn
+    /// onto their curves again.
+    pub fn refined(&self, refinement: &Refinement) -> Self {
+        SceneFile {
+            refinement: refinement.clone(),
+            ..self.clone()
+        }
     }
 
     /// The dimension of the first body's mesh.

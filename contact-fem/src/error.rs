@@ -253,6 +253,17 @@ pub enum Error {
         /// The number of bodies.
         bodies: usize,
     },
+    /// A name that no body of the coarsest mesh has.
+    #[error(
+        "the scene on its first mesh has no body called `{name}`, it has {known:?}: ask for meshes by the names \
+         that bodies are added with"
+    )]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// Those of the bodies.
+        known: Vec<String>,
+    },
     /// A body with an empty name.
     #[error("body number {} from the first has no name: give it one", body + 1)]
     UnnamedBody {

@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 #![allow(non_snake_case)]
 
+pub mod accuracy;
 pub mod assembly;
 pub mod audit;
 pub mod certificate;

@@ -103,15 +103,21 @@ impl SceneFile {
         if keys.quadratic {
             mesh = mesh.quadratic();
         }
-        for (k, curve) in keys.curved.iter().enumerate() {
-            mesh = curve.bend(&place.entry("curved", k), mesh)?;
-        }
+        let bent = |mut mesh: Mesh<D>, offset: Vector<D>| -> Result<Mesh<D>, Error> {
+            for (k, curve) in keys.curved.iter().enumerate() {
+                mesh = curve.bend(&place.entry("curved", k), mesh, offset)?;
+            }
+            Ok(mesh)
+        };
+        mesh = bent(mesh, Vector::zeros())?;
         if self.is_straight {
             mesh = mesh.straight();
         }
+        let mut moved = [0.0; D];
         if let Some(offset) = &keys.translated {
             let at = place.key("translated");
-            mesh = at.of(mesh.translated(at.vector(offset)?))?;
+            moved = at.vector(offset)?;
+            mesh = at.of(mesh.translated(moved))?;
         }
         let own: Vec<String> = mesh.boundary_names().map(String::from).collect();
         for (name, boundary) in &keys.boundaries {
@@ -123,7 +129,23 @@ impl SceneFile {
             }
             boundary.add(&at, name, &mut mesh)?;
         }
-        Ok(mesh)
+        // names come first: a facet that was not on a boundary has no part on it
+        let refined = self
+            .refinement
+            .drawn(&keys.name, mesh, |mesh| match self.is_straight {
+                true => Ok(mesh),
+                false => {
+                    let mesh = keys
+                        .mesh
+                        .drawn(&at, mesh, moved.into())
+                        .map_err(Uncut::Drawn)?;
+                    bent(mesh, moved.into()).map_err(Uncut::Drawn)
+                }
+            });
+        refined.map_err(|why| match why {
+            Uncut::Drawn(why) => why,
+            Uncut::Mesh(why) => place.key("mesh").refused(why),
+        })
     }
 
     fn body<const D: usize>(&self, place: &Place<'_>, keys: &BodyKeys) -> Result<Body<D>, Error>
@@ -162,9 +184,26 @@ impl SceneFile {
     }
 }
 
+/// Why a mesh cannot be refined.
+enum Uncut {
+    Drawn(Error),
+    Mesh(contact_fem::Error),
+}
+
+impl From<contact_fem::Error> for Uncut {
+    fn from(why: contact_fem::Error) -> Self {
+        Uncut::Mesh(why)
+    }
+}
+
 impl CurvedKeys {
-    /// Moves the middle nodes of the boundary onto a sphere, a circle or a cylinder.
-    fn bend<const D: usize>(&self, place: &Place<'_>, mesh: Mesh<D>) -> Result<Mesh<D>, Error> {
+    /// Moves the middle nodes of the boundary onto a sphere, a circle or a cylinder, of a mesh that has been moved by `offset`.
+    fn bend<const D: usize>(
+        &self,
+        place: &Place<'_>,
+        mesh: Mesh<D>,
+        offset: Vector<D>,
+    ) -> Result<Mesh<D>, Error> {
         let CurvedKeys {
             on, centre, radius, ..
         } = self;
@@ -177,6 +216,7 @@ impl CurvedKeys {
             Some(centre) => place.key("centre").vector(centre)?,
             None => [0.0; D],
         });
+        let centre = centre + offset;
         let axis = match &self.axis[..] {
             [] => Vector::zeros(),
             axis => {

@@ -155,7 +155,7 @@ pub(super) struct StepsKeys {
 
 impl Grid {
     /// Its values, which ascend.
-    fn values(&self, place: &Place<'_>) -> Result<Vec<f64>, Error> {
+    pub(super) fn values(&self, place: &Place<'_>) -> Result<Vec<f64>, Error> {
         let values = match self {
             Grid::Values(values) => values.clone(),
             Grid::Steps(steps) => return steps.values(place),
@@ -304,7 +304,7 @@ pub(super) enum Found<const D: usize> {
 
 impl Made {
     /// Its key.
-    fn name(&self) -> &'static str {
+    pub(super) fn name(&self) -> &'static str {
         match self {
             Made::Rectangle(_) => "rectangle",
             Made::Annulus(_) => "annulus",

@@ -1,6 +1,7 @@
 //! Scene files and the program that runs them: the twins of the examples, the checks of `--check`, the page that lists all keys, runs
 //! that are interrupted or killed, and results that are compared. One program, which shares what it compiles.
 
+mod accuracy;
 mod compare;
 #[cfg(unix)]
 mod interrupt;

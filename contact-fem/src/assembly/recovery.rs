@@ -66,7 +66,9 @@ where
             error[0].energy +=
                 weight * (K::energy_density(law, &at) - K::energy_density(law, &still));
         }
-        error[0].square = error[0].square.max(0.0);
+        if error[0].square < 0.0 {
+            error[0].square = 0.0;
+        }
     });
     errors
 }

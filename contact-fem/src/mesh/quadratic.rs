@@ -71,6 +71,38 @@ impl<const D: usize> Mesh<D> {
             })
     }
 
+    /// Draws a boundary onto a curve or a surface: the corners of its facets move to `onto(X)`, and the middle nodes of quadratic cells by the mean of
+    /// what the ends of their edges move by, so that straight edges stay straight. It is for the new corners of a refined polygon; middle nodes
+    /// are moved by [`Mesh::curved`].
+    ///
+    /// # Errors
+    /// If the boundary is unknown, a point not finite, or a cell is folded.
+    pub fn drawn(
+        mut self,
+        boundary: &str,
+        onto: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> Result<Self, Error> {
+        let facets = self.boundary(boundary)?;
+        let corners = facets.iter().flat_map(|facet| facet[..D].to_vec());
+        let moves = corners.map(|node| (node, onto(&self.nodes[node]) - self.nodes[node]));
+        let moves: HashMap<usize, Vector<D>> = moves.collect();
+        Error::check_finite("drawn boundary point", moves.values().flatten())?;
+        let mut middles = HashMap::new();
+        if self.order == Order::Quadratic {
+            let at = |node: usize| moves.get(&node).copied().unwrap_or_else(Vector::zeros);
+            for cell in self.cells() {
+                for (&middle, [a, b]) in cell[D + 1..].iter().zip(CELL_EDGES) {
+                    middles.insert(middle, (at(cell[a]) + at(cell[b])) * 0.5);
+                }
+            }
+        }
+        for (node, by) in moves.into_iter().chain(middles) {
+            self.nodes[node] += by;
+        }
+        self.check_cells()?;
+        Ok(self)
+    }
+
     /// Curves a boundary: every middle node on it moves to `onto(X)`, usually the closest point of
     /// the curve or surface on which the corners lie.
     ///

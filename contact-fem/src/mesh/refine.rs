@@ -218,13 +218,15 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-impl Mesh<2> {
+impl<const D: usize> Mesh<D> {
     /// The mesh in which all edges of the `marked` cells are halved, and no more of the others than keeps the mesh conforming.
     ///
     /// Cells with a halved edge are cut along their longest edge first, after M.-C. Rivara, Algorithms for refining triangular grids suitable for
     /// adaptive and multigrid techniques, Int. J. Numer. Meth. Engng 20 (1984) 745–756: however often a mesh is refined, no angle becomes smaller than half the
     /// smallest one it had (I. G. Rosenberg and F. Stenger, SIAM J. Numer. Anal. 12 (1975) 390–395). The rest is as with
     /// [`Mesh::refined`].
+    ///
+    /// In space all cells are refined if one is marked.
     ///
     /// # Errors
     /// If there is not one mark for each cell; as [`Mesh::refined`].
@@ -236,6 +238,12 @@ impl Mesh<2> {
                 expected: self.len(),
             }
             .into());
+        }
+        if D == 3 {
+            return match marked.contains(&true) {
+                true => self.refined(),
+                false => Ok(self.clone()),
+            };
         }
         let longest: Vec<Local> = (0..self.len()).map(|k| self.longest_edge(k)).collect();
         let mut halved: HashSet<[usize; 2]> = HashSet::new();

@@ -7,6 +7,9 @@ use crate::assembly::CellError;
 use crate::error::Error;
 use crate::tensor::Vector;
 
+/// Energies below this share of the scene's are round-off: nothing is strained.
+const NEGLIGIBLE: f64 = 1e-13;
+
 /// An estimate of the discretisation error of a state, by recovery: gradients of displacements are fitted around each corner, and what
 /// they differ from those of the cells is taken as the error of the cells. `docs/error.md` tells how far it can be trusted.
 ///
@@ -14,7 +17,7 @@ use crate::tensor::Vector;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorEstimate<const D: usize> {
     /// η/√(2W + η²): the error of the displacements in the energy norm as a share of that norm, with the stored energy W. 0 where
-    /// nothing is strained, NaN where a cell is inverted.
+    /// nothing is strained beyond round-off, NaN where a cell is inverted.
     pub relative: f64,
     /// η²/2 (UF·UL): by how much the energy of the exact solution is lower.
     pub energy: f64,
@@ -57,6 +60,25 @@ pub struct ContactFacets {
     pub is_inside: bool,
 }
 
+impl<const D: usize> ErrorEstimate<D> {
+    /// The fewest cells that have at least this share of η², as a mark for each cell.
+    pub fn marked(&self, share: f64) -> Vec<bool> {
+        let mut order: Vec<usize> = (0..self.cells.len()).collect();
+        order.sort_by(|&a, &b| self.cells[b].total_cmp(&self.cells[a]));
+        let square = |k: &usize| self.cells[*k].powi(2);
+        let goal = share * order.iter().map(square).sum::<f64>();
+        let (mut marked, mut sum) = (vec![false; self.cells.len()], 0.0);
+        for k in order {
+            if sum >= goal || self.cells[k] == 0.0 {
+                break;
+            }
+            marked[k] = true;
+            sum += square(&k);
+        }
+        marked
+    }
+}
+
 impl ContactFacets {
     /// Fewer facets in the plane, and fewer along the diameter of a zone in space, do not resolve a contact zone: half-discs on blocks
     /// and balls on planes have an error of more than a tenth of the largest pressure then, see `docs/error.md`.
@@ -96,12 +118,16 @@ impl CellErrors {
             square += cell.square;
             stored += cell.energy;
         }
+        // round-off may store less than nothing
+        let norm = if stored < 0.0 {
+            square
+        } else {
+            2.0 * stored + square
+        };
         CellErrors {
-            // round-off may store less than nothing; an inverted cell is none
-            norm: if stored < 0.0 {
-                square
-            } else {
-                2.0 * stored + square
+            norm: match norm <= NEGLIGIBLE * problem.scale().energy {
+                true => 0.0,
+                false => norm,
             },
             square,
             bodies,
@@ -110,9 +136,10 @@ impl CellErrors {
 
     /// The share of a square in the norm.
     fn share(&self, square: f64) -> f64 {
-        match self.norm == 0.0 {
-            true => 0.0,
-            false => (square / self.norm).sqrt(),
+        match self.norm {
+            0.0 => 0.0,
+            norm if norm.is_finite() => (square / norm).sqrt(),
+            _ => f64::NAN,
         }
     }
 

@@ -12,11 +12,18 @@ use ipopt_contact::contact_fem::output::compare::{Nodes, fields_at};
 use ipopt_contact::contact_fem::output::record::print;
 use ipopt_contact::scene_file::{SceneFile, Solver};
 
-use crate::Words;
+use crate::{Words, accuracy};
 
 /// Solves the scene in a file and records the run.
 pub fn command(words: &[String]) -> Result<ExitCode, String> {
-    let known = ["out", "solver", "increments", "start"];
+    let known = [
+        "out",
+        "solver",
+        "increments",
+        "start",
+        "accuracy",
+        "seconds",
+    ];
     let words = Words::parse(words, &known, &["literal", "resume", "check"])?;
     let path = words.only("one scene file")?;
     let given = known
@@ -66,25 +73,40 @@ where
         return check::<D>(path, file, solver);
     }
     let out = words.needed("out")?;
-    let simulation = match (words.option("resume"), solver) {
-        (Some(_), solver) => {
-            let given = [words.option("increments"), words.option("start")];
-            let answers = Path::new(out).join("run.resume");
-            file.resumable(solver, answers, &format!("{given:?}"))
+    let simulation = || -> Result<_, String> {
+        let simulation = match (words.option("resume"), solver) {
+            (Some(_), solver) => {
+                let given = [words.option("increments"), words.option("start")];
+                let answers = Path::new(out).join("run.resume");
+                file.resumable(solver, answers, &format!("{given:?}"))
+            }
+            (None, Some(solver)) => file.simulation_by(solver),
+            (None, None) => file.simulation(),
+        };
+        let mut simulation = simulation.map_err(|why| in_file(&why))?;
+        if let Some(text) = words.option("increments") {
+            let number = text.parse().ok().filter(|number| *number > 0);
+            let needed = || format!("--increments needs a whole number from 1, not `{text}`");
+            if !simulation.load_steps.phases.is_empty() {
+                let what = "its phases have increments of their own: leave --increments out";
+                return Err(in_file(&what));
+            }
+            simulation.load_steps.increments = number.ok_or_else(needed)?;
         }
-        (None, Some(solver)) => file.simulation_by(solver),
-        (None, None) => file.simulation(),
+        Ok(simulation)
     };
-    let mut simulation = simulation.map_err(|why| in_file(&why))?;
-    if let Some(text) = words.option("increments") {
-        let number = text.parse().ok().filter(|number| *number > 0);
-        let needed = || format!("--increments needs a whole number from 1, not `{text}`");
-        if !simulation.load_steps.phases.is_empty() {
-            let what = "its phases have increments of their own: leave --increments out";
-            return Err(in_file(&what));
+    if let Some(accuracy) = accuracy::asked(words)? {
+        if let Some(name) = ["resume", "start", "literal"]
+            .iter()
+            .find(|name| words.option(name).is_some())
+        {
+            return Err(format!(
+                "--{name} is for one mesh, and --accuracy takes several: leave one of them out"
+            ));
         }
-        simulation.load_steps.increments = number.ok_or_else(needed)?;
+        return accuracy::run::<D>((path, file), &accuracy, Path::new(out), simulation);
     }
+    let mut simulation = simulation()?;
     let mut problem = file.problem::<D>().map_err(|why| in_file(&why))?;
     if let Some(folder) = words.option("start") {
         simulation.load_steps.guess = Some(guess(&problem, Path::new(folder))?);

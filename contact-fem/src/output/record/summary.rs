@@ -123,6 +123,9 @@ fn estimated<const D: usize>(estimate: &ErrorEstimate<D>, problem: &Problem<D>) 
         let name = &scene.names()[of.body.index()];
         format!(", most in body `{name}` near ({})", at.join(", "))
     });
+    if estimate.relative == 0.0 {
+        return vec!["estimated error    none: nothing is strained".into()];
+    }
     let mut lines = vec![format!(
         "estimated error    {:.2} % in the energy norm, {:.1e} UF·UL of the energy{}",
         100.0 * estimate.relative,

@@ -1,0 +1,341 @@
+//! Meshes that are refined until the estimated error is at most what was asked.
+//!
+//! [`Accuracy::reach`] asks for the scene on a mesh, solves it, and marks the cells with the largest errors; the next mesh is finer there. Scenes
+//! are statements about named boundaries and regions, which finer meshes keep, so that the function that makes a scene makes the finer ones, too.
+
+use std::collections::HashSet;
+use std::time::Instant;
+
+use contact_core::equilibrium::Solution;
+
+use crate::error::Error;
+use crate::mesh::Mesh;
+use crate::model::{ErrorEstimate, Problem};
+use crate::simulation::History;
+
+/// What is asked, and when to give up.
+///
+/// A square under its own weight, to a thousandth of the energy norm:
+/// ```
+/// # #[cfg(feature = "ipopt")]
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use contact_fem::accuracy::{Accuracy, Ended, Solved};
+/// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+/// use contact_fem::{Body, LinearElastic, Scene, Simulation};
+///
+/// let sides = linspace(0.0, 1.0, 2);
+/// let coarse = rectangle(&sides, &sides, Diagonals::Rising)?.quadratic();
+/// let reached = Accuracy::of(1e-3).reach(
+///     |refinement| {
+///         let mesh = refinement.of("block", coarse.clone())?;
+///         let mut block = Body::new(mesh, LinearElastic::new(10.0, 0.3)?);
+///         block.prescribe("bottom", [Some(0.0), Some(0.0)])?;
+///         block.body_force([0.0, -1.0])?;
+///         let mut scene = Scene::new();
+///         scene.add("block", block);
+///         let mut problem = scene.problem()?;
+///         let history = Simulation::with_increments(1).run(&mut problem)?;
+///         Ok::<_, contact_fem::Error>(Solved { problem, history })
+///     },
+///     |level| println!("{level}"),
+/// )?;
+/// assert!(matches!(reached.ended, Ended::Reached));
+/// let last = reached.levels.last().ok_or("a level")?;
+/// assert!(last.estimated_error <= 1e-3 && last.unknowns < 3000);
+/// # Ok(())
+/// # }
+/// # #[cfg(not(feature = "ipopt"))]
+/// # fn main() {}
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accuracy {
+    /// The largest [`ErrorEstimate::relative`].
+    pub asked: f64,
+    /// The most levels; 30 by default.
+    pub levels: usize,
+    /// No level is begun that would have more unknowns; 500 000 by default.
+    pub unknowns: usize,
+    /// No level is begun that would end later (s after the start), judged by how the last ones grew; 600 by default.
+    pub seconds: f64,
+    /// The marked cells have this share of the squares of all errors (W. Dörfler, A convergent adaptive algorithm for Poisson's equation, SIAM J.
+    /// Numer. Anal. 33 (1996) 1106–1124); 0.8 by default.
+    pub marked: f64,
+}
+
+/// One mesh of an [`Accuracy`], solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// Counts from 0.
+    pub number: usize,
+    /// The numbers of cells and of free displacements.
+    pub cells: usize,
+    /// See `cells`.
+    pub unknowns: usize,
+    /// The time of this level, and of all so far (s).
+    pub seconds: f64,
+    /// See `seconds`.
+    pub seconds_so_far: f64,
+    /// [`ErrorEstimate::relative`].
+    pub estimated_error: f64,
+    /// [`ErrorEstimate::energy`] (UF·UL).
+    pub estimated_energy_error: f64,
+    /// The total energy (UF·UL).
+    pub energy: f64,
+    /// The fewest facets in contact of a pair with a force.
+    pub contact_facets_touching: Option<usize>,
+}
+
+impl std::fmt::Display for Level {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "level {}: {} unknowns, estimated error {:.2} %, energy {:.6e} (error {:.1e}), {:.2} s, {:.2} s so far",
+            self.number,
+            self.unknowns,
+            100.0 * self.estimated_error,
+            self.energy,
+            self.estimated_energy_error,
+            self.seconds,
+            self.seconds_so_far
+        )
+    }
+}
+
+/// How an [`Accuracy`] ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ended {
+    /// The last level has the accuracy.
+    Reached,
+    /// The last level is not complete, for this reason.
+    Incomplete(String),
+    /// Another level would go beyond this limit.
+    Limit(&'static str),
+    /// Nothing is strained at the end of the run. Bodies may not touch, or facets may be so long that they miss the contact.
+    Unstrained,
+    /// The estimate is no number, as where a cell is inverted.
+    NoEstimate,
+}
+
+/// What came out: all levels, and the last complete one, with its problem.
+pub struct Refined<const D: usize> {
+    /// All complete levels.
+    pub levels: Vec<Level>,
+    /// How it ended.
+    pub ended: Ended,
+    /// The last complete level; `None` if there is none.
+    pub solved: Option<Solved<D>>,
+}
+
+/// A scene on one mesh, after its run.
+pub struct Solved<const D: usize> {
+    /// The problem, at the load at which the run ended.
+    pub problem: Problem<D>,
+    /// The run.
+    pub history: History<D>,
+}
+
+/// Which cells of each level's mesh are cut for the next one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Refinement {
+    /// The names of the bodies, as the first level has them.
+    names: Vec<String>,
+    /// Marks by level, body and cell.
+    marks: Vec<Vec<Vec<bool>>>,
+}
+
+impl Refinement {
+    /// The number of the level that it makes meshes for.
+    pub fn level(&self) -> usize {
+        self.marks.len()
+    }
+
+    /// The mesh of a body on this level from that of level 0: in the plane refined where cells are marked, in space all over if a cell of the
+    /// body is.
+    ///
+    /// # Errors
+    /// A body that the first level did not have; another mesh than that of level 0; as [`Mesh::refined`].
+    pub fn of<const D: usize>(&self, body: &str, mesh: Mesh<D>) -> Result<Mesh<D>, Error> {
+        self.drawn(body, mesh, Ok)
+    }
+
+    /// As [`Refinement::of`], where `draw` moves the nodes of a new mesh to where they belong, as with [`Mesh::curved`].
+    ///
+    /// # Errors
+    /// As [`Refinement::of`], and those of `draw`.
+    pub fn drawn<const D: usize, E: From<Error>>(
+        &self,
+        body: &str,
+        mesh: Mesh<D>,
+        draw: impl Fn(Mesh<D>) -> Result<Mesh<D>, E>,
+    ) -> Result<Mesh<D>, E> {
+        if self.marks.is_empty() {
+            return Ok(mesh);
+        }
+        let index = self.names.iter().position(|name| name == body);
+        let index = index.ok_or_else(|| Error::UnknownName {
+            name: body.to_string(),
+            known: self.names.clone(),
+        })?;
+        let mut mesh = mesh;
+        for level in &self.marks {
+            let marked = &level[index];
+            if marked.contains(&true) {
+                mesh = draw(mesh.refined_where(marked)?)?;
+            }
+        }
+        Ok(mesh)
+    }
+}
+
+impl Accuracy {
+    /// This share of the energy norm, with the default limits.
+    pub fn of(asked: f64) -> Self {
+        Accuracy {
+            asked,
+            levels: 30,
+            unknowns: 500_000,
+            seconds: 600.0,
+            marked: 0.8,
+        }
+    }
+
+    /// # Errors
+    /// A value that is out of range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let is_share = |value: f64| value > 0.0 && value < 1.0;
+        let wrong = |name, value, remedy| {
+            Err(Error::Setting {
+                name,
+                value,
+                remedy,
+            })
+        };
+        if !is_share(self.asked) {
+            return wrong("accuracy", self.asked, "ask for a share between 0 and 1");
+        }
+        if !is_share(self.marked) {
+            return wrong("marked", self.marked, "mark a share between 0 and 1");
+        }
+        match self.seconds > 0.0 {
+            true => Ok(()),
+            false => wrong("seconds", self.seconds, "give it some time"),
+        }
+    }
+
+    /// Solves level after level by `solve`, which makes the scene with the meshes of the refinement, until the estimated error is at most
+    /// what is asked, or a limit is reached. `observe` sees each complete level.
+    ///
+    /// # Errors
+    /// Settings out of range; those of `solve`.
+    pub fn reach<const D: usize, E: From<Error>>(
+        &self,
+        mut solve: impl FnMut(&Refinement) -> Result<Solved<D>, E>,
+        mut observe: impl FnMut(&Level),
+    ) -> Result<Refined<D>, E> {
+        self.validate()?;
+        let clock = Instant::now();
+        let mut refinement = Refinement::default();
+        let mut found = Refined {
+            levels: Vec::new(),
+            ended: Ended::NoEstimate,
+            solved: None,
+        };
+        loop {
+            let before = clock.elapsed().as_secs_f64();
+            let Solved { problem, history } = solve(&refinement)?;
+            let solution = history.run.solution.as_ref();
+            let Some(solution) = solution.filter(|_| history.is_complete()) else {
+                found.ended = Ended::Incomplete(history.run.ending.to_string());
+                return Ok(found);
+            };
+            let estimate = problem.error_estimate(solution)?;
+            let facets = estimate.contacts.iter().filter_map(|pair| pair.touching);
+            let seconds_so_far = clock.elapsed().as_secs_f64();
+            let level = Level {
+                number: refinement.level(),
+                cells: estimate.cells.len(),
+                unknowns: problem.dofs().free(),
+                seconds: seconds_so_far - before,
+                seconds_so_far,
+                estimated_error: estimate.relative,
+                estimated_energy_error: estimate.energy,
+                energy: solution.energy,
+                contact_facets_touching: facets.min(),
+            };
+            observe(&level);
+            found.levels.push(level);
+            let marks = marks(&problem, solution, &estimate, self.marked)?;
+            let is_marked = marks.iter().flatten().any(|marked| *marked);
+            let may_touch = is_marked && found.levels.len() <= UNSTRAINED;
+            refinement.names = problem.scene().names().to_vec();
+            found.solved = Some(Solved { problem, history });
+            let ended = match self.limit(&found.levels) {
+                _ if level.estimated_error == 0.0 && !may_touch => Some(Ended::Unstrained),
+                _ if level.estimated_error == 0.0 => None,
+                _ if level.estimated_error <= self.asked => Some(Ended::Reached),
+                _ if level.estimated_error.is_nan() => Some(Ended::NoEstimate),
+                limit => limit.map(Ended::Limit),
+            };
+            if let Some(ended) = ended {
+                found.ended = ended;
+                return Ok(found);
+            }
+            refinement.marks.push(marks);
+        }
+    }
+
+    /// The limit that another level would exceed, if it grew as the last one did.
+    fn limit(&self, levels: &[Level]) -> Option<&'static str> {
+        let (last, before) = (levels.last()?, levels.iter().rev().nth(1));
+        let grown = |of: fn(&Level) -> f64| match before {
+            Some(before) => of(last) * (of(last) / of(before)).max(1.0),
+            None => of(last),
+        };
+        let (unknowns, seconds) = (grown(|of| of.unknowns as f64), grown(|of| of.seconds));
+        match levels.len() >= self.levels {
+            true => Some("levels"),
+            false if unknowns > self.unknowns as f64 => Some("unknowns"),
+            false if last.seconds_so_far + seconds > self.seconds => Some("seconds"),
+            false => None,
+        }
+    }
+}
+
+/// The most levels without strain, on which facets are too long to see a contact.
+const UNSTRAINED: usize = 8;
+
+/// The cells to be cut, body by body: those with the largest errors, and those of bodies that do not deform where they are pressed. Where nothing is
+/// strained, those at nodes that are closer to another surface than their facets are long.
+fn marks<const D: usize>(
+    problem: &Problem<D>,
+    solution: &Solution,
+    estimate: &ErrorEstimate<D>,
+    share: f64,
+) -> Result<Vec<Vec<bool>>, Error> {
+    let mut all = estimate.marked(share).into_iter();
+    let bodies = problem.scene().bodies();
+    let own = bodies
+        .iter()
+        .map(|body| all.by_ref().take(body.mesh().len()).collect());
+    let mut marks: Vec<Vec<bool>> = own.collect();
+    let is_strained = marks.iter().flatten().any(|marked| *marked);
+    let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda);
+    let states = problem.pair_states(u, gaps, lambda)?;
+    for side in states.iter().flat_map(|state| &state.sides) {
+        let surface = &problem.surfaces()[side.surface];
+        let body = surface.body();
+        let deforms = problem.body_energies()[body].assembled_cells() > 0;
+        let sizes = surface.node_sizes();
+        let is_near = |k: &usize| match is_strained {
+            true => !deforms && side.pressures[*k] > 0.0,
+            false => side.gaps[*k].is_some_and(|gap| gap < sizes[*k]),
+        };
+        let near = (0..surface.nodes().len()).filter(is_near);
+        let first = problem.first_node(body);
+        let near: HashSet<usize> = near.map(|k| surface.nodes()[k] - first).collect();
+        for (mark, nodes) in marks[body].iter_mut().zip(bodies[body].mesh().cells()) {
+            *mark |= nodes.iter().any(|node| near.contains(node));
+        }
+    }
+    Ok(marks)
+}

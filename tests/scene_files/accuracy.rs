@@ -1,0 +1,153 @@
+//! `--accuracy`: the estimate of the last mesh against the error that it has, and how runs end that do not reach it.
+
+use super::*;
+
+/// The levels of a run: unknowns, estimated error and energy.
+fn levels(out: &Path) -> Vec<[f64; 3]> {
+    let table = fs::read_to_string(out.join("error_against_time.csv")).expect("a table");
+    let mut lines = table.lines();
+    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let column = |name: &str| names.iter().position(|own| *own == name).expect("a column");
+    let columns = ["unknowns", "estimated_error", "energy"].map(column);
+    let level = |line: &str| {
+        let values: Vec<&str> = line.split(',').collect();
+        columns.map(|k| values[k].parse().expect("a number"))
+    };
+    lines.map(level).collect()
+}
+
+fn run(name: &str, scene: &str, options: &[&str]) -> (Option<i32>, String, PathBuf) {
+    let folder = fresh(name);
+    let (file, out) = (folder.join("scene.toml"), folder.join("out"));
+    fs::write(&file, scene).expect("written");
+    let words = [&["run"], options, &["--out"]].concat();
+    let (code, text) = program(&words, &[&out, &file]);
+    (code, text, out)
+}
+
+/// A column of height 2 and width 1, E = 1000, ν = 0, under the weight 3 a volume: its energy is −(3²·2³)/(6·1000) = −0.012, and the square of its error
+/// in the energy norm is twice what the energy is above.
+const COLUMN: &str = r#"
+increments = 1
+
+[[body]]
+name = "column"
+mesh = { rectangle = { x = [0, 1], y = [0, 1, 2] } }
+law = "linear-elastic"
+young = 1000
+poisson = 0
+supports = [{ on = "bottom", y = 0 }, { on = "left", x = 0 }]
+body-force = [0, -3]
+"#;
+
+#[test]
+fn the_error_is_at_most_what_was_asked_and_not_far_below() {
+    let (code, text, out) = run("accuracy_column", COLUMN, &["--accuracy", "4%"]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(text.contains("accuracy 4 % reached"), "{text}");
+    let levels = levels(&out);
+    for (k, [_, estimated, energy]) in levels.iter().enumerate() {
+        let truth = ((energy + 0.012) / 0.012).sqrt();
+        assert!(
+            (0.8..1.2).contains(&(estimated / truth)),
+            "{k}: {estimated} {truth}"
+        );
+        assert!(out.join(format!("level_{k}/summary.json")).exists());
+    }
+    let [.., before, last] = levels[..] else {
+        panic!("more than one level is needed: {levels:?}");
+    };
+    assert!(last[1] <= 0.04 && before[1] > 0.04);
+    let truth = ((last[2] + 0.012) / 0.012).sqrt();
+    assert!((0.04 / 3.0..0.04).contains(&truth), "{truth}");
+    let picture = fs::read_to_string(out.join("error_against_time.svg")).expect("a picture");
+    assert!(picture.contains("<svg"));
+}
+
+/// A half-disc that is pressed on a plane, in cells of either order.
+fn half_disc(quadratic: bool) -> String {
+    let order = match quadratic {
+        true => "quadratic = true\ncurved = [{ on = \"arc\", radius = 1 }]",
+        false => "",
+    };
+    format!(
+        r#"
+increments = 1
+
+[[body]]
+name = "disc"
+mesh = {{ half-disc = {{ radii = {{ from = 0, to = 1, count = 4 }}, angles = {{ from = 3.141592653589793, to = 6.283185307179586, count = 12 }} }} }}
+{order}
+translated = [0.25, 0.5]
+law = "linear-elastic"
+young = 1000
+poisson = 0.3
+supports = [{{ on = "flat", x = 0, y = -0.006 }}]
+
+[[obstacle]]
+name = "plane"
+half-space = {{ point = [0, -0.5], normal = [0, 1] }}
+on = [["disc", "arc"]]
+"#
+    )
+}
+
+/// Straight facets follow the circle as they become smaller: both orders have one limit. The coarsest mesh has facets of .26, and a zone of .11.
+#[test]
+fn both_orders_come_to_the_contact_of_the_circle() {
+    let (code, text, out) = run("accuracy_p2", &half_disc(true), &["--accuracy", "0.01"]);
+    assert_eq!(code, Some(0), "{text}");
+    let quadratic = levels(&out);
+    let (code, text, out) = run("accuracy_p1", &half_disc(false), &["--accuracy=8 %"]);
+    assert_eq!(code, Some(0), "{text}");
+    let linear = levels(&out);
+    let ends = [&quadratic, &linear].map(|levels| levels[levels.len() - 1]);
+    let [[fine, _, energy], [_, estimated, above]] = ends;
+    assert!(fine < 20_000.0, "{fine}");
+    let truth = ((above - energy) / energy).sqrt();
+    assert!(
+        (0.5..1.6).contains(&(estimated / truth)),
+        "{estimated} {truth}"
+    );
+    assert!(
+        (quadratic[0][2] / energy - 1.0).abs() > 0.5,
+        "the first is coarse"
+    );
+}
+
+#[test]
+fn what_is_not_reached_is_told() {
+    let (code, text, out) = run(
+        "accuracy_limit",
+        COLUMN,
+        &["--accuracy", "0.001%", "--seconds", "0.001"],
+    );
+    assert_eq!(code, Some(1), "{text}");
+    assert!(
+        text.contains("limit of seconds") && text.contains("level_0"),
+        "{text}"
+    );
+    assert_eq!(levels(&out).len(), 1);
+    let loose = COLUMN.replace("body-force = [0, -3]", "");
+    let (code, text, _) = run("accuracy_loose", &loose, &["--accuracy", "1%"]);
+    assert_eq!(code, Some(1), "{text}");
+    assert!(text.contains("nothing is strained"), "{text}");
+}
+
+#[test]
+fn options_that_mean_nothing_are_refused() {
+    for (options, told) in [
+        (&["--accuracy", "much"][..], "such as 1%"),
+        (&["--accuracy", "200%"], "between 0 and 1"),
+        (&["--accuracy", "0"], "between 0 and 1"),
+        (&["--accuracy", "1%", "--seconds", "-1"], "seconds"),
+        (&["--seconds", "5"], "without --accuracy"),
+        (&["--accuracy", "1%", "--resume"], "--resume"),
+        (&["--accuracy", "1%", "--literal"], "--literal"),
+    ] {
+        let (code, text, out) = run("accuracy_refused", COLUMN, options);
+        assert_eq!(code, Some(2), "{options:?}: {text}");
+        assert!(text.contains(told), "{options:?}: {text}");
+        assert!(!out.exists(), "{options:?}");
+    }
+}
