@@ -66,7 +66,7 @@ use crate::{ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Outcome, RowKey
 /// complementarity problem. The step takes into account that projections and normals move, see
 /// [`ContactProblem::vary_gaps`]. It is accurate to a tenth at first, and to a thousandth where steps become rapidly shorter.
 ///
-/// A step is shortened where it would take a domain function ([`Energy::domain`]) below a tenth of its value. Where neither
+/// A step is shortened where it would take a domain function ([`Energy::domain`](crate::Energy::domain)) below a tenth of its value. Where neither
 /// energy and overlap nor the change of u fall for a few iterations, the method returns to the best state and takes a shorter
 /// step. A converged state is checked at u itself: rows, forces and what they would still move.
 ///
@@ -88,7 +88,7 @@ use crate::{ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Outcome, RowKey
 /// iteration is a step towards its active rows. Iterations of several groups with the same number count as one, and so do
 /// their factorisations; a budget counts those of each group.
 pub struct CondensedNewton {
-    /// Bound on the relative change of u in the last iteration, see [`relative_change`]. Rows are closed, and forces in
+    /// Bound on the relative change of u in the last iteration, see [`relative_change`](super::relative_change). Rows are closed, and forces in
     /// equilibrium, to the same share of the displacements, but at most to 1e-10.
     pub tolerance: f64,
     /// The iteration limit.
