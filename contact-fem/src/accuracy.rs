@@ -6,12 +6,14 @@
 use std::collections::HashSet;
 use std::time::Instant;
 
+use contact_core::State;
 use contact_core::equilibrium::Solution;
 
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::model::{ErrorEstimate, Problem};
 use crate::simulation::History;
+use crate::tensor::Vector;
 
 /// What is asked, and when to give up.
 ///
@@ -141,12 +143,41 @@ pub struct Refinement {
     names: Vec<String>,
     /// Marks by level, body and cell.
     marks: Vec<Vec<Vec<bool>>>,
+    /// The displacements of the last level at the nodes of this one (UL), body by body, component by component.
+    last: Vec<f64>,
 }
 
 impl Refinement {
     /// The number of the level that it makes meshes for.
     pub fn level(&self) -> usize {
         self.marks.len()
+    }
+
+    /// The state of the last level on the meshes of this one, without forces of contact: where only the end of a run counts, it is the start of a run of one
+    /// increment ([`LoadSteps::guess`](contact_core::LoadSteps::guess)). `None` on level 0.
+    ///
+    /// # Errors
+    /// A problem on other meshes than those of [`Refinement::of`]; as [`Problem::unknowns`].
+    pub fn start<const D: usize>(&self, problem: &Problem<D>) -> Result<Option<State>, Error> {
+        if self.marks.is_empty() {
+            return Ok(None);
+        }
+        let (found, expected) = (self.last.len() / D, problem.reference().len());
+        if found != expected {
+            let what = "nodes of the refined meshes";
+            return Err(contact_core::Error::Length {
+                what,
+                found,
+                expected,
+            }
+            .into());
+        }
+        let U = self.last.chunks_exact(D).map(Vector::from_column_slice);
+        let u = problem.unknowns(&U.collect::<Vec<_>>())?;
+        Ok(Some(State {
+            u,
+            ..State::default()
+        }))
     }
 
     /// The mesh of a body on this level from that of level 0: in the plane refined where cells are marked, in space all over if a cell of the
@@ -280,6 +311,9 @@ impl Accuracy {
                 found.ended = ended;
                 return Ok(found);
             }
+            if let Some(solved) = &found.solved {
+                refinement.last = carried(solved, &marks)?;
+            }
             refinement.marks.push(marks);
         }
     }
@@ -299,6 +333,24 @@ impl Accuracy {
             false => None,
         }
     }
+}
+
+/// The displacements at the end of a run at the nodes of the next level.
+fn carried<const D: usize>(
+    Solved { problem, history }: &Solved<D>,
+    marks: &[Vec<bool>],
+) -> Result<Vec<f64>, Error> {
+    let solution = history.run.solution.as_ref();
+    let U = solution.map_or(Vec::new(), |solution| {
+        problem.displacements(&solution.state.u)
+    });
+    let mut all = Vec::new();
+    for (b, (body, marked)) in problem.scene().bodies().iter().zip(marks).enumerate() {
+        let mut own = U[problem.nodes(b)].to_vec();
+        body.mesh().refined_with(marked, &mut own)?;
+        all.extend(own.iter().flat_map(|u| u.iter().copied()));
+    }
+    Ok(all)
 }
 
 /// The most levels without strain, on which facets are too long to see a contact.

@@ -103,6 +103,8 @@ fn both_orders_come_to_the_contact_of_the_circle() {
     let (code, text, out) = run("accuracy_p1", &half_disc(false), &["--accuracy=8 %"]);
     assert_eq!(code, Some(0), "{text}");
     let linear = levels(&out);
+    // its straight facets miss the contact at first
+    assert_eq!((linear[0][1], linear[0][2].abs() < 1e-12), (0.0, true));
     let ends = [&quadratic, &linear].map(|levels| levels[levels.len() - 1]);
     let [[fine, _, energy], [_, estimated, above]] = ends;
     assert!(fine < 20_000.0, "{fine}");
@@ -115,6 +117,34 @@ fn both_orders_come_to_the_contact_of_the_circle() {
         (quadratic[0][2] / energy - 1.0).abs() > 0.5,
         "the first is coarse"
     );
+}
+
+/// Meshes that begin where the last one ended come to the states of whole paths.
+#[test]
+fn starts_on_finer_meshes_do_not_change_what_they_end_with() {
+    let scene = half_disc(true)
+        .replace("increments = 1", "increments = 4")
+        .replace("linear-elastic", "neo-hookean")
+        .replace("y = -0.006", "y = -0.06");
+    let (code, text, out) = run("accuracy_nested", &scene, &["--accuracy", "3%"]);
+    assert_eq!(code, Some(0), "{text}");
+    let nested = levels(&out);
+    let (code, text, out) = run("accuracy_path", &scene, &["--accuracy", "3%", "--path"]);
+    assert_eq!(code, Some(0), "{text}");
+    let whole = levels(&out);
+    assert_eq!(nested.len(), whole.len());
+    assert!(nested.len() > 2);
+    for (a, b) in nested.iter().zip(&whole) {
+        assert!((a[2] / b[2] - 1.0).abs() < 1e-8, "{a:?} {b:?}");
+    }
+    // one increment on finer meshes, and all four with `--path`
+    for (name, steps) in [("accuracy_nested", 1), ("accuracy_path", 4)] {
+        let summary = format!("{name}/out/level_1/summary.json");
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene_files");
+        let text = fs::read_to_string(folder.join(summary)).expect("a summary");
+        let summary: Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(summary["steps"], steps, "{name}");
+    }
 }
 
 #[test]
@@ -144,6 +174,7 @@ fn options_that_mean_nothing_are_refused() {
         (&["--accuracy", "0"], "between 0 and 1"),
         (&["--accuracy", "1%", "--seconds", "-1"], "seconds"),
         (&["--seconds", "5"], "without --accuracy"),
+        (&["--path"], "without --accuracy"),
         (&["--accuracy", "1%", "--resume"], "--resume"),
         (&["--accuracy", "1%", "--literal"], "--literal"),
     ] {

@@ -24,8 +24,11 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// If a new cell of a curved one is folded.
     pub fn refined(&self) -> Result<Self, Error> {
-        let cells: Vec<Vec<[Local; 4]>> = (0..self.len()).map(|k| self.halved(k)).collect();
-        self.cut(&cells)
+        self.cut(&self.all_halved(), &mut Vec::new())
+    }
+
+    fn all_halved(&self) -> Vec<Vec<[Local; 4]>> {
+        (0..self.len()).map(|k| self.halved(k)).collect()
     }
 
     /// The cells of one whose edges are all halved; the first D + 1 entries of each are its corners.
@@ -55,8 +58,9 @@ impl<const D: usize> Mesh<D> {
         cells
     }
 
-    /// The mesh of these cells, given for each old one.
-    fn cut(&self, cells: &[Vec<[Local; 4]>]) -> Result<Self, Error> {
+    /// The mesh of these cells, given for each old one. `field` has a value for each node, or none at all; those of the new nodes are added.
+    fn cut(&self, cells: &[Vec<[Local; 4]>], field: &mut Vec<Vector<D>>) -> Result<Self, Error> {
+        let has_field = !field.is_empty();
         let edges = D * (D + 1) / 2;
         let used = cells.iter().enumerate().flat_map(|(k, own)| {
             let corners = own.iter().flat_map(|cell| &cell[..=D]);
@@ -73,6 +77,9 @@ impl<const D: usize> Mesh<D> {
                     Order::Quadratic => self.cell(k)[local],
                     Order::Linear => {
                         nodes.push((nodes[edge[0]] + nodes[edge[1]]) * 0.5);
+                        if has_field {
+                            field.push((field[edge[0]] + field[edge[1]]) * 0.5);
+                        }
                         nodes.len() - 1
                     }
                 };
@@ -114,7 +121,11 @@ impl<const D: usize> Mesh<D> {
                 let middle = match kept {
                     Some(local) => self.cell(k)[local],
                     None => *between.entry(key).or_insert_with(|| {
-                        nodes.push(self.place(k, [cell[*a], cell[*b]]));
+                        let ends = [cell[*a], cell[*b]];
+                        nodes.push(self.between(k, ends, &self.nodes));
+                        if has_field {
+                            field.push(self.between(k, ends, field));
+                        }
                         nodes.len() - 1
                     }),
                 };
@@ -133,8 +144,8 @@ impl<const D: usize> Mesh<D> {
         [a.min(b), a.max(b)]
     }
 
-    /// Half way between two nodes of a quadratic cell, by its own shape functions.
-    fn place(&self, k: usize, ends: [Local; 2]) -> Vector<D> {
+    /// A field of the nodes half way between two of them, by the shape functions of a quadratic cell.
+    fn between(&self, k: usize, ends: [Local; 2], field: &[Vector<D>]) -> Vector<D> {
         let xi = |local: Local| -> Vector<D> {
             let corner = |a: usize| Vector::from_fn(|i, _| if i + 1 == a { 1.0 } else { 0.0 });
             match local > D {
@@ -152,7 +163,7 @@ impl<const D: usize> Mesh<D> {
             &mut shapes[..own.len()],
         );
         let terms = own.iter().zip(shapes);
-        terms.map(|(&a, N)| self.nodes[a] * N).sum()
+        terms.map(|(&a, N)| field[a] * N).sum()
     }
 
     /// Takes over names, labels and what else holds for the mesh `of` whose cells are the `parents` of these.
@@ -231,6 +242,29 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// If there is not one mark for each cell; as [`Mesh::refined`].
     pub fn refined_where(&self, marked: &[bool]) -> Result<Self, Error> {
+        self.cut(&self.cells_where(marked)?, &mut Vec::new())
+    }
+
+    /// As [`Mesh::refined_where`], with a `field` of the nodes, which has their values in the cells at the nodes of the new mesh afterwards.
+    ///
+    /// # Errors
+    /// If there is not one value for each node; as [`Mesh::refined_where`].
+    pub fn refined_with(&self, marked: &[bool], field: &mut Vec<Vector<D>>) -> Result<Self, Error> {
+        let (found, expected) = (field.len(), self.nodes.len());
+        let what = "field";
+        if found != expected {
+            return Err(contact_core::Error::Length {
+                what,
+                found,
+                expected,
+            }
+            .into());
+        }
+        self.cut(&self.cells_where(marked)?, field)
+    }
+
+    /// The cells into which each is cut.
+    fn cells_where(&self, marked: &[bool]) -> Result<Vec<Vec<[Local; 4]>>, Error> {
         if marked.len() != self.len() {
             return Err(contact_core::Error::Length {
                 what: "marks",
@@ -240,10 +274,10 @@ impl<const D: usize> Mesh<D> {
             .into());
         }
         if D == 3 {
-            return match marked.contains(&true) {
-                true => self.refined(),
-                false => Ok(self.clone()),
-            };
+            return Ok(match marked.contains(&true) {
+                true => self.all_halved(),
+                false => vec![vec![[0, 1, 2, 3]]; self.len()],
+            });
         }
         let longest: Vec<Local> = (0..self.len()).map(|k| self.longest_edge(k)).collect();
         let mut halved: HashSet<[usize; 2]> = HashSet::new();
@@ -265,7 +299,7 @@ impl<const D: usize> Mesh<D> {
             let is_halved = |local: Local| halved.contains(&self.edge(k, local));
             pieces_of_triangle(longest, is_halved)
         });
-        self.cut(&cells.collect::<Vec<_>>())
+        Ok(cells.collect())
     }
 
     /// The middle node of the longest edge; of edges that are equally long, of the one with the lowest corners.

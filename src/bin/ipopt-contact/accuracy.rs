@@ -6,6 +6,7 @@ use std::process::{ExitCode, Termination};
 use ipopt_contact::contact_core::Equilibrium;
 use ipopt_contact::contact_fem::Simulation;
 use ipopt_contact::contact_fem::accuracy::{Accuracy, Ended, Level, Refined, Solved};
+use ipopt_contact::contact_fem::certificate::Limits;
 use ipopt_contact::contact_fem::element::{Element, P1, P2};
 use ipopt_contact::contact_fem::output::picture::{Curve, Curves};
 use ipopt_contact::contact_fem::output::record::{Recorded, print};
@@ -16,8 +17,11 @@ use crate::Words;
 /// The accuracy that is asked for, if one is.
 pub fn asked(words: &Words) -> Result<Option<Accuracy>, String> {
     let Some(text) = words.option("accuracy") else {
-        return match words.option("seconds") {
-            Some(_) => Err("--seconds has no effect without --accuracy: leave it out".into()),
+        let mut given = ["seconds", "path"].into_iter();
+        return match given.find(|name| words.option(name).is_some()) {
+            Some(name) => Err(format!(
+                "--{name} has no effect without --accuracy: leave it out"
+            )),
             None => Ok(None),
         };
     };
@@ -41,7 +45,7 @@ pub fn asked(words: &Words) -> Result<Option<Accuracy>, String> {
 /// Solves the scene on its own meshes and on finer ones, each recorded in a folder of its own.
 pub fn run<const D: usize>(
     (path, file): (&str, &SceneFile),
-    accuracy: &Accuracy,
+    (accuracy, walks_paths): (&Accuracy, bool),
     out: &Path,
     simulation: impl Fn() -> Result<Simulation<Box<dyn Equilibrium>>, String>,
 ) -> Result<ExitCode, String>
@@ -57,6 +61,11 @@ where
             let file = file.refined(refinement);
             let mut simulation = simulation()?;
             let mut problem = file.problem::<D>().map_err(|why| in_file(&why))?;
+            let is_path = walks_paths || !simulation.load_steps.phases.is_empty();
+            if let Some(start) = refinement.start(&problem)?.filter(|_| !is_path) {
+                simulation.load_steps.guess = Some(start);
+                simulation.load_steps.increments = 1;
+            }
             let checked = file.check(&simulation, &mut problem);
             checked.map_err(|why| in_file(&why))?;
             let folder = out.join(format!("level_{}", refinement.level()));
@@ -135,8 +144,12 @@ fn ended<const D: usize>(accuracy: &Accuracy, reached: Refined<D>, out: &Path) -
     ));
     match (reached.ended, reached.solved) {
         (Ended::Reached, Some(Solved { history, .. })) => {
-            if let Some(certificate) = history.certificate() {
-                print(format!("certificate of all its steps {certificate}"));
+            let certificate = history.certificate();
+            let broken = certificate.filter(|found| !found.holds(&Limits::default()));
+            if let Some(certificate) = broken {
+                print(format!(
+                    "the certificate of its steps does not hold: {certificate}"
+                ));
             }
             let stages = Vec::new();
             Recorded { history, stages }.report()

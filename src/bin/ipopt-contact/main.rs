@@ -18,11 +18,11 @@ Contact problems from files, without a line of Rust (docs/scene_files.md, docs/f
 usage:
   ipopt-contact run SCENE.toml --out DIR [--solver NAME] [--literal] [--increments N] [--start DIR]
                     [--resume]
-  ipopt-contact run SCENE.toml --out DIR --accuracy 1% [--seconds S] [--solver NAME] [--increments N]
+  ipopt-contact run SCENE.toml --out DIR --accuracy 1% [--seconds S] [--path] [--solver NAME] [--increments N]
   ipopt-contact run SCENE.toml --check [--solver NAME]
       Solves the scene in a file and records the run in a folder. It starts from rest, or from the result in a folder.
       --accuracy refines the meshes until the estimated error is at most this share of the energy norm, or until another mesh would take
-      more than S seconds in all (600); DIR has a folder for each mesh, and the error against the time (docs/error.md).
+      more than S seconds in all (600). All increments are walked on the first mesh; finer ones begin at its end, unless --path is given. DIR has a folder for each mesh, and the error against the time (docs/error.md).
       --resume keeps the solver's answers in DIR/run.resume, and goes on where an earlier run with it ended.
       --check prints what is wrong with the scene, or may not be meant, and solves nothing.
       --literal does what the paper's script does: its points, stopping rule and settings of Ipopt, and nothing else.

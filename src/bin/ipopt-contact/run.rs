@@ -24,7 +24,7 @@ pub fn command(words: &[String]) -> Result<ExitCode, String> {
         "accuracy",
         "seconds",
     ];
-    let words = Words::parse(words, &known, &["literal", "resume", "check"])?;
+    let words = Words::parse(words, &known, &["literal", "resume", "check", "path"])?;
     let path = words.only("one scene file")?;
     let given = known
         .iter()
@@ -104,7 +104,12 @@ where
                 "--{name} is for one mesh, and --accuracy takes several: leave one of them out"
             ));
         }
-        return accuracy::run::<D>((path, file), &accuracy, Path::new(out), simulation);
+        return accuracy::run::<D>(
+            (path, file),
+            (&accuracy, words.option("path").is_some()),
+            Path::new(out),
+            simulation,
+        );
     }
     let mut simulation = simulation()?;
     let mut problem = file.problem::<D>().map_err(|why| in_file(&why))?;

@@ -156,6 +156,28 @@ fn curved_cells_keep_their_shape() {
     assert_same(&ring.refined().expect("sound cells"), &ring);
 }
 
+/// A field that cells represent is the same on their pieces.
+#[test]
+fn fields_are_carried_exactly() {
+    let linear = |X: &Vector<2>| Vector::<2>::new(0.3 + X[0] - 2.0 * X[1], 0.7 * X[1]);
+    let bent = |X: &Vector<2>| linear(X) + Vector::<2>::new(X[0] * X[1], X[1] * X[1] - X[0]);
+    let marked: Vec<bool> = (0..plate().len()).map(|k| k % 4 == 1).collect();
+    let check = |mesh: Mesh<2>, of: &dyn Fn(&Vector<2>) -> Vector<2>| {
+        let mut field: Vec<Vector<2>> = mesh.nodes().iter().map(of).collect();
+        let finer = mesh.refined_with(&marked, &mut field).expect("sound cells");
+        assert!(field.len() > mesh.nodes().len());
+        assert_eq!(field.len(), finer.nodes().len());
+        for (value, X) in field.iter().zip(finer.nodes()) {
+            assert!((value - of(X)).norm() < 1e-13, "{value} {X}");
+        }
+    };
+    check(plate(), &linear);
+    check(plate().quadratic(), &bent);
+    let refused = plate().refined_with(&marked, &mut vec![Vector::zeros()]);
+    let refused = refused.expect_err("one value").to_string();
+    assert!(refused.contains("field"), "{refused}");
+}
+
 /// A line within the mesh that has a name.
 #[test]
 fn names_within_are_kept() {
