@@ -57,7 +57,8 @@ pub struct Accuracy {
     pub levels: usize,
     /// No level is begun that would have more unknowns; 500 000 by default.
     pub unknowns: usize,
-    /// No level is begun that would end later (s after the start), judged by how the last ones grew; 600 by default.
+    /// No level is begun that would end later (s after the start), judged by how the last ones grew; 600 by default. A level that takes longer than that
+    /// is not ended here: give its run a [`Budget`](contact_core::Budget).
     pub seconds: f64,
     /// The marked cells have this share of the squares of all errors (W. Dörfler, A convergent adaptive algorithm for Poisson's equation, SIAM J.
     /// Numer. Anal. 33 (1996) 1106–1124); 0.8 by default.
@@ -77,10 +78,13 @@ pub struct Level {
     pub seconds: f64,
     /// See `seconds`.
     pub seconds_so_far: f64,
-    /// [`ErrorEstimate::relative`].
+    /// [`ErrorEstimate::relative`], raised by the root of `raised`.
     pub estimated_error: f64,
-    /// [`ErrorEstimate::energy`] (UF·UL).
+    /// [`ErrorEstimate::energy`] (UF·UL), raised by `raised`.
     pub estimated_energy_error: f64,
+    /// By how much more the energy has fallen since one of the last levels, those with a quarter of the unknowns at least, than its estimate said; at
+    /// least 1. It is large at strong singularities, and grows without end where a point carries a force.
+    pub raised: f64,
     /// The total energy (UF·UL).
     pub energy: f64,
     /// The fewest facets in contact of a pair with a force.
@@ -99,9 +103,45 @@ impl std::fmt::Display for Level {
             self.estimated_energy_error,
             self.seconds,
             self.seconds_so_far
-        )
+        )?;
+        match self.raised > TOLD {
+            true => write!(
+                f,
+                ", errors raised by {:.1} since energies fall by more than estimated",
+                self.raised
+            ),
+            false => Ok(()),
+        }
     }
 }
+
+impl Level {
+    /// With what the energies of the levels before tell of their estimates.
+    fn raised_by(self, before: &[Level]) -> Self {
+        // contact that no facet saw, and round-off, tell nothing
+        let is_recent = |of: &&Level| 4 * of.unknowns >= self.unknowns && of.estimated_error > 0.0;
+        let fallen = |of: &Level| of.energy - self.energy;
+        let recent = before.iter().filter(is_recent);
+        let recent = recent.filter(|of| fallen(of) > ROUND_OFF * self.energy.abs());
+        let ratios = recent.map(|of| fallen(of) / (of.estimated_energy_error / of.raised));
+        let raised = ratios.fold(1.0, f64::max);
+        Level {
+            raised,
+            estimated_error: (self.estimated_error * raised.sqrt()).min(1.0),
+            estimated_energy_error: self.estimated_energy_error * raised,
+            ..self
+        }
+    }
+}
+
+/// A level takes at most so many times what the last one took, by all that is assumed: more is a hiccup of the clock.
+const MOST_GROWTH: f64 = 8.0;
+/// Energies that differ by less than this share of them are the same.
+const ROUND_OFF: f64 = 1e-9;
+/// A factor by which errors are raised that is told.
+const TOLD: f64 = 1.5;
+/// The first mesh has the accuracy where its estimate is at most this share of it.
+const SURE: f64 = 0.3;
 
 /// How an [`Accuracy`] ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -290,9 +330,11 @@ impl Accuracy {
                 seconds_so_far,
                 estimated_error: estimate.relative,
                 estimated_energy_error: estimate.energy,
+                raised: 1.0,
                 energy: solution.energy,
                 contact_facets_touching: facets.min(),
             };
+            let level = level.raised_by(&found.levels);
             observe(&level);
             found.levels.push(level);
             let marks = marks(&problem, solution, &estimate, self.marked)?;
@@ -303,6 +345,10 @@ impl Accuracy {
             let ended = match self.limit(&found.levels) {
                 _ if level.estimated_error == 0.0 && !may_touch => Some(Ended::Unstrained),
                 _ if level.estimated_error == 0.0 => None,
+                // the first mesh alone tells no error of its estimate
+                limit if found.levels.len() == 1 && level.estimated_error > SURE * self.asked => {
+                    limit.map(Ended::Limit)
+                }
                 _ if level.estimated_error <= self.asked => Some(Ended::Reached),
                 _ if level.estimated_error.is_nan() => Some(Ended::NoEstimate),
                 limit => limit.map(Ended::Limit),
@@ -322,7 +368,7 @@ impl Accuracy {
     fn limit(&self, levels: &[Level]) -> Option<&'static str> {
         let (last, before) = (levels.last()?, levels.iter().rev().nth(1));
         let grown = |of: fn(&Level) -> f64| match before {
-            Some(before) => of(last) * (of(last) / of(before)).max(1.0),
+            Some(before) => of(last) * (of(last) / of(before)).clamp(1.0, MOST_GROWTH),
             None => of(last),
         };
         let (unknowns, seconds) = (grown(|of| of.unknowns as f64), grown(|of| of.seconds));

@@ -166,6 +166,30 @@ fn what_is_not_reached_is_told() {
     assert!(text.contains("nothing is strained"), "{text}");
 }
 
+/// A force at a point: its displacement, and the energy, have no limit as cells become smaller, and each level lowers the energy by as much.
+#[test]
+fn a_force_at_a_point_does_not_seem_accurate() {
+    let scene = COLUMN.replace(
+        "body-force = [0, -3]",
+        "quadratic = true\nforces = [{ at = [[1, 1]], force = [0, -3] }]",
+    );
+    let (code, text, out) = run(
+        "accuracy_point",
+        &scene,
+        &["--accuracy", "5%", "--seconds", "60"],
+    );
+    let levels = levels(&out);
+    let [first, .., last] = levels[..] else {
+        panic!("{text}");
+    };
+    assert!(levels.len() > 6, "{text}");
+    assert_eq!(code, Some(1), "{text}");
+    assert!(text.contains("errors raised by"), "{text}");
+    // energies are below zero here, and go on falling
+    assert!(last[2] < 1.3 * first[2], "{text}");
+    assert!(last[1] > 0.1, "{text}");
+}
+
 #[test]
 fn options_that_mean_nothing_are_refused() {
     for (options, told) in [
@@ -177,6 +201,7 @@ fn options_that_mean_nothing_are_refused() {
         (&["--path"], "without --accuracy"),
         (&["--accuracy", "1%", "--resume"], "--resume"),
         (&["--accuracy", "1%", "--literal"], "--literal"),
+        (&["--accuracy", "1%", "--solver", "literal"], "literal"),
     ] {
         let (code, text, out) = run("accuracy_refused", COLUMN, options);
         assert_eq!(code, Some(2), "{options:?}: {text}");

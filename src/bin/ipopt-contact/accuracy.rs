@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::process::{ExitCode, Termination};
+use std::time::Instant;
 
 use ipopt_contact::contact_core::Equilibrium;
 use ipopt_contact::contact_fem::Simulation;
@@ -56,6 +57,7 @@ where
     let in_file = |why: &dyn std::fmt::Display| format!("{path}: {why}");
     let mut levels: Vec<Level> = Vec::new();
     let mut unwritten = None;
+    let clock = Instant::now();
     let reached = accuracy.reach(
         |refinement| -> Result<Solved<D>, Failed> {
             let file = file.refined(refinement);
@@ -65,6 +67,12 @@ where
             if let Some(start) = refinement.start(&problem)?.filter(|_| !is_path) {
                 simulation.load_steps.guess = Some(start);
                 simulation.load_steps.increments = 1;
+            }
+            // the first level is needed in any case
+            if refinement.level() > 0 {
+                let left = (accuracy.seconds - clock.elapsed().as_secs_f64()).max(0.0);
+                let given = &mut simulation.load_steps.budget.seconds;
+                *given = Some(given.map_or(left, |own| own.min(left)));
             }
             let checked = file.check(&simulation, &mut problem);
             checked.map_err(|why| in_file(&why))?;
@@ -142,18 +150,26 @@ fn ended<const D: usize>(accuracy: &Accuracy, reached: Refined<D>, out: &Path) -
         out.join(TABLE).display(),
         out.join(PICTURE).display()
     ));
-    match (reached.ended, reached.solved) {
-        (Ended::Reached, Some(Solved { history, .. })) => {
-            let certificate = history.certificate();
-            let broken = certificate.filter(|found| !found.holds(&Limits::default()));
-            if let Some(certificate) = broken {
-                print(format!(
-                    "the certificate of its steps does not hold: {certificate}"
-                ));
-            }
-            let stages = Vec::new();
-            Recorded { history, stages }.report()
-        }
+    let next = out.join(format!("level_{}", reached.levels.len()));
+    if !matches!(reached.ended, Ended::Incomplete(_)) && next.exists() {
+        print(format!(
+            "{} and what follows it are of an earlier run",
+            next.display()
+        ));
+    }
+    let Some(Solved { history, .. }) = reached.solved else {
+        return ExitCode::FAILURE;
+    };
+    let certificate = history.certificate();
+    let broken = certificate.filter(|found| !found.holds(&Limits::default()));
+    if let Some(certificate) = broken {
+        print(format!(
+            "the certificate of its steps does not hold: {certificate}"
+        ));
+    }
+    let stages = Vec::new();
+    match reached.ended {
+        Ended::Reached => Recorded { history, stages }.report(),
         _ => ExitCode::FAILURE,
     }
 }
@@ -164,13 +180,13 @@ const PICTURE: &str = "error_against_time.svg";
 /// Writes the curve of the levels so far, and where the next one is expected.
 fn write(out: &Path, levels: &[Level]) -> Result<(), String> {
     let mut table = String::from(
-        "level,cells,unknowns,seconds,seconds_so_far,estimated_error,estimated_energy_error,energy,contact_facets_touching\n",
+        "level,cells,unknowns,seconds,seconds_so_far,estimated_error,estimated_energy_error,raised,energy,contact_facets_touching\n",
     );
     for level in levels {
         let facets = level.contact_facets_touching;
         let facets = facets.map_or(String::new(), |count| count.to_string());
         table += &format!(
-            "{},{},{},{:.4},{:.4},{:e},{:e},{:e},{facets}\n",
+            "{},{},{},{:.4},{:.4},{:e},{:e},{:e},{:e},{facets}\n",
             level.number,
             level.cells,
             level.unknowns,
@@ -178,6 +194,7 @@ fn write(out: &Path, levels: &[Level]) -> Result<(), String> {
             level.seconds_so_far,
             level.estimated_error,
             level.estimated_energy_error,
+            level.raised,
             level.energy
         );
     }

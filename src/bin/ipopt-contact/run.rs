@@ -96,6 +96,12 @@ where
         Ok(simulation)
     };
     if let Some(accuracy) = accuracy::asked(words)? {
+        if words.option("solver") == Some("literal") {
+            return Err(
+                "--solver literal does what a script does, on one mesh: leave it or --accuracy out"
+                    .into(),
+            );
+        }
         if let Some(name) = ["resume", "start", "literal"]
             .iter()
             .find(|name| words.option(name).is_some())
