@@ -297,8 +297,8 @@ impl Accuracy {
     /// what is asked, or a limit is reached. `observe` sees each complete level.
     ///
     /// # Errors
-    /// Settings out of range; those of `solve`.
-    pub fn reach<const D: usize, E: From<Error>>(
+    /// Settings out of range; those of `solve` on the first mesh. One on a finer mesh is [`Ended::Incomplete`].
+    pub fn reach<const D: usize, E: From<Error> + std::fmt::Display>(
         &self,
         mut solve: impl FnMut(&Refinement) -> Result<Solved<D>, E>,
         mut observe: impl FnMut(&Level),
@@ -313,7 +313,13 @@ impl Accuracy {
         };
         loop {
             let before = clock.elapsed().as_secs_f64();
-            let Solved { problem, history } = solve(&refinement)?;
+            let Solved { problem, history } = match solve(&refinement) {
+                Err(why) if !found.levels.is_empty() => {
+                    found.ended = Ended::Incomplete(why.to_string());
+                    return Ok(found);
+                }
+                solved => solved?,
+            };
             let solution = history.run.solution.as_ref();
             let Some(solution) = solution.filter(|_| history.is_complete()) else {
                 found.ended = Ended::Incomplete(history.run.ending.to_string());

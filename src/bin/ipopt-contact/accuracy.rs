@@ -103,6 +103,12 @@ where
 /// What a level fails with.
 struct Failed(String);
 
+impl std::fmt::Display for Failed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
 impl From<String> for Failed {
     fn from(why: String) -> Self {
         Failed(why)
