@@ -129,7 +129,7 @@ pub struct SceneFile {
     keys: Keys,
     /// Whether curved sides are made straight.
     is_straight: bool,
-    /// How the meshes differ from those that it names.
+    /// How the meshes differ from the meshes that the file names.
     refinement: Refinement,
 }
 
@@ -164,7 +164,7 @@ impl SceneFile {
         })
     }
 
-    /// The same scene on refined meshes. Boundaries are those of the meshes that the file names, cut into smaller facets; `curved` ones are drawn
+    /// The same scene on refined meshes. Its boundaries are the file's, cut into smaller facets; `curved` ones are drawn
     /// onto their curves again.
     pub fn refined(&self, refinement: &Refinement) -> Self {
         SceneFile {

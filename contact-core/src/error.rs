@@ -167,11 +167,7 @@ impl Error {
     }
 
     /// Checks that something has `expected` entries.
-    pub(crate) fn check_length_of(
-        what: &'static str,
-        found: usize,
-        expected: usize,
-    ) -> Result<(), Self> {
+    pub fn check_length_of(what: &'static str, found: usize, expected: usize) -> Result<(), Self> {
         match found == expected {
             true => Ok(()),
             false => Err(Error::Length {

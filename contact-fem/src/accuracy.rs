@@ -82,8 +82,8 @@ pub struct Level {
     pub estimated_error: f64,
     /// [`ErrorEstimate::energy`] (UF·UL), raised by `raised`.
     pub estimated_energy_error: f64,
-    /// By how much more the energy has fallen since one of the last levels, those with a quarter of the unknowns at least, than its estimate said; at
-    /// least 1. It is large at strong singularities, and grows without end where a point carries a force.
+    /// The largest ratio of the energy's fall since a recent level to what that level's estimate said, at least 1. A recent level has a quarter of this
+    /// level's unknowns or more. The ratio is large at strong singularities, and grows without end where a point carries a force.
     pub raised: f64,
     /// The total energy (UF·UL).
     pub energy: f64,
@@ -116,7 +116,7 @@ impl std::fmt::Display for Level {
 }
 
 impl Level {
-    /// With what the energies of the levels before tell of their estimates.
+    /// With its errors raised by what the levels before tell, see [`Level::raised`].
     fn raised_by(self, before: &[Level]) -> Self {
         // contact that no facet saw, and round-off, tell nothing
         let is_recent = |of: &&Level| 4 * of.unknowns >= self.unknowns && of.estimated_error > 0.0;
@@ -127,7 +127,7 @@ impl Level {
         let raised = ratios.fold(1.0, f64::max);
         Level {
             raised,
-            estimated_error: (self.estimated_error * raised.sqrt()).min(1.0),
+            estimated_error: (self.estimated_error * raised.sqrt()).clamp(0.0, 1.0),
             estimated_energy_error: self.estimated_energy_error * raised,
             ..self
         }
@@ -197,21 +197,13 @@ impl Refinement {
     /// increment ([`LoadSteps::guess`](contact_core::LoadSteps::guess)). `None` on level 0.
     ///
     /// # Errors
-    /// A problem on other meshes than those of [`Refinement::of`]; as [`Problem::unknowns`].
+    /// A problem whose meshes are not from [`Refinement::of`]; as [`Problem::unknowns`].
     pub fn start<const D: usize>(&self, problem: &Problem<D>) -> Result<Option<State>, Error> {
         if self.marks.is_empty() {
             return Ok(None);
         }
         let (found, expected) = (self.last.len() / D, problem.reference().len());
-        if found != expected {
-            let what = "nodes of the refined meshes";
-            return Err(contact_core::Error::Length {
-                what,
-                found,
-                expected,
-            }
-            .into());
-        }
+        contact_core::Error::check_length_of("nodes of the refined meshes", found, expected)?;
         let U = self.last.chunks_exact(D).map(Vector::from_column_slice);
         let u = problem.unknowns(&U.collect::<Vec<_>>())?;
         Ok(Some(State {
@@ -232,7 +224,7 @@ impl Refinement {
     /// As [`Refinement::of`], where `draw` moves the nodes of a new mesh to where they belong, as with [`Mesh::curved`].
     ///
     /// # Errors
-    /// As [`Refinement::of`], and those of `draw`.
+    /// As [`Refinement::of`], and the errors of `draw`.
     pub fn drawn<const D: usize, E: From<Error>>(
         &self,
         body: &str,
@@ -297,7 +289,7 @@ impl Accuracy {
     /// what is asked, or a limit is reached. `observe` sees each complete level.
     ///
     /// # Errors
-    /// Settings out of range; those of `solve` on the first mesh. One on a finer mesh is [`Ended::Incomplete`].
+    /// Settings out of range; the errors of `solve` on the first mesh. An error on a finer mesh is [`Ended::Incomplete`].
     pub fn reach<const D: usize, E: From<Error> + std::fmt::Display>(
         &self,
         mut solve: impl FnMut(&Refinement) -> Result<Solved<D>, E>,
@@ -408,8 +400,8 @@ fn carried<const D: usize>(
 /// The most levels without strain, on which facets are too long to see a contact.
 const UNSTRAINED: usize = 8;
 
-/// The cells to be cut, body by body: those with the largest errors, and those of bodies that do not deform where they are pressed. Where nothing is
-/// strained, those at nodes that are closer to another surface than their facets are long.
+/// The cells to be cut, body by body: cells with the largest errors, and pressed cells of bodies that do not deform. Where nothing is strained, cells at
+/// nodes that are closer to another surface than their facets are long.
 fn marks<const D: usize>(
     problem: &Problem<D>,
     solution: &Solution,
@@ -442,4 +434,99 @@ fn marks<const D: usize>(
         }
     }
     Ok(marks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The error of the energy of level k is 2⁻ᵏ, of which the estimate tells this share.
+    fn levels(count: usize, told: f64) -> Vec<Level> {
+        let mut levels = Vec::<Level>::new();
+        for number in 0..count {
+            let truth = 0.5_f64.powi(number as i32);
+            let level = Level {
+                number,
+                cells: 0,
+                unknowns: 1000 + number,
+                seconds: 1.0,
+                seconds_so_far: 1.0 + number as f64,
+                estimated_error: (told * truth / 32.0).sqrt(),
+                estimated_energy_error: told * truth,
+                raised: 1.0,
+                energy: 16.0 + truth,
+                contact_facets_touching: None,
+            };
+            levels.push(level.raised_by(&levels));
+        }
+        levels
+    }
+
+    #[test]
+    fn estimates_that_are_too_low_are_raised_to_what_energies_show() {
+        for told in [0.01, 0.1, 0.5] {
+            let levels = levels(12, told);
+            for (k, level) in levels.iter().enumerate().skip(1) {
+                // from level 0 to level k the energy falls by 1 − 2⁻ᵏ, of the `told` that level 0 expects
+                let raised = ((1.0 - 0.5_f64.powi(k as i32)) / told).max(1.0);
+                assert!((level.raised / raised - 1.0).abs() < 1e-12, "{k}");
+                let truth = 0.5_f64.powi(k as i32);
+                let ratio = level.estimated_energy_error / truth;
+                assert!((0.49..1.01).contains(&ratio), "{told} {k}: {ratio}");
+            }
+        }
+        // estimates that are right, or too high, stay what they are
+        assert!(levels(12, 1.5).iter().all(|level| level.raised == 1.0));
+    }
+
+    #[test]
+    fn coarse_levels_round_off_and_unstrained_ones_tell_nothing() {
+        let base = levels(2, 0.01);
+        let [first, second] = [
+            base[0],
+            Level {
+                raised: 1.0,
+                ..base[1]
+            },
+        ];
+        let raised = |first: Level, second: Level| second.raised_by(&[first]).raised;
+        assert!(raised(first, second) > 10.0);
+        let coarse = Level {
+            unknowns: 200,
+            ..first
+        };
+        assert_eq!(raised(coarse, second), 1.0);
+        let unstrained = Level {
+            estimated_error: 0.0,
+            estimated_energy_error: 1e-30,
+            ..first
+        };
+        assert_eq!(raised(unstrained, second), 1.0);
+        let same = Level {
+            energy: second.energy + 1e-10,
+            estimated_energy_error: 1e-14,
+            ..first
+        };
+        assert_eq!(raised(same, second), 1.0);
+        let higher = Level {
+            energy: 20.0,
+            ..second
+        };
+        assert_eq!(raised(first, higher), 1.0);
+    }
+
+    #[test]
+    fn what_is_no_number_stays_none_and_shares_stay_below_one() {
+        let levels = levels(2, 0.01);
+        let unknown = Level {
+            estimated_error: f64::NAN,
+            ..levels[1]
+        };
+        assert!(unknown.raised_by(&levels[..1]).estimated_error.is_nan());
+        let large = Level {
+            estimated_error: 0.5,
+            ..levels[1]
+        };
+        assert_eq!(large.raised_by(&levels[..1]).estimated_error, 1.0);
+    }
 }

@@ -14,6 +14,7 @@ use super::laws;
 use super::meshes::{Found, MeshKeys};
 use super::place::Place;
 use super::program::{amplitude, motion};
+use super::rounds::onto;
 use super::{Error, SceneFile};
 
 impl SceneFile {
@@ -228,16 +229,7 @@ impl CurvedKeys {
                 })?
             }
         };
-        let onto = |x: &Vector<D>| {
-            let arm = x - centre;
-            let along = axis * axis.dot(&arm);
-            let out = arm - along;
-            match out.norm() {
-                0.0 => *x,
-                length => centre + along + out * (radius / length),
-            }
-        };
-        place.of(mesh.curved(&on.to_string(), onto))
+        place.of(mesh.curved(&on.to_string(), onto(centre, axis, radius)))
     }
 }
 

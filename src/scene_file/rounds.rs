@@ -7,6 +7,24 @@ use super::Error;
 use super::meshes::{DiscKeys, EquilateralDiscKeys, Grid, Made, MeshKeys};
 use super::place::Place;
 
+/// The map of points onto a circle, a sphere, or a cylinder around an `axis` of length 1, which is zero where there is none. The centre, and points on the
+/// axis, stay where they are.
+pub(super) fn onto<const D: usize>(
+    centre: Vector<D>,
+    axis: Vector<D>,
+    radius: f64,
+) -> impl Fn(&Vector<D>) -> Vector<D> {
+    move |x| {
+        let arm = x - centre;
+        let along = axis * axis.dot(&arm);
+        let out = arm - along;
+        match out.norm() {
+            0.0 => *x,
+            length => centre + along + out * (radius / length),
+        }
+    }
+}
+
 /// A boundary at a distance from the origin, or from the third axis.
 struct Round {
     boundary: &'static str,
@@ -28,14 +46,11 @@ impl MeshKeys {
             if !is_there {
                 continue;
             }
-            let onto = |x: &Vector<D>| {
-                let mut out = x - offset;
-                if D == 3 && round.is_around_axis {
-                    out[D - 1] = 0.0;
-                }
-                x + out * (round.radius / out.norm() - 1.0)
+            let axis = match D == 3 && round.is_around_axis {
+                true => Vector::from_fn(|i, _| if i + 1 == D { 1.0 } else { 0.0 }),
+                false => Vector::zeros(),
             };
-            mesh = place.of(mesh.drawn(round.boundary, onto))?;
+            mesh = place.of(mesh.drawn(round.boundary, onto(offset, axis, round.radius)))?;
         }
         Ok(mesh)
     }

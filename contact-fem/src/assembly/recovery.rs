@@ -1,5 +1,5 @@
-//! The error of each cell, estimated by recovery: gradients of displacements are fitted around each corner, and what they differ
-//! from those of the cells is taken as their error.
+//! The error of each cell, estimated by recovery: gradients of displacements are fitted around each corner, and the difference between the
+//! fitted gradient and the cell's is taken as the cell's error.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::kinematics::Kinematics;
 use super::strain_energy::gathered;
-use crate::element::cell_rule::degree_5;
+use crate::element::cell_rule::{degree_2, degree_5};
 use crate::element::{Element, Order};
 use crate::mesh::Mesh;
 use crate::parallel;
@@ -19,7 +19,7 @@ const SAMPLES: usize = 2;
 /// side, more still.
 const CELLS: usize = 2;
 const CELLS_ON_BORDERS: usize = 4;
-/// A monomial belongs to a fit if so much of its square is independent of those before it.
+/// A monomial belongs to a fit if so much of its square is independent of the monomials before it.
 const INDEPENDENT: f64 = 1e-6;
 /// Samples at the distance d of the corner, relative to the farthest one, count 1/(this + d²).
 const NEARBY: f64 = 0.1;
@@ -47,13 +47,13 @@ where
 {
     let recovered = Recovered::new::<E>(mesh, U, |k| law(k).map(|(_, part)| part));
     let rule = rule::<D>(E::ORDER);
-    let still = K::rest();
     let mut errors = vec![CellError::default(); mesh.len()];
     parallel::fill(&mut errors, 1, |k, error| {
         let Some((law, _)) = law(k) else {
             return;
         };
         let (nodes, local) = gathered::<D, E>(mesh.cell(k), U);
+        let at_rest = K::energy_density(law, &K::rest());
         for (point, (_, xi)) in K::points_in(mesh, &nodes, &rule).zip(&rule) {
             let (at, weight) = (K::at(&point, &local), K::weight(&point));
             let xi = Vector::from(*xi);
@@ -63,8 +63,7 @@ where
                 apart.ger(-1.0, v, dN, 1.0);
             }
             error[0].square += weight * K::square(law, &at, &apart);
-            error[0].energy +=
-                weight * (K::energy_density(law, &at) - K::energy_density(law, &still));
+            error[0].energy += weight * (K::energy_density(law, &at) - at_rest);
         }
         if error[0].square < 0.0 {
             error[0].square = 0.0;
@@ -73,15 +72,12 @@ where
     errors
 }
 
-/// Quadrature for squares of errors: what the samples of a quadratic cell see is not its error.
+/// Quadrature for squares of errors, (weight, ξ): more points than the samples of a cell, which do not see all of its error.
 fn rule<const D: usize>(order: Order) -> Vec<(f64, [f64; D])> {
-    let of_degree_2 = places::<D>(Order::Quadratic).into_iter();
-    let volume = if D == 2 { 1.0 / 2.0 } else { 1.0 / 6.0 };
+    let flat = |(weight, xi): (f64, Vector<D>)| (weight, xi.into());
     match order {
-        Order::Linear => of_degree_2
-            .map(|xi| (volume / (D + 1) as f64, xi.into()))
-            .collect(),
-        Order::Quadratic => degree_5::<D>().map(|(w, xi)| (w, xi.into())).collect(),
+        Order::Linear => degree_2().map(flat).collect(),
+        Order::Quadratic => degree_5().map(flat).collect(),
     }
 }
 
@@ -92,13 +88,13 @@ fn place<const D: usize, E: Element<D>>(mesh: &Mesh<D>, k: usize, xi: &Vector<D>
     terms.map(|(&a, N)| mesh.nodes()[a] * *N).sum()
 }
 
-/// A field G near ∇u: at each corner a polynomial of the displacements' degree, fitted to the gradients of the cells around it by least
-/// squares, and in a cell those of its corners, weighted by barycentric coordinates. After O. C. Zienkiewicz and J. Z. Zhu, The
+/// A field G near ∇u. Each corner has a polynomial of the displacements' degree, fitted by least squares to the gradients of the cells around it. A cell
+/// has the polynomials of its corners, weighted by barycentric coordinates. After O. C. Zienkiewicz and J. Z. Zhu, The
 /// superconvergent patch recovery and a posteriori error estimates, Int. J. Numer. Meth. Engng 33 (1992) 1331–1382, and, for
 /// the weights, N.-E. Wiberg and F. Abdulwahab, ibid. 36 (1993) 2703–2724.
 struct Recovered<const D: usize> {
     fits: Vec<Fit<D>>,
-    /// The fit at each corner, cell by cell; those of cells without a part have no meaning.
+    /// The fit at each corner, cell by cell; the entries of cells without a part have no meaning.
     of_corners: Vec<usize>,
 }
 
@@ -324,17 +320,11 @@ fn coefficients<const D: usize>(order: Order) -> usize {
     }
 }
 
-/// Where the gradient of a cell is sampled: at the centre, or where the rule of degree 2 has its D + 1 points.
+/// Where the gradient of a cell is sampled: at the centre of a linear cell, at the points of the rule of degree 2 in a quadratic one.
 fn places<const D: usize>(order: Order) -> Vec<Vector<D>> {
-    let centre = Vector::repeat(1.0 / (D + 1) as f64);
     match order {
-        Order::Linear => vec![centre],
-        Order::Quadratic => {
-            let towards = 1.0 / (D as f64 + 2.0).sqrt();
-            let corner = |a: usize| Vector::from_fn(|i, _| f64::from(u8::from(i + 1 == a)));
-            let place = |a: usize| centre + (corner(a) - centre) * towards;
-            (0..=D).map(place).collect()
-        }
+        Order::Linear => vec![Vector::repeat(1.0 / (D + 1) as f64)],
+        Order::Quadratic => degree_2().map(|(_, xi)| xi).collect(),
     }
 }
 

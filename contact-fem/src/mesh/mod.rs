@@ -163,11 +163,8 @@ impl<const D: usize> Mesh<D> {
     /// Gives the region `name` those cells whose centre, the mean of the corners, satisfies `contains`; an existing region is extended.
     /// Regions may overlap.
     pub fn name_region(&mut self, name: &str, contains: impl Fn(&Vector<D>) -> bool) {
-        let centre = |cell: usize| {
-            let corners = self.corners(cell).iter().map(|&a| self.nodes[a]);
-            corners.sum::<Vector<D>>() / (D + 1) as f64
-        };
-        let found: Vec<usize> = (0..self.len()).filter(|&k| contains(&centre(k))).collect();
+        let found = (0..self.len()).filter(|&k| contains(&self.centre(k)));
+        let found: Vec<usize> = found.collect();
         let named = self.regions.entry(name.to_string()).or_default();
         named.extend(found);
         named.sort_unstable();
@@ -249,6 +246,12 @@ impl<const D: usize> Mesh<D> {
     /// The corners of a cell.
     pub fn corners(&self, k: usize) -> &[usize] {
         &self.cell(k)[..=D]
+    }
+
+    /// The mean of a cell's corners.
+    pub(crate) fn centre(&self, k: usize) -> Vector<D> {
+        let corners = self.corners(k).iter().map(|&a| self.nodes[a]);
+        corners.sum::<Vector<D>>() / (D + 1) as f64
     }
 
     /// The nodes of each cell, in the order of the cells.

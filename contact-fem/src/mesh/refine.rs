@@ -1,12 +1,13 @@
-//! Meshes with smaller cells, conforming, with the boundaries and regions of those that they are made from.
+//! Meshes with smaller cells: conforming, with the boundaries and regions of the coarse mesh.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::Mesh;
+use crate::element::cell_rule::corner;
 use crate::element::p2::{self, CELL_EDGES};
 use crate::element::{Order, facet_edge};
 use crate::error::Error;
-use crate::tensor::Vector;
+use crate::tensor::{Matrix, Vector, determinant};
 
 /// A corner of a new cell: the number that the node has in a quadratic cell, a corner or the middle of an edge.
 type Local = usize;
@@ -14,9 +15,8 @@ type Local = usize;
 impl<const D: usize> Mesh<D> {
     /// The mesh with all edges halved: four cells for each in the plane, eight in space.
     ///
-    /// Boundaries, regions and their names stay what they are. Nodes in the middle of straight edges are half way between the corners; those of
-    /// quadratic cells are where the cell has them, so that curved sides keep their shape.
-    /// [`Mesh::curved`] moves them onto a curve.
+    /// Boundaries, regions and their names stay what they are. The middle of a straight edge is half way between its corners. The middle of a quadratic
+    /// edge is where its cell's shape functions have it, so that curved sides keep their shape; [`Mesh::curved`] moves it onto a curve.
     ///
     /// In the plane the four cells are similar to the old one. In space four are; the octahedron between them is cut along its shortest
     /// diagonal.
@@ -58,7 +58,7 @@ impl<const D: usize> Mesh<D> {
         cells
     }
 
-    /// The mesh of these cells, given for each old one. `field` has a value for each node, or none at all; those of the new nodes are added.
+    /// The mesh of these cells, given for each old one. `field` has a value for each node, or none at all; the values of new nodes are added.
     fn cut(&self, cells: &[Vec<[Local; 4]>], field: &mut Vec<Vector<D>>) -> Result<Self, Error> {
         let has_field = !field.is_empty();
         let edges = D * (D + 1) / 2;
@@ -97,8 +97,8 @@ impl<const D: usize> Mesh<D> {
             for cell in own {
                 let mut cell: [Local; 4] = *cell;
                 let X = |local: Local| nodes[node(k, local)];
-                let sides: Vec<Vector<D>> = (1..=D).map(|i| X(cell[i]) - X(cell[0])).collect();
-                if determinant_of(&sides) < 0.0 {
+                let sides = Matrix::<D>::from_fn(|i, j| (X(cell[j + 1]) - X(cell[0]))[i]);
+                if determinant(&sides) < 0.0 {
                     cell.swap(D - 1, D);
                 }
                 corners.push(cell);
@@ -147,14 +147,11 @@ impl<const D: usize> Mesh<D> {
     /// A field of the nodes half way between two of them, by the shape functions of a quadratic cell.
     fn between(&self, k: usize, ends: [Local; 2], field: &[Vector<D>]) -> Vector<D> {
         let xi = |local: Local| -> Vector<D> {
-            let corner = |a: usize| Vector::from_fn(|i, _| if i + 1 == a { 1.0 } else { 0.0 });
-            match local > D {
-                true => {
-                    let [a, b] = CELL_EDGES[local - D - 1];
-                    (corner(a) + corner(b)) * 0.5
-                }
-                false => corner(local),
-            }
+            let [a, b] = match local > D {
+                true => CELL_EDGES[local - D - 1],
+                false => [local; 2],
+            };
+            (corner(a) + corner(b)) * 0.5
         };
         let mut shapes = [0.0; 10];
         let own = self.cell(k);
@@ -227,10 +224,8 @@ impl<const D: usize> Mesh<D> {
         (self.labels, self.region) = (of.labels.clone(), of.region);
         self.is_revolved = of.is_revolved;
     }
-}
 
-impl<const D: usize> Mesh<D> {
-    /// The mesh in which all edges of the `marked` cells are halved, and no more of the others than keeps the mesh conforming.
+    /// The mesh in which all edges of the `marked` cells are halved, and as few further edges as keep the mesh conforming.
     ///
     /// Cells with a halved edge are cut along their longest edge first, after M.-C. Rivara, Algorithms for refining triangular grids suitable for
     /// adaptive and multigrid techniques, Int. J. Numer. Meth. Engng 20 (1984) 745–756: however often a mesh is refined, no angle becomes smaller than half the
@@ -250,29 +245,13 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// If there is not one value for each node; as [`Mesh::refined_where`].
     pub fn refined_with(&self, marked: &[bool], field: &mut Vec<Vector<D>>) -> Result<Self, Error> {
-        let (found, expected) = (field.len(), self.nodes.len());
-        let what = "field";
-        if found != expected {
-            return Err(contact_core::Error::Length {
-                what,
-                found,
-                expected,
-            }
-            .into());
-        }
+        contact_core::Error::check_length_of("field", field.len(), self.nodes.len())?;
         self.cut(&self.cells_where(marked)?, field)
     }
 
     /// The cells into which each is cut.
     fn cells_where(&self, marked: &[bool]) -> Result<Vec<Vec<[Local; 4]>>, Error> {
-        if marked.len() != self.len() {
-            return Err(contact_core::Error::Length {
-                what: "marks",
-                found: marked.len(),
-                expected: self.len(),
-            }
-            .into());
-        }
+        contact_core::Error::check_length_of("marks", marked.len(), self.len())?;
         if D == 3 {
             return Ok(match marked.contains(&true) {
                 true => self.all_halved(),
@@ -355,11 +334,6 @@ fn pieces<const D: usize>(
             of(&[m[0], m[1], m[2]]),
         ],
     }
-}
-
-fn determinant_of<const D: usize>(sides: &[Vector<D>]) -> f64 {
-    let columns = crate::tensor::Matrix::<D>::from_fn(|i, j| sides[j][i]);
-    crate::tensor::determinant(&columns)
 }
 
 #[cfg(test)]

@@ -128,14 +128,7 @@ impl<const D: usize> Snapshot<D> {
             ("Snapshot::cells", self.cells.len(), cells),
             ("Snapshot::errors", self.errors.len(), cells),
         ] {
-            if found != expected {
-                return Err(contact_core::Error::Length {
-                    what,
-                    found,
-                    expected,
-                }
-                .into());
-            }
+            contact_core::Error::check_length_of(what, found, expected)?;
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! `ipopt-contact run SCENE.toml --accuracy 1%`: finer and finer meshes, and the error against the time that they took.
 
+use std::error::Error;
 use std::path::Path;
 use std::process::{ExitCode, Termination};
 use std::time::Instant;
@@ -59,7 +60,7 @@ where
     let mut unwritten = None;
     let clock = Instant::now();
     let reached = accuracy.reach(
-        |refinement| -> Result<Solved<D>, Failed> {
+        |refinement| -> Result<Solved<D>, Box<dyn Error>> {
             let file = file.refined(refinement);
             let mut simulation = simulation()?;
             let mut problem = file.problem::<D>().map_err(|why| in_file(&why))?;
@@ -93,31 +94,10 @@ where
             unwritten = unwritten.take().or(write(out, &levels).err());
         },
     );
-    let reached = reached.map_err(|Failed(why)| why)?;
+    let reached = reached.map_err(|why| why.to_string())?;
     match unwritten {
         Some(why) => Err(why),
         None => Ok(ended(accuracy, reached, out)),
-    }
-}
-
-/// What a level fails with.
-struct Failed(String);
-
-impl std::fmt::Display for Failed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl From<String> for Failed {
-    fn from(why: String) -> Self {
-        Failed(why)
-    }
-}
-
-impl From<ipopt_contact::contact_fem::Error> for Failed {
-    fn from(why: ipopt_contact::contact_fem::Error) -> Self {
-        Failed(why.to_string())
     }
 }
 

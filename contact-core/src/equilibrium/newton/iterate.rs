@@ -16,7 +16,7 @@ use crate::{ContactProblem, Cost, Multipliers, State, Stop};
 
 /// A small step with a larger shift of the diagonal, relative to K's, does not show convergence.
 const SHIFT: f64 = 1e-5;
-/// Corrections of a step below this share of the displacements are not needed, nor those below a tenth of the tolerance.
+/// Corrections of a step below this share of the displacements are not needed, nor corrections below a tenth of the tolerance.
 const NEGLIGIBLE: f64 = 1e-11;
 /// The iteration also ends after a step of up to so many tolerances, relative to the displacements, if the state after the step is an
 /// equilibrium to this share of the tolerance.

@@ -1,4 +1,4 @@
-//! Estimates against errors that are known: none for what cells can represent, and those of interpolation for other fields.
+//! Estimates against known errors: fields that cells represent have none, and a smooth field has the error of its interpolation.
 
 use super::super::{AveragedVolume, BodyEnergy, DofMap, Laws, Revolution, StrainEnergy};
 use super::*;
@@ -249,6 +249,29 @@ fn averaged_volumes_have_their_energy() {
         );
         assert!(square < 0.2 * stored);
     }
+}
+
+/// u = (x²/2, 0) changes volumes by x. Between the nodes the pressure k x is linear, in a cell of legs h it is constant: the square of what is between
+/// them, by 1/k, is k h²/18 a volume. The rest of the law is the same for both k.
+#[test]
+fn pressures_of_averaged_volumes_have_an_error() {
+    let n = 32;
+    let sides: Vec<f64> = (0..=n).map(|k| k as f64 / n as f64).collect();
+    let mesh = rectangle(&sides, &sides, Diagonals::Rising).expect("a mesh");
+    let U = field(&mesh, |X| Vector::<2>::new(0.5 * X[0] * X[0], 0.0));
+    let of = |poisson: f64| {
+        // μ = 1
+        let law = LinearElastic::new(2.0 * (1.0 + poisson), poisson).expect("a law");
+        let k = crate::material::Volumetric::<2>::split(&law).1;
+        let forces = vec![0.0; 2 * mesh.nodes().len()];
+        let averaged = AveragedVolume::<2, _>::new(&mesh, &law, free(&mesh), Vec::new(), forces);
+        [k, sums(&averaged.cell_errors(&mesh, &U))[0]]
+    };
+    let [[k, square], [larger_k, larger]] = [0.3, 0.45].map(of);
+    let expected = (larger_k - k) / (18.0 * (n * n) as f64);
+    let ratio = (larger - square) / expected;
+    // cells along the sides have nodes with a mean of their own
+    assert!((0.8..1.2).contains(&ratio), "{ratio}");
 }
 
 /// Where there are fewer cells than a fit needs, it has a lower degree.

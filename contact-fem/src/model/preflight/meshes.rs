@@ -164,8 +164,7 @@ fn sliver<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Report
         return;
     };
     if ratio > SLIVER {
-        let corners = mesh.corners(cell).iter().map(|&a| mesh.nodes()[a]);
-        let x = corners.sum::<Vector<D>>() / (D + 1) as f64;
+        let x = mesh.centre(cell);
         let finding = Finding::new(Severity::Warning, FindingKind::Sliver, &[name]);
         report.add(finding.at(&x).measured(ratio, SLIVER).says(
             format!("cell {cell} of body `{name}` is a sliver: {ratio:.1e} times as long as high"),
