@@ -22,6 +22,16 @@ const NEGLIGIBLE: f64 = 1e-11;
 /// equilibrium to this share of the tolerance.
 const NEARLY: f64 = 1e2;
 const CLEARLY: f64 = 1e-2;
+/// What a step may leave of the complementarity, as a share of the displacements: usually so little that the next state shows an
+/// equilibrium.
+const INDEPENDENT: f64 = 1e-11;
+/// More than so many steps show rows that nearly depend on each other, as those of both bodies do where the side of one lies
+/// on a facet of the other: what makes such rows contradict each other is of second order in the step, and to satisfy them all takes far
+/// larger changes of the multipliers, which lead to the next contradiction. From then on, steps leave so much, and equilibria
+/// may have gaps of a few times that.
+const USUAL: usize = 10;
+const DEPENDENT: f64 = 1e-7;
+const GAPS: f64 = 3e-7;
 /// Equilibria are examined where the sum of the multipliers has grown by this factor.
 const GROWN: f64 = 2.0;
 /// They are examined, too, where the curvature along the softest motion is below this share of what it was.
@@ -66,6 +76,8 @@ pub(super) struct Iterate<'a> {
     pub(super) left: usize,
     /// Where it was left for.
     pub(super) beside: Option<State>,
+    /// The number of steps at this load.
+    pub(super) steps: usize,
     /// The number of steps with frozen rows to come.
     pub(super) frozen: usize,
     pub(super) stop: &'a Stop,
@@ -89,8 +101,22 @@ impl Moved {
 }
 
 impl Iterate<'_> {
+    /// Whether it takes so long that rows may nearly depend on each other.
+    fn has_dependent_rows(&self) -> bool {
+        self.steps > USUAL && self.at.gaps.len() > 1
+    }
+
+    /// What a step may leave of the complementarity, as a share of the displacements.
+    fn gaps(&self) -> f64 {
+        match self.has_dependent_rows() {
+            true => DEPENDENT,
+            false => INDEPENDENT,
+        }
+    }
+
     /// Moves by one step of Newton's method, or back to the best state.
     pub(super) fn moved(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Moved, Halt> {
+        self.steps += 1;
         let trial = match self.trial(tangent, cost) {
             // away from the best state, what fails may be the state
             Err(Halt::Failed(why)) => match self.watchdog.retreat() {
@@ -121,7 +147,11 @@ impl Iterate<'_> {
                 true => self.tolerance.max(CLOSED),
                 false => CLEARLY * self.tolerance / tangent.ratio().max(1.0),
             };
-            let measures = (bound, self.unit, self.least);
+            let gaps = match self.has_dependent_rows() {
+                true => bound.max(GAPS),
+                false => bound,
+            };
+            let measures = ((bound, gaps), self.unit, self.least);
             if let Some(left) = self.at.equilibrium(self.problem, tangent, measures, cost)? {
                 let can_leave = self.left < LEAVES && self.springs.is_empty();
                 let softest = self.softest.take().filter(Softest::is_unstable);
@@ -196,6 +226,7 @@ impl Iterate<'_> {
         let accuracy = Accuracy {
             before: self.length.take(),
             negligible: NEGLIGIBLE.min(0.1 * self.tolerance) * size,
+            gaps: self.gaps(),
         };
         let step = loop {
             match Step::new(&here, tangent, size, &accuracy, self.stop, cost) {

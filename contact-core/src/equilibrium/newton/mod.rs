@@ -358,6 +358,7 @@ impl CondensedNewton {
             unstable: None,
             left: 0,
             beside: None,
+            steps: 0,
             frozen: 0,
             watchdog: Watchdog::new(at, start),
             problem,

@@ -37,16 +37,16 @@ impl Point {
     }
 
     /// How far what is left of the forces would move the unknowns at u itself, as a share of the displacements; `None` unless
-    /// that is an equilibrium: the share is at most `bound`, no row overlaps by more, and none with a force is further open.
+    /// that is an equilibrium: the share is at most `bound`, no row overlaps by more than a share `gaps`, and none with a force is further open.
     pub(super) fn equilibrium(
         &self,
         problem: &dyn ContactProblem,
         tangent: &mut Tangent,
-        (bound, unit, least): (f64, f64, f64),
+        ((bound, gaps), unit, least): ((f64, f64), f64, f64),
         cost: &mut Cost,
     ) -> Result<Option<f64>, Halt> {
         let size = self.size(least);
-        let bound = bound * size;
+        let (bound, gaps) = (bound * size, gaps * size);
         let mut c = vec![0.0; self.gaps.len()];
         self.gaps.value(&self.state.u, &mut c);
         let matrix = self.gaps.matrix();
@@ -55,7 +55,7 @@ impl Point {
         let is_wrong = |i: usize| {
             let (c, lambda) = (c[i], self.lambda[i]);
             let is_movable = matrix.row(i).any(|(_, a)| a != 0.0);
-            is_movable && (c < -bound || (lambda > 0.0 && c > bound))
+            is_movable && (c < -gaps || (lambda > 0.0 && c > gaps))
         };
         if (0..c.len()).any(is_wrong) {
             return Ok(None);

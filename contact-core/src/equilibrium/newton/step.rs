@@ -19,9 +19,8 @@ const CORRECTIONS: usize = 10;
 const UNSETTLED: f64 = 0.5;
 /// Differences that Anderson's method uses.
 const DEPTH: usize = 8;
-/// Bound on what is left of the complementarity, relative to the largest gap, and to the displacements.
+/// Bound on what is left of the complementarity, relative to the largest gap.
 const SHARE_OF_GAPS: f64 = 1e-12;
-const SHARE_OF_DISPLACEMENTS: f64 = 1e-11;
 /// Rows contradict each other where so much is left of the largest gap, and of the displacements.
 const CONTRADICTION: f64 = 0.1;
 const VISIBLE: f64 = 1e-6;
@@ -56,6 +55,8 @@ pub(super) struct Accuracy {
     pub before: Option<f64>,
     /// A correction that is not needed, however short the step is (UL).
     pub negligible: f64,
+    /// What may be left of the complementarity, as a share of the displacements.
+    pub gaps: f64,
 }
 
 impl Accuracy {
@@ -94,7 +95,8 @@ impl Step {
         loop {
             Halt::if_requested(stop)?;
             let condensed = &step.condensed;
-            let (image, lambda) = condensed.corrected(here, &step, tangent, least, stop, cost)?;
+            let (image, lambda) =
+                condensed.corrected(here, &step, tangent, (least, accuracy.gaps), stop, cost)?;
             step.corrections += 1;
             let change = largest(image.iter().zip(&step.x).map(|(a, b)| a - b));
             step.length = largest(image.iter().copied());
@@ -143,7 +145,7 @@ impl Condensed {
         here: &Linearization<'_>,
         step: &Step,
         tangent: &Tangent,
-        least: f64,
+        (least, share): (f64, f64),
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<(Vec<f64>, Vec<f64>), Halt> {
@@ -158,7 +160,7 @@ impl Condensed {
         let of = |values: &[f64]| self.rows.iter().map(|&i| values[i]).collect::<Vec<_>>();
         let (known, gaps) = (of(&step.lambda), of(&gaps));
         let deepest = largest(gaps.iter().copied());
-        let bound = (SHARE_OF_DISPLACEMENTS * least).max(SHARE_OF_GAPS * deepest);
+        let bound = (share * least).max(SHARE_OF_GAPS * deepest);
         let solved = complementarity::solve(&self.W, &gaps, &known, bound, stop)?;
         cost.solves += 1;
         cost.inner_iterations += solved.steps;
