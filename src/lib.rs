@@ -154,8 +154,8 @@ pub mod prelude {
         extrude, graded, half_disc, hemisphere, linspace, quarter_disc, rectangle, sphere,
     };
     pub use contact_fem::model::{
-        BodyId, Geometry, InitialGaps, Integration, ObstacleId, Passes, Problem, Projection, Side,
-        Tie, TiedSlave,
+        BodyId, Corners, Geometry, InitialGaps, Integration, ObstacleId, Passes, Problem,
+        Projection, Side, Tie, TiedSlave,
     };
     pub use contact_fem::simulation::{History, StepView};
     pub use contact_fem::{

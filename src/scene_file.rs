@@ -56,9 +56,9 @@ use std::path::{Path, PathBuf};
 use contact_fem::Scene;
 use contact_fem::accuracy::Refinement;
 use contact_fem::element::{Element, P1, P2};
-use contact_fem::model::{Geometry, InitialGaps, Integration, Overlaps, Projection};
+use contact_fem::model::{Corners, Geometry, InitialGaps, Integration, Overlaps, Projection};
 
-use keys::{InitialGapKeys, IntegrationKeys, Keys, OverlapKeys, ProjectionKeys, Where};
+use keys::{CornerKeys, InitialGapKeys, IntegrationKeys, Keys, OverlapKeys, ProjectionKeys, Where};
 use place::Place;
 
 pub use changes::Change;
@@ -215,6 +215,12 @@ impl SceneFile {
             scene.projection = match projection {
                 ProjectionKeys::AlongNormals => Projection::AlongNormals,
                 ProjectionKeys::Closest => Projection::Closest,
+            };
+        }
+        if let Some(corners) = self.keys.corners {
+            scene.corners = match corners {
+                CornerKeys::Held => Corners::Held,
+                CornerKeys::Weak => Corners::Weak,
             };
         }
         if let Some(tolerance) = self.keys.overlap_tolerance {

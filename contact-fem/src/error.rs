@@ -323,7 +323,7 @@ pub enum Error {
     #[error(
         "body `{body}` starts inside obstacle `{obstacle}`: {depth:.3e} deep at {x:?} against the {tolerance:.3e} that \
          `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move one of them, check which side of the obstacle is its outside, \
-         or let `Scene::initial_gaps` resolve at most 0.15 of the facets"
+         or let `Scene::initial_gaps` resolve less than 0.4 of the body's thickness"
     )]
     InsideObstacle {
         /// The body.
@@ -452,7 +452,7 @@ pub enum Error {
     #[error(
         "body `{slave}` starts inside body `{master}`: gap {gap:.3e} at node {node} ({x:?}) against the \
          {tolerance:.3e} that `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move the bodies apart, or let \
-         `Scene::initial_gaps` resolve an interference fit of at most 0.15 of the facets"
+         `Scene::initial_gaps` resolve an interference fit of less than 0.4 of the thinner body's thickness"
     )]
     Overlap {
         /// The body whose node is inside.
@@ -472,7 +472,7 @@ pub enum Error {
     #[error(
         "bodies `{first}` and `{second}` cross at {x:?}, {depth:.3e} deep against the {tolerance:.3e} that \
          `Scene::overlap_tolerance` or `Scene::initial_gaps` grants; move them apart, or let `Scene::initial_gaps` \
-         resolve an interference fit of at most 0.15 of the facets"
+         resolve an interference fit of less than 0.4 of the thinner body's thickness"
     )]
     Crossing {
         /// The body with the intersecting edge.

@@ -33,6 +33,7 @@ pub(super) struct Keys {
     pub(super) points: Option<usize>,
     pub(super) integration: Option<IntegrationKeys>,
     pub(super) projection: Option<ProjectionKeys>,
+    pub(super) corners: Option<CornerKeys>,
     pub(super) initial_gaps: Option<InitialGapKeys>,
     pub(super) overlap_tolerance: Option<f64>,
     pub(super) overlaps: Option<OverlapKeys>,
@@ -154,6 +155,13 @@ impl TryFrom<IntegrationValue> for IntegrationKeys {
 pub(super) enum ProjectionKeys {
     AlongNormals,
     Closest,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum CornerKeys {
+    Held,
+    Weak,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]

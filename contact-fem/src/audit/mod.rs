@@ -12,6 +12,7 @@
 //! the facets, and those wholly inside a body, are found, too.
 
 mod bins;
+mod fits;
 mod measures;
 mod obstacles;
 mod simplex;
@@ -28,6 +29,7 @@ use crate::element::Order;
 use crate::model::Scene;
 use crate::tensor::{Matrix, Vector, facet_normal};
 use bins::Bins;
+pub(crate) use fits::Fit;
 pub use measures::LeastVolume;
 use measures::Measures;
 use obstacles::Blocks;

@@ -3,7 +3,7 @@
 use rstar::AABB;
 
 use super::topology::Face;
-use super::{aabb, tree};
+use super::{Boxes, aabb, tree};
 use crate::tensor::{Vector, facet_normal};
 
 /// The largest thickness that is measured: twice the largest face (UL).
@@ -15,33 +15,48 @@ pub(super) fn far<const D: usize>(faces: &[Face<D>]) -> f64 {
 /// leaves the body, if that is at most twice the largest face.
 pub(super) fn measure<const D: usize>(faces: &mut [Face<D>], X: &[Vector<D>]) {
     let far = far(faces);
-    let boxes = tree(faces.iter().map(|face| aabb(&face.nodes, X)).enumerate());
-    let thickness = |face: &Face<D>| {
-        let corners = face.nodes.map(|a| X[a]);
-        let inward = -facet_normal(&corners).normalize();
-        let from = corners.iter().sum::<Vector<D>>() / D as f64;
-        let to = from + inward * far;
-        let ray = AABB::from_corners(from.inf(&to).into(), from.sup(&to).into());
-        let hits = boxes
-            .locate_in_envelope_intersecting(ray)
-            .filter_map(|leaf| {
-                let other = &faces[leaf.data];
-                if other.body != face.body {
-                    return None;
-                }
-                let corners = other.nodes.map(|a| X[a]);
-                let way = leaving(&from, &inward, &corners);
-                Some((way.filter(|&way| way > 1e-9 * face.size)?, leaf.data))
-            });
-        hits.min_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(way, _)| *way <= far)
-    };
+    let boxes = boxes(faces, X);
+    let thickness = |face: &Face<D>| behind(faces, &boxes, X, face, far);
     let all: Vec<Option<(f64, usize)>> = faces.iter().map(thickness).collect();
     for (face, found) in faces.iter_mut().zip(all) {
         if let Some((way, opposite)) = found {
             (face.thickness, face.opposite) = (way, Some(opposite));
         }
     }
+}
+
+/// The boxes of all faces.
+pub(super) fn boxes<const D: usize>(faces: &[Face<D>], X: &[Vector<D>]) -> Boxes<D> {
+    tree(faces.iter().map(|face| aabb(&face.nodes, X)).enumerate())
+}
+
+/// The way from the centroid of a face along its inward normal to where it leaves the body (UL), if it does within `far` (UL), and the
+/// face there.
+pub(super) fn behind<const D: usize>(
+    faces: &[Face<D>],
+    boxes: &Boxes<D>,
+    X: &[Vector<D>],
+    face: &Face<D>,
+    far: f64,
+) -> Option<(f64, usize)> {
+    let corners = face.nodes.map(|a| X[a]);
+    let inward = -facet_normal(&corners).normalize();
+    let from = corners.iter().sum::<Vector<D>>() / D as f64;
+    let to = from + inward * far;
+    let ray = AABB::from_corners(from.inf(&to).into(), from.sup(&to).into());
+    let hits = boxes
+        .locate_in_envelope_intersecting(ray)
+        .filter_map(|leaf| {
+            let other = &faces[leaf.data];
+            if other.body != face.body {
+                return None;
+            }
+            let corners = other.nodes.map(|a| X[a]);
+            let way = leaving(&from, &inward, &corners);
+            Some((way.filter(|&way| way > 1e-9 * face.size)?, leaf.data))
+        });
+    hits.min_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(way, _)| *way <= far)
 }
 
 /// The way from a point along a unit vector to a facet through which it leaves the body.

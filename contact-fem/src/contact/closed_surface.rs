@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use super::corner;
 use super::projection::interpolate;
 use super::tree::FacetTree;
 use crate::element::{Facet, Order};
@@ -108,6 +109,27 @@ impl<const D: usize> ClosedSurface<D> {
         surface.check_crossings()?;
         surface.check_outside()?;
         Ok(surface)
+    }
+
+    /// The sharp corners that point outwards, with the unit bisectors of their outward normals.
+    pub fn sharp_corners(&self) -> Vec<(Vector<D>, Vector<D>)> {
+        let mut around: Vec<Vec<usize>> = vec![Vec::new(); self.nodes.len()];
+        for (f, facet) in self.facets.iter().enumerate() {
+            facet.iter().for_each(|&a| around[a].push(f));
+        }
+        let corners = around.iter().enumerate().filter(|(a, facets)| {
+            let bisector = self.corner_normals[*a];
+            let ways = facets.iter().flat_map(|&f| self.facets[f]);
+            let ways = ways.map(|b| (self.nodes[b] - self.nodes[*a]).dot(&bisector));
+            let turns = facets
+                .iter()
+                .flat_map(|f| facets.iter().map(move |g| (f, g)));
+            let mut turns = turns.map(|(&f, &g)| self.normals[f].dot(&self.normals[g]));
+            ways.fold(f64::NEG_INFINITY, f64::max) <= 0.0 && turns.any(|turn| turn < corner::SHARP)
+        });
+        corners
+            .map(|(a, _)| (self.nodes[a], self.corner_normals[a]))
+            .collect()
     }
 
     /// The boundary of a mesh. Quadratic facets become flat ones through their nodes.

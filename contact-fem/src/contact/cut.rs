@@ -22,6 +22,7 @@
 use super::clip::{Clipper, EMPTY, area, centroid, corners, fan, measure};
 use super::projection::{Projection, along_normal, interpolate};
 use super::search::{FootPoint, Master, Seeker};
+use super::stencil::Kind;
 use super::surface::Surface;
 use crate::element::{Facet, FacetRule};
 use crate::tensor::{Vector, facet_normal};
@@ -119,22 +120,27 @@ impl<const D: usize> Points<D> {
         }
     }
 
-    /// The share of its weight with which a point counts whose foot is `p`, by what is known of the master's rim.
-    pub fn share(&self, place: &Place<D>, p: &FootPoint<D>, master: &Master<D>) -> f64 {
+    /// The share of its weight with which a point counts whose foot is `p`, by what is known of the master's rim, and what kind of point it is.
+    pub fn share(&self, place: &Place<D>, p: &FootPoint<D>, master: &Master<D>) -> (f64, Kind) {
         match self {
-            _ if master.by() == Projection::Closest => 1.0,
+            Points::Same(..) if master.by() == Projection::Closest => (1.0, Kind::Whole),
+            Points::Cut(_) if master.by() == Projection::Closest => (1.0, Kind::Piece),
             Points::Same(_, full) => {
                 let surface = master.surface();
                 let depth = surface
                     .rim()
                     .depth(p.facet, surface.facet(p.facet), &p.lambda);
-                (depth / full).min(1.0)
+                match depth < *full {
+                    true => (depth / full, Kind::Fading),
+                    false => (1.0, Kind::Whole),
+                }
             }
             // what is opposite this facet are other pieces
             Points::Cut(cutter) if !place.is_covered => {
-                f64::from(u8::from(cutter.used.binary_search(&p.facet).is_err()))
+                let share = f64::from(u8::from(cutter.used.binary_search(&p.facet).is_err()));
+                (share, Kind::Piece)
             }
-            Points::Cut(_) => 1.0,
+            Points::Cut(_) => (1.0, Kind::Piece),
         }
     }
 }
@@ -381,7 +387,7 @@ fn shadow_along_normals<const D: usize>(
 }
 
 /// The zeros of the parabola with these values at 0, ½ and 1.
-fn zeros([first, middle, last]: [f64; 3]) -> impl Iterator<Item = f64> {
+pub(super) fn zeros([first, middle, last]: [f64; 3]) -> impl Iterator<Item = f64> {
     let bend = 2.0 * (first - 2.0 * middle + last);
     let slope = last - first - bend;
     let root = (slope * slope - 4.0 * bend * first).sqrt();

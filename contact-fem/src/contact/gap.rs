@@ -150,7 +150,7 @@ impl<const D: usize> MovingGap<D> {
 
     fn differentiate(&mut self, stencil: &Stencil<'_, D>, second: bool) {
         let foot = match stencil.against() {
-            Against::Surface(master) => Foot::new(stencil, master),
+            Against::Surface(master) | Against::Corner(master) => Foot::new(stencil, master),
             Against::Obstacle(obstacle) => return self.on_obstacle(stencil, obstacle, second),
         };
         self.n = foot.m.n;

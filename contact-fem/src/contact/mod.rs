@@ -6,6 +6,7 @@
 mod along_normals;
 mod clip;
 mod closed_surface;
+pub mod corner;
 pub mod cut;
 pub mod gap;
 pub mod motion;
@@ -22,7 +23,9 @@ pub mod surface;
 pub mod tie;
 mod tree;
 pub mod variation;
+mod weighing;
 
+pub use corner::Corners;
 pub use cut::Integration;
 pub use gap::MovingGap;
 pub use moving::Moving;

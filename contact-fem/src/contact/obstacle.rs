@@ -144,8 +144,8 @@ impl<const D: usize> Obstacle<D> {
     }
 
     /// The box between two corners (UL), with bodies outside. For a box with bodies inside, take a half-space for each
-    /// wall: walls that meet in a corner then push at once. Its edges dig into softer bodies by a share of their facets, since
-    /// gaps are means over facets.
+    /// wall: walls that meet in a corner then push at once. Its corners have rows of their own
+    /// ([`Corners`](super::Corners)); in space, its edges dig into softer bodies by a share of their facets, since gaps are means over facets.
     ///
     /// # Errors
     /// Values that are not finite, and a `high` that is not above `low` along each axis.
@@ -167,7 +167,7 @@ impl<const D: usize> Obstacle<D> {
     /// The inside of a closed surface of flat facets, with bodies outside: `facets` are the numbers of their corners among
     /// `points` (UL). In the plane, segments go around the inside counter-clockwise; in space, triangles do so seen from outside.
     /// It may have several parts and holes. Distances and normals are those of the facets themselves: a polyhedron of chords is
-    /// its own shape, with edges that dig in as those of [`Obstacle::cuboid`].
+    /// its own shape, with corners that are held and edges that dig in as those of [`Obstacle::cuboid`].
     ///
     /// ```
     /// use contact_fem::Obstacle;
@@ -302,6 +302,21 @@ impl<const D: usize> Obstacle<D> {
             }
             Shape::Surface(surface) => surface.distance(x),
             Shape::Given(distance) => distance(x),
+        }
+    }
+
+    /// The sharp corners that point outwards, each with the unit bisector of its outward normals, before it moves.
+    fn corners(&self) -> Vec<(Vector<D>, Vector<D>)> {
+        match &self.shape {
+            Shape::Cuboid { centre, half } => {
+                let sign = |corner: usize, i: usize| [1.0, -1.0][corner >> i & 1];
+                let outward = |corner| Vector::<D>::from_fn(|i, _| sign(corner, i));
+                let all = (0..1 << D).map(outward);
+                all.map(|out| (centre + half.component_mul(&out), out.normalize()))
+                    .collect()
+            }
+            Shape::Surface(surface) => surface.sharp_corners(),
+            Shape::HalfSpace { .. } | Shape::Round { .. } | Shape::Given(_) => Vec::new(),
         }
     }
 
@@ -483,6 +498,16 @@ impl<const D: usize> Placed<D> {
             true => slope.normalize(),
             false => slope,
         }
+    }
+
+    /// The sharp corners that point outwards: for each where it began and where it is (UL), both with the unit bisector of its outward normals.
+    pub fn corners(&self) -> Vec<[(Vector<D>, Vector<D>); 2]> {
+        let begin = self.obstacle.pose(0.0);
+        let corners = self.obstacle.corners().into_iter();
+        let at = |pose: &Pose<D>, x: &Vector<D>, n: &Vector<D>| (pose.place(x), pose.R * n);
+        corners
+            .map(|(x, n)| [&begin, &self.pose].map(|pose| at(pose, &x, &n)))
+            .collect()
     }
 
     /// ∇²d at `x` (1/UL): the derivative of the normal.

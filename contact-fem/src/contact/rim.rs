@@ -53,23 +53,44 @@ impl<const D: usize> Rim<D> {
             || corner.is_some_and(|k| self.corners[nodes[k]])
     }
 
+    /// Whether a node is a corner on the rim.
+    pub fn is_corner(&self, node: usize) -> bool {
+        self.corners[node]
+    }
+
     /// How far the point λ of a facet with these nodes is from the rim, as a share of a facet: 0 on the rim, 1 in the centre of
     /// every facet, in the middles of inner sides and at inner corners, and linear between them. It is continuous over the surface.
     pub fn depth(&self, facet: usize, nodes: &[usize], lambda: &Vector<D>) -> f64 {
+        self.depth_and_slope(facet, nodes, lambda).0
+    }
+
+    /// The same with its derivatives by the components of λ.
+    pub fn depth_and_slope(
+        &self,
+        facet: usize,
+        nodes: &[usize],
+        lambda: &Vector<D>,
+    ) -> (f64, Vector<D>) {
         if !nodes[..D].iter().any(|&a| self.corners[a]) {
-            return 1.0;
+            return (1.0, Vector::zeros());
         }
         let mut largest: [usize; D] = std::array::from_fn(|k| k);
         largest.sort_unstable_by(|&a, &b| lambda[b].total_cmp(&lambda[a]));
-        let at = |k: usize| largest.get(k).map_or(0.0, |corner| lambda[*corner]);
         // λ is between the corner of its largest coordinate, the middle of the side of its two largest ones, and the centre
         let is_inner = |k: usize| match k {
             _ if k + 1 == D => true,
             0 => !self.corners[nodes[largest[0]]],
             _ => !self.sides[facet][largest[2]],
         };
-        let inner = (0..D).filter(|k| is_inner(*k));
-        inner.map(|k| (k + 1) as f64 * (at(k) - at(k + 1))).sum()
+        let mut slope = Vector::<D>::zeros();
+        for k in (0..D).filter(|k| is_inner(*k)) {
+            let share = (k + 1) as f64;
+            slope[largest[k]] += share;
+            if let Some(&next) = largest.get(k + 1) {
+                slope[next] -= share;
+            }
+        }
+        (slope.dot(lambda), slope)
     }
 }
 
@@ -85,6 +106,30 @@ mod tests {
         let mesh = cuboid([0.0; 3], [3.0, 3.0, 1.0], [3, 3, 1]).expect("mesh");
         let facets = mesh.boundary("top").expect("named");
         Surface::new(0, Order::Linear, facets.into_iter(), mesh.nodes())
+    }
+
+    /// The slope of the depth is that of differences.
+    #[test]
+    fn slopes_of_the_depth() {
+        let surface = top();
+        let mut random = Random(7);
+        for (f, _) in surface.reference().iter().enumerate() {
+            let nodes = surface.facet(f);
+            for _ in 0..200 {
+                let lambda = Vector::<3>::from_fn(|_, _| -random.next().ln());
+                let lambda = lambda / lambda.sum();
+                let (depth, slope) = surface.rim().depth_and_slope(f, nodes, &lambda);
+                for k in 0..3 {
+                    let way = Vector::<3>::from_fn(|i, _| if i == k { 1e-7 } else { -0.5e-7 });
+                    let there = surface.rim().depth(f, nodes, &(lambda + way));
+                    let back = surface.rim().depth(f, nodes, &(lambda - way));
+                    // across a kink, the two sides differ
+                    let ahead = (there - depth - slope.dot(&way)).abs();
+                    let behind = (back - depth + slope.dot(&way)).abs();
+                    assert!(ahead.min(behind) < 1e-14, "{lambda}: {slope}");
+                }
+            }
+        }
     }
 
     /// At the centroid of every facet the depth is 1, on the sides of the square 0, elsewhere more than 0; points of neighbours that are

@@ -2,8 +2,11 @@
 
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 
+use super::corner::Corner;
+use super::moving::Moving;
 use super::stencil::{Against, Projected, Stencil};
 use super::surface::Surface;
+use super::weighing::{self, Weighing};
 use crate::assembly::{Dof, DofMap};
 use crate::tensor::Vector;
 
@@ -55,6 +58,15 @@ struct NodalRow<const D: usize> {
     constant: f64,
     /// What is added to the gap (UL).
     widening: f64,
+    /// The gap (UL).
+    gap: f64,
+}
+
+/// The derivatives of a row by the weight of a point.
+pub(super) struct Weighed<const D: usize> {
+    pub name: usize,
+    pub gap: f64,
+    pub terms: Vec<(usize, Vector<D>)>,
 }
 
 /// The constraints of one pass, linearised at current positions `x` of all scene nodes.
@@ -79,21 +91,26 @@ pub struct PassRows<'a, const D: usize> {
     /// The keys of the rows: scene nodes, or numbers of integration points.
     names: Vec<usize>,
     rows: Vec<NodalRow<D>>,
-    leaning: Leaning,
+    leaning: Leaning<D>,
+    /// Stencils from this one on are corners; the last rows are theirs.
+    first_corner: usize,
 }
 
 /// The rows that lean on their neighbours.
 #[derive(Default)]
-struct Leaning {
+struct Leaning<const D: usize> {
     /// s_i of every row; empty where none leans.
     own: Vec<f64>,
+    /// ds_i/da_i, and a_i c_i and a_i as they were.
+    slopes: Vec<f64>,
+    bare: Vec<NodalRow<D>>,
     /// (j, i, (1 − s_i) s_j): test function j is a part of row i. Ascending.
     on: Vec<(usize, usize, f64)>,
 }
 
-impl Leaning {
+impl<const D: usize> Leaning<D> {
     /// For rows with these a_i.
-    fn new<const D: usize>(slave: &Surface<D>, rows: &[NodalRow<D>]) -> Self {
+    fn new(slave: &Surface<D>, rows: &[NodalRow<D>]) -> Self {
         let areas = rows.iter().zip(slave.test_areas());
         let own = areas.map(|(row, whole)| (row.area / (LEANS * whole)).clamp(0.0, 1.0));
         let own: Vec<f64> = own.collect();
@@ -106,13 +123,23 @@ impl Leaning {
             }
         }
         on.sort_unstable_by_key(|(j, i, _)| (*j, *i));
+        let slopes = own.iter().zip(slave.test_areas());
+        let slopes = slopes.map(|(s, whole)| match 0.0 < *s && *s < 1.0 {
+            true => 1.0 / (LEANS * whole),
+            false => 0.0,
+        });
         match own
             .iter()
             .zip(rows)
             .all(|(s, row)| *s == 1.0 || row.terms.is_empty())
         {
             true => Leaning::default(),
-            false => Leaning { own, on },
+            false => Leaning {
+                slopes: slopes.collect(),
+                bare: Vec::new(),
+                own,
+                on,
+            },
         }
     }
 
@@ -147,10 +174,11 @@ impl<'a, const D: usize> PassRows<'a, D> {
         let mut rows = vec![NodalRow::default(); names.len()];
         for (q, stencil) in stencils.iter().enumerate() {
             for (i, w) in shares(sampling, q, stencil) {
-                rows[i].add(w, stencil.frozen_gradient(), stencil.frozen_constant());
+                let (terms, constant) = (stencil.frozen_gradient(), stencil.frozen_constant());
+                rows[i].add(w, terms, (constant, stencil.projection().gap));
             }
         }
-        let leaning = match sampling {
+        let mut leaning = match sampling {
             Sampling::Nodes => Leaning::new(slave, &rows),
             Sampling::Points => Leaning::default(),
         };
@@ -160,11 +188,12 @@ impl<'a, const D: usize> PassRows<'a, D> {
                 let parts = leaning.rows_of(j);
                 parts.for_each(|(i, share)| leant[i].add_row(row, share));
             }
-            rows = leant;
+            leaning.bare = std::mem::replace(&mut rows, leant);
         }
         rows.iter_mut().for_each(NodalRow::normalize);
         PassRows {
             sampling,
+            first_corner: stencils.len(),
             stencils,
             names,
             rows,
@@ -172,10 +201,42 @@ impl<'a, const D: usize> PassRows<'a, D> {
         }
     }
 
+    /// Whether each row is a node's.
+    pub fn is_of_nodes(&self) -> bool {
+        self.sampling == Sampling::Nodes
+    }
+
+    /// With a row for each of these corners of the slave, whose own positions are `own`, or of the obstacle in front of it.
+    pub fn with_corners(
+        mut self,
+        (slave, own): (&'a Surface<D>, &'a Moving<D>),
+        against: impl Into<Against<'a, D>>,
+        corners: &[Corner<D>],
+    ) -> Self {
+        let against = against.into();
+        for corner in corners {
+            let stencil = corner.stencil(slave, own, against);
+            let (terms, constant) = (stencil.frozen_gradient(), stencil.frozen_constant());
+            let mut row = NodalRow::default();
+            row.add(
+                stencil.weight(),
+                terms,
+                (constant, stencil.projection().gap),
+            );
+            row.normalize();
+            row.widening = corner.slack();
+            self.names.push(stencil.number());
+            self.rows.push(row);
+            self.stencils.push(stencil);
+        }
+        self
+    }
+
     /// Adds widths (UL) to the gaps: to the rows of nodes `of_row`, and to those of points what their test functions
     /// interpolate of `of_node`, if that is positive. Both are by position among the slave's nodes.
     pub fn widen(&mut self, of_row: impl Fn(usize) -> f64, of_node: impl Fn(usize) -> f64) {
-        for (i, row) in self.rows.iter_mut().enumerate() {
+        let weak = self.weak_rows();
+        for (i, row) in self.rows[..weak].iter_mut().enumerate() {
             row.widening = match self.sampling {
                 Sampling::Nodes => of_row(i),
                 Sampling::Points => {
@@ -196,16 +257,85 @@ impl<'a, const D: usize> PassRows<'a, D> {
     pub fn stencils(
         &self,
     ) -> impl Iterator<Item = (&Stencil<'a, D>, impl Iterator<Item = (usize, f64)> + '_)> {
-        let with_shares = move |(q, stencil)| {
-            let shares = shares(self.sampling, q, stencil).flat_map(|(j, w)| {
+        self.stencils.iter().enumerate().map(move |(q, stencil)| {
+            let corner = q.checked_sub(self.first_corner);
+            let corner = corner.map(|k| (self.weak_rows() + k, stencil.weight()));
+            let shares = corner.is_none().then(|| shares(self.sampling, q, stencil));
+            let shares = shares.into_iter().flatten().flat_map(|(j, w)| {
                 let rows = self.leaning.rows_of(j);
                 rows.map(move |(i, share)| (i, w * share))
             });
+            let shares = corner.into_iter().chain(shares);
             let supported = shares.filter(|&(i, _)| self.rows[i].has_support());
             let of_row = |(i, w): (usize, f64)| (self.names[i], w / self.rows[i].area);
             (stencil, supported.map(of_row))
+        })
+    }
+
+    /// Where the part of the slave that is opposite the master ends, with what is gained there; see [`weighing`].
+    pub(super) fn ends(&self, x: &[Vector<D>]) -> Vec<(Stencil<'a, D>, Weighing<D>)> {
+        weighing::ends(&self.stencils, x)
+    }
+
+    /// How rows vary with the weight of a point: the row's [`RowKey::node`], and by the weight the derivatives of its gap and of its
+    /// coefficients at the nodes. With α_i = φ_i at the point, whose gap is g, a leaning row a_i c_i = s_i a'_i c'_i + (1 − s_i) Σ_j s_j a'_j c'_j
+    /// gains
+    ///
+    /// W g + Σ_k B_k a'_k c'_k,  W = s_i α_i + (1 − s_i) Σ_j s_j α_j,
+    /// B_i = s'_i α_i,  B_j = (1 − s_i) s'_j α_j − s'_i α_i s_j,
+    ///
+    /// and its a_i likewise; c_i is their ratio. So do coefficients.
+    pub(super) fn weighed(&self, point: &Stencil<'a, D>) -> Vec<Weighed<D>> {
+        if self.sampling == Sampling::Points {
+            return Vec::new(); // a row of one point does not depend on its weight
+        }
+        let tests: Vec<(usize, f64)> = point.test_functions().collect();
+        let alpha = |j: usize| {
+            let own = tests.iter().find(|(k, _)| *k == j);
+            own.map_or(0.0, |(_, phi)| *phi)
         };
-        self.stencils.iter().enumerate().map(with_shares)
+        let leaning = &self.leaning;
+        let mut affected: Vec<usize> = tests.iter().map(|(i, _)| *i).collect();
+        let on = leaning.on.iter().filter(|(j, ..)| alpha(*j) != 0.0);
+        affected.extend(on.map(|(_, i, _)| *i));
+        affected.sort_unstable();
+        affected.dedup();
+        affected.retain(|&i| self.rows[i].has_support());
+        let weigh = |i: usize| {
+            let row = &self.rows[i];
+            let (mut W, mut B) = (alpha(i), Vec::new());
+            if let Some(&s) = leaning.own.get(i) {
+                W *= s;
+                B.push((i, leaning.slopes[i] * alpha(i)));
+                for &(j, _, share) in leaning.on.iter().filter(|(_, k, _)| *k == i) {
+                    W += share * alpha(j);
+                    let gains = (1.0 - s) * leaning.slopes[j] * alpha(j);
+                    B.push((j, gains - leaning.slopes[i] * alpha(i) * leaning.own[j]));
+                }
+                B.retain(|(_, b)| *b != 0.0);
+            }
+            let bare = |(k, b): &(usize, f64)| (&leaning.bare[*k], *b);
+            let area = W + B.iter().map(bare).map(|(row, b)| b * row.area).sum::<f64>();
+            let gap = W * point.projection().gap - area * row.gap;
+            let gap = gap + B.iter().map(bare).map(|(row, b)| b * row.gap).sum::<f64>();
+            let mut terms: Vec<_> = point.frozen_gradient().map(|(a, c)| (a, c * W)).collect();
+            terms.extend(row.terms.iter().map(|(a, c)| (*a, c * -area)));
+            for (row, b) in B.iter().map(bare) {
+                terms.extend(row.terms.iter().map(|(a, c)| (*a, c * b)));
+            }
+            terms.iter_mut().for_each(|(_, c)| *c /= row.area);
+            Weighed {
+                name: self.names[i],
+                gap: gap / row.area,
+                terms,
+            }
+        };
+        affected.into_iter().map(weigh).collect()
+    }
+
+    /// The number of rows that are means over facets; those of corners follow them.
+    fn weak_rows(&self) -> usize {
+        self.rows.len() + self.first_corner - self.stencils.len()
     }
 
     /// Appends to `gaps` the rows that have support and at least one dof that is not prescribed,
@@ -284,9 +414,15 @@ fn shares<const D: usize>(
 
 impl<const D: usize> NodalRow<D> {
     /// Adds a point with weight `w` and the gap Σ `terms` + `constant`.
-    fn add(&mut self, w: f64, terms: impl Iterator<Item = (usize, Vector<D>)>, constant: f64) {
+    fn add(
+        &mut self,
+        w: f64,
+        terms: impl Iterator<Item = (usize, Vector<D>)>,
+        (constant, gap): (f64, f64),
+    ) {
         self.area += w;
         self.constant += w * constant;
+        self.gap += w * gap;
         self.terms.extend(terms.map(|(a, c)| (a, c * w)));
     }
 
@@ -296,6 +432,7 @@ impl<const D: usize> NodalRow<D> {
         self.terms.extend(terms);
         self.area += share * other.area;
         self.constant += share * other.constant;
+        self.gap += share * other.gap;
     }
 
     /// Whether a_i, that of the test function which a leaning row has, is positive, so that c_i is a mean of gaps.
@@ -316,6 +453,7 @@ impl<const D: usize> NodalRow<D> {
         if self.has_support() {
             self.terms.iter_mut().for_each(|term| term.1 /= self.area);
             self.constant /= self.area;
+            self.gap /= self.area;
         }
     }
 }

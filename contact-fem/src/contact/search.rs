@@ -19,6 +19,8 @@ pub struct Master<const D: usize> {
     tree: OnceLock<FacetTree<D>>,
     facet_size: f64,
     projection: Projection,
+    /// How deep bodies start inside its own, or its own inside them (UL).
+    fit: f64,
 }
 
 /// The projection of a point x: its foot x̄ on a master surface.
@@ -87,7 +89,12 @@ impl<const D: usize> Seeker<'_, D> {
             true => (self.reach - p.distance) / (FAR * self.reach),
             false => 1.0,
         };
-        (facing / FACING).clamp(0.0, 1.0) * near.clamp(0.0, 1.0)
+        Self::facing_share(facing) * near.clamp(0.0, 1.0)
+    }
+
+    /// The same by the cosine between the slave's normal and the reversed normal of the master.
+    pub(super) fn facing_share(facing: f64) -> f64 {
+        (facing / FACING).clamp(0.0, 1.0)
     }
 }
 
@@ -114,6 +121,8 @@ impl<const D: usize> Master<D> {
     /// The smallest depth of the reference path between two bodies, as a share of the larger facet
     /// size: bodies may overlap slightly in the reference configuration.
     const OVERLAP: f64 = 0.2;
+    /// The same, as a share of the depth with which bodies are fitted into each other. Their thickness is more than twice that depth.
+    const FIT: f64 = 1.25;
     /// The smallest depth of the reference path between two bodies, as a share of its length: where
     /// surfaces slide on each other, most of the path is along them.
     const THROUGH: f64 = 0.5;
@@ -125,7 +134,13 @@ impl<const D: usize> Master<D> {
             tree: OnceLock::new(),
             facet_size: surface.facet_size(),
             projection,
+            fit: 0.0,
         }
+    }
+
+    /// The same, of a body that overlaps others by this depth (UL) in the reference configuration.
+    pub fn fitted(self, fit: f64) -> Self {
+        Master { fit, ..self }
     }
 
     /// How points find their feet.
@@ -230,7 +245,8 @@ impl<const D: usize> Master<D> {
             Some(_) => Self::CLOSED * self.facet_size,
             None => {
                 let facet = self.facet_size.max(seeker.facet_size);
-                (Self::OVERLAP * facet).max(Self::THROUGH * length)
+                let overlap = (Self::OVERLAP * facet).max(Self::FIT * self.fit);
+                overlap.max(Self::THROUGH * length)
             }
         };
         let is_through = p.distance > Self::MATERIAL * length && starts.max(ends) > least;

@@ -16,13 +16,27 @@ use crate::tensor::Vector;
 /// two surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct Projected<const D: usize> {
-    number: usize,
-    facet: usize,
+    pub(super) number: usize,
+    pub(super) facet: usize,
     /// ξ: barycentric coordinates on the slave's facet.
-    lambda: Vector<D>,
-    weight: f64,
-    x: Vector<D>,
-    projection: FootPoint<D>,
+    pub(super) lambda: Vector<D>,
+    pub(super) weight: f64,
+    pub(super) x: Vector<D>,
+    pub(super) projection: FootPoint<D>,
+    pub(super) kind: Kind,
+}
+
+/// How the weight of a point came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// By a rule on a whole facet.
+    Whole,
+    /// Likewise, less what it has lost near a rim.
+    Fading,
+    /// By a rule on a piece of a facet.
+    Piece,
+    /// It is a corner.
+    Corner,
 }
 
 /// What the points of a slave must not penetrate: a surface with nodes, or an obstacle without any.
@@ -32,6 +46,8 @@ pub enum Against<'a, const D: usize> {
     Surface(&'a Moving<D>),
     /// A rigid obstacle.
     Obstacle(&'a Placed<D>),
+    /// The slave itself, whose points do not count: a corner of an obstacle is in front of it.
+    Corner(&'a Moving<D>),
 }
 
 impl<'a, const D: usize> From<&'a Master<D>> for Against<'a, D> {
@@ -80,6 +96,21 @@ impl<'a, const D: usize> Stencil<'a, D> {
         self.point.weight
     }
 
+    /// How its weight came about.
+    pub(super) fn kind(&self) -> Kind {
+        self.point.kind
+    }
+
+    /// The slave.
+    pub(super) fn slave(&self) -> &'a Surface<D> {
+        self.slave
+    }
+
+    /// The slave's facet, and ξ.
+    pub(super) fn place(&self) -> (usize, &Vector<D>) {
+        (self.point.facet, &self.point.lambda)
+    }
+
     /// x_q (UL).
     pub fn point(&self) -> Vector<D> {
         self.point.x
@@ -105,10 +136,11 @@ impl<'a, const D: usize> Stencil<'a, D> {
     /// N_a(ξ) of the slave facet's scene nodes a.
     pub(super) fn slave_shapes(&self) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
         let slave = self.slave;
-        let nodes = slave
-            .facet(self.point.facet)
-            .iter()
-            .map(|&a| slave.nodes()[a]);
+        let nodes = match self.against {
+            Against::Corner(_) => &[],
+            _ => slave.facet(self.point.facet),
+        };
+        let nodes = nodes.iter().map(|&a| slave.nodes()[a]);
         nodes.zip(facet_shapes(slave.order(), &self.point.lambda))
     }
 
@@ -118,7 +150,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
     pub fn frozen_gradient(&self) -> impl Iterator<Item = (usize, Vector<D>)> + Clone + 'a {
         let p = self.point.projection;
         let other = match self.against {
-            Against::Surface(master) => Some(master.surface()),
+            Against::Surface(master) | Against::Corner(master) => Some(master.surface()),
             Against::Obstacle(_) => None,
         };
         let other = other.into_iter().flat_map(move |master| {
@@ -129,7 +161,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
         own.chain(other).map(move |(a, N)| (a, p.normal * N))
     }
 
-    /// What [`Stencil::frozen_gradient`] leaves out of the gap (UL): −x̄·n of a foot that belongs to no nodes.
+    /// What [`Stencil::frozen_gradient`] leaves out of the gap (UL): −x̄·n of a foot, or x·n of a point, that belongs to no nodes.
     pub fn frozen_constant(&self) -> f64 {
         match self.against {
             Against::Surface(_) => 0.0,
@@ -137,6 +169,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
                 let p = &self.point.projection;
                 -p.foot.dot(&p.normal)
             }
+            Against::Corner(_) => self.point.x.dot(&self.point.projection.normal),
         }
     }
 }
@@ -146,7 +179,7 @@ impl<'a, const D: usize> Stencil<'a, D> {
     /// The master's surface, of a point that has one.
     pub(super) fn master(&self) -> &'a Moving<D> {
         match self.against {
-            Against::Surface(master) => master,
+            Against::Surface(master) | Against::Corner(master) => master,
             Against::Obstacle(_) => unreachable!("a point on an obstacle"),
         }
     }
@@ -253,6 +286,7 @@ pub(crate) fn on_obstacle<const D: usize>(
                     gap,
                     off_the_end: false,
                 },
+                kind: Kind::Whole,
             });
         }
     }
@@ -320,7 +354,8 @@ fn on_facets<const D: usize>(
                 ..seeker(lambda)
             };
             let found = master.find(&seeker).map(|projection| {
-                let share = seeker.share(&projection) * rule.share(place, &projection, master);
+                let (share, kind) = rule.share(place, &projection, master);
+                let share = seeker.share(&projection) * share;
                 Projected {
                     number,
                     facet: index,
@@ -328,6 +363,7 @@ fn on_facets<const D: usize>(
                     weight: place.weight * slave.measure(index, lambda) * share,
                     x: seeker.x,
                     projection,
+                    kind,
                 }
             });
             projected.extend(found.filter(|point| point.weight > 0.0));

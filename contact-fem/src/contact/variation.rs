@@ -22,8 +22,9 @@ use contact_core::gaps::SparseRows;
 use super::gap::foot::Foot;
 use super::moving::Moving;
 use super::obstacle::Placed;
-use super::rows::PassRows;
+use super::rows::{Pass, PassRows};
 use super::stencil::{Against, Stencil};
+use super::weighing::{self, Weighing};
 use crate::assembly::{Dof, DofMap};
 use crate::tensor::{Matrix, Vector};
 
@@ -195,13 +196,14 @@ impl<const D: usize> Variation<D> {
         }
     }
 
-    /// Adds the points of one pass whose master is the surface numbered `surface`. `multiplier` maps the
+    /// Adds the points of one pass, for positions `x` of all scene nodes. `multiplier` maps the
     /// node that names a row to the row's index and λ, for the rows that matter. False as soon as `stops` says so, which is
     /// asked before each point; the variation is of no use then.
     pub fn add(
         &mut self,
         pass: &PassRows<'_, D>,
-        surface: usize,
+        of: Pass,
+        x: &[Vector<D>],
         multiplier: impl Fn(usize) -> Option<(usize, f64)>,
         stops: impl Fn() -> bool,
     ) -> bool {
@@ -223,14 +225,19 @@ impl<const D: usize> Variation<D> {
             if rows.is_empty() {
                 continue;
             }
-            let foot = match stencil.against() {
-                Against::Surface(master) => Foot::new(stencil, master),
+            let (foot, surface) = match stencil.against() {
+                Against::Surface(master) => (Foot::new(stencil, master), of.master),
+                Against::Corner(own) => (Foot::new(stencil, own), of.slave),
                 Against::Obstacle(obstacle) => {
                     self.add_on_obstacle(stencil, obstacle, &rows);
                     continue;
                 }
             };
             let near = near(stencil, &foot);
+            let lambdas = near.iter().map(|point| (point.node, point.lambda));
+            if let Some(weighing) = weighing::of_point(stencil, &foot, lambdas) {
+                self.weigh((pass, of), stencil, &weighing, &multiplier);
+            }
             let known = piece.take().filter(|known| {
                 let is_same = known.is_of(&rows, &near);
                 if !is_same {
@@ -251,7 +258,51 @@ impl<const D: usize> Variation<D> {
         if let Some(last) = &piece {
             self.add_piece(last);
         }
+        for (end, weighing) in pass.ends(x) {
+            self.weigh((pass, of), &end, &weighing, &multiplier);
+        }
         true
+    }
+
+    /// Adds what rows vary by with the weight of a point.
+    fn weigh<'a>(
+        &mut self,
+        (pass, of): (&PassRows<'a, D>, Pass),
+        point: &Stencil<'a, D>,
+        weighing: &Weighing<D>,
+        multiplier: &impl Fn(usize) -> Option<(usize, f64)>,
+    ) {
+        let Against::Surface(master) = point.against() else {
+            return;
+        };
+        let normals = weighing.normals.iter();
+        let normals: Vec<(usize, Vector<D>)> = normals
+            .map(|(b, form)| (self.number(master, of.master, *b), *form))
+            .collect();
+        for row in pass.weighed(point) {
+            let Some((index, lambda)) = multiplier(row.name) else {
+                continue;
+            };
+            let form = &mut self.gaps[index];
+            for (a, v) in &weighing.nodes {
+                form.nodes.add(*a, v * row.gap);
+            }
+            for (k, v) in &normals {
+                form.normals.add(*k, v * row.gap);
+            }
+            if lambda == 0.0 {
+                continue;
+            }
+            for (a, c) in &row.terms {
+                let form = &mut self.forces[*a];
+                for (b, v) in &weighing.nodes {
+                    form.nodes.add(*b, c * (v * lambda).transpose());
+                }
+                for (k, v) in &normals {
+                    form.normals.add(*k, c * (v * lambda).transpose());
+                }
+            }
+        }
     }
 
     fn add_piece(&mut self, piece: &Piece<D>) {

@@ -2,7 +2,7 @@
 
 mod depths;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -14,11 +14,13 @@ use super::initial_gaps::{Depths, InitialOverlaps};
 use super::kinematics::Kinematics;
 use super::switches::Switches;
 use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
+use crate::audit::{Audit, Fit};
+use crate::contact::corner::{self, Corners, sharp_nodes};
 use crate::contact::obstacle::Placed;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::stencil::{Projected, on_obstacle, projected_unless};
 use crate::contact::variation::Variation;
-use crate::contact::{Master, Pass, Projection, Surface};
+use crate::contact::{Against, Master, Pass, Projection, Surface};
 use crate::tensor::Vector;
 
 /// The default search radius in [`Geometry::Current`], as a share of the scene's diagonal. It decides
@@ -50,6 +52,10 @@ pub(super) struct ContactSet<const D: usize> {
     pub geometry: Geometry,
     integration: Integration,
     projection: Projection,
+    /// Sharp corners: of each surface its nodes that are such, by their positions in it; `None` where corners have no rows.
+    corners: Option<Vec<Vec<usize>>>,
+    /// For each obstacle, whether it has sharp corners.
+    has_sharp_obstacle: Vec<bool>,
     /// The search radius of integration points (UL).
     pub reach: f64,
     /// Whether the radius is the default.
@@ -62,6 +68,8 @@ pub(super) struct ContactSet<const D: usize> {
     is_refuted: AtomicBool,
     initial_gaps: InitialGaps,
     initial_overlaps: InitialOverlaps,
+    /// How deep bodies start inside each other, or inside obstacles, that may by their thickness; empty if overlaps are refused.
+    fits: BTreeMap<[usize; 2], Fit>,
     /// The surfaces at the most recent positions, and how many sets of positions there have been.
     located: Mutex<Option<Arc<Located<D>>>>,
     built: AtomicUsize,
@@ -81,6 +89,8 @@ pub(super) struct Located<const D: usize> {
     pub x: Vec<Vector<D>>,
     surfaces: Vec<Arc<Surface<D>>>,
     projection: Projection,
+    /// The depth of what each surface starts inside of, or has inside (UL).
+    fits: Vec<f64>,
     /// One master for each surface, in the same order, once somebody has asked for it.
     masters: Vec<OnceLock<Master<D>>>,
     /// The integration points of each pass with their projections.
@@ -95,7 +105,7 @@ impl<const D: usize> Located<D> {
             Some(master) => master,
             None => {
                 let master = Master::new(&self.surfaces[k], &self.x, self.projection);
-                known.get_or_init(|| master)
+                known.get_or_init(|| master.fitted(self.fits[k]))
             }
         }
     }
@@ -109,6 +119,7 @@ impl<const D: usize> ContactSet<D> {
         pairs: &[Pair],
         geometry: Geometry,
         kinematics: &Kinematics<D>,
+        audit: &Audit<D>,
     ) -> Self {
         let (mut sides, passes) = sides_and_passes(pairs);
         let on_obstacles: Vec<_> = scene
@@ -136,6 +147,22 @@ impl<const D: usize> ContactSet<D> {
             Arc::new(Surface::of_body(body, mesh.order(), facets, &kinematics.X))
         };
         let surfaces: Vec<_> = sides.iter().map(surface).collect();
+        let has_corners = scene.corners == Corners::Held
+            && geometry == Geometry::Current
+            && scene.projection == Projection::AlongNormals
+            && scene.initial_gaps == InitialGaps::Refuse
+            && !passes.is_empty();
+        let sharp = |surface: &Arc<Surface<D>>| {
+            let body = &scene.bodies()[surface.body()];
+            let first = kinematics.nodes(surface.body()).start;
+            let held = body.prescribed();
+            // on a plane of symmetry, a body goes on
+            let is_free = |a: &usize| held[D * a..D * (a + 1)].iter().all(Option::is_none);
+            let sharp = sharp_nodes(body.mesh()).into_iter().filter(is_free);
+            let places = sharp.map(|a| surface.nodes().binary_search(&(a + first)));
+            places.flatten().collect()
+        };
+        let corners = has_corners.then(|| surfaces.iter().map(sharp).collect());
         let extent = |surface: &Arc<Surface<D>>| Extent::of(surface, &kinematics.X);
         let placed = |(index, obstacle)| {
             let own = on_obstacles.iter().filter(|(_, other)| *other == index);
@@ -155,6 +182,8 @@ impl<const D: usize> ContactSet<D> {
             geometry,
             integration: scene.integration(),
             projection: scene.projection,
+            corners,
+            has_sharp_obstacle: Vec::new(),
             reach: match (scene.reach, geometry) {
                 (Some(reach), _) => reach,
                 (None, Geometry::Reference) => kinematics.diagonal(),
@@ -164,13 +193,21 @@ impl<const D: usize> ContactSet<D> {
             is_refuted: AtomicBool::new(false),
             initial_gaps: scene.initial_gaps,
             initial_overlaps: InitialOverlaps::default(),
+            fits: BTreeMap::new(),
             located: Mutex::new(None),
             built: AtomicUsize::new(0),
             stop: None,
             inside: Mutex::new(None),
             inside_searched: AtomicUsize::new(0),
         };
+        let obstacles = set.obstacles.iter();
+        set.has_sharp_obstacle = obstacles.map(|o| !o.corners().is_empty()).collect();
         if set.initial_gaps != InitialGaps::Refuse {
+            let mut fits = audit.fits();
+            fits.retain(|bodies, fit| {
+                fit.share < InitialGaps::OF_THICKNESS && set.is_pair(*bodies)
+            });
+            set.fits = fits;
             set.initial_overlaps = set.overlaps_at_rest(kinematics);
         }
         set
@@ -291,6 +328,21 @@ impl<const D: usize> ContactSet<D> {
             slave: pass.master,
             master: pass.slave,
         })
+    }
+
+    /// How deep two bodies, or a body and an obstacle, start inside each other (UL) if their thickness allows it; 0 of others.
+    pub fn fit(&self, [a, b]: [usize; 2]) -> f64 {
+        let fit = self.fits.get(&[a.min(b), a.max(b)]);
+        fit.map_or(0.0, |fit| fit.depth)
+    }
+
+    /// The largest of them of a body with other bodies.
+    fn deepest_fit(&self, body: usize) -> f64 {
+        let own = self
+            .fits
+            .iter()
+            .filter(|([a, b], _)| *b < self.bodies && (*a == body || *b == body));
+        own.map(|(_, fit)| fit.depth).fold(0.0, f64::max)
     }
 
     /// The deepest initial overlap (UL) that the load resolves.
@@ -429,6 +481,11 @@ impl<const D: usize> ContactSet<D> {
             x: x.to_vec(),
             surfaces: self.surfaces.clone(),
             projection: self.projection,
+            fits: self
+                .surfaces
+                .iter()
+                .map(|s| self.deepest_fit(s.body()))
+                .collect(),
             masters: self.surfaces.iter().map(|_| OnceLock::new()).collect(),
             projected: self.passes.iter().map(|_| OnceLock::new()).collect(),
         });
@@ -492,13 +549,15 @@ impl<const D: usize> ContactSet<D> {
                 self.obstacle_points,
                 self.reach,
             );
-            return Some(PassRows::new(slave, obstacle, &points, sampling));
+            let rows = PassRows::new(slave, obstacle, &points, sampling);
+            return Some(self.with_corners(rows, located, pass, obstacle));
         }
         let master = located.master(pass.master);
         let rule = (self.integration, self.reach);
         let project = || projected_unless(slave, master, &located.x, rule, || is_requested(stop));
         if self.passes.get(k) != Some(&pass) {
-            return Some(PassRows::new(slave, master, &project()?, sampling));
+            let rows = PassRows::new(slave, master, &project()?, sampling);
+            return Some(self.with_corners(rows, located, pass, master));
         }
         let known = &located.projected[k];
         let points = match known.get() {
@@ -509,7 +568,48 @@ impl<const D: usize> ContactSet<D> {
                 known.get_or_init(|| points)
             }
         };
-        Some(PassRows::new(slave, master, points, sampling))
+        let rows = PassRows::new(slave, master, points, sampling);
+        Some(self.with_corners(rows, located, pass, master))
+    }
+
+    /// The same with the rows of corners.
+    fn with_corners<'a>(
+        &'a self,
+        rows: PassRows<'a, D>,
+        located: &'a Located<D>,
+        pass: Pass,
+        against: impl Into<Against<'a, D>>,
+    ) -> PassRows<'a, D> {
+        let Some(corners) = self.corners.as_ref().filter(|_| rows.is_of_nodes()) else {
+            return rows;
+        };
+        let slave = &self.surfaces[pass.slave];
+        let sharp = &corners[pass.slave];
+        let x = &located.x;
+        let own = || located.master(pass.slave);
+        let corners = match self.obstacle_of(pass) {
+            Some((index, obstacle)) => {
+                let mut corners = match sharp.is_empty() {
+                    true => Vec::new(),
+                    false => {
+                        corner::on_obstacle((slave, own().moving()), sharp, obstacle, x, self.reach)
+                    }
+                };
+                if self.has_sharp_obstacle[index] {
+                    corners.extend(corner::of_obstacle(obstacle, own(), self.reach, x.len()));
+                }
+                corners
+            }
+            None if sharp.is_empty() => Vec::new(),
+            None => {
+                let master = located.master(pass.master);
+                corner::on_surface((slave, own().moving()), sharp, master, x, self.reach)
+            }
+        };
+        match corners.is_empty() {
+            true => rows,
+            false => rows.with_corners((slave, own().moving()), against, &corners),
+        }
     }
 
     /// The variation of the rows `gaps` of all passes, frozen at `u`; `None` if they do not depend on
@@ -547,7 +647,7 @@ impl<const D: usize> ContactSet<D> {
                 node: node as u32,
             };
             let multiplier = |node| matters.get(&key(node)).copied();
-            if !variation.add(&rows, pass.master, multiplier, || is_requested(stop)) {
+            if !variation.add(&rows, *pass, &located.x, multiplier, || is_requested(stop)) {
                 return Err(Error::Interrupted);
             }
         }

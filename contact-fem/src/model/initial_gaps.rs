@@ -6,8 +6,8 @@ use crate::contact::Pass;
 
 /// What becomes of contact surfaces that overlap in the reference configuration.
 ///
-/// An overlap of declared surfaces can be resolved or adjusted up to 0.15 of the facet size. Where it is deeper, the
-/// contact search cannot tell on which side of a surface a point belongs, and the scene is refused.
+/// An overlap of declared surfaces can be resolved or adjusted up to 0.15 of the facet size, and beyond that up to 0.4 of the
+/// thickness that the thinner of the two bodies has there. Where it is deeper, it cannot be told on which side of a body a point belongs, and the scene is refused.
 ///
 /// Overlaps belong to the nodes of the meshes: a node that slides along the other surface takes its own with it. Where
 /// surfaces slide by more than a facet, move the bodies apart instead.
@@ -27,8 +27,12 @@ pub enum InitialGaps {
 }
 
 impl InitialGaps {
-    /// The largest overlap that is resolved or adjusted, as a share of the facet size.
+    /// The largest overlap that is resolved or adjusted whatever the thickness of the bodies, as a share of the facet size.
     pub(super) const LARGEST: f64 = 0.15;
+
+    /// The overlap that is resolved or adjusted, as a share of the thickness of the thinner body: in the middle of a body, both of its
+    /// sides are equally far.
+    pub(super) const OF_THICKNESS: f64 = 0.4;
 
     /// The overlap below which surfaces only touch, as a share of the facet size: above the round-off of coordinates.
     pub(super) const TOUCHES: f64 = 1e-9;

@@ -22,7 +22,7 @@ mod switches;
 mod tie;
 pub(crate) mod work;
 
-pub use crate::contact::{Integration, Obstacle, Projection};
+pub use crate::contact::{Corners, Integration, Obstacle, Projection};
 pub use body::{ALL_NODES, Body, name_of_nodes};
 pub use contact_state::{GeometricError, Opposite, PairRecord, PairSide, PairState, Status};
 pub use diagnosis::Undetermined;

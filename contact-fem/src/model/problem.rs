@@ -64,10 +64,10 @@ impl<const D: usize> Problem<D> {
         let energies: Vec<_> = scene.bodies().iter().map(|body| body.energy()).collect();
         let kinematics = Kinematics::new(scene.bodies());
         let ties = Ties::new(&scene, &kinematics)?;
-        let contact = ContactSet::new(&scene, scene.pairs(), geometry, &kinematics);
+        let audit = Audit::new(&scene, &kinematics.X);
+        let contact = ContactSet::new(&scene, scene.pairs(), geometry, &kinematics, &audit);
         let length = kinematics.diagonal();
         let lengths = (length, contact.smallest_facet(length));
-        let audit = Audit::new(&scene, &kinematics.X);
         let mut overlaps_at_rest = match scene.initial_gaps {
             InitialGaps::Refuse if ties.is_empty() => BTreeMap::new(),
             _ => audit.depths(&kinematics.X),

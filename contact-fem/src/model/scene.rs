@@ -8,8 +8,8 @@ use super::preflight::{self, Report, Setup};
 use super::switches::{During, Switched};
 use super::tie::{Tie, Ties};
 use super::{
-    Body, BodyId, Finding, InitialGaps, Integration, Obstacle, ObstacleId, Problem, Projection,
-    Side,
+    Body, BodyId, Corners, Finding, InitialGaps, Integration, Obstacle, ObstacleId, Problem,
+    Projection, Side,
 };
 use crate::audit::Audit;
 use crate::element::Order;
@@ -128,6 +128,8 @@ pub struct Scene<const D: usize> {
     /// [`Scene::initial_gaps`] refuses overlaps, as a share of the facet size: polygons of touching curves
     /// overlap slightly. 0.05 by default.
     pub overlap_tolerance: f64,
+    /// Whether sharp corners have rows of their own. [`Corners::Held`] by default.
+    pub corners: Corners,
     /// What becomes of contact surfaces that overlap in the reference configuration.
     pub initial_gaps: InitialGaps,
     /// What happens to a load step at whose end bodies are deep inside each other or themselves.
@@ -151,6 +153,7 @@ impl<const D: usize> Default for Scene<D> {
             geometry: None,
             reach: None,
             overlap_tolerance: 0.05,
+            corners: Corners::default(),
             initial_gaps: InitialGaps::default(),
             overlaps: Overlaps::default(),
         }
@@ -666,12 +669,13 @@ impl<const D: usize> Scene<D> {
         let kinematics = Kinematics::new(&self.bodies);
         let ties = report.take(Ties::new(self, &kinematics));
         let geometry = geometry.unwrap_or(Geometry::Current);
+        let audit = Audit::new(self, &kinematics.X);
         preflight::with_surfaces(
             &Setup {
                 scene: self,
                 pairs: declared,
-                contact: &ContactSet::new(self, declared, geometry, &kinematics),
-                audit: &Audit::new(self, &kinematics.X),
+                contact: &ContactSet::new(self, declared, geometry, &kinematics, &audit),
+                audit: &audit,
                 kinematics: &kinematics,
                 ties: &ties.unwrap_or_default(),
             },

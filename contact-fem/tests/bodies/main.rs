@@ -3,6 +3,7 @@
 mod boundaries;
 mod common;
 mod estimate;
+mod fits_and_corners;
 mod geometric_error;
 mod locking;
 mod plane_stress;

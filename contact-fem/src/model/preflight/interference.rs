@@ -17,7 +17,7 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     for (a, b, found) in inside {
         let size = found.size;
         if found.depth > TOUCHES * size {
-            let tolerance = overlap::accepted(setup.scene) * size;
+            let tolerance = overlap::granted(setup, [a, b], size);
             let note = Finding::new(
                 Severity::Note,
                 FindingKind::Interference,

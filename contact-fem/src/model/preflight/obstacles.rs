@@ -124,14 +124,15 @@ fn overlaps<const D: usize>(setup: &Setup<'_, D>) -> Vec<Overlap<D>> {
 
 /// The overlap that is accepted there (UL).
 fn tolerance<const D: usize>(setup: &Setup<'_, D>, overlap: &Overlap<D>) -> f64 {
-    accepted(setup.scene) * overlap.depth / overlap.relative
+    let fit = setup.contact.fit(overlap.bodies);
+    (accepted(setup.scene) * overlap.depth / overlap.relative).max(fit)
 }
 
 /// Checks that no body starts deeper inside an obstacle, which counts from the start, than the tolerance.
 fn inside<const D: usize>(setup: &Setup<'_, D>) -> Result<(), Error> {
     let overlaps = overlaps(setup).into_iter();
     let mut now = overlaps.filter(|overlap| !setup.contact.lets_through(overlap.bodies, 0.0));
-    let too_deep = now.find(|overlap| overlap.relative > accepted(setup.scene));
+    let too_deep = now.find(|overlap| overlap.depth > tolerance(setup, overlap));
     match too_deep {
         Some(overlap) => Err(Error::InsideObstacle {
             body: setup.scene.name_of(overlap.bodies[0]).clone(),

@@ -16,6 +16,9 @@ use crate::mesh::Mesh;
 use crate::model::{InitialGaps, Scene};
 use crate::tensor::{Vector, facet_normal};
 
+/// By how much more than the nodes that the audit found others may be inside: curved facets are audited in flat pieces.
+const AT_FIT: f64 = 1.1;
+
 /// Checks that no body starts inside another body of a contact pair that counts from the start; `inside` is the result of [`deepest`].
 pub(super) fn check<const D: usize>(
     setup: &Setup<'_, D>,
@@ -69,13 +72,18 @@ pub(super) fn accepted<const D: usize>(scene: &Scene<D>) -> f64 {
     }
 }
 
+/// The largest overlap of two bodies (UL) that is accepted between facets of this size.
+pub(super) fn granted<const D: usize>(setup: &Setup<'_, D>, bodies: [usize; 2], size: f64) -> f64 {
+    (accepted(setup.scene) * size).max(AT_FIT * setup.contact.fit(bodies))
+}
+
 /// Checks that no contact node starts inside the other body by more than the tolerance.
 fn nodes_inside<const D: usize>(
     setup: &Setup<'_, D>,
     inside: &[(usize, usize, Inside<D>)],
 ) -> Result<(), Error> {
     for &(slave, master, ref inside) in inside {
-        let tolerance = accepted(setup.scene) * inside.size;
+        let tolerance = granted(setup, [slave, master], inside.size);
         let is_later = setup.contact.lets_through([slave, master], 0.0);
         if inside.depth > tolerance && !is_later {
             return Err(Error::Overlap {
@@ -205,11 +213,10 @@ fn crossing<const D: usize>(setup: &Setup<'_, D>, a: usize, b: usize) -> Result<
                     continue;
                 }
                 let size = (edge[1] - edge[0]).norm().max((other[1] - other[0]).norm());
-                let share = match is_declared(a, nodes) && is_declared(b, other_nodes) {
-                    true => accepted(setup.scene),
-                    false => setup.scene.overlap_tolerance,
+                let tolerance = match is_declared(a, nodes) && is_declared(b, other_nodes) {
+                    true => granted(setup, [a, b], size),
+                    false => setup.scene.overlap_tolerance * size,
                 };
-                let tolerance = share * size;
                 let crossed = pierce(&edge, other).filter(|(_, depth)| *depth > tolerance);
                 if let Some((point, depth)) = crossed {
                     return Err(Error::Crossing {
@@ -267,7 +274,7 @@ fn coincident<const D: usize>(setup: &Setup<'_, D>, a: usize, b: usize) -> Resul
         let edge = |corners: &[Vector<D>]| (corners[1] - corners[0]).norm();
         let size = edge(&x).max(edge(&other_corners));
         let tolerance = setup.scene.overlap_tolerance * size;
-        if depth > tolerance {
+        if depth > tolerance.max(setup.contact.fit([a, b])) {
             return Err(Error::Crossing {
                 first: setup.scene.names()[a].clone(),
                 second: setup.scene.names()[b].clone(),

@@ -1,0 +1,249 @@
+//! Sharp corners.
+//!
+//! A weak gap is a mean over facets, which a corner closes with a fifth of a facet and more inside. A sharp corner therefore has a row of its
+//! own, which says that it is inside by no more than a share of the facet:
+//!
+//! c = g + h/20 + h (1/s − 1) ≥ 0,
+//!
+//! with the gap g of the corner, the length h of the facets and the share s with which a point counts. s is 1 but near the search
+//! radius, near a rim and at right angles, where it falls to 0, so that no corner leaves its row with its force. A corner is a node of a
+//! body or, the other way around, a corner of an obstacle in front of a body.
+
+use super::moving::Moving;
+use super::obstacle::Placed;
+use super::projection::Projection;
+use super::search::{FootPoint, Master, Own, Seeker};
+use super::stencil::{Against, Kind, Projected, Stencil};
+use super::surface::Surface;
+use crate::element::Facet;
+use crate::mesh::Mesh;
+use crate::tensor::{Vector, unit_vector};
+
+/// Whether sharp corners have rows of their own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Corners {
+    /// They have, with contact at the current positions, feet along normals and no overlaps at the start: elsewhere, rows are those of the
+    /// paper.
+    #[default]
+    Held,
+    /// They have none: corners dig in by a share of a facet.
+    Weak,
+}
+
+/// By this share of a facet a corner may dig in: the audit finds a third.
+const DIGS: f64 = 0.05;
+/// The cosine of the angle between facets, 40°, from which on their common corner is sharp: a circle of 12 facets turns by 30°.
+pub(super) const SHARP: f64 = 0.766;
+/// Corners with a smaller share have no row: none of them is so deep.
+const LEAST: f64 = 1e-3;
+/// The depth inside the rim, as a share of a facet, from which on corners count in full.
+const INSIDE: f64 = 0.5;
+
+/// A corner that counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Corner<const D: usize> {
+    point: Projected<D>,
+    /// Whether it is one of an obstacle, in front of the slave's surface.
+    is_of_obstacle: bool,
+    /// What is added to its gap (UL).
+    slack: f64,
+}
+
+impl<const D: usize> Corner<D> {
+    fn new(point: Projected<D>, is_of_obstacle: bool, (size, share): (f64, f64)) -> Option<Self> {
+        let slack = size * (DIGS + 1.0 / share - 1.0);
+        (share > LEAST).then_some(Corner {
+            point,
+            is_of_obstacle,
+            slack,
+        })
+    }
+
+    /// As a point of `slave`, whose own positions are `own`, in front of what it is `against`.
+    pub fn stencil<'a>(
+        &self,
+        slave: &'a Surface<D>,
+        own: &'a Moving<D>,
+        against: Against<'a, D>,
+    ) -> Stencil<'a, D> {
+        let against = match self.is_of_obstacle {
+            true => Against::Corner(own),
+            false => against,
+        };
+        Stencil::new(slave, against, self.point)
+    }
+
+    /// What is added to its gap (UL).
+    pub fn slack(&self) -> f64 {
+        self.slack
+    }
+}
+
+/// The nodes of a mesh at which exterior facets meet in a sharp convex corner or edge, ascending.
+pub fn sharp_nodes<const D: usize>(mesh: &Mesh<D>) -> Vec<usize> {
+    let X = mesh.nodes();
+    let is_axis =
+        |nodes: &[usize]| mesh.is_of_revolution() && nodes.iter().all(|&a| X[a][0] == 0.0);
+    let mut around: Vec<Vec<(Vector<D>, Vector<D>)>> = vec![Vec::new(); X.len()];
+    for nodes in mesh.exterior().filter(|nodes| !is_axis(nodes)) {
+        let facet = Facet::gather(mesh.order(), nodes, X);
+        let centre = facet.point(&Vector::repeat(1.0 / D as f64));
+        for (k, &a) in nodes[..D].iter().enumerate() {
+            around[a].push((facet.normal(&unit_vector(k)).normalize(), centre));
+        }
+    }
+    let nodes = around.iter().enumerate();
+    let sharp = nodes.filter(|(a, facets)| {
+        let pairs = facets
+            .iter()
+            .flat_map(|f| facets.iter().map(move |g| (f, g)));
+        let mut pairs =
+            pairs.map(|((n, _), (other, centre))| (n.dot(other), n.dot(&(centre - X[*a]))));
+        pairs.any(|(turn, beyond)| turn < SHARP && beyond < 0.0)
+    });
+    sharp.map(|(a, _)| a).collect()
+}
+
+/// Those among nodes `sharp` of a slave, by their positions in [`Surface::nodes`], that count against a master, for positions `x` of all
+/// scene nodes.
+pub fn on_surface<const D: usize>(
+    (slave, own): (&Surface<D>, &Moving<D>),
+    sharp: &[usize],
+    master: &Master<D>,
+    x: &[Vector<D>],
+    reach: f64,
+) -> Vec<Corner<D>> {
+    let same_body = slave.body() == master.surface().body();
+    let facet_size = slave.facet_size();
+    let sizes = slave.node_sizes();
+    let found = sharp.iter().filter_map(|k| {
+        let seeker = Seeker {
+            x: x[slave.nodes()[*k]],
+            facing: own.normals()[*k],
+            reach,
+            X: slave.reference_nodes()[*k],
+            N: slave.reference_normals()[*k],
+            facet_size,
+            own: same_body.then_some(Own {
+                surface: slave,
+                nodes: std::slice::from_ref(k),
+            }),
+            reaches_beyond: false,
+        };
+        let projection = master.find(&seeker)?;
+        let share = seeker.share(&projection) * inside(master.surface(), &projection);
+        let point = of_node((slave, *k), x, sizes[*k], projection)?;
+        Corner::new(point, false, (sizes[*k], share))
+    });
+    found.collect()
+}
+
+/// Those that count against an obstacle.
+pub fn on_obstacle<const D: usize>(
+    (slave, own): (&Surface<D>, &Moving<D>),
+    sharp: &[usize],
+    obstacle: &Placed<D>,
+    x: &[Vector<D>],
+    reach: f64,
+) -> Vec<Corner<D>> {
+    let sizes = slave.node_sizes();
+    let found = sharp.iter().filter_map(|&k| {
+        let at = x[slave.nodes()[k]];
+        let (gap, normal) = (obstacle.distance(&at), obstacle.normal(&at));
+        let projection = FootPoint {
+            by: Projection::Closest,
+            facet: 0,
+            lambda: Vector::zeros(),
+            foot: at - normal * gap,
+            normal,
+            distance: gap.abs(),
+            gap,
+            off_the_end: false,
+        };
+        let facing = -own.normals()[k].dot(&normal);
+        // as deep inside as it may be, it counts
+        if !(gap <= reach && facing > 0.0) {
+            return None;
+        }
+        let point = of_node((slave, k), x, sizes[k], projection)?;
+        Corner::new(point, false, (sizes[k], Seeker::<D>::facing_share(facing)))
+    });
+    found.collect()
+}
+
+/// The corners of an obstacle that count in front of a body's surface; those of `slave` are named before them.
+pub fn of_obstacle<const D: usize>(
+    obstacle: &Placed<D>,
+    slave: &Master<D>,
+    reach: f64,
+    names: usize,
+) -> Vec<Corner<D>> {
+    let surface = slave.surface();
+    let sizes = surface.node_sizes();
+    let corners = obstacle.corners().into_iter().enumerate();
+    let found = corners.filter_map(|(k, [(X, N), (x, facing)])| {
+        let seeker = Seeker {
+            x,
+            facing,
+            reach,
+            X,
+            N,
+            facet_size: surface.facet_size(),
+            own: None,
+            reaches_beyond: false,
+        };
+        let projection = slave.find(&seeker)?;
+        let share = seeker.share(&projection) * inside(surface, &projection);
+        let corners = surface.facet(projection.facet)[..D].iter();
+        let size = corners.zip(&projection.lambda).map(|(&a, l)| l * sizes[a]);
+        let size: f64 = size.sum();
+        let point = Projected {
+            number: names + surface.nodes().len() + k,
+            facet: projection.facet,
+            lambda: projection.lambda,
+            weight: weight(surface, projection.facet, (&projection.lambda, size)),
+            x,
+            projection,
+            kind: Kind::Corner,
+        };
+        Corner::new(point, true, (size, share))
+    });
+    found.collect()
+}
+
+/// The share with which a corner counts whose foot is near the rim of a surface.
+fn inside<const D: usize>(surface: &Surface<D>, p: &FootPoint<D>) -> f64 {
+    let nodes = surface.facet(p.facet);
+    let depth = surface.rim().depth(p.facet, nodes, &p.lambda);
+    (depth / INSIDE).clamp(0.0, 1.0)
+}
+
+/// Node `k` of a slave with facets of so long a size (UL) as a point with this projection; names follow those of the scene's nodes.
+fn of_node<const D: usize>(
+    (slave, k): (&Surface<D>, usize),
+    x: &[Vector<D>],
+    size: f64,
+    projection: FootPoint<D>,
+) -> Option<Projected<D>> {
+    let (facet, corner) = slave.facets_around(k).next()?;
+    let lambda = unit_vector(corner);
+    Some(Projected {
+        number: x.len() + k,
+        facet,
+        lambda,
+        weight: weight(slave, facet, (&lambda, size)),
+        x: x[slave.nodes()[k]],
+        projection,
+        kind: Kind::Corner,
+    })
+}
+
+/// The measure of so long a facet around a point (UL in the plane, UL² in space and of revolution).
+fn weight<const D: usize>(
+    surface: &Surface<D>,
+    facet: usize,
+    (lambda, size): (&Vector<D>, f64),
+) -> f64 {
+    let ring = surface.ring(&surface.reference()[facet], lambda);
+    size.powi(D as i32 - 1) * ring
+}
