@@ -24,9 +24,9 @@ use crate::tensor::{Vector, unit_vector};
 pub enum Corners {
     /// They have, with contact at the current positions, feet along normals and no overlaps at the start: elsewhere, rows are those of the
     /// paper.
-    #[default]
     Held,
     /// They have none: corners dig in by a share of a facet.
+    #[default]
     Weak,
 }
 

@@ -144,7 +144,7 @@ impl<const D: usize> Obstacle<D> {
     }
 
     /// The box between two corners (UL), with bodies outside. For a box with bodies inside, take a half-space for each
-    /// wall: walls that meet in a corner then push at once. Its corners have rows of their own
+    /// wall: walls that meet in a corner then push at once. Its corners may have rows of their own
     /// ([`Corners`](super::Corners)); in space, its edges dig into softer bodies by a share of their facets, since gaps are means over facets.
     ///
     /// # Errors
@@ -167,7 +167,7 @@ impl<const D: usize> Obstacle<D> {
     /// The inside of a closed surface of flat facets, with bodies outside: `facets` are the numbers of their corners among
     /// `points` (UL). In the plane, segments go around the inside counter-clockwise; in space, triangles do so seen from outside.
     /// It may have several parts and holes. Distances and normals are those of the facets themselves: a polyhedron of chords is
-    /// its own shape, with corners that are held and edges that dig in as those of [`Obstacle::cuboid`].
+    /// its own shape, with corners and edges that dig in as those of [`Obstacle::cuboid`].
     ///
     /// ```
     /// use contact_fem::Obstacle;

@@ -122,7 +122,7 @@ impl<const D: usize> Master<D> {
     /// size: bodies may overlap slightly in the reference configuration.
     const OVERLAP: f64 = 0.2;
     /// The same, as a share of the depth with which bodies are fitted into each other. Their thickness is more than twice that depth.
-    const FIT: f64 = 1.25;
+    const FIT: f64 = 1.5;
     /// The smallest depth of the reference path between two bodies, as a share of its length: where
     /// surfaces slide on each other, most of the path is along them.
     const THROUGH: f64 = 0.5;

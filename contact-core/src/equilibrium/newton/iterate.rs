@@ -27,11 +27,11 @@ const CLEARLY: f64 = 1e-2;
 const INDEPENDENT: f64 = 1e-11;
 /// More than so many steps show rows that nearly depend on each other, as those of both bodies do where the side of one lies
 /// on a facet of the other: what makes such rows contradict each other is of second order in the step, and to satisfy them all takes far
-/// larger changes of the multipliers, which lead to the next contradiction. From then on, steps leave so much, and equilibria
-/// may have gaps of a few times that.
+/// larger changes of the multipliers, which lead to the next contradiction. From then on, steps leave so many tolerances, and
+/// equilibria may have gaps of a few times that.
 const USUAL: usize = 10;
-const DEPENDENT: f64 = 1e-7;
-const GAPS: f64 = 3e-7;
+const DEPENDENT: f64 = 10.0;
+const GAPS: f64 = 30.0;
 /// Equilibria are examined where the sum of the multipliers has grown by this factor.
 const GROWN: f64 = 2.0;
 /// They are examined, too, where the curvature along the softest motion is below this share of what it was.
@@ -109,7 +109,7 @@ impl Iterate<'_> {
     /// What a step may leave of the complementarity, as a share of the displacements.
     fn gaps(&self) -> f64 {
         match self.has_dependent_rows() {
-            true => DEPENDENT,
+            true => DEPENDENT * self.tolerance,
             false => INDEPENDENT,
         }
     }
@@ -148,7 +148,7 @@ impl Iterate<'_> {
                 false => CLEARLY * self.tolerance / tangent.ratio().max(1.0),
             };
             let gaps = match self.has_dependent_rows() {
-                true => bound.max(GAPS),
+                true => bound.max(GAPS * self.tolerance),
                 false => bound,
             };
             let measures = ((bound, gaps), self.unit, self.least);

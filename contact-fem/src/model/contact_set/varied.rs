@@ -492,6 +492,7 @@ fn corners() {
         .expect("a side");
     scene.overlaps = crate::model::Overlaps::Allowed;
     scene.overlap_tolerance = 10.0;
+    scene.corners = Corners::Held;
     let problem = scene.problem().expect("a problem");
     let nodes = problem.reference().len();
     let u = vec![0.0; problem.dofs().free()];

@@ -16,8 +16,8 @@ use crate::mesh::Mesh;
 use crate::model::{InitialGaps, Scene};
 use crate::tensor::{Vector, facet_normal};
 
-/// By how much more than the nodes that the audit found others may be inside: curved facets are audited in flat pieces.
-const AT_FIT: f64 = 1.1;
+/// By how much more than the audit found nodes may be inside: it measures the shortest way out, through flat pieces of curved facets.
+const AT_FIT: f64 = 1.5;
 
 /// Checks that no body starts inside another body of a contact pair that counts from the start; `inside` is the result of [`deepest`].
 pub(super) fn check<const D: usize>(
