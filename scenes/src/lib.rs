@@ -23,6 +23,7 @@ pub mod beams;
 pub mod blocks;
 pub mod cantilevers;
 pub mod cli;
+pub mod die;
 pub mod disc_in_disc;
 pub mod extremes;
 pub mod files;

@@ -200,9 +200,11 @@ fn the_deep_end_of_a_tilted_face_is_seen() {
             let overlaps = problem.audit(u).expect("a state").overlaps;
             let deepest = overlaps.iter().map(|overlap| overlap.depth);
             let deepest = deepest.fold(0.0, f64::max) / facet;
+            // the end itself is on the side of the lower block, so that the last node but one is the deepest
+            let inside = 0.1 + 0.75 * (deep - 0.1);
             match gaps {
                 InitialGaps::Resolve => assert!(deepest < 0.02, "{deep}: {deepest}"),
-                _ => assert!(deepest > 0.7 * deep, "{deep}: {deepest}"),
+                _ => assert!((deepest - inside).abs() < 1e-9, "{deep}: {deepest}"),
             }
         }
         let refused = tilted([0.1 * facet, 0.6], gaps).problem();

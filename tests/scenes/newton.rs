@@ -9,6 +9,7 @@ use contact_fem::simulation::History;
 use contact_fem::{Scene, Simulation};
 use ipopt_contact_scenes::beams::{Beams, LENGTH, LOAD, Law, SIDE};
 use ipopt_contact_scenes::cli::Solver;
+use ipopt_contact_scenes::die::Die;
 use ipopt_contact_scenes::disc_in_disc::{
     self as discs, DEFAULT_END, ENDS, EXACT_END, Fineness, Roles,
 };
@@ -172,6 +173,25 @@ fn meshes_on_which_closest_points_fail() {
         let cost = history.run.cost();
         assert!(cost.outer_iterations <= 500, "{segments}: {cost:?}");
         assert!(cost.factorizations <= 600, "{segments}: {cost:?}");
+    }
+}
+
+/// The side of the die lies flat on facets of the slab, so that rows of both nearly depend on each other, and its corners are in the middle of
+/// facets, whose rows vary with what is opposite the die.
+#[test]
+fn a_sharp_die_on_a_slab() {
+    for order in [Order::Linear, Order::Quadratic] {
+        let die = Die {
+            order,
+            slab: [6, 3],
+            die: [5, 2],
+            from: 0.9,
+            width: 1.2,
+            young: 1000.0,
+            press: 0.05,
+            slide: 0.0,
+        };
+        compare(|| die.scene().expect("valid"), 2, 2);
     }
 }
 

@@ -3,7 +3,7 @@
 use contact_core::ContactProblem;
 use contact_core::gaps::Sampling;
 use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
-use contact_fem::model::{Corners, Integration, Problem};
+use contact_fem::model::{Integration, Problem};
 use contact_fem::{Body, NeoHookean};
 use ipopt_contact_scenes::pair;
 
@@ -28,7 +28,6 @@ fn below_a_slope(end: f64) -> Problem<2> {
     let mut scene = pair((lower, "top"), (upper, "bottom")).expect("pair");
     scene.reach = Some(1.0);
     scene.integration = Some(Integration::Gauss(64)); // to end about anywhere
-    scene.corners = Corners::Weak; // their rows are no means
     scene.problem().expect("valid scene")
 }
 

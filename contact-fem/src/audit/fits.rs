@@ -2,16 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use super::{Audit, Boxes, distance, thickness};
-use crate::tensor::Vector;
+use super::{Audit, thickness};
 
 /// How deep two bodies, or a body and an obstacle, start inside each other.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Fit {
-    /// The largest depth (UL).
+    /// The largest depth (UL): the shortest way out, through any face.
     pub depth: f64,
-    /// The largest depth as a share of the thickness of the body that is thinner there (no unit).
-    pub share: f64,
+    /// The thickness of the body that is thinner there (UL); `+∞` of endless ones.
+    pub thickness: f64,
 }
 
 impl<const D: usize> Audit<D> {
@@ -19,9 +18,10 @@ impl<const D: usize> Audit<D> {
     /// a face is measured through the whole body, however fine its mesh is.
     pub(crate) fn fits(&self) -> BTreeMap<[usize; 2], Fit> {
         let X = &self.reference;
-        let overlaps = self.overlaps(X);
+        let overlaps = self.overlaps(X).into_iter();
+        let mut overlaps = overlaps.filter(|o| o.bodies[0] != o.bodies[1]).peekable();
         let mut fits = BTreeMap::new();
-        if overlaps.is_empty() {
+        if overlaps.peek().is_none() {
             return fits;
         }
         let faces = &self.topology.faces;
@@ -37,35 +37,19 @@ impl<const D: usize> Audit<D> {
         };
         for overlap in overlaps {
             let [a, b] = overlap.bodies;
-            if a == b {
-                continue;
-            }
+            // an obstacle has no faces
             let sides = overlap
                 .bodies
-                .map(|body| self.nearest_face(&boxes, body, &overlap.at));
-            let ways = sides.into_iter().flatten().map(&mut thickness);
+                .map(|body| self.nearest(X, &boxes, overlap.at, |face| face.body == body));
+            let ways = sides.into_iter().flatten().map(|(_, face)| thickness(face));
             let thinner = ways.fold(f64::INFINITY, f64::min);
-            let fit: &mut Fit = fits.entry([a.min(b), a.max(b)]).or_default();
+            let fit = fits.entry([a.min(b), a.max(b)]).or_insert(Fit {
+                depth: 0.0,
+                thickness: thinner,
+            });
             fit.depth = fit.depth.max(overlap.depth);
-            fit.share = fit.share.max(overlap.depth / thinner);
+            fit.thickness = fit.thickness.min(thinner);
         }
         fits
-    }
-
-    /// The face of a body nearest to a point; `None` of an obstacle.
-    fn nearest_face(&self, boxes: &Boxes<D>, body: usize, at: &Vector<D>) -> Option<usize> {
-        let mut nearest: Option<(f64, usize)> = None;
-        // by the distance of their boxes, which is at most their own
-        for (leaf, at_least_2) in boxes.nearest_neighbor_iter_with_distance_2((*at).into()) {
-            if nearest.is_some_and(|(way, _)| at_least_2 > way * way) {
-                break;
-            }
-            let face = &self.topology.faces[leaf.data];
-            let way = || distance(at, &face.nodes.map(|a| self.reference[a]));
-            if face.body == body && nearest.is_none_or(|(least, _)| way() < least) {
-                nearest = Some((way(), leaf.data));
-            }
-        }
-        nearest.map(|(_, face)| face)
     }
 }

@@ -540,7 +540,10 @@ impl<const D: usize> Audit<D> {
         bodies.sort_unstable();
         bodies.dedup();
         let overlap = |body: usize| {
-            let (depth, face) = self.nearest(x, trees, owners, (point, body))?;
+            let counts = |face: &topology::Face<D>| {
+                face.body == body && !self.is_own(owners, body, &face.nodes)
+            };
+            let (depth, face) = self.nearest(x, &trees.faces, point, counts)?;
             let (size, thickness) = topology.around(owners[0]);
             let face = &topology.faces[face];
             let thickness = thickness.min(face.thickness);
@@ -564,25 +567,22 @@ impl<const D: usize> Audit<D> {
         body == topology.body_of[owners[0]] && owners.iter().any(|&a| topology.is_near(a, nodes))
     }
 
-    /// The distance of a point on `owners` from the exterior of a body (UL), and the nearest face.
+    /// The distance of a point from the exterior faces that count (UL), and the nearest one.
     fn nearest(
         &self,
         x: &[Vector<D>],
-        trees: &Trees<D>,
-        owners: &[usize],
-        (point, body): (Vector<D>, usize),
+        faces: &Boxes<D>,
+        point: Vector<D>,
+        counts: impl Fn(&topology::Face<D>) -> bool,
     ) -> Option<(f64, usize)> {
         let mut nearest: Option<(f64, usize)> = None;
         // by the distance of their boxes, which is at most their own
-        for (leaf, at_least_2) in trees
-            .faces
-            .nearest_neighbor_iter_with_distance_2(point.into())
-        {
+        for (leaf, at_least_2) in faces.nearest_neighbor_iter_with_distance_2(point.into()) {
             if nearest.is_some_and(|(distance, _)| at_least_2 > distance * distance) {
                 break;
             }
             let face = &self.topology.faces[leaf.data];
-            if face.body != body || self.is_own(owners, body, &face.nodes) {
+            if !counts(face) {
                 continue;
             }
             let depth = distance(&point, &face.nodes.map(|b| x[b]));

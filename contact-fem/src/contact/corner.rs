@@ -11,7 +11,6 @@
 
 use super::moving::Moving;
 use super::obstacle::Placed;
-use super::projection::Projection;
 use super::search::{FootPoint, Master, Own, Seeker};
 use super::stencil::{Against, Kind, Projected, Stencil};
 use super::surface::Surface;
@@ -22,19 +21,19 @@ use crate::tensor::{Vector, unit_vector};
 /// Whether sharp corners have rows of their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Corners {
-    /// They have, with contact at the current positions, feet along normals and no overlaps at the start: elsewhere, rows are those of the
-    /// paper.
+    /// They have, in scenes with contact at the current positions, feet along normals and no overlaps at the start. In other scenes they have
+    /// none.
     Held,
     /// They have none: corners dig in by a share of a facet.
     #[default]
     Weak,
 }
 
-/// By this share of a facet a corner may dig in: the audit finds a third.
+/// By this share of a facet a corner may dig in; [`Overlap::LIMIT`](crate::audit::Overlap::LIMIT), beyond which a step is refused, is six times as much.
 const DIGS: f64 = 0.05;
 /// The cosine of the angle between facets, 40°, from which on their common corner is sharp: a circle of 12 facets turns by 30°.
 pub(super) const SHARP: f64 = 0.766;
-/// Corners with a smaller share have no row: none of them is so deep.
+/// Corners with a smaller share have no row: they would have to be a thousand facets deep.
 const LEAST: f64 = 1e-3;
 /// The depth inside the rim, as a share of a facet, from which on corners count in full.
 const INSIDE: f64 = 0.5;
@@ -59,18 +58,13 @@ impl<const D: usize> Corner<D> {
         })
     }
 
-    /// As a point of `slave`, whose own positions are `own`, in front of what it is `against`.
-    pub fn stencil<'a>(
-        &self,
-        slave: &'a Surface<D>,
-        own: &'a Moving<D>,
-        against: Against<'a, D>,
-    ) -> Stencil<'a, D> {
+    /// As a point of the slave, which is where `own` says, in front of what it is `against`.
+    pub fn stencil<'a>(&self, own: &'a Moving<D>, against: Against<'a, D>) -> Stencil<'a, D> {
         let against = match self.is_of_obstacle {
             true => Against::Corner(own),
             false => against,
         };
-        Stencil::new(slave, against, self.point)
+        Stencil::new(own.surface(), against, self.point)
     }
 
     /// What is added to its gap (UL).
@@ -104,21 +98,28 @@ pub fn sharp_nodes<const D: usize>(mesh: &Mesh<D>) -> Vec<usize> {
     sharp.map(|(a, _)| a).collect()
 }
 
-/// Those among nodes `sharp` of a slave, by their positions in [`Surface::nodes`], that count against a master, for positions `x` of all
-/// scene nodes.
+/// The sharp corners of a scene.
+pub struct SharpCorners<const D: usize> {
+    /// Of each surface its nodes that are such, by their positions in [`Surface::nodes`].
+    pub of_surfaces: Vec<Vec<usize>>,
+    /// Of each obstacle, before it moves: the corners (UL) with the unit bisectors of their outward normals.
+    pub of_obstacles: Vec<Vec<(Vector<D>, Vector<D>)>>,
+}
+
+/// The corners among `nodes` of a slave that count against a master, for positions `x` of all scene nodes.
 pub fn on_surface<const D: usize>(
-    (slave, own): (&Surface<D>, &Moving<D>),
-    sharp: &[usize],
+    own: &Moving<D>,
+    nodes: &[usize],
     master: &Master<D>,
     x: &[Vector<D>],
     reach: f64,
 ) -> Vec<Corner<D>> {
+    let slave = own.surface();
     let same_body = slave.body() == master.surface().body();
     let facet_size = slave.facet_size();
-    let sizes = slave.node_sizes();
-    let found = sharp.iter().filter_map(|k| {
+    let foot = |k: &usize| {
         let seeker = Seeker {
-            x: x[slave.nodes()[*k]],
+            x: own.positions()[*k],
             facing: own.normals()[*k],
             reach,
             X: slave.reference_nodes()[*k],
@@ -132,77 +133,95 @@ pub fn on_surface<const D: usize>(
         };
         let projection = master.find(&seeker)?;
         let share = seeker.share(&projection) * inside(master.surface(), &projection);
-        let point = of_node((slave, *k), x, sizes[*k], projection)?;
+        Some((projection, share))
+    };
+    of_nodes(own, nodes, x.len(), foot)
+}
+
+/// Likewise against an obstacle.
+pub fn on_obstacle<const D: usize>(
+    own: &Moving<D>,
+    nodes: &[usize],
+    obstacle: &Placed<D>,
+    x: &[Vector<D>],
+    reach: f64,
+) -> Vec<Corner<D>> {
+    let foot = |k: &usize| {
+        let x = &own.positions()[*k];
+        let (gap, normal) = (obstacle.distance(x), obstacle.normal(x));
+        let share = Seeker::<D>::facing_share(-own.normals()[*k].dot(&normal));
+        // as deep inside as it may be, it counts
+        (gap <= reach).then(|| (FootPoint::on_obstacle(x, gap, normal), share))
+    };
+    of_nodes(own, nodes, x.len(), foot)
+}
+
+/// Nodes of a slave with their feet, and the shares with which they count; `names` is the number of the scene's nodes, whose names come first.
+fn of_nodes<const D: usize>(
+    own: &Moving<D>,
+    nodes: &[usize],
+    names: usize,
+    foot: impl Fn(&usize) -> Option<(FootPoint<D>, f64)>,
+) -> Vec<Corner<D>> {
+    if nodes.is_empty() {
+        return Vec::new();
+    }
+    let slave = own.surface();
+    let sizes = slave.node_sizes();
+    let found = nodes.iter().filter_map(|k| {
+        let (projection, share) = foot(k)?;
+        let (facet, corner) = slave.facets_around(*k).next()?;
+        let lambda = unit_vector(corner);
+        let point = Projected {
+            number: names + k,
+            facet,
+            lambda,
+            weight: weight(slave, facet, (&lambda, sizes[*k])),
+            x: own.positions()[*k],
+            projection,
+            kind: Kind::Corner,
+        };
         Corner::new(point, false, (sizes[*k], share))
     });
     found.collect()
 }
 
-/// Those that count against an obstacle.
-pub fn on_obstacle<const D: usize>(
-    (slave, own): (&Surface<D>, &Moving<D>),
-    sharp: &[usize],
-    obstacle: &Placed<D>,
-    x: &[Vector<D>],
-    reach: f64,
-) -> Vec<Corner<D>> {
-    let sizes = slave.node_sizes();
-    let found = sharp.iter().filter_map(|&k| {
-        let at = x[slave.nodes()[k]];
-        let (gap, normal) = (obstacle.distance(&at), obstacle.normal(&at));
-        let projection = FootPoint {
-            by: Projection::Closest,
-            facet: 0,
-            lambda: Vector::zeros(),
-            foot: at - normal * gap,
-            normal,
-            distance: gap.abs(),
-            gap,
-            off_the_end: false,
-        };
-        let facing = -own.normals()[k].dot(&normal);
-        // as deep inside as it may be, it counts
-        if !(gap <= reach && facing > 0.0) {
-            return None;
-        }
-        let point = of_node((slave, k), x, sizes[k], projection)?;
-        Corner::new(point, false, (sizes[k], Seeker::<D>::facing_share(facing)))
-    });
-    found.collect()
-}
-
-/// The corners of an obstacle that count in front of a body's surface; those of `slave` are named before them.
+/// The `tips` of an obstacle that count in front of a body's surface; `names` is the number of the scene's nodes, after which those of the surface
+/// are named.
 pub fn of_obstacle<const D: usize>(
-    obstacle: &Placed<D>,
+    (obstacle, tips): (&Placed<D>, &[(Vector<D>, Vector<D>)]),
     slave: &Master<D>,
     reach: f64,
     names: usize,
 ) -> Vec<Corner<D>> {
+    if tips.is_empty() {
+        return Vec::new();
+    }
     let surface = slave.surface();
-    let sizes = surface.node_sizes();
-    let corners = obstacle.corners().into_iter().enumerate();
-    let found = corners.filter_map(|(k, [(X, N), (x, facing)])| {
+    let (sizes, facet_size) = (surface.node_sizes(), surface.facet_size());
+    let (began, now) = (obstacle.obstacle().pose(0.0), obstacle.pose());
+    let found = tips.iter().enumerate().filter_map(|(k, (tip, bisector))| {
         let seeker = Seeker {
-            x,
-            facing,
+            x: now.place(tip),
+            facing: now.R * bisector,
             reach,
-            X,
-            N,
-            facet_size: surface.facet_size(),
+            X: began.place(tip),
+            N: began.R * bisector,
+            facet_size,
             own: None,
             reaches_beyond: false,
         };
         let projection = slave.find(&seeker)?;
+        let (facet, lambda) = (projection.facet, projection.lambda);
         let share = seeker.share(&projection) * inside(surface, &projection);
-        let corners = surface.facet(projection.facet)[..D].iter();
-        let size = corners.zip(&projection.lambda).map(|(&a, l)| l * sizes[a]);
-        let size: f64 = size.sum();
+        let around = surface.facet(facet)[..D].iter().zip(&lambda);
+        let size: f64 = around.map(|(&a, l)| l * sizes[a]).sum();
         let point = Projected {
             number: names + surface.nodes().len() + k,
-            facet: projection.facet,
-            lambda: projection.lambda,
-            weight: weight(surface, projection.facet, (&projection.lambda, size)),
-            x,
+            facet,
+            lambda,
+            weight: weight(surface, facet, (&lambda, size)),
+            x: seeker.x,
             projection,
             kind: Kind::Corner,
         };
@@ -216,26 +235,6 @@ fn inside<const D: usize>(surface: &Surface<D>, p: &FootPoint<D>) -> f64 {
     let nodes = surface.facet(p.facet);
     let depth = surface.rim().depth(p.facet, nodes, &p.lambda);
     (depth / INSIDE).clamp(0.0, 1.0)
-}
-
-/// Node `k` of a slave with facets of so long a size (UL) as a point with this projection; names follow those of the scene's nodes.
-fn of_node<const D: usize>(
-    (slave, k): (&Surface<D>, usize),
-    x: &[Vector<D>],
-    size: f64,
-    projection: FootPoint<D>,
-) -> Option<Projected<D>> {
-    let (facet, corner) = slave.facets_around(k).next()?;
-    let lambda = unit_vector(corner);
-    Some(Projected {
-        number: x.len() + k,
-        facet,
-        lambda,
-        weight: weight(slave, facet, (&lambda, size)),
-        x: x[slave.nodes()[k]],
-        projection,
-        kind: Kind::Corner,
-    })
 }
 
 /// The measure of so long a facet around a point (UL in the plane, UL² in space and of revolution).

@@ -306,7 +306,7 @@ impl<const D: usize> Obstacle<D> {
     }
 
     /// The sharp corners that point outwards, each with the unit bisector of its outward normals, before it moves.
-    fn corners(&self) -> Vec<(Vector<D>, Vector<D>)> {
+    pub(crate) fn corners(&self) -> Vec<(Vector<D>, Vector<D>)> {
         match &self.shape {
             Shape::Cuboid { centre, half } => {
                 let sign = |corner: usize, i: usize| [1.0, -1.0][corner >> i & 1];
@@ -498,16 +498,6 @@ impl<const D: usize> Placed<D> {
             true => slope.normalize(),
             false => slope,
         }
-    }
-
-    /// The sharp corners that point outwards: for each where it began and where it is (UL), both with the unit bisector of its outward normals.
-    pub fn corners(&self) -> Vec<[(Vector<D>, Vector<D>); 2]> {
-        let begin = self.obstacle.pose(0.0);
-        let corners = self.obstacle.corners().into_iter();
-        let at = |pose: &Pose<D>, x: &Vector<D>, n: &Vector<D>| (pose.place(x), pose.R * n);
-        corners
-            .map(|(x, n)| [&begin, &self.pose].map(|pose| at(pose, &x, &n)))
-            .collect()
     }
 
     /// ∇²d at `x` (1/UL): the derivative of the normal.

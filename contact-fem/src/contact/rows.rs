@@ -58,8 +58,6 @@ struct NodalRow<const D: usize> {
     constant: f64,
     /// What is added to the gap (UL).
     widening: f64,
-    /// The gap (UL).
-    gap: f64,
 }
 
 /// The derivatives of a row by the weight of a point.
@@ -174,8 +172,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
         let mut rows = vec![NodalRow::default(); names.len()];
         for (q, stencil) in stencils.iter().enumerate() {
             for (i, w) in shares(sampling, q, stencil) {
-                let (terms, constant) = (stencil.frozen_gradient(), stencil.frozen_constant());
-                rows[i].add(w, terms, (constant, stencil.projection().gap));
+                rows[i].add(w, stencil.frozen_gradient(), stencil.frozen_constant());
             }
         }
         let mut leaning = match sampling {
@@ -206,23 +203,19 @@ impl<'a, const D: usize> PassRows<'a, D> {
         self.sampling == Sampling::Nodes
     }
 
-    /// With a row for each of these corners of the slave, whose own positions are `own`, or of the obstacle in front of it.
+    /// With a row for each of these corners: of the slave, which is where `own` says, or of the obstacle in front of it.
     pub fn with_corners(
         mut self,
-        (slave, own): (&'a Surface<D>, &'a Moving<D>),
+        own: &'a Moving<D>,
         against: impl Into<Against<'a, D>>,
         corners: &[Corner<D>],
     ) -> Self {
         let against = against.into();
         for corner in corners {
-            let stencil = corner.stencil(slave, own, against);
-            let (terms, constant) = (stencil.frozen_gradient(), stencil.frozen_constant());
+            let stencil = corner.stencil(own, against);
             let mut row = NodalRow::default();
-            row.add(
-                stencil.weight(),
-                terms,
-                (constant, stencil.projection().gap),
-            );
+            let terms = stencil.frozen_gradient();
+            row.add(stencil.weight(), terms, stencil.frozen_constant());
             row.normalize();
             row.widening = corner.slack();
             self.names.push(stencil.number());
@@ -277,15 +270,15 @@ impl<'a, const D: usize> PassRows<'a, D> {
         weighing::ends(&self.stencils, x)
     }
 
-    /// How rows vary with the weight of a point: the row's [`RowKey::node`], and by the weight the derivatives of its gap and of its
-    /// coefficients at the nodes. With α_i = φ_i at the point, whose gap is g, a leaning row a_i c_i = s_i a'_i c'_i + (1 − s_i) Σ_j s_j a'_j c'_j
+    /// How rows vary with the weight of a point, for positions `x` of all scene nodes: the row's [`RowKey::node`], and by the weight the derivatives of its
+    /// gap and of its coefficients at the nodes. With α_i = φ_i at the point, whose gap is g, a leaning row a_i c_i = s_i a'_i c'_i + (1 − s_i) Σ_j s_j a'_j c'_j
     /// gains
     ///
     /// W g + Σ_k B_k a'_k c'_k,  W = s_i α_i + (1 − s_i) Σ_j s_j α_j,
     /// B_i = s'_i α_i,  B_j = (1 − s_i) s'_j α_j − s'_i α_i s_j,
     ///
     /// and its a_i likewise; c_i is their ratio. So do coefficients.
-    pub(super) fn weighed(&self, point: &Stencil<'a, D>) -> Vec<Weighed<D>> {
+    pub(super) fn weighed(&self, point: &Stencil<'a, D>, x: &[Vector<D>]) -> Vec<Weighed<D>> {
         if self.sampling == Sampling::Points {
             return Vec::new(); // a row of one point does not depend on its weight
         }
@@ -316,8 +309,12 @@ impl<'a, const D: usize> PassRows<'a, D> {
             }
             let bare = |(k, b): &(usize, f64)| (&leaning.bare[*k], *b);
             let area = W + B.iter().map(bare).map(|(row, b)| b * row.area).sum::<f64>();
-            let gap = W * point.projection().gap - area * row.gap;
-            let gap = gap + B.iter().map(bare).map(|(row, b)| b * row.gap).sum::<f64>();
+            let gap = W * point.projection().gap - area * row.gap(x);
+            let gap = gap
+                + B.iter()
+                    .map(bare)
+                    .map(|(row, b)| b * row.gap(x))
+                    .sum::<f64>();
             let mut terms: Vec<_> = point.frozen_gradient().map(|(a, c)| (a, c * W)).collect();
             terms.extend(row.terms.iter().map(|(a, c)| (*a, c * -area)));
             for (row, b) in B.iter().map(bare) {
@@ -414,15 +411,9 @@ fn shares<const D: usize>(
 
 impl<const D: usize> NodalRow<D> {
     /// Adds a point with weight `w` and the gap Σ `terms` + `constant`.
-    fn add(
-        &mut self,
-        w: f64,
-        terms: impl Iterator<Item = (usize, Vector<D>)>,
-        (constant, gap): (f64, f64),
-    ) {
+    fn add(&mut self, w: f64, terms: impl Iterator<Item = (usize, Vector<D>)>, constant: f64) {
         self.area += w;
         self.constant += w * constant;
-        self.gap += w * gap;
         self.terms.extend(terms.map(|(a, c)| (a, c * w)));
     }
 
@@ -432,7 +423,12 @@ impl<const D: usize> NodalRow<D> {
         self.terms.extend(terms);
         self.area += share * other.area;
         self.constant += share * other.constant;
-        self.gap += share * other.gap;
+    }
+
+    /// The gap at positions `x` of all scene nodes (UL), not widened; a_i times the gap before [`NodalRow::normalize`].
+    fn gap(&self, x: &[Vector<D>]) -> f64 {
+        let terms = self.terms.iter().map(|(a, c)| c.dot(&x[*a]));
+        self.constant + terms.sum::<f64>()
     }
 
     /// Whether a_i, that of the test function which a leaning row has, is positive, so that c_i is a mean of gaps.
@@ -453,7 +449,6 @@ impl<const D: usize> NodalRow<D> {
         if self.has_support() {
             self.terms.iter_mut().for_each(|term| term.1 /= self.area);
             self.constant /= self.area;
-            self.gap /= self.area;
         }
     }
 }

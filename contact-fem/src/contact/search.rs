@@ -45,6 +45,22 @@ pub struct FootPoint<const D: usize> {
     pub off_the_end: bool,
 }
 
+impl<const D: usize> FootPoint<D> {
+    /// Of a point at `x` on an obstacle, which has no facets, by its signed distance and its normal there.
+    pub(super) fn on_obstacle(x: &Vector<D>, gap: f64, normal: Vector<D>) -> Self {
+        FootPoint {
+            by: Projection::Closest,
+            facet: 0,
+            lambda: Vector::zeros(),
+            foot: x - normal * gap,
+            normal,
+            distance: gap.abs(),
+            gap,
+            off_the_end: false,
+        }
+    }
+}
+
 /// A point of a slave surface for which the closest point of a master surface is searched.
 #[derive(Clone, Copy, Debug)]
 pub struct Seeker<'a, const D: usize> {
@@ -121,7 +137,8 @@ impl<const D: usize> Master<D> {
     /// The smallest depth of the reference path between two bodies, as a share of the larger facet
     /// size: bodies may overlap slightly in the reference configuration.
     const OVERLAP: f64 = 0.2;
-    /// The same, as a share of the depth with which bodies are fitted into each other. Their thickness is more than twice that depth.
+    /// The same, as a share of the depth with which bodies are fitted into each other: that is the shortest way out, and a way along normals is
+    /// longer. The thickness of the bodies is more than twice the depth.
     const FIT: f64 = 1.5;
     /// The smallest depth of the reference path between two bodies, as a share of its length: where
     /// surfaces slide on each other, most of the path is along them.

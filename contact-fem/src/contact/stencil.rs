@@ -5,7 +5,6 @@ use std::ops::Range;
 use super::cut::{Integration, Points};
 use super::moving::Moving;
 use super::obstacle::Placed;
-use super::projection::Projection;
 use super::search::{FootPoint, Master, Own, Seeker};
 use super::surface::Surface;
 use crate::element::{Facet, FacetRule, facet_shapes};
@@ -276,16 +275,7 @@ pub(crate) fn on_obstacle<const D: usize>(
                 lambda: *lambda,
                 weight: slave.measure(index, lambda) * weight,
                 x,
-                projection: FootPoint {
-                    by: Projection::Closest,
-                    facet: 0,
-                    lambda: Vector::zeros(),
-                    foot: x - normal * gap,
-                    normal,
-                    distance: gap.abs(),
-                    gap,
-                    off_the_end: false,
-                },
+                projection: FootPoint::on_obstacle(&x, gap, normal),
                 kind: Kind::Whole,
             });
         }

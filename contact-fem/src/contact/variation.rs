@@ -22,7 +22,7 @@ use contact_core::gaps::SparseRows;
 use super::gap::foot::Foot;
 use super::moving::Moving;
 use super::obstacle::Placed;
-use super::rows::{Pass, PassRows};
+use super::rows::{Pass, PassRows, Weighed};
 use super::stencil::{Against, Stencil};
 use super::weighing::{self, Weighing};
 use crate::assembly::{Dof, DofMap};
@@ -236,7 +236,8 @@ impl<const D: usize> Variation<D> {
             let near = near(stencil, &foot);
             let lambdas = near.iter().map(|point| (point.node, point.lambda));
             if let Some(weighing) = weighing::of_point(stencil, &foot, lambdas) {
-                self.weigh((pass, of), stencil, &weighing, &multiplier);
+                let rows = pass.weighed(stencil, x);
+                self.weigh(rows, stencil, of, &weighing, &multiplier);
             }
             let known = piece.take().filter(|known| {
                 let is_same = known.is_of(&rows, &near);
@@ -259,16 +260,17 @@ impl<const D: usize> Variation<D> {
             self.add_piece(last);
         }
         for (end, weighing) in pass.ends(x) {
-            self.weigh((pass, of), &end, &weighing, &multiplier);
+            self.weigh(pass.weighed(&end, x), &end, of, &weighing, &multiplier);
         }
         true
     }
 
-    /// Adds what rows vary by with the weight of a point.
-    fn weigh<'a>(
+    /// Adds what `rows` vary by with the weight of a point.
+    fn weigh(
         &mut self,
-        (pass, of): (&PassRows<'a, D>, Pass),
-        point: &Stencil<'a, D>,
+        rows: Vec<Weighed<D>>,
+        point: &Stencil<'_, D>,
+        of: Pass,
         weighing: &Weighing<D>,
         multiplier: &impl Fn(usize) -> Option<(usize, f64)>,
     ) {
@@ -279,7 +281,7 @@ impl<const D: usize> Variation<D> {
         let normals: Vec<(usize, Vector<D>)> = normals
             .map(|(b, form)| (self.number(master, of.master, *b), *form))
             .collect();
-        for row in pass.weighed(point) {
+        for row in rows {
             let Some((index, lambda)) = multiplier(row.name) else {
                 continue;
             };

@@ -1,9 +1,9 @@
 //! How the weights of integration points vary with the positions, for Newton's method.
 //!
-//! A weak gap c_i = ∫ φ_i g / ∫ φ_i is taken over that part of the slave that is opposite the master. Where the master ends, so does that
-//! part, and its end moves with the bodies: a row at a rim varies by φ_i (g − c_i)/a_i times the weight that it gains there, and its
+//! A weak gap c_i = ∫ φ_i g / ∫ φ_i (equation (5) of the paper) is taken over the part of the slave that is opposite the master. Where the master ends, so
+//! does this part, and its end moves with the bodies: a row at a rim varies by φ_i (g − c_i)/a_i times the weight that it gains there, and its
 //! force likewise moves from the middle of the row to the end, or back. The force changes so even while the gap is closed everywhere,
-//! by λ/a_i times what is gained: where a stiff tool slides on a soft body, that is more than the body's stiffness.
+//! by λ/a_i times what is gained: where a stiff tool slides on a soft body, this stiffness exceeds the body's own.
 //!
 //! Two kinds of places gain weight:
 //!

@@ -15,12 +15,12 @@ use super::kinematics::Kinematics;
 use super::switches::Switches;
 use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
 use crate::audit::{Audit, Fit};
-use crate::contact::corner::{self, Corners, sharp_nodes};
+use crate::contact::corner::{self, Corners, SharpCorners, sharp_nodes};
 use crate::contact::obstacle::Placed;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::stencil::{Projected, on_obstacle, projected_unless};
 use crate::contact::variation::Variation;
-use crate::contact::{Against, Master, Pass, Projection, Surface};
+use crate::contact::{Against, Master, Obstacle, Pass, Projection, Surface};
 use crate::tensor::Vector;
 
 /// The default search radius in [`Geometry::Current`], as a share of the scene's diagonal. It decides
@@ -52,10 +52,8 @@ pub(super) struct ContactSet<const D: usize> {
     pub geometry: Geometry,
     integration: Integration,
     projection: Projection,
-    /// Sharp corners: of each surface its nodes that are such, by their positions in it; `None` where corners have no rows.
-    corners: Option<Vec<Vec<usize>>>,
-    /// For each obstacle, whether it has sharp corners.
-    has_sharp_obstacle: Vec<bool>,
+    /// `None` where corners have no rows.
+    corners: Option<SharpCorners<D>>,
     /// The search radius of integration points (UL).
     pub reach: f64,
     /// Whether the radius is the default.
@@ -68,7 +66,7 @@ pub(super) struct ContactSet<const D: usize> {
     is_refuted: AtomicBool,
     initial_gaps: InitialGaps,
     initial_overlaps: InitialOverlaps,
-    /// How deep bodies start inside each other, or inside obstacles, that may by their thickness; empty if overlaps are refused.
+    /// How deep the bodies of pairs start inside each other, and bodies inside obstacles; empty if overlaps are refused.
     fits: BTreeMap<[usize; 2], Fit>,
     /// The surfaces at the most recent positions, and how many sets of positions there have been.
     located: Mutex<Option<Arc<Located<D>>>>,
@@ -162,7 +160,10 @@ impl<const D: usize> ContactSet<D> {
             let places = sharp.map(|a| surface.nodes().binary_search(&(a + first)));
             places.flatten().collect()
         };
-        let corners = has_corners.then(|| surfaces.iter().map(sharp).collect());
+        let corners = has_corners.then(|| SharpCorners {
+            of_surfaces: surfaces.iter().map(sharp).collect(),
+            of_obstacles: scene.obstacles().iter().map(Obstacle::corners).collect(),
+        });
         let extent = |surface: &Arc<Surface<D>>| Extent::of(surface, &kinematics.X);
         let placed = |(index, obstacle)| {
             let own = on_obstacles.iter().filter(|(_, other)| *other == index);
@@ -183,7 +184,6 @@ impl<const D: usize> ContactSet<D> {
             integration: scene.integration(),
             projection: scene.projection,
             corners,
-            has_sharp_obstacle: Vec::new(),
             reach: match (scene.reach, geometry) {
                 (Some(reach), _) => reach,
                 (None, Geometry::Reference) => kinematics.diagonal(),
@@ -200,13 +200,9 @@ impl<const D: usize> ContactSet<D> {
             inside: Mutex::new(None),
             inside_searched: AtomicUsize::new(0),
         };
-        let obstacles = set.obstacles.iter();
-        set.has_sharp_obstacle = obstacles.map(|o| !o.corners().is_empty()).collect();
         if set.initial_gaps != InitialGaps::Refuse {
             let mut fits = audit.fits();
-            fits.retain(|bodies, fit| {
-                fit.share < InitialGaps::OF_THICKNESS && set.is_pair(*bodies)
-            });
+            fits.retain(|bodies, _| set.is_pair(*bodies));
             set.fits = fits;
             set.initial_overlaps = set.overlaps_at_rest(kinematics);
         }
@@ -330,13 +326,13 @@ impl<const D: usize> ContactSet<D> {
         })
     }
 
-    /// How deep two bodies, or a body and an obstacle, start inside each other (UL) if their thickness allows it; 0 of others.
+    /// How deep two bodies, or a body and an obstacle, may start inside each other by their thickness (UL); 0 where they do not.
     pub fn fit(&self, [a, b]: [usize; 2]) -> f64 {
         let fit = self.fits.get(&[a.min(b), a.max(b)]);
-        fit.map_or(0.0, |fit| fit.depth)
+        fit.map_or(0.0, |fit| InitialGaps::OF_THICKNESS * fit.thickness)
     }
 
-    /// The largest of them of a body with other bodies.
+    /// How deep a body starts inside other bodies, or has them inside (UL).
     fn deepest_fit(&self, body: usize) -> f64 {
         let own = self
             .fits
@@ -583,33 +579,26 @@ impl<const D: usize> ContactSet<D> {
         let Some(corners) = self.corners.as_ref().filter(|_| rows.is_of_nodes()) else {
             return rows;
         };
-        let slave = &self.surfaces[pass.slave];
-        let sharp = &corners[pass.slave];
-        let x = &located.x;
-        let own = || located.master(pass.slave);
-        let corners = match self.obstacle_of(pass) {
+        let (own, x) = (located.master(pass.slave), &located.x[..]);
+        let nodes = &corners.of_surfaces[pass.slave];
+        let found = match self.obstacle_of(pass) {
             Some((index, obstacle)) => {
-                let mut corners = match sharp.is_empty() {
-                    true => Vec::new(),
-                    false => {
-                        corner::on_obstacle((slave, own().moving()), sharp, obstacle, x, self.reach)
-                    }
-                };
-                if self.has_sharp_obstacle[index] {
-                    corners.extend(corner::of_obstacle(obstacle, own(), self.reach, x.len()));
-                }
-                corners
+                let mut found = corner::on_obstacle(own.moving(), nodes, obstacle, x, self.reach);
+                let tips = &corners.of_obstacles[index];
+                found.extend(corner::of_obstacle(
+                    (obstacle, tips),
+                    own,
+                    self.reach,
+                    x.len(),
+                ));
+                found
             }
-            None if sharp.is_empty() => Vec::new(),
             None => {
                 let master = located.master(pass.master);
-                corner::on_surface((slave, own().moving()), sharp, master, x, self.reach)
+                corner::on_surface(own.moving(), nodes, master, x, self.reach)
             }
         };
-        match corners.is_empty() {
-            true => rows,
-            false => rows.with_corners((slave, own().moving()), against, &corners),
-        }
+        rows.with_corners(own.moving(), against, &found)
     }
 
     /// The variation of the rows `gaps` of all passes, frozen at `u`; `None` if they do not depend on

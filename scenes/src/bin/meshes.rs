@@ -23,6 +23,7 @@ use contact_fem::{Error, Scene, Simulation};
 use ipopt_contact_scenes::arch::{self, Large};
 use ipopt_contact_scenes::beams::{Beams, Law};
 use ipopt_contact_scenes::cli::{Points, positive};
+use ipopt_contact_scenes::die::Die;
 use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
 use ipopt_contact_scenes::hairpin::{self, Hairpin};
 use ipopt_contact_scenes::ironing::{self, Ironing};
@@ -45,6 +46,8 @@ const INCREMENTS: usize = 10;
 const PRESS: usize = 2;
 /// The increments in which the wheel rolls.
 const ROLL: usize = 20;
+/// The increments in which a sharp die slides.
+const SLIDE: usize = 30;
 /// The largest share by which cells of a slab are narrower in the middle, or wider.
 const GRADED: f64 = 0.5;
 
@@ -63,7 +66,7 @@ struct Arguments {
     /// discs: both orders of the bodies
     #[arg(long, conflicts_with = "quadratic")]
     swap: bool,
-    /// Quadratic cells of discs, with up to 48 segments, and of ironing and wheel
+    /// Quadratic cells of discs, with up to 48 segments, and of ironing, wheel and dies
     #[arg(long)]
     quadratic: bool,
     /// Random variants of each other scene
@@ -85,6 +88,15 @@ struct Arguments {
     out: PathBuf,
 }
 
+impl Arguments {
+    fn order(&self) -> Order {
+        match self.quadratic {
+            true => Order::Quadratic,
+            false => Order::Linear,
+        }
+    }
+}
+
 /// `--scenes`
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -94,6 +106,7 @@ enum Kind {
     Arch,
     Beams,
     Wheel,
+    Dies,
 }
 
 impl std::fmt::Display for Kind {
@@ -315,10 +328,7 @@ impl Sweep<'_> {
             Kind::Discs => Ok(()),
             Kind::Ironing => {
                 let cells = around(random, 24);
-                let order = match self.arguments.quadratic {
-                    true => Order::Quadratic,
-                    false => Order::Linear,
-                };
+                let order = self.arguments.order();
                 let ironing = Ironing {
                     radius: near(random, 3.0),
                     young: near(random, 1000.0),
@@ -393,6 +403,32 @@ impl Sweep<'_> {
                 );
                 let phases = wheel::phases(PRESS, ROLL);
                 self.solve(kind, text, wheel.scene(), PRESS + ROLL, &phases)
+            }
+            Kind::Dies => {
+                let (from, width) = (random.between(0.8, 1.4), random.between(0.8, 1.4));
+                // half of them slide until half of the die is beyond the slab, the others until all of it is
+                let end = if number % 2 == 0 {
+                    3.3
+                } else {
+                    3.0 - 0.5 * width
+                };
+                let die = Die {
+                    order: self.arguments.order(),
+                    slab: [around(random, 12), around(random, 3)],
+                    die: [around(random, 6), around(random, 3)],
+                    from,
+                    width,
+                    // from twice to a hundred times as stiff as the slab
+                    young: 20.0 * 50.0_f64.powf(random.between(0.0, 1.0)),
+                    press: near(random, 0.07),
+                    slide: end - from,
+                };
+                let text = format!(
+                    "case={number} {:?} slab={:?} die={:?} from={from:.3} width={width:.3} young={:.0} press={:.3} slide={:.3}",
+                    die.order, die.slab, die.die, die.young, die.press, die.slide
+                );
+                let phases = ironing::phases(PRESS, SLIDE);
+                self.solve(kind, text, die.scene(), PRESS + SLIDE, &phases)
             }
         }
     }

@@ -25,10 +25,10 @@ const CLEARLY: f64 = 1e-2;
 /// What a step may leave of the complementarity, as a share of the displacements: usually so little that the next state shows an
 /// equilibrium.
 const INDEPENDENT: f64 = 1e-11;
-/// More than so many steps show rows that nearly depend on each other, as those of both bodies do where the side of one lies
-/// on a facet of the other: what makes such rows contradict each other is of second order in the step, and to satisfy them all takes far
-/// larger changes of the multipliers, which lead to the next contradiction. From then on, steps leave so many tolerances, and
-/// equilibria may have gaps of a few times that.
+/// More than so many steps show that rows nearly depend on each other. The rows of both bodies do where the side of one lies flat on a facet of
+/// the other. They contradict each other by what is of second order in a step. To satisfy all of them takes far larger changes of the
+/// multipliers, and these lead to the next contradiction. Later steps therefore leave so many tolerances, and equilibria may have gaps of so many. The
+/// three numbers were chosen on dies that slide on slabs.
 const USUAL: usize = 10;
 const DEPENDENT: f64 = 10.0;
 const GAPS: f64 = 30.0;
@@ -106,11 +106,11 @@ impl Iterate<'_> {
         self.steps > USUAL && self.at.gaps.len() > 1
     }
 
-    /// What a step may leave of the complementarity, as a share of the displacements.
-    fn gaps(&self) -> f64 {
+    /// What a step may leave of the complementarity, and an equilibrium of the gaps beside its own bound, as shares of the displacements.
+    fn gaps(&self) -> [f64; 2] {
         match self.has_dependent_rows() {
-            true => DEPENDENT * self.tolerance,
-            false => INDEPENDENT,
+            true => [DEPENDENT, GAPS].map(|tolerances| tolerances * self.tolerance),
+            false => [INDEPENDENT, 0.0],
         }
     }
 
@@ -147,11 +147,8 @@ impl Iterate<'_> {
                 true => self.tolerance.max(CLOSED),
                 false => CLEARLY * self.tolerance / tangent.ratio().max(1.0),
             };
-            let gaps = match self.has_dependent_rows() {
-                true => bound.max(GAPS * self.tolerance),
-                false => bound,
-            };
-            let measures = ((bound, gaps), self.unit, self.least);
+            let bounds = [bound, bound.max(self.gaps()[1])];
+            let measures = (bounds, self.unit, self.least);
             if let Some(left) = self.at.equilibrium(self.problem, tangent, measures, cost)? {
                 let can_leave = self.left < LEAVES && self.springs.is_empty();
                 let softest = self.softest.take().filter(Softest::is_unstable);
@@ -226,7 +223,7 @@ impl Iterate<'_> {
         let accuracy = Accuracy {
             before: self.length.take(),
             negligible: NEGLIGIBLE.min(0.1 * self.tolerance) * size,
-            gaps: self.gaps(),
+            gaps: self.gaps()[0],
         };
         let step = loop {
             match Step::new(&here, tangent, size, &accuracy, self.stop, cost) {

@@ -42,7 +42,7 @@ impl Point {
         &self,
         problem: &dyn ContactProblem,
         tangent: &mut Tangent,
-        ((bound, gaps), unit, least): ((f64, f64), f64, f64),
+        ([bound, gaps], unit, least): ([f64; 2], f64, f64),
         cost: &mut Cost,
     ) -> Result<Option<f64>, Halt> {
         let size = self.size(least);

@@ -16,9 +16,6 @@ use crate::mesh::Mesh;
 use crate::model::{InitialGaps, Scene};
 use crate::tensor::{Vector, facet_normal};
 
-/// By how much more than the audit found nodes may be inside: it measures the shortest way out, through flat pieces of curved facets.
-const AT_FIT: f64 = 1.5;
-
 /// Checks that no body starts inside another body of a contact pair that counts from the start; `inside` is the result of [`deepest`].
 pub(super) fn check<const D: usize>(
     setup: &Setup<'_, D>,
@@ -74,7 +71,7 @@ pub(super) fn accepted<const D: usize>(scene: &Scene<D>) -> f64 {
 
 /// The largest overlap of two bodies (UL) that is accepted between facets of this size.
 pub(super) fn granted<const D: usize>(setup: &Setup<'_, D>, bodies: [usize; 2], size: f64) -> f64 {
-    (accepted(setup.scene) * size).max(AT_FIT * setup.contact.fit(bodies))
+    (accepted(setup.scene) * size).max(setup.contact.fit(bodies))
 }
 
 /// Checks that no contact node starts inside the other body by more than the tolerance.
