@@ -62,8 +62,11 @@ struct NodalRow<const D: usize> {
 
 /// The derivatives of a row by the weight of a point.
 pub(super) struct Weighed<const D: usize> {
+    /// The row's [`RowKey::node`].
     pub name: usize,
+    /// Of its gap (UL a weight).
     pub gap: f64,
+    /// Of its coefficients at scene nodes (1 a weight), which are to be added up.
     pub terms: Vec<(usize, Vector<D>)>,
 }
 
@@ -99,8 +102,9 @@ pub struct PassRows<'a, const D: usize> {
 struct Leaning<const D: usize> {
     /// s_i of every row; empty where none leans.
     own: Vec<f64>,
-    /// ds_i/da_i, and a_i c_i and a_i as they were.
+    /// ds_i/da_i.
     slopes: Vec<f64>,
+    /// The rows without leaning, not divided by a_i.
     bare: Vec<NodalRow<D>>,
     /// (j, i, (1 − s_i) s_j): test function j is a part of row i. Ascending.
     on: Vec<(usize, usize, f64)>,

@@ -46,6 +46,33 @@ pub struct FootPoint<const D: usize> {
 }
 
 impl<const D: usize> FootPoint<D> {
+    /// Of a point at `x` whose foot is at λ on a facet of a surface.
+    pub(super) fn on(
+        surface: &Moving<D>,
+        (facet, lambda): (usize, Vector<D>),
+        x: &Vector<D>,
+    ) -> Self {
+        let nodes = surface.surface().facet(facet);
+        let N = facet_shapes(surface.surface().order(), &lambda);
+        let (mut foot, mut normal) = (Vector::<D>::zeros(), Vector::<D>::zeros());
+        for (N, &a) in N.iter().zip(nodes) {
+            foot.axpy(*N, &surface.positions()[a], 1.0);
+            normal.axpy(*N, &surface.normals()[a], 1.0);
+        }
+        let normal = normals::unit(normal);
+        let offset = x - foot;
+        FootPoint {
+            by: Projection::Closest,
+            facet,
+            lambda,
+            foot,
+            normal,
+            distance: offset.norm(),
+            gap: offset.dot(&normal),
+            off_the_end: false,
+        }
+    }
+
     /// Of a point at `x` on an obstacle, which has no facets, by its signed distance and its normal there.
     pub(super) fn on_obstacle(x: &Vector<D>, gap: f64, normal: Vector<D>) -> Self {
         FootPoint {
@@ -360,44 +387,21 @@ impl<const D: usize> Master<D> {
         match along_normals {
             Foot::On(facet, lambda) => FootPoint {
                 by: Projection::AlongNormals,
-                ..self.at(facet, lambda, x)
+                ..FootPoint::on(&self.moving, (facet, lambda), x)
             },
             Foot::Beyond(facet, lambda) if lambda.min() > -Self::BEYOND => FootPoint {
                 by: Projection::AlongNormals,
                 off_the_end: true,
-                ..self.at(facet, lambda, x)
+                ..FootPoint::on(&self.moving, (facet, lambda), x)
             },
             Foot::Beyond(..) => FootPoint {
                 off_the_end: true,
-                ..self.at(nearby.0, nearby.1, x)
+                ..FootPoint::on(&self.moving, nearby, x)
             },
             Foot::None => FootPoint {
                 off_the_end: self.is_off_the_end(closest, x),
-                ..self.at(nearby.0, nearby.1, x)
+                ..FootPoint::on(&self.moving, nearby, x)
             },
-        }
-    }
-
-    /// With the foot at λ on a facet.
-    fn at(&self, facet: usize, lambda: Vector<D>, x: &Vector<D>) -> FootPoint<D> {
-        let nodes = self.surface().facet(facet);
-        let N = facet_shapes(self.surface().order(), &lambda);
-        let (mut foot, mut normal) = (Vector::<D>::zeros(), Vector::<D>::zeros());
-        for (N, &a) in N.iter().zip(nodes) {
-            foot.axpy(*N, &self.moving.positions()[a], 1.0);
-            normal.axpy(*N, &self.normals()[a], 1.0);
-        }
-        let normal = normals::unit(normal);
-        let offset = x - foot;
-        FootPoint {
-            by: Projection::Closest,
-            facet,
-            lambda,
-            foot,
-            normal,
-            distance: offset.norm(),
-            gap: offset.dot(&normal),
-            off_the_end: false,
         }
     }
 

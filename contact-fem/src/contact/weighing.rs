@@ -24,10 +24,12 @@ use super::surface::Surface;
 use crate::element::Facet;
 use crate::tensor::{Matrix, Vector, unit_vector};
 
-/// A linear form in positions and in averaged normals, by scene nodes and by nodes of a surface.
+/// What the weight of a point varies by: a linear form in positions (weights a UL) and in averaged normals (weights).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Weighing<const D: usize> {
+    /// By scene nodes.
     pub nodes: Vec<(usize, Vector<D>)>,
+    /// By the master's nodes, with their positions in [`Surface::nodes`].
     pub normals: Vec<(usize, Vector<D>)>,
 }
 
@@ -57,13 +59,13 @@ pub(super) fn of_point<const D: usize>(
     })
 }
 
-/// The ends of the part of `slave` that is opposite the master, among pieces of cut segments, for positions `x` of all scene nodes: as points
+/// Where the part of a slave that is opposite the master ends, among the pieces of cut segments, for positions `x` of all scene nodes: points
 /// without weight, each with what it gains.
 pub(super) fn ends<'a, const D: usize>(
     stencils: &[Stencil<'a, D>],
     x: &[Vector<D>],
 ) -> Vec<(Stencil<'a, D>, Weighing<D>)> {
-    let mut found: Vec<(usize, usize, End<'a, D>)> = Vec::new();
+    let mut ends: Vec<End<'a, D>> = Vec::new();
     let pieces = stencils
         .iter()
         .filter(|s| D == 2 && s.kind() == Kind::Piece);
@@ -71,103 +73,86 @@ pub(super) fn ends<'a, const D: usize>(
         let Against::Surface(master) = stencil.against() else {
             continue;
         };
-        let foot = stencil.projection().facet;
-        let corners = master.surface().facet(foot)[..D].iter().enumerate();
+        let (facet, t) = (stencil.place().0, stencil.place().1[1]);
+        let last = stencil.projection().facet;
+        let corners = master.surface().facet(last)[..D].iter().enumerate();
         let rim = master.surface().rim();
-        for (k, &b) in corners.filter(|(_, b)| rim.is_corner(**b)) {
-            let (facet, t) = stencil.place();
-            let known = found.iter_mut().find(|(f, c, _)| (*f, *c) == (facet, b));
+        for (corner, &node) in corners.filter(|(_, node)| rim.is_corner(**node)) {
+            let known = ends
+                .iter_mut()
+                .find(|end| (end.facet, end.node) == (facet, node));
             match known {
-                Some((.., end)) => {
-                    (end.from, end.to) = (end.from.min(t[1]), end.to.max(t[1]));
-                }
-                None => found.push((
+                Some(end) => (end.from, end.to) = (end.from.min(t), end.to.max(t)),
+                None => ends.push(End {
+                    slave: stencil.slave(),
                     facet,
-                    b,
-                    End {
-                        slave: stencil.slave(),
-                        master,
-                        foot,
-                        k,
-                        from: t[1],
-                        to: t[1],
-                    },
-                )),
+                    master,
+                    node,
+                    last,
+                    corner,
+                    from: t,
+                    to: t,
+                }),
             }
         }
     }
-    let ends = found.into_iter();
-    ends.flat_map(|(facet, b, end)| end.weigh(facet, b, x))
-        .collect()
+    ends.iter().filter_map(|end| end.weighing(x)).collect()
 }
 
-/// The end of a master with the points of one facet of the slave that are opposite its last facet.
+/// The end of a master opposite a facet of the slave.
 struct End<'a, const D: usize> {
     slave: &'a Surface<D>,
+    facet: usize,
     master: &'a Moving<D>,
-    /// The last facet, and its corner that ends.
-    foot: usize,
-    k: usize,
-    /// The least and the largest t of the points.
+    /// The last node, by its position in [`Surface::nodes`]; the last facet, and the corner of it that the node is.
+    node: usize,
+    last: usize,
+    corner: usize,
+    /// The least and the largest t of the slave's points opposite the last facet.
     from: f64,
     to: f64,
 }
 
 impl<'a, const D: usize> End<'a, D> {
-    fn weigh(
-        &self,
-        facet: usize,
-        b: usize,
-        x: &[Vector<D>],
-    ) -> Option<(Stencil<'a, D>, Weighing<D>)> {
-        let slave = self.slave;
-        let nodes = slave.facet(facet);
-        let own: Vec<usize> = nodes.iter().map(|&a| slave.nodes()[a]).collect();
-        let segment = Facet::gather(slave.order(), &own, x);
-        let (end, n) = (self.master.positions()[b], self.master.normals()[b]);
+    /// The point of the slave there, and what it gains; `None` where the slave's facet does not reach so far.
+    fn weighing(&self, x: &[Vector<D>]) -> Option<(Stencil<'a, D>, Weighing<D>)> {
+        let (slave, facet) = (self.slave, self.facet);
+        let own = slave.facet(facet).iter().map(|&a| slave.nodes()[a]);
+        let segment = Facet::gather(slave.order(), &own.collect::<Vec<_>>(), x);
+        let end = self.master.positions()[self.node];
+        let n = self.master.normals()[self.node];
         // u×n = u·across
         let across = Vector::<D>::from_fn(|i, _| [n[1], -n[0]][i]);
         let at = |t: f64| Vector::<D>::from_fn(|i, _| [1.0 - t, t][i]);
         let beside = [0.0, 0.5, 1.0].map(|t| (segment.point(&at(t)) - end).dot(&across));
-        let outside = |t: &f64| (*t >= self.to || *t <= self.from) && 0.0 < *t && *t < 1.0;
-        let t = zeros(beside).find(outside)?;
+        let is_end = |t: &f64| (*t >= self.to || *t <= self.from) && 0.0 < *t && *t < 1.0;
+        let t = zeros(beside).find(is_end)?;
         let lambda = at(t);
         let tangent = segment.tangent(&lambda);
         let speed = (tangent[1] - tangent[0]).dot(&across);
-        let gains = if t >= self.to { 1.0 } else { -1.0 };
-        let gains = gains * slave.measure(facet, &lambda) / speed;
-        let way = segment.point(&lambda) - end;
+        let sign = if t >= self.to { 1.0 } else { -1.0 };
+        let gains = sign * slave.measure(facet, &lambda) / speed;
+        let x = segment.point(&lambda);
+        let foot = (self.last, unit_vector(self.corner));
         let point = Projected {
             number: 0,
             facet,
             lambda,
             weight: 0.0,
-            x: segment.point(&lambda),
+            x,
             projection: FootPoint {
                 by: Projection::AlongNormals,
-                facet: self.foot,
-                lambda: unit_vector(self.k),
-                foot: end,
-                normal: n,
-                distance: way.norm(),
-                gap: way.dot(&n),
-                off_the_end: false,
+                ..FootPoint::on(self.master, foot, &x)
             },
             kind: Kind::Piece,
         };
         let stencil = Stencil::new(slave, Against::Surface(self.master), point);
-        let shapes = stencil
-            .slave_shapes()
-            .map(|(a, N)| (a, across * (-gains * N)));
-        let mut nodes: Vec<_> = shapes.collect();
-        nodes.push((self.master.surface().nodes()[b], across * gains));
+        let shapes = stencil.slave_shapes();
+        let mut nodes: Vec<_> = shapes.map(|(a, N)| (a, across * (-gains * N))).collect();
+        nodes.push((self.master.surface().nodes()[self.node], across * gains));
+        let way = x - end;
         let turned = Vector::from_fn(|i, _| [way[1], -way[0]][i] * gains);
-        Some((
-            stencil,
-            Weighing {
-                nodes,
-                normals: vec![(b, turned)],
-            },
-        ))
+        let normals = vec![(self.node, turned)];
+        Some((stencil, Weighing { nodes, normals }))
     }
 }
