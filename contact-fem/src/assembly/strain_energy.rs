@@ -238,6 +238,13 @@ where
             parallel::in_order(at.len(), forces, |q, forces| {
                 let cell = self.cells[q / E::QUADRATURE.len()];
                 for (&a, force) in cell.as_ref().iter().zip(forces.as_ref()) {
+                    #[cfg(planted)]
+                    let force = &(match contact_core::planted!(
+                        "forces are a hundredth larger than the energy's slope"
+                    ) {
+                        true => force * 1.01,
+                        false => *force,
+                    });
                     (0..D).for_each(|i| add(D * a + i, force[i]));
                 }
             });

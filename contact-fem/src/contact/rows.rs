@@ -183,6 +183,11 @@ impl<'a, const D: usize> PassRows<'a, D> {
             Sampling::Nodes => Leaning::new(slave, &rows),
             Sampling::Points => Leaning::default(),
         };
+        #[cfg(planted)]
+        let leaning = match contact_core::planted!("rows do not lean") {
+            true => Leaning::default(),
+            false => leaning,
+        };
         if !leaning.own.is_empty() {
             let mut leant = vec![NodalRow::default(); rows.len()];
             for (j, row) in rows.iter().enumerate() {
@@ -358,6 +363,14 @@ impl<'a, const D: usize> PassRows<'a, D> {
             row.prescribed.clear();
             row.constant = nodal.constant + nodal.widening;
             row.weight = nodal.area;
+            #[cfg(planted)]
+            if contact_core::planted!("rows are a hundredth of a facet open") {
+                row.constant += 0.01 * nodal.area.powf(1.0 / (D as f64 - 1.0));
+            }
+            #[cfg(planted)]
+            if contact_core::planted!("every fifth row is left out") && node % 5 == 0 {
+                continue;
+            }
             let mut is_tied = false;
             for (a, coefficient) in &nodal.terms {
                 row.constant += coefficient.dot(&X[*a]);
@@ -450,6 +463,10 @@ impl<const D: usize> NodalRow<D> {
             }
             same
         });
+        #[cfg(planted)]
+        if contact_core::planted!("rows are not divided by their area") {
+            return;
+        }
         if self.has_support() {
             self.terms.iter_mut().for_each(|term| term.1 /= self.area);
             self.constant /= self.area;

@@ -1,0 +1,344 @@
+//! Contact measured a second time, from meshes, positions and multipliers alone.
+//!
+//! The solver and the conditions that take its rows share search, feet, normals, quadrature and sums; a fault in one of them is the same
+//! in both. Here weak gaps and forces are computed from the meshes' boundaries by other ways to the same definitions: boxes sorted along
+//! an axis instead of a tree, all facets around a point instead of a walk from the closest one, slopes by differences, points that are cut by bisection,
+//! quadrature of another degree. Nothing of the solver's contact is imported, which a test holds.
+//!
+//! What the two ways share: the meshes and the declared pairs, which kinds of points count ([`rule`], [`feet`]), and the definition of a row.
+
+mod boxes;
+mod faces;
+mod feet;
+mod fields;
+mod pairs;
+mod rows;
+mod rule;
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+
+use contact_core::{LinearGaps, Multipliers, RowKey};
+
+use super::worse;
+use crate::assembly::Dof;
+use crate::model::{Geometry, InitialGaps, Integration, Pair, Passes, Problem, Side};
+use crate::tensor::Vector;
+use faces::{Faces, Placed};
+use feet::Reach;
+use rows::{Pass, Search};
+
+/// The units in which gaps and forces are told.
+pub(super) struct Units<'a> {
+    /// The expected displacement of a facet as a share of its length.
+    pub strain: f64,
+    /// The unit of lengths in products of gaps and forces (UL).
+    pub resolution: f64,
+    /// For each body the largest force on a node (UF).
+    pub forces: &'a [f64],
+    /// Weak gaps below this one are closed, in units of the displacement of a facet.
+    pub closed: f64,
+}
+
+/// What the second measurement finds. Each is a residual as those of the conditions of the same name.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Remeasured {
+    pub penetration: f64,
+    pub complementarity: f64,
+    /// The largest difference of the area of a row that is opposite the master as a whole.
+    pub areas: f64,
+    /// Closed rows that the solver did not have.
+    pub missing: usize,
+    /// The largest difference of the forces on a node; `None` where multipliers do not belong to nodes.
+    pub forces: Option<f64>,
+    /// The largest difference of virtual works; `None` likewise, and where rows are frozen at X.
+    pub work: Option<f64>,
+}
+
+/// Rows with a smaller share of their test function opposite the master are not judged by their gaps. Where facets are not cut at the end of the
+/// master, by the solver in space and with Gauss points, single points decide what such a row is.
+const COVERED: [f64; 2] = [0.1, 0.99];
+/// Areas are compared of rows with at least this share of their test function opposite the master, of which all points count in full.
+const WHOLE: f64 = 1.0 - 1e-6;
+
+/// How much of what gaps vary by within a row counts as their unit, where facets are cut and where they are not. Two rules of integration differ by a
+/// share of it: on the discs and Hertz's cylinders by 1e-4 of it and less where facets are cut, on the beams in space with 4 Gauss
+/// points by 2e-2.
+const UNRESOLVED: [f64; 2] = [1.0, 5.0];
+
+/// The round-off of gaps as a share of the largest coordinate: gaps are differences of positions.
+const ROUNDED: f64 = 64.0 * f64::EPSILON;
+
+/// Differences of forces on nodes that quadrature leaves where surfaces are flat, where facets are cut and where they are not. Three blocks on each other
+/// in space, whose facets do not match, differ by 7e-2 with 4 Gauss points.
+const FORCES: [f64; 2] = [1e-4, 0.1];
+
+/// What is added to the sine of the angle between averaged normals and those of facets, which bounds the difference of works: what
+/// quadrature leaves where surfaces are flat.
+const FLAT: [f64; 2] = [2e-3, 5e-2];
+
+/// Whether the solver cuts facets at the edges of those opposite, so that quadrature has no kinks.
+fn is_cut<const D: usize>(problem: &Problem<D>) -> bool {
+    D == 2 && problem.scene().integration() == Integration::Exact
+}
+
+/// A pass of a declared pair, and its number among the solver's.
+struct Declared {
+    pair: usize,
+    slave: usize,
+    master: usize,
+    number: Option<usize>,
+}
+
+/// The boundaries of all pairs, and the passes between them.
+struct Contact<const D: usize> {
+    boundaries: Vec<Faces<D>>,
+    passes: Vec<Declared>,
+}
+
+impl<const D: usize> Contact<D> {
+    fn new(problem: &Problem<D>) -> Self {
+        let scene = problem.scene();
+        let (mut sides, mut boundaries) = (Vec::<&Side>::new(), Vec::new());
+        let mut passes = Vec::new();
+        for (number, pair) in scene.pairs().iter().enumerate() {
+            let Pair { first, second, .. } = pair;
+            let both = [first, second].map(|side| {
+                sides.iter().position(|known| *known == side).or_else(|| {
+                    let body = side.body.index();
+                    let mesh = scene.bodies()[body].mesh();
+                    let place = (body, problem.first_node(body));
+                    boundaries.push(Faces::new(mesh, place, &side.boundary)?);
+                    sides.push(side);
+                    Some(sides.len() - 1)
+                })
+            });
+            let [Some(a), Some(b)] = both else { continue };
+            let roles: &[[usize; 2]] = match pair.passes {
+                _ if a == b => &[[a, b]],
+                Passes::Both => &[[a, b], [b, a]],
+                Passes::FirstIsSlave => &[[a, b]],
+                Passes::SecondIsSlave => &[[b, a]],
+            };
+            passes.extend(roles.iter().map(|&[slave, master]| Declared {
+                pair: number,
+                slave,
+                master,
+                number: None,
+            }));
+        }
+        let mut contact = Contact { boundaries, passes };
+        contact.number(problem);
+        contact
+    }
+
+    /// Finds the solver's passes between the same nodes.
+    fn number(&mut self, problem: &Problem<D>) {
+        let surfaces = problem.surfaces();
+        let is_same = |k: usize, boundary: usize| {
+            let own = surfaces.get(k).map(|surface| surface.nodes());
+            own == Some(&self.boundaries[boundary].nodes[..])
+        };
+        let numbers = self.passes.iter().map(|own| {
+            let mut all = problem.passes().iter();
+            all.position(|pass| is_same(pass.slave, own.slave) && is_same(pass.master, own.master))
+        });
+        let numbers: Vec<_> = numbers.collect();
+        let passes = self.passes.iter_mut().zip(numbers);
+        passes.for_each(|(pass, number)| pass.number = number);
+    }
+}
+
+/// What one pass was measured to be.
+struct Measured<'a, const D: usize> {
+    declared: &'a Declared,
+    pass: Pass<'a, D>,
+    /// One for each node of the slave.
+    lambda: Vec<f64>,
+}
+
+impl<const D: usize> Measured<'_, D> {
+    fn key(&self, i: usize) -> Option<RowKey> {
+        let pass = self.declared.number? as u32;
+        let node = self.pass.slave.nodes[i] as u32;
+        Some(RowKey { pass, node })
+    }
+}
+
+/// Measures contact at a state with these rows and multipliers of the solver.
+pub(super) fn measure<const D: usize>(
+    problem: &Problem<D>,
+    u: &[f64],
+    (gaps, lambda): (&LinearGaps, &[f64]),
+    units: &Units<'_>,
+) -> Remeasured {
+    let contact = Contact::new(problem);
+    let x = problem.positions(u);
+    let searched = match problem.geometry() {
+        Geometry::Reference => problem.reference(),
+        Geometry::Current => &x[..],
+    };
+    let placed: Vec<_> = contact
+        .boundaries
+        .iter()
+        .map(|own| Placed::new(own, searched))
+        .collect();
+    let of_nodes = gaps.sampling() == contact_core::gaps::Sampling::Nodes;
+    let multipliers = Multipliers::new(gaps, lambda);
+    let mut measured = Vec::new();
+    for declared in contact
+        .passes
+        .iter()
+        .filter(|own| problem.counts(own.number))
+    {
+        let slave = &contact.boundaries[declared.slave];
+        let of_node = |node: &usize| match declared.number {
+            Some(pass) if of_nodes => multipliers.of(RowKey {
+                pass: pass as u32,
+                node: *node as u32,
+            }),
+            _ => 0.0,
+        };
+        let lambda: Vec<f64> = slave.nodes.iter().map(of_node).collect();
+        let has_force: Vec<bool> = lambda.iter().map(|l| *l != 0.0).collect();
+        let master = &placed[declared.master];
+        let search = Search {
+            x: searched,
+            reach: reach(problem, slave, master.faces),
+            is_one_body: slave.body == master.faces.body,
+            has_force: &has_force,
+        };
+        let pass = Pass::new(slave, master, &search);
+        measured.push(Measured {
+            declared,
+            pass,
+            lambda,
+        });
+    }
+    let mut found = Remeasured::default();
+    for own in &measured {
+        judge(problem, own, &x, (gaps, units), &mut found);
+    }
+    if of_nodes {
+        let state = (&x[..], gaps, lambda);
+        let unresolved = usize::from(!is_cut(problem));
+        let own = (units.forces, FORCES[unresolved]);
+        found.forces = Some(pairs::forces_apart(problem, &measured, state, own));
+        let follows = problem.geometry() == Geometry::Current;
+        let own = (units.forces, FLAT[unresolved]);
+        found.work = follows.then(|| pairs::works_apart(problem, &measured, state, own));
+    }
+    found
+}
+
+fn reach<const D: usize>(problem: &Problem<D>, slave: &Faces<D>, master: &Faces<D>) -> Reach {
+    Reach {
+        radius: problem.reach(),
+        size: slave.size().max(master.size()),
+    }
+}
+
+/// Judges the rows of one pass by their gaps.
+fn judge<const D: usize>(
+    problem: &Problem<D>,
+    own: &Measured<'_, D>,
+    x: &[Vector<D>],
+    (gaps, units): (&LinearGaps, &Units<'_>),
+    found: &mut Remeasured,
+) {
+    let pass = &own.pass;
+    let of_points = pass.point_gaps(x);
+    let c = pass.gaps(&of_points);
+    let widths = widths(problem, own);
+    let sizes = pass.slave.node_sizes();
+    let ranges = pass.ranges(&of_points);
+    let moves = moves(problem, pass);
+    let force = units.forces[pass.slave.body];
+    let weights = gaps.keys().iter().zip(gaps.weights().iter().copied());
+    let known: HashMap<&RowKey, f64> = weights.collect();
+    let coordinates = x.iter().map(Vector::amax);
+    let rounded = ROUNDED * coordinates.fold(0.0, f64::max);
+    let is_of_nodes = gaps.sampling() == contact_core::gaps::Sampling::Nodes;
+    let is_cut = is_cut(problem);
+    let share = COVERED[usize::from(!is_cut)];
+    for (i, c) in c.iter().enumerate() {
+        let is_judged = pass.is_known[i] && moves[i] && pass.is_covered(i, share);
+        if !is_judged || c.is_nan() {
+            continue;
+        }
+        let c = c + widths.get(i).copied().unwrap_or(0.0);
+        let [least, most] = ranges[i];
+        let varies = rounded + (most - least) * UNRESOLVED[usize::from(!is_cut)];
+        let relative = c / (units.strain * sizes[i] + varies);
+        found.penetration = worse(found.penetration, -relative);
+        let unit = force * (units.resolution + varies);
+        let product = (own.lambda[i] * c).abs() / unit;
+        found.complementarity = worse(found.complementarity, product);
+        let weight = own.key(i).and_then(|key| known.get(&key));
+        let has_row = weight.is_some();
+        let is_whole = is_of_nodes && is_cut && pass.is_covered(i, WHOLE);
+        if let Some(weight) = weight.filter(|_| is_whole) {
+            found.areas = worse(found.areas, (weight / pass.areas[i] - 1.0).abs());
+        }
+        // a row that is open by less than the accuracy of both may be open for the solver
+        if relative < -units.closed && is_of_nodes && !has_row {
+            found.missing += 1;
+        }
+    }
+}
+
+/// For each row, whether a node that it depends on is free.
+fn moves<const D: usize>(problem: &Problem<D>, pass: &Pass<'_, D>) -> Vec<bool> {
+    let is_free =
+        |node: usize| (0..D).any(|i| matches!(problem.dofs().get(D * node + i), Dof::Free(_)));
+    let mut moves = vec![false; pass.slave.nodes.len()];
+    for point in &pass.held {
+        let own = pass
+            .slave
+            .facet(point.facet)
+            .iter()
+            .map(|&a| pass.slave.nodes[a]);
+        let master = pass.master.faces;
+        let other = master
+            .facet(point.foot.facet)
+            .iter()
+            .map(|&b| master.nodes[b]);
+        if own.chain(other).any(is_free) {
+            pass.slave
+                .tests(point.facet)
+                .iter()
+                .for_each(|&a| moves[a] = true);
+        }
+    }
+    moves
+}
+
+/// What is left of the overlap with which the bodies started, for each row (UL); empty where none is taken.
+fn widths<const D: usize>(problem: &Problem<D>, own: &Measured<'_, D>) -> Vec<f64> {
+    let taken = problem.scene().initial_gaps;
+    let left = match taken {
+        InitialGaps::Refuse => return Vec::new(),
+        InitialGaps::Resolve => (1.0 - problem.load()).clamp(0.0, 1.0),
+        InitialGaps::Adjust => 1.0,
+    };
+    let X = problem.reference();
+    let master = Placed::new(own.pass.master.faces, X);
+    let has_force: Vec<bool> = own.lambda.iter().map(|l| *l != 0.0).collect();
+    let search = Search {
+        x: X,
+        reach: reach(problem, own.pass.slave, master.faces),
+        is_one_body: own.pass.slave.body == master.faces.body,
+        has_force: &has_force,
+    };
+    let rest = Pass::new(own.pass.slave, &master, &search);
+    let of_points = rest.point_gaps(X);
+    let depths = rest
+        .gaps(&of_points)
+        .into_iter()
+        .zip(rest.ranges(&of_points));
+    // where nothing overlaps, the gap is positive or not a number
+    depths
+        .map(|(c, [deepest, _])| left * (-c).min(-deepest).max(0.0))
+        .collect()
+}
