@@ -14,16 +14,19 @@ const RESOLVED: f64 = 1e-6;
 /// The round-off of an energy (no unit) in units of modulus times volume, as long as deformation gradients are about 1.
 const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 
-/// The largest difference of the slope of a body's energy along a random direction from the work of the contact forces, divided by the
+/// The largest difference of the slope of a body's energy along a random direction from the work of the contact forces and of those that hold motions
+/// which nothing resists, divided by the
 /// largest force on a node of the body and the length of the direction; `None` where displacements are so small that the value of the
 /// energy does not resolve them.
 pub(super) fn apart<const D: usize>(
     problem: &Problem<D>,
     u: &[f64],
     (gaps, lambda): (&LinearGaps, &[f64]),
+    held: &[f64],
     units: &[f64],
 ) -> Option<f64> {
     let mut forces = vec![0.0; u.len()];
+    forces.iter_mut().zip(held).for_each(|(f, held)| *f = *held);
     gaps.add_forces(lambda, &mut forces);
     let reduction = problem.reduction();
     let mut worst = None;

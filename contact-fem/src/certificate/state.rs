@@ -123,7 +123,7 @@ impl Certificate {
             };
             remeasured::measure(problem, u, (gaps, lambda), &units)
         });
-        let slope = || slope::apart(problem, u, (gaps, lambda), &residual.forces);
+        let slope = || slope::apart(problem, u, (gaps, lambda), &solution.held, &residual.forces);
         let pairs = balance::of_pairs(problem, &positions, (gaps, lambda), any_force);
         let left = |condition| match condition {
             Condition::NodalPenetration => Some(problem.relative_penetration(u)),
@@ -520,23 +520,24 @@ impl Residual {
             let (mut rest_free, mut largest) = (0.0, units.noticed);
             // of reactions, loads and contact forces
             let mut resultants = [Vector::<D>::zeros(); 3];
-            let mut held = Vector::<D>::zeros();
+            let mut supported = left_by_supports(problem, body);
             for (k, node) in problem.nodes(body).enumerate() {
                 for i in 0..D {
                     let dof = D * k + i;
                     let rest: f64 = residual[dof] - contact[node][i];
                     let load = loads[dof];
-                    let reaction = match owner.prescribed()[dof] {
-                        Some(_) => rest,
+                    let (hold, reaction) = match owner.prescribed()[dof] {
+                        Some(_) => (0.0, rest),
                         None => {
                             let hold = holds.map_or(0.0, |holds| holds[node][i]);
-                            hold + tied.get(&dof).copied().unwrap_or(0.0)
+                            (hold, tied.get(&dof).copied().unwrap_or(0.0))
                         }
                     };
-                    rest_free = worse((rest - reaction).abs(), rest_free);
                     let spring = springs.get(dof).copied().unwrap_or(0.0);
+                    supported[i] += reaction + spring;
+                    let reaction = reaction + hold;
+                    rest_free = worse((rest - reaction).abs(), rest_free);
                     sum[i] += load + reaction + spring;
-                    held[i] += reaction + spring;
                     largest = spring.abs().max(largest);
                     let forces = [reaction + spring, load, contact[node][i]];
                     for (resultant, force) in resultants.iter_mut().zip(forces) {
@@ -548,7 +549,7 @@ impl Residual {
             let norms = resultants.iter().map(|sum| sum.norm());
             resultant = norms.fold(resultant, f64::max);
             free = worse(over(rest_free, largest), free);
-            told = worse(told, (held - reported[body]).norm());
+            told = worse(told, (supported - reported[body]).norm());
             forces.push(largest);
             load += loads.chunks_exact(D).map(norm).sum::<f64>();
             if let Some(holds) = holds {
@@ -578,6 +579,19 @@ impl Residual {
             }),
         }
     }
+}
+
+/// The sum of the forces that supports of a body left which let go (UF), where they count as loads.
+fn left_by_supports<const D: usize>(problem: &Problem<D>, body: usize) -> Vector<D> {
+    let owner = &problem.scene().bodies()[body];
+    let mut sum = Vector::zeros();
+    if !owner.softens() {
+        // such forces do not depend on displacements
+        let U = vec![0.0; owner.prescribed().len()];
+        let fading = owner.fading(problem.load(), &U);
+        fading.for_each(|(dof, force, _)| sum[dof % D] += force);
+    }
+    sum
 }
 
 /// The loads on a body, and the forces of its springs (UF), none if it has none, at the displacements U of all nodes.

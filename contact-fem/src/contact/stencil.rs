@@ -390,7 +390,7 @@ fn on_facets<const D: usize>(
             #[cfg(planted)]
             let found = found.map(|mut point| {
                 if contact_core::planted!("weights leave out the measure") {
-                    point.weight = *weight;
+                    point.weight = place.weight;
                 }
                 if contact_core::planted!("every third facet weighs twice") && index % 3 == 0 {
                     point.weight *= 2.0;

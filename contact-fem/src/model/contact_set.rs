@@ -333,7 +333,7 @@ impl<const D: usize> ContactSet<D> {
     }
 
     /// How deep a body starts inside other bodies, or has them inside (UL).
-    fn deepest_fit(&self, body: usize) -> f64 {
+    pub fn deepest_fit(&self, body: usize) -> f64 {
         let own = self
             .fits
             .iter()

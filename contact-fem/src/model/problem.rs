@@ -262,6 +262,11 @@ impl<const D: usize> Problem<D> {
         self.contact.reach
     }
 
+    /// How deep a body starts inside other bodies, or has them inside (UL).
+    pub(crate) fn deepest_fit(&self, body: usize) -> f64 {
+        self.contact.deepest_fit(body)
+    }
+
     /// Whether the pass of this number counts at the present load factor. One that there is not is missed.
     pub(crate) fn counts(&self, number: Option<usize>) -> bool {
         let pass = number.and_then(|k| self.passes().get(k));

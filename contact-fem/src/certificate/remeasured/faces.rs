@@ -24,6 +24,8 @@ pub(super) struct Faces<const D: usize> {
     N: Vec<Vector<D>>,
     /// For each facet and corner, whether the side opposite the corner has no other facet.
     rim: Vec<[bool; D]>,
+    /// For each node, whether it is a corner at the end of the boundary.
+    is_end: Vec<bool>,
     /// The length of each facet at X (UL).
     sizes: Vec<f64>,
 }
@@ -184,8 +186,16 @@ impl<const D: usize> Faces<D> {
             N: Vec::new(),
             rim: rim(&facets, is_on_axis),
             nodes: own.iter().map(|a| a + first).collect(),
+            is_end: vec![false; own.len()],
             sizes: Vec::new(),
         };
+        for f in 0..faces.len() {
+            for k in (0..D).filter(|&k| faces.rim[f][k]) {
+                let corners = (0..D).filter(|&c| c != k).map(|c| faces.facet(f)[c]);
+                let corners: Vec<usize> = corners.collect();
+                corners.into_iter().for_each(|a| faces.is_end[a] = true);
+            }
+        }
         faces.N = faces.averaged(&faces.X);
         let measure = |f: usize| faces.patch(f, &faces.X).normal(&middle()).norm();
         let sizes = (0..faces.len()).map(|f| measure(f).powf(1.0 / (D as f64 - 1.0)));
@@ -256,6 +266,29 @@ impl<const D: usize> Faces<D> {
     /// Whether the side opposite corner `k` is at the end of the boundary.
     pub fn is_rim(&self, f: usize, k: usize) -> bool {
         self.rim[f][k]
+    }
+
+    /// How far λ is inside the end of the boundary, as a share of a facet: linear between the corners of a facet, the middles of its
+    /// sides and its centre, of which those at the end are 0 and the others 1.
+    pub fn depth(&self, f: usize, lambda: &Vector<D>) -> f64 {
+        let mut order: [usize; D] = std::array::from_fn(|k| k);
+        order.sort_by(|&a, &b| lambda[b].total_cmp(&lambda[a]));
+        let of = |is_end: bool| if is_end { 0.0 } else { 1.0 };
+        let corner = of(self.is_end[self.facet(f)[order[0]]]);
+        let sorted = order.map(|k| lambda[k]);
+        match D {
+            2 => (sorted[0] - sorted[1]) * corner + 2.0 * sorted[1],
+            _ => {
+                let side = of(self.rim[f][order[2]]);
+                let (first, second) = (sorted[0] - sorted[1], sorted[1] - sorted[2]);
+                first * corner + 2.0 * second * side + 3.0 * sorted[2]
+            }
+        }
+    }
+
+    /// The length of the smallest facet (UL).
+    pub fn smallest(&self) -> f64 {
+        self.sizes.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// The mean length of the facets (UL).

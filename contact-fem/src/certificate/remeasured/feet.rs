@@ -34,6 +34,8 @@ pub(super) struct Reach {
     pub radius: f64,
     /// The larger length of both boundaries' facets (UL).
     pub size: f64,
+    /// How deep the master's body starts in others (UL).
+    pub fit: f64,
 }
 
 /// Barycentric coordinates below zero by less are round-off.
@@ -261,7 +263,7 @@ fn decide<const D: usize>(
 ) -> Decision<D> {
     let faces = |foot: &Foot<D>| point.facing.dot(&foot.normal) < 0.0;
     let counts =
-        |foot: &Foot<D>| faces(foot) && !is_through_material(master.faces, point, foot, reach.size);
+        |foot: &Foot<D>| faces(foot) && !is_through_material(master.faces, point, foot, reach);
     if point.own.is_some() {
         return match feet.iter().find(|foot| counts(foot)) {
             Some(foot) => Decision::Found(*foot),
@@ -304,7 +306,7 @@ fn is_through_material<const D: usize>(
     master: &Faces<D>,
     point: &Point<D>,
     foot: &Foot<D>,
-    size: f64,
+    Reach { size, fit, .. }: Reach,
 ) -> bool {
     if foot.gap >= 0.0 {
         return false;
@@ -315,7 +317,7 @@ fn is_through_material<const D: usize>(
     let inside = way.dot(&normal).max(-way.dot(&point.N.normalize()));
     let least = match point.own {
         Some(_) => 1e-6 * size,
-        None => (0.2 * size).max(0.5 * way.norm()),
+        None => (0.2 * size).max(1.5 * fit).max(0.5 * way.norm()),
     };
     foot.distance > 0.2 * way.norm() && inside > least
 }

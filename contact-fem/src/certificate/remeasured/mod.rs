@@ -23,11 +23,12 @@ use contact_core::{LinearGaps, Multipliers, RowKey};
 
 use super::worse;
 use crate::assembly::Dof;
-use crate::model::{Geometry, InitialGaps, Integration, Pair, Passes, Problem, Side};
+use crate::model::{Geometry, InitialGaps, Integration, Pair, Passes, Problem, Projection, Side};
 use crate::tensor::Vector;
 use faces::{Faces, Placed};
 use feet::Reach;
 use rows::{Pass, Search};
+use rule::Places;
 
 /// The units in which gaps and forces are told.
 pub(super) struct Units<'a> {
@@ -56,31 +57,57 @@ pub(super) struct Remeasured {
     pub work: Option<f64>,
 }
 
-/// Rows with a smaller share of their test function opposite the master are not judged by their gaps. Where facets are not cut at the end of the
-/// master, by the solver in space and with Gauss points, single points decide what such a row is.
-const COVERED: [f64; 2] = [0.1, 0.99];
+/// How far two sound measurements may differ.
+struct Differs {
+    /// Rows with a smaller share of their test function opposite the master are not judged by their gaps.
+    covered: f64,
+    /// How much of what gaps vary by within a row counts as their unit.
+    varies: f64,
+    /// The difference of the forces on a node, as a share of the largest on the body, that quadrature leaves where surfaces are flat.
+    forces: f64,
+    /// The same of virtual works, added to the sine of the angle between averaged normals and those of facets.
+    works: f64,
+    /// Whether the areas of rows are the same.
+    areas: bool,
+}
+
+/// Where both take the same points: those of a Gauss rule with feet along normals. Only round-off is left, and where feet at kinks differ.
+const SAME: Differs = Differs {
+    covered: 0.1,
+    varies: 1e-2,
+    forces: 1e-4,
+    works: 2e-3,
+    areas: true,
+};
+/// Where both cut facets, and integrate by rules of different degrees. Gaps differ by 1e-4 of their variation and less on the discs and
+/// Hertz's cylinders.
+const CUT: Differs = Differs {
+    varies: 1.0,
+    ..SAME
+};
+/// Where facets are cut differently: in space with exact integration, whose facets are divided here, and with closest points. Three blocks
+/// on each other in space, whose facets do not match, differ by 7e-2. Single points decide what a row at the end of the master is.
+const ROUGH: Differs = Differs {
+    covered: 0.99,
+    varies: 5.0,
+    forces: 0.1,
+    works: 5e-2,
+    areas: false,
+};
 /// Areas are compared of rows with at least this share of their test function opposite the master, of which all points count in full.
 const WHOLE: f64 = 1.0 - 1e-6;
-
-/// How much of what gaps vary by within a row counts as their unit, where facets are cut and where they are not. Two rules of integration differ by a
-/// share of it: on the discs and Hertz's cylinders by 1e-4 of it and less where facets are cut, on the beams in space with 4 Gauss
-/// points by 2e-2.
-const UNRESOLVED: [f64; 2] = [1.0, 5.0];
 
 /// The round-off of gaps as a share of the largest coordinate: gaps are differences of positions.
 const ROUNDED: f64 = 64.0 * f64::EPSILON;
 
-/// Differences of forces on nodes that quadrature leaves where surfaces are flat, where facets are cut and where they are not. Three blocks on each other
-/// in space, whose facets do not match, differ by 7e-2 with 4 Gauss points.
-const FORCES: [f64; 2] = [1e-4, 0.1];
-
-/// What is added to the sine of the angle between averaged normals and those of facets, which bounds the difference of works: what
-/// quadrature leaves where surfaces are flat.
-const FLAT: [f64; 2] = [2e-3, 5e-2];
-
-/// Whether the solver cuts facets at the edges of those opposite, so that quadrature has no kinks.
-fn is_cut<const D: usize>(problem: &Problem<D>) -> bool {
-    D == 2 && problem.scene().integration() == Integration::Exact
+fn differs<const D: usize>(problem: &Problem<D>) -> &'static Differs {
+    let scene = problem.scene();
+    match (scene.integration(), scene.projection) {
+        (_, Projection::Closest) => &ROUGH,
+        (Integration::Gauss(_), _) => &SAME,
+        (Integration::Exact, _) if D == 2 => &CUT,
+        (Integration::Exact, _) => &ROUGH,
+    }
 }
 
 /// A pass of a declared pair, and its number among the solver's.
@@ -203,8 +230,10 @@ pub(super) fn measure<const D: usize>(
         let lambda: Vec<f64> = slave.nodes.iter().map(of_node).collect();
         let has_force: Vec<bool> = lambda.iter().map(|l| *l != 0.0).collect();
         let master = &placed[declared.master];
+        let places = places(problem, slave, master.faces);
         let search = Search {
             x: searched,
+            places: &places,
             reach: reach(problem, slave, master.faces),
             is_one_body: slave.body == master.faces.body,
             has_force: &has_force,
@@ -222,20 +251,26 @@ pub(super) fn measure<const D: usize>(
     }
     if of_nodes {
         let state = (&x[..], gaps, lambda);
-        let unresolved = usize::from(!is_cut(problem));
-        let own = (units.forces, FORCES[unresolved]);
+        let differs = differs(problem);
+        let own = (units.forces, differs.forces);
         found.forces = Some(pairs::forces_apart(problem, &measured, state, own));
         let follows = problem.geometry() == Geometry::Current;
-        let own = (units.forces, FLAT[unresolved]);
+        let own = (units.forces, differs.works);
         found.work = follows.then(|| pairs::works_apart(problem, &measured, state, own));
     }
     found
+}
+
+fn places<const D: usize>(problem: &Problem<D>, slave: &Faces<D>, master: &Faces<D>) -> Places<D> {
+    let scene = problem.scene();
+    Places::new(scene.integration(), scene.projection, slave, master)
 }
 
 fn reach<const D: usize>(problem: &Problem<D>, slave: &Faces<D>, master: &Faces<D>) -> Reach {
     Reach {
         radius: problem.reach(),
         size: slave.size().max(master.size()),
+        fit: problem.deepest_fit(master.body),
     }
 }
 
@@ -260,16 +295,15 @@ fn judge<const D: usize>(
     let coordinates = x.iter().map(Vector::amax);
     let rounded = ROUNDED * coordinates.fold(0.0, f64::max);
     let is_of_nodes = gaps.sampling() == contact_core::gaps::Sampling::Nodes;
-    let is_cut = is_cut(problem);
-    let share = COVERED[usize::from(!is_cut)];
+    let differs = differs(problem);
     for (i, c) in c.iter().enumerate() {
-        let is_judged = pass.is_known[i] && moves[i] && pass.is_covered(i, share);
+        let is_judged = pass.is_known[i] && moves[i] && pass.is_covered(i, differs.covered);
         if !is_judged || c.is_nan() {
             continue;
         }
         let c = c + widths.get(i).copied().unwrap_or(0.0);
         let [least, most] = ranges[i];
-        let varies = rounded + (most - least) * UNRESOLVED[usize::from(!is_cut)];
+        let varies = rounded + (most - least) * differs.varies;
         let relative = c / (units.strain * sizes[i] + varies);
         found.penetration = worse(found.penetration, -relative);
         let unit = force * (units.resolution + varies);
@@ -277,7 +311,7 @@ fn judge<const D: usize>(
         found.complementarity = worse(found.complementarity, product);
         let weight = own.key(i).and_then(|key| known.get(&key));
         let has_row = weight.is_some();
-        let is_whole = is_of_nodes && is_cut && pass.is_covered(i, WHOLE);
+        let is_whole = is_of_nodes && differs.areas && pass.is_covered(i, WHOLE);
         if let Some(weight) = weight.filter(|_| is_whole) {
             found.areas = worse(found.areas, (weight / pass.areas[i] - 1.0).abs());
         }
@@ -325,8 +359,10 @@ fn widths<const D: usize>(problem: &Problem<D>, own: &Measured<'_, D>) -> Vec<f6
     let X = problem.reference();
     let master = Placed::new(own.pass.master.faces, X);
     let has_force: Vec<bool> = own.lambda.iter().map(|l| *l != 0.0).collect();
+    let places = places(problem, own.pass.slave, master.faces);
     let search = Search {
         x: X,
+        places: &places,
         reach: reach(problem, own.pass.slave, master.faces),
         is_one_body: own.pass.slave.body == master.faces.body,
         has_force: &has_force,

@@ -1,6 +1,6 @@
 //! Forces of the solver against those that its multipliers mean here.
 
-use contact_core::LinearGaps;
+use contact_core::{LinearGaps, RowKey};
 
 use super::fields::Field;
 use super::{Measured, worse};
@@ -13,7 +13,7 @@ type State<'a, const D: usize> = (&'a [Vector<D>], &'a LinearGaps, &'a [f64]);
 /// The step of virtual motions, as a share of a facet.
 const STEP: f64 = 1e-4;
 
-/// The solver's forces of the passes of a pair, or of all pairs, on all nodes.
+/// The solver's forces of the passes of a pair, or of all pairs, on all nodes; those of sharp corners, which have rows of their own, are left out.
 fn solved<const D: usize>(
     problem: &Problem<D>,
     measured: &[&Measured<'_, D>],
@@ -23,9 +23,10 @@ fn solved<const D: usize>(
         .iter()
         .filter_map(|own| own.declared.number)
         .collect();
-    let of_pass = |pass: u32| own.contains(&(pass as usize));
+    let nodes = problem.reference().len();
+    let counts = |key: &RowKey| own.contains(&(key.pass as usize)) && (key.node as usize) < nodes;
     let lambda = gaps.keys().iter().zip(lambda);
-    let lambda = lambda.map(|(key, l)| if of_pass(key.pass) { *l } else { 0.0 });
+    let lambda = lambda.map(|(key, l)| if counts(key) { *l } else { 0.0 });
     problem.contact_forces(gaps, &lambda.collect::<Vec<f64>>())
 }
 

@@ -2,7 +2,7 @@
 
 use super::faces::{Faces, Placed, shapes};
 use super::feet::{self, Reach};
-use super::rule::{Held, Slave};
+use super::rule::{Held, Places, Slave};
 use crate::tensor::Vector;
 
 /// Rows lean on their neighbours where less than this share of their test function is opposite the master.
@@ -30,6 +30,7 @@ pub(super) struct Search<'a, const D: usize> {
     pub x: &'a [Vector<D>],
     pub reach: Reach,
     pub is_one_body: bool,
+    pub places: &'a Places<D>,
     /// For each node of the slave.
     pub has_force: &'a [bool],
 }
@@ -65,6 +66,7 @@ impl<'a, const D: usize> Pass<'a, D> {
                 patch: slave.patch(f, &x),
                 is_one_body: search.is_one_body,
                 reach: search.reach,
+                places: search.places,
             };
             facet.add(&mut held);
         }

@@ -1,7 +1,10 @@
-//! Integration points of a slave's facets, cut where the foot comes to another facet.
+//! Integration points of a slave's facets: those of the scene's Gauss rule, or of pieces that are cut where the foot comes to another facet.
+
+use nalgebra::DMatrix;
 
 use super::faces::{Faces, Patch, Placed};
 use super::feet::{self, Foot, Point, Reach};
+use crate::model::{Integration, Projection};
 use crate::tensor::Vector;
 
 /// An integration point that counts.
@@ -34,6 +37,82 @@ const HALVINGS: [usize; 2] = [9, 16];
 /// How often a triangle is divided into four.
 const DIVISIONS: usize = 2;
 
+/// Where the points of a slave's facets are.
+pub(super) enum Places<const D: usize> {
+    /// At the points of the scene's Gauss rule, as (weight, λ). A point counts in part where its foot is less than `full` inside the rim of the
+    /// master, as a share of a facet.
+    Gauss {
+        points: Vec<(f64, Vector<D>)>,
+        full: f64,
+    },
+    /// On pieces, by a rule of another degree than the solver's.
+    Pieces,
+}
+
+impl<const D: usize> Places<D> {
+    /// Those of a slave opposite a master. No point that looks for the closest one counts in part.
+    pub fn new(
+        integration: Integration,
+        projection: Projection,
+        slave: &Faces<D>,
+        master: &Faces<D>,
+    ) -> Self {
+        let Integration::Gauss(count) = integration else {
+            return Places::Pieces;
+        };
+        let points = gauss::<D>(count);
+        let coordinates = points.iter().map(|(_, lambda)| lambda.min());
+        let outermost = coordinates.fold(1.0, f64::min);
+        let ratio = slave.smallest() / master.smallest();
+        let full = match projection {
+            Projection::AlongNormals => (2.0 * outermost * ratio).min(1.0),
+            Projection::Closest => 0.0,
+        };
+        Places::Gauss { points, full }
+    }
+
+    /// The share with which a point counts by the place of its foot.
+    fn share(&self, master: &Faces<D>, foot: &Foot<D>) -> f64 {
+        match self {
+            Places::Gauss { full, .. } if *full > 0.0 => {
+                (master.depth(foot.facet, &foot.lambda) / full).clamp(0.0, 1.0)
+            }
+            _ => 1.0,
+        }
+    }
+}
+
+/// The Gauss–Legendre rule of so many points, on a triangle that of a square collapsed at its first corner. Points and weights are
+/// eigenvalues and eigenvectors of the recurrence of Legendre's polynomials (G. H. Golub and J. H. Welsch, *Calculation of
+/// Gauss quadrature rules*, Math. Comp. 23, 1969).
+fn gauss<const D: usize>(count: usize) -> Vec<(f64, Vector<D>)> {
+    let recurrence = DMatrix::from_fn(count, count, |i, j| {
+        let k = i.max(j) as f64;
+        match i.abs_diff(j) {
+            1 => k / (4.0 * k * k - 1.0).sqrt(),
+            _ => 0.0,
+        }
+    })
+    .symmetric_eigen();
+    let line = (0..count).map(|k| {
+        let first = recurrence.eigenvectors[(0, k)];
+        (first * first, 0.5 * (1.0 + recurrence.eigenvalues[k]))
+    });
+    let line: Vec<(f64, f64)> = line.collect();
+    let on_segment = |&(w, t): &(f64, f64)| {
+        let lambda = Vector::from_fn(|i, _| if i == 0 { 1.0 - t } else { t });
+        (w, lambda)
+    };
+    let on_triangle = |&(w, t): &(f64, f64)| {
+        let at = move |s: f64| Vector::from_fn(|i, _| [1.0 - t, t * (1.0 - s), t * s][i]);
+        line.iter().map(move |&(v, s)| (2.0 * w * v * t, at(s)))
+    };
+    match D {
+        2 => line.iter().map(on_segment).collect(),
+        _ => line.iter().flat_map(on_triangle).collect(),
+    }
+}
+
 /// One facet of a slave whose points look for their feet.
 pub(super) struct Slave<'a, const D: usize> {
     pub surfaces: (&'a Faces<D>, &'a Placed<'a, D>),
@@ -42,6 +121,7 @@ pub(super) struct Slave<'a, const D: usize> {
     pub patch: Patch<D>,
     pub is_one_body: bool,
     pub reach: Reach,
+    pub places: &'a Places<D>,
 }
 
 /// The cosine between normals at which a point counts in full, and the share of the search radius within which it loses its weight.
@@ -71,9 +151,13 @@ impl<const D: usize> Slave<'_, D> {
 
     /// Adds the points of the facet.
     pub fn add(&self, held: &mut Vec<Held<D>>) {
-        match D {
-            2 => self.add_segment(held),
-            _ => {
+        match (self.places, D) {
+            (Places::Gauss { points, .. }, _) => {
+                let points = points.iter();
+                points.for_each(|point| self.add_point(*point, None, held));
+            }
+            (Places::Pieces, 2) => self.add_segment(held),
+            (Places::Pieces, _) => {
                 let corners = std::array::from_fn(corner);
                 let ends = corners.map(|lambda| self.opposite(&lambda));
                 self.add_triangle(&corners, &ends, DIVISIONS, held);
@@ -102,7 +186,9 @@ impl<const D: usize> Slave<'_, D> {
         let cosine = -facing.dot(&foot.normal) / facing.norm();
         let near = (self.reach.radius - foot.distance) / (FAR * self.reach.radius);
         let near = if near.is_nan() { 1.0 } else { near };
-        let counts = (cosine / FACING).clamp(0.0, 1.0) * near.clamp(0.0, 1.0);
+        let counts = (cosine / FACING).clamp(0.0, 1.0)
+            * near.clamp(0.0, 1.0)
+            * self.places.share(self.surfaces.1.faces, &foot);
         let weight = share * counts * self.surfaces.0.measure(self.facet, &lambda);
         if weight > 0.0 {
             held.push(Held {
@@ -246,16 +332,27 @@ mod tests {
         }
         // ∫ λ_0^a λ_1^b = 2 a! b! / (a + b + 2)! of a triangle of measure 1
         let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
-        for (a, b) in (0..=4).flat_map(|a| (0..=4 - a).map(move |b| (a, b))) {
-            let mut sum = 0.0;
-            for (weight, own) in TRIANGLE {
-                for k in 0..3 {
-                    let part = |c: usize| if c == k { own } else { 0.5 * (1.0 - own) };
-                    sum += weight * part(0).powi(a) * part(1).powi(b);
-                }
+        let exact = |a: i32, b: i32| 2.0 * factorial(a) * factorial(b) / factorial(a + b + 2);
+        let of_degree = |n: i32| (0..=n).flat_map(move |a| (0..=n - a).map(move |b| (a, b)));
+        let sum = |points: &[(f64, Vector<3>)], a: i32, b: i32| -> f64 {
+            let each = points.iter();
+            each.map(|(w, at)| w * at[0].powi(a) * at[1].powi(b)).sum()
+        };
+        for (a, b) in of_degree(4) {
+            let own = sum(&whole::<3>(), a, b);
+            assert!((own - exact(a, b)).abs() < 1e-14, "{a} {b}: {own}");
+        }
+        for count in 1..=12 {
+            let degree = 2 * count as i32 - 1;
+            for (a, b) in of_degree(degree - 1) {
+                let own = sum(&gauss::<3>(count), a, b);
+                assert!((own - exact(a, b)).abs() < 1e-14, "{count}, {a} {b}: {own}");
             }
-            let exact = 2.0 * factorial(a) * factorial(b) / factorial(a + b + 2);
-            assert!((sum - exact).abs() < 1e-14, "{a} {b}: {sum}");
+            for a in 0..=degree {
+                let own = gauss::<2>(count).into_iter();
+                let own: f64 = own.map(|(w, at)| w * at[1].powi(a)).sum();
+                assert!((own - 1.0 / f64::from(a + 1)).abs() < 1e-14, "{count}, {a}");
+            }
         }
     }
 }
