@@ -335,8 +335,25 @@ fn spoiled(solution: &Solution) -> Solution {
     {
         spoiled.lambda.rotate_left(1);
     }
+    let largest = spoiled.lambda.iter().copied().fold(0.0, f64::max);
+    for l in &mut spoiled.lambda {
+        if contact_core::planted!("the largest multiplier is a hundredth larger") && *l == largest {
+            *l *= 1.01;
+        }
+        if contact_core::planted!("small multipliers are lost") && *l < 0.1 * largest {
+            *l = 0.0;
+        }
+    }
+    let u = &mut spoiled.state.u;
     if contact_core::planted!("the state is a thousandth off") {
-        spoiled.state.u.iter_mut().for_each(|u| *u *= 1.001);
+        u.iter_mut().for_each(|u| *u *= 1.001);
+    }
+    let middle = u.len() / 2;
+    if contact_core::planted!("one unknown is lost") && !u.is_empty() {
+        u[middle] = 0.0;
+    }
+    if contact_core::planted!("the state is that of the next unknown") && !u.is_empty() {
+        u.rotate_left(1);
     }
     spoiled
 }

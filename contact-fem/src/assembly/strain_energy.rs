@@ -245,6 +245,21 @@ where
                         true => force * 1.01,
                         false => *force,
                     });
+                    #[cfg(planted)]
+                    let force = &{
+                        let mut force = *force;
+                        if contact_core::planted!(
+                            "the first component of forces is a hundredth larger"
+                        ) {
+                            force[0] *= 1.01;
+                        }
+                        if contact_core::planted!("forces leave out every ninth cell")
+                            && (q / E::QUADRATURE.len()) % 9 == 0
+                        {
+                            force *= 0.0;
+                        }
+                        force
+                    };
                     (0..D).for_each(|i| add(D * a + i, force[i]));
                 }
             });

@@ -385,7 +385,9 @@ fn on_facets<const D: usize>(
                     contact_core::planted!("every fifth point is lost") && number % 5 == 0;
                 let is_facet =
                     contact_core::planted!("every sixth facet is lost") && index % 6 == 0;
-                !is_point && !is_facet
+                let is_near = contact_core::planted!("points near corners are lost")
+                    && place.lambda.max() > 0.9;
+                !is_point && !is_facet && !is_near
             });
             #[cfg(planted)]
             let found = found.map(|mut point| {
@@ -394,6 +396,15 @@ fn on_facets<const D: usize>(
                 }
                 if contact_core::planted!("every third facet weighs twice") && index % 3 == 0 {
                     point.weight *= 2.0;
+                }
+                if contact_core::planted!("every twentieth point weighs twice") && number % 20 == 0
+                {
+                    point.weight *= 2.0;
+                }
+                if contact_core::planted!("every ninth point pushes the other way")
+                    && number % 9 == 0
+                {
+                    point.projection.normal = -point.projection.normal;
                 }
                 point
             });

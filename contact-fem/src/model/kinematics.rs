@@ -53,6 +53,10 @@ impl<const D: usize> Kinematics<D> {
     pub fn set_load(&mut self, factor: f64) {
         self.factor = factor;
         self.prescribed = self.prescribed_at(factor);
+        #[cfg(planted)]
+        if contact_core::planted!("prescribed displacements are a hundredth short") {
+            self.prescribed.iter_mut().for_each(|u| *u *= 0.99);
+        }
     }
 
     fn prescribed_at(&self, factor: f64) -> Vec<f64> {
@@ -112,6 +116,13 @@ impl<const D: usize> Kinematics<D> {
         #[cfg(planted)]
         if contact_core::planted!("positions are a thousandth off") {
             return self.X.iter().zip(U).map(|(X, u)| X + u * 1.001).collect();
+        }
+        #[cfg(planted)]
+        if contact_core::planted!("every fifth node is where it was at rest") {
+            let all = self.X.iter().zip(U).enumerate();
+            return all
+                .map(|(a, (X, u))| if a % 5 == 0 { *X } else { X + u })
+                .collect();
         }
         self.X.iter().zip(U).map(|(X, u)| X + u).collect()
     }

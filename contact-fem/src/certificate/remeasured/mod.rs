@@ -74,7 +74,7 @@ struct Differs {
 /// Where both take the same points: those of a Gauss rule with feet along normals. Only round-off is left, and where feet at kinks differ.
 const SAME: Differs = Differs {
     covered: 0.1,
-    varies: 1e-2,
+    varies: 0.1,
     forces: 1e-4,
     works: 2e-3,
     areas: true,
@@ -82,14 +82,14 @@ const SAME: Differs = Differs {
 /// Where both cut facets, and integrate by rules of different degrees. Gaps differ by 1e-4 of their variation and less on the discs and
 /// Hertz's cylinders.
 const CUT: Differs = Differs {
-    varies: 1.0,
+    varies: 0.3,
     ..SAME
 };
 /// Where facets are cut differently: in space with exact integration, whose facets are divided here, and with closest points. Three blocks
 /// on each other in space, whose facets do not match, differ by 7e-2. Single points decide what a row at the end of the master is.
 const ROUGH: Differs = Differs {
     covered: 0.99,
-    varies: 5.0,
+    varies: 50.0,
     forces: 0.1,
     works: 5e-2,
     areas: false,
@@ -201,7 +201,7 @@ pub(super) fn measure<const D: usize>(
     units: &Units<'_>,
 ) -> Remeasured {
     let contact = Contact::new(problem);
-    let x = problem.positions(u);
+    let x = positions(problem, u);
     let searched = match problem.geometry() {
         Geometry::Reference => problem.reference(),
         Geometry::Current => &x[..],
@@ -259,6 +259,29 @@ pub(super) fn measure<const D: usize>(
         found.work = follows.then(|| pairs::works_apart(problem, &measured, state, own));
     }
     found
+}
+
+/// Where all nodes are: those of the meshes, moved by the unknowns and by what supports prescribe at the load.
+fn positions<const D: usize>(problem: &Problem<D>, u: &[f64]) -> Vec<Vector<D>> {
+    let mut x = Vec::new();
+    // of components that follow others
+    let tied = problem.displacements(u);
+    for (number, body) in problem.scene().bodies().iter().enumerate() {
+        let prescribed = body.prescribed_values(problem.load());
+        for X in body.mesh().nodes() {
+            let node = x.len();
+            let own = node - problem.first_node(number);
+            x.push(Vector::from_fn(|i, _| {
+                let moved = match (problem.dofs().get(D * node + i), prescribed[D * own + i]) {
+                    (Dof::Free(k), _) => u[k],
+                    (_, Some(value)) => value,
+                    _ => tied[node][i],
+                };
+                X[i] + moved
+            }));
+        }
+    }
+    x
 }
 
 fn places<const D: usize>(problem: &Problem<D>, slave: &Faces<D>, master: &Faces<D>) -> Places<D> {
