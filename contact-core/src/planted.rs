@@ -59,10 +59,16 @@ pub const FAULTS: &[[&str; 2]] = &[
     ["reactions", "reactions leave out a hundredth"],
     ["affine map", "positions are a thousandth off"],
     ["affine map", "every fifth node is where it was at rest"],
-    ["affine map", "prescribed displacements are a hundredth short"],
+    [
+        "affine map",
+        "prescribed displacements are a hundredth short",
+    ],
     ["multipliers", "every ninth multiplier is lost"],
     ["multipliers", "multipliers are those of the next row"],
-    ["multipliers", "the largest multiplier is a hundredth larger"],
+    [
+        "multipliers",
+        "the largest multiplier is a hundredth larger",
+    ],
     ["multipliers", "small multipliers are lost"],
     ["restart", "the state is a thousandth off"],
     ["restart", "one unknown is lost"],
@@ -72,7 +78,10 @@ pub const FAULTS: &[[&str; 2]] = &[
         "forces are a hundredth larger than the energy's slope",
     ],
     ["energies", "forces leave out every ninth cell"],
-    ["energies", "the first component of forces is a hundredth larger"],
+    [
+        "energies",
+        "the first component of forces is a hundredth larger",
+    ],
     ["pressures", "pressures are doubled"],
 ];
 

@@ -168,12 +168,12 @@ const TABLE: [Line; 28] = [
     line(
         Condition::RemeasuredPenetration,
         "remeasured_penetration",
-        1e-3,
+        2e-3,
     ),
     line(
         Condition::RemeasuredComplementarity,
         "remeasured_complementarity",
-        1e-3,
+        2e-3,
     ),
     line(Condition::RemeasuredClosed, "remeasured_closed", 0.0),
     line(Condition::RemeasuredAreas, "remeasured_areas", 1e-4),

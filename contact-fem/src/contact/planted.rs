@@ -23,10 +23,7 @@ pub(super) fn normals<const D: usize>(
     }
     if planted!("the last normal is that of the first node") {
         let first = sums[0];
-        sums.iter_mut()
-            .rev()
-            .take(1)
-            .for_each(|last| *last = first);
+        sums.iter_mut().rev().take(1).for_each(|last| *last = first);
     }
     let (sin, cos) = 0.05_f64.sin_cos();
     for (k, sum) in sums.iter_mut().enumerate() {

@@ -61,7 +61,7 @@ impl<const D: usize> Patch<D> {
         let count = self.order.facet_nodes::<D>();
         let mut value = Vector::<D>::zeros();
         for (N, own) in N.iter().zip(&self.values).take(count) {
-            value.axpy(*N, own, 1.0);
+            value += own * *N;
         }
         value
     }
@@ -344,10 +344,10 @@ pub(super) struct Placed<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Placed<'a, D> {
-    /// At positions `x` of all nodes of the scene.
+    /// At positions `x` of all nodes of the scene, for searches.
     pub fn new(faces: &'a Faces<D>, x: &[Vector<D>]) -> Self {
-        let x: Vec<Vector<D>> = faces.nodes.iter().map(|&a| x[a]).collect();
-        let normals = faces.averaged(&x);
+        let mut placed = Self::unsorted(faces, x);
+        let x = &placed.x;
         let around = |f: usize| {
             let own = faces.facet(f);
             let low = own.iter().fold(x[own[0]], |low, &a| low.inf(&x[a]));
@@ -359,13 +359,20 @@ impl<'a, const D: usize> Placed<'a, D> {
             };
             [low.add_scalar(-beyond), high.add_scalar(beyond)]
         };
-        let boxes = Sorted::new((0..faces.len()).map(around));
+        placed.boxes = Sorted::new((0..faces.len()).map(around));
+        placed.pieces = pieces(faces.order);
+        placed
+    }
+
+    /// The same for points that know the facets of their feet.
+    pub fn unsorted(faces: &'a Faces<D>, x: &[Vector<D>]) -> Self {
+        let x: Vec<Vector<D>> = faces.nodes.iter().map(|&a| x[a]).collect();
         Placed {
             faces,
+            normals: faces.averaged(&x),
             x,
-            normals,
-            boxes,
-            pieces: pieces(faces.order),
+            boxes: Sorted::new(std::iter::empty()),
+            pieces: Vec::new(),
         }
     }
 

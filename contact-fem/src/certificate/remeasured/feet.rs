@@ -42,17 +42,17 @@ pub(super) struct Reach {
 const ROUND_OFF: f64 = 1e-9;
 
 /// λ and s of x = x̄(λ) + s m(λ) with the normals m of a facet, which may be beyond the facet's sides: Newton's method, whose slopes are
-/// differences of positions. `None` where it does not converge, or where normals have crossed.
+/// differences of positions. It starts from a λ and an s. `None` where it does not converge, or where normals have crossed.
 pub(super) fn solve<const D: usize>(
     patches: &[Patch<D>; 2],
     x: &Vector<D>,
-    start: &Vector<D>,
+    (start, distance): (&Vector<D>, f64),
 ) -> Option<(Vector<D>, f64)> {
     const STEPS: usize = 25;
     const LONGEST: f64 = 0.7;
-    const LAST: f64 = 1e-10;
+    const LAST: f64 = 1e-7;
     let [places, normals] = patches;
-    let (mut lambda, mut s) = (*start, 0.0);
+    let (mut lambda, mut s) = (*start, distance);
     for _ in 0..STEPS {
         let rest = x - places.at(&lambda) - normals.at(&lambda) * s;
         let step = swept(patches, &lambda, s).try_inverse()? * rest;
@@ -132,9 +132,7 @@ fn nearest_on<const D: usize>(x: &Vector<D>, corners: &[Vector<D>]) -> [f64; 3] 
             .for_each(|(y, k)| *y = corners[k]);
         let own = nearest_on(x, &rest[..count - 1]);
         let mut place = Vector::<D>::zeros();
-        rest.iter()
-            .zip(&own)
-            .for_each(|(y, w)| place.axpy(*w, y, 1.0));
+        rest.iter().zip(&own).for_each(|(y, w)| place += y * *w);
         let distance = (x - place).norm();
         if distance < best {
             (best, weights) = (distance, [0.0; 3]);
@@ -159,7 +157,7 @@ fn closest_on<const D: usize>(master: &Placed<'_, D>, facet: usize, x: &Vector<D
         piece
             .iter()
             .zip(weights)
-            .for_each(|(own, w)| lambda.axpy(w, own, 1.0));
+            .for_each(|(own, w)| lambda += own * w);
         let distance = (x - patch.at(&lambda)).norm();
         if distance < best.distance {
             (best.distance, best.lambda) = (distance, lambda);
@@ -206,7 +204,7 @@ fn around<const D: usize>(
             continue;
         }
         let patches = master.patches(facet);
-        let solved = solve(&patches, &point.x, &here.lambda);
+        let solved = solve(&patches, &point.x, (&here.lambda, 0.0));
         let on_it = solved.filter(|(lambda, _)| lambda.iter().all(|&l| l >= -ROUND_OFF));
         feet.extend(on_it.map(|found| at(facet, &patches, found)));
         let known = closest

@@ -13,8 +13,9 @@ pub(super) struct Field<const D: usize> {
 }
 
 impl<const D: usize> Field<D> {
-    /// For each of the bodies of a pair: translations and, about the middle of the forces, rotations of the body, and two waves as long as the
-    /// place where forces act. A body against itself has the waves alone, since rigid motions do no work.
+    /// Translations and, about the middle of the forces, rotations of the first body of a pair, and two waves as long as the place where forces
+    /// act of each. The gaps do not tell which of the two moves rigidly. A body against itself has the waves alone, since rigid
+    /// motions do no work.
     pub fn of_pair(
         problem: &Problem<D>,
         bodies: [usize; 2],
@@ -40,7 +41,7 @@ impl<const D: usize> Field<D> {
                     motion,
                 });
             };
-            if bodies[0] != bodies[1] {
+            if k == 0 && bodies[0] != bodies[1] {
                 for i in 0..D {
                     add(&|_| crate::tensor::unit_vector(i));
                     (0..i).for_each(|j| {

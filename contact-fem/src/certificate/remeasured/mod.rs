@@ -67,7 +67,7 @@ struct Differs {
     forces: f64,
     /// The same of virtual works, added to the sine of the angle between averaged normals and those of facets.
     works: f64,
-    /// Whether the areas of rows are the same.
+    /// Whether the areas of rows are the same, of which all points count in full.
     areas: bool,
 }
 
@@ -82,21 +82,18 @@ const SAME: Differs = Differs {
 /// Where both cut facets, and integrate by rules of different degrees. Gaps differ by 1e-4 of their variation and less on the discs and
 /// Hertz's cylinders.
 const CUT: Differs = Differs {
-    varies: 0.3,
+    varies: 1.0,
     ..SAME
 };
 /// Where facets are cut differently: in space with exact integration, whose facets are divided here, and with closest points. Three blocks
 /// on each other in space, whose facets do not match, differ by 7e-2. Single points decide what a row at the end of the master is.
 const ROUGH: Differs = Differs {
     covered: 0.99,
-    varies: 50.0,
+    varies: 25.0,
     forces: 0.1,
     works: 5e-2,
     areas: false,
 };
-/// Areas are compared of rows with at least this share of their test function opposite the master, of which all points count in full.
-const WHOLE: f64 = 1.0 - 1e-6;
-
 /// The round-off of gaps as a share of the largest coordinate: gaps are differences of positions.
 const ROUNDED: f64 = 64.0 * f64::EPSILON;
 
@@ -311,6 +308,8 @@ fn judge<const D: usize>(
     let widths = widths(problem, own);
     let sizes = pass.slave.node_sizes();
     let ranges = pass.ranges(&of_points);
+    let at_search: Vec<f64> = pass.held.iter().map(|point| point.foot.gap).collect();
+    let at_search = pass.ranges(&at_search);
     let moves = moves(problem, pass);
     let force = units.forces[pass.slave.body];
     let weights = gaps.keys().iter().zip(gaps.weights().iter().copied());
@@ -325,8 +324,9 @@ fn judge<const D: usize>(
             continue;
         }
         let c = c + widths.get(i).copied().unwrap_or(0.0);
-        let [least, most] = ranges[i];
-        let varies = rounded + (most - least) * differs.varies;
+        // rows at X integrate gaps there, of which motions take nearly all away
+        let range = [ranges[i], at_search[i]].map(|[least, most]| most - least);
+        let varies = rounded + range[0].max(range[1]) * differs.varies;
         let relative = c / (units.strain * sizes[i] + varies);
         found.penetration = worse(found.penetration, -relative);
         let unit = force * (units.resolution + varies);
@@ -334,7 +334,7 @@ fn judge<const D: usize>(
         found.complementarity = worse(found.complementarity, product);
         let weight = own.key(i).and_then(|key| known.get(&key));
         let has_row = weight.is_some();
-        let is_whole = is_of_nodes && differs.areas && pass.is_covered(i, WHOLE);
+        let is_whole = is_of_nodes && differs.areas && pass.is_whole[i];
         if let Some(weight) = weight.filter(|_| is_whole) {
             found.areas = worse(found.areas, (weight / pass.areas[i] - 1.0).abs());
         }

@@ -2,7 +2,7 @@
 
 use super::faces::{Faces, Placed, shapes};
 use super::feet::{self, Reach};
-use super::rule::{Held, Places, Slave};
+use super::rule::{Held, Places, Points, Slave};
 use crate::tensor::Vector;
 
 /// Rows lean on their neighbours where less than this share of their test function is opposite the master.
@@ -15,6 +15,8 @@ pub(super) struct Pass<'a, const D: usize> {
     pub held: Vec<Held<D>>,
     /// Whether all points of a row were looked at.
     pub is_known: Vec<bool>,
+    /// Whether all points of a row have a foot and count in full.
+    pub is_whole: Vec<bool>,
     /// s_i of each row.
     own: Vec<f64>,
     /// The share of each test function that is opposite the master.
@@ -54,7 +56,8 @@ impl<'a, const D: usize> Pass<'a, D> {
         for f in (0..slave.len()).filter(is_doubtful) {
             slave.facet(f).iter().for_each(|&a| is_near[a] = true);
         }
-        let (mut held, mut is_known) = (Vec::new(), vec![true; x.len()]);
+        let mut points = Points::default();
+        let [mut is_known, mut is_whole] = [(); 2].map(|()| vec![true; x.len()]);
         for f in 0..slave.len() {
             if !slave.facet(f).iter().any(|&a| is_near[a]) {
                 slave.facet(f).iter().for_each(|&a| is_known[a] = false);
@@ -68,13 +71,19 @@ impl<'a, const D: usize> Pass<'a, D> {
                 reach: search.reach,
                 places: search.places,
             };
-            facet.add(&mut held);
+            if !facet.add(&mut points) {
+                slave.facet(f).iter().for_each(|&a| is_whole[a] = false);
+            }
+        }
+        for (is_whole, is_known) in is_whole.iter_mut().zip(&is_known) {
+            *is_whole &= is_known;
         }
         let mut pass = Pass {
             slave,
             master,
-            held,
+            held: points.held,
             is_known,
+            is_whole,
             own: Vec::new(),
             covered: Vec::new(),
             areas: Vec::new(),
@@ -229,7 +238,7 @@ impl<'a, const D: usize> Pass<'a, D> {
     /// Σ π_q g_q with feet and normals that follow the nodes of the scene to `x` (UF·UL).
     pub fn work(&self, pushes: &[f64], x: &[Vector<D>]) -> f64 {
         let own: Vec<Vector<D>> = self.slave.nodes.iter().map(|&a| x[a]).collect();
-        let moved = Placed::new(self.master.faces, x);
+        let moved = Placed::unsorted(self.master.faces, x);
         let loaded = self
             .held
             .iter()
@@ -238,7 +247,7 @@ impl<'a, const D: usize> Pass<'a, D> {
         let gap = |point: &Held<D>| {
             let place = self.slave.patch(point.facet, &own).at(&point.lambda);
             let patches = moved.patches(point.foot.facet);
-            let found = feet::solve(&patches, &place, &point.foot.lambda);
+            let found = feet::solve(&patches, &place, (&point.foot.lambda, point.foot.gap));
             found.map_or(f64::NAN, |found| feet::at(0, &patches, found).gap)
         };
         loaded.map(|(point, push)| push * gap(point)).sum()

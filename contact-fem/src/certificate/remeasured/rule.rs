@@ -18,6 +18,14 @@ pub(super) struct Held<const D: usize> {
     pub foot: Foot<D>,
 }
 
+/// The points of a slave, facet by facet.
+#[derive(Default)]
+pub(super) struct Points<const D: usize> {
+    pub held: Vec<Held<D>>,
+    /// Whether all points of the last facet have a foot and count in full.
+    are_whole: bool,
+}
+
 /// Gauss points of a segment from 0 to 1 as (weight, place), exact to degree 7.
 const SEGMENT: [(f64, f64); 4] = [
     (0.173_927_422_568_726_93, 0.069_431_844_202_973_71),
@@ -149,20 +157,22 @@ impl<const D: usize> Slave<'_, D> {
         self.foot(lambda).map(|foot| foot.facet)
     }
 
-    /// Adds the points of the facet.
-    pub fn add(&self, held: &mut Vec<Held<D>>) {
+    /// Adds the points of the facet, and tells whether all have a foot and count in full.
+    pub fn add(&self, points: &mut Points<D>) -> bool {
+        points.are_whole = true;
         match (self.places, D) {
-            (Places::Gauss { points, .. }, _) => {
-                let points = points.iter();
-                points.for_each(|point| self.add_point(*point, None, held));
+            (Places::Gauss { points: rule, .. }, _) => {
+                let rule = rule.iter();
+                rule.for_each(|point| self.add_point(*point, None, points));
             }
-            (Places::Pieces, 2) => self.add_segment(held),
+            (Places::Pieces, 2) => self.add_segment(points),
             (Places::Pieces, _) => {
                 let corners = std::array::from_fn(corner);
                 let ends = corners.map(|lambda| self.opposite(&lambda));
-                self.add_triangle(&corners, &ends, DIVISIONS, held);
+                self.add_triangle(&corners, &ends, DIVISIONS, points);
             }
         }
+        points.are_whole
     }
 
     /// Adds a point with a share of the facet. Where its foot is known to be on `facet`, no other is tried.
@@ -170,16 +180,17 @@ impl<const D: usize> Slave<'_, D> {
         &self,
         (share, lambda): (f64, Vector<D>),
         facet: Option<usize>,
-        held: &mut Vec<Held<D>>,
+        points: &mut Points<D>,
     ) {
         let known = facet.and_then(|facet| {
             let patches = self.surfaces.1.patches(facet);
             let start = Vector::repeat(1.0 / D as f64);
-            let found = feet::solve(&patches, &self.patch.at(&lambda), &start)?;
+            let found = feet::solve(&patches, &self.patch.at(&lambda), (&start, 0.0))?;
             let is_on_it = found.0.iter().all(|&l| l >= 0.0);
             is_on_it.then(|| feet::at(facet, &patches, found))
         });
         let Some(foot) = known.or_else(|| self.foot(&lambda)) else {
+            points.are_whole = false;
             return;
         };
         let facing = self.patch.normal(&lambda);
@@ -190,8 +201,9 @@ impl<const D: usize> Slave<'_, D> {
             * near.clamp(0.0, 1.0)
             * self.places.share(self.surfaces.1.faces, &foot);
         let weight = share * counts * self.surfaces.0.measure(self.facet, &lambda);
+        points.are_whole &= counts == 1.0;
         if weight > 0.0 {
-            held.push(Held {
+            points.held.push(Held {
                 facet: self.facet,
                 lambda,
                 weight,
@@ -200,7 +212,7 @@ impl<const D: usize> Slave<'_, D> {
         }
     }
 
-    fn add_segment(&self, held: &mut Vec<Held<D>>) {
+    fn add_segment(&self, points: &mut Points<D>) {
         let on = |t: f64| Vector::from_fn(|i, _| if i == 0 { 1.0 - t } else { t });
         let ends: [(f64, Option<usize>); PARTS + 1] = std::array::from_fn(|k| {
             let t = k as f64 / PARTS as f64;
@@ -216,7 +228,7 @@ impl<const D: usize> Slave<'_, D> {
         for (to, facet) in breaks {
             for (weight, place) in SEGMENT {
                 let point = (weight * (to - from), on(from + place * (to - from)));
-                self.add_point(point, facet, held);
+                self.add_point(point, facet, points);
             }
             from = to;
         }
@@ -251,7 +263,7 @@ impl<const D: usize> Slave<'_, D> {
         corners: &[Vector<D>; D],
         ends: &[Option<usize>; D],
         divisions: usize,
-        held: &mut Vec<Held<D>>,
+        points: &mut Points<D>,
     ) {
         let is_one = ends.iter().all(|end| *end == ends[0]);
         if is_one || divisions == 0 {
@@ -260,8 +272,8 @@ impl<const D: usize> Slave<'_, D> {
             for (weight, parts) in whole::<D>() {
                 let mut lambda = Vector::<D>::zeros();
                 let parts = parts.iter().zip(corners);
-                parts.for_each(|(part, corner)| lambda.axpy(*part, corner, 1.0));
-                self.add_point((weight * share, lambda), known, held);
+                parts.for_each(|(part, corner)| lambda += corner * *part);
+                self.add_point((weight * share, lambda), known, points);
             }
             return;
         }
@@ -281,9 +293,9 @@ impl<const D: usize> Slave<'_, D> {
                 1 => between[k],
                 _ => between[last],
             });
-            self.add_triangle(&part, &of_part, divisions - 1, held);
+            self.add_triangle(&part, &of_part, divisions - 1, points);
         }
-        self.add_triangle(&middles, &between, divisions - 1, held);
+        self.add_triangle(&middles, &between, divisions - 1, points);
     }
 }
 
