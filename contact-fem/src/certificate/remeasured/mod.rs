@@ -23,6 +23,7 @@ use contact_core::{LinearGaps, Multipliers, RowKey};
 
 use super::worse;
 use crate::assembly::Dof;
+use crate::element::Order;
 use crate::model::{Geometry, InitialGaps, Integration, Pair, Passes, Problem, Projection, Side};
 use crate::tensor::Vector;
 use faces::{Faces, Placed};
@@ -85,6 +86,11 @@ const CUT: Differs = Differs {
     varies: 1.0,
     ..SAME
 };
+/// The same with quadratic cells, whose facets are curved at present: forces on discs of 16 to 48 segments differ by up to 5e-4.
+const CURVED: Differs = Differs {
+    forces: 2e-3,
+    ..CUT
+};
 /// Where facets are cut differently: in space with exact integration, whose facets are divided here, and with closest points. Three blocks
 /// on each other in space, whose facets do not match, differ by 7e-2. Single points decide what a row at the end of the master is.
 const ROUGH: Differs = Differs {
@@ -99,9 +105,12 @@ const ROUNDED: f64 = 64.0 * f64::EPSILON;
 
 fn differs<const D: usize>(problem: &Problem<D>) -> &'static Differs {
     let scene = problem.scene();
+    let mut bodies = scene.bodies().iter();
+    let is_quadratic = bodies.any(|body| body.mesh().order() == Order::Quadratic);
     match (scene.integration(), scene.projection) {
         (_, Projection::Closest) => &ROUGH,
         (Integration::Gauss(_), _) => &SAME,
+        (Integration::Exact, _) if D == 2 && is_quadratic => &CURVED,
         (Integration::Exact, _) if D == 2 => &CUT,
         (Integration::Exact, _) => &ROUGH,
     }

@@ -7,7 +7,6 @@ use super::*;
 use crate::LinearElastic;
 use crate::Simulation;
 use crate::certificate::Condition;
-use crate::element::Order;
 use crate::mesh::Mesh;
 use crate::mesh::generators::{Diagonals, annulus, cuboid, disc, linspace, rectangle};
 use crate::model::{Body, Scene};
