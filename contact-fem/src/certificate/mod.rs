@@ -88,22 +88,22 @@ pub enum Condition {
     /// it was not examined.
     Instability,
     /// As [`Condition::WeakPenetration`], by gaps that are measured a second time from the meshes alone: own search, feet, normals and
-    /// quadrature. To the unit is added what the gap varies by within the row, of which the two rules of integration differ by a
-    /// share: 5 times as much in space and with Gauss points, whose facets are not cut. At the ends of phases, as the four that follow and
-    /// [`Condition::EnergySlope`].
+    /// quadrature. To the unit is added what the gap varies by within the row, of which two rules differ by a share: a tenth of it at
+    /// Gauss points, which both take, all of it where facets are cut in the plane, and 25 times as much elsewhere. At the ends of phases, as the
+    /// four that follow and [`Condition::EnergySlope`].
     RemeasuredPenetration,
     /// As [`Condition::Complementarity`], by the same gaps.
     RemeasuredComplementarity,
     /// As [`Condition::Closed`], by the same gaps: the number of rows that are closed beyond doubt and that the solver did not have.
     RemeasuredClosed,
-    /// Rows weigh their surface: the largest relative difference of the area a_i of a row, whose test function is opposite the other side as a whole,
-    /// from that of the second measurement. In the plane, with exact integration; elsewhere 0.
+    /// Rows weigh their surface: the largest relative difference of the area a_i of a row, whose points all count in full,
+    /// from that of the second measurement. 0 with closest points, and with exact integration in space.
     RemeasuredAreas,
     /// Forces act where contact is, along its normals: the largest difference on a node of the solver's Cᵀλ from the forces which the
     /// same λ mean by the second measurement. The unit is the square of the sine in [`Condition::VirtualWork`], to which quadratures differ on
-    /// chords, and 1e-4 more, or 0.1 in space and with Gauss points. `None` in method (39), whose multipliers belong to points.
+    /// chords, and 1e-4 more: 2e-3 with quadratic cells in the plane, 0.1 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
     RemeasuredForces,
-    /// Forces are the slope of gaps: |v·Cᵀλ − ∂/∂v Σ λ_i c_i|, the largest over both bodies of each pair, rigid motions v and two waves. The
+    /// Forces are the slope of gaps: |v·Cᵀλ − ∂/∂v Σ λ_i c_i|, the largest over rigid motions v of the first body of each pair and two waves of both. The
     /// c_i are those of the second measurement, with feet and normals that follow v. Rows hold feet and normals, and leave out by how
     /// much averaged normals are inclined to the facets: the unit is Σ |v| |Cᵀλ| times the mean sine of that angle, which falls with the
     /// facets. `None` likewise, and with contact at the reference positions.

@@ -173,6 +173,8 @@ struct Around<const D: usize> {
     /// By distance.
     feet: Vec<Foot<D>>,
     closest: Option<Closest<D>>,
+    /// Whether this is all there is.
+    is_all: bool,
 }
 
 /// The feet within `distance`, on all facets but those that have a node of the point's own facet.
@@ -182,6 +184,7 @@ fn around<const D: usize>(
     distance: f64,
 ) -> Around<D> {
     let (mut feet, mut closest) = (Vec::new(), None::<Closest<D>>);
+    let mut seen = 0;
     let is_own = |f: usize| {
         let node = |faces: &Faces<D>, a: usize| faces.nodes[a];
         point.own.is_some_and(|own| {
@@ -197,12 +200,14 @@ fn around<const D: usize>(
     };
     for facet in master.boxes.within(&point.x, distance) {
         if is_own(facet) {
+            seen += 1;
             continue;
         }
         let here = closest_on(master, facet, &point.x);
         if here.distance > distance {
             continue;
         }
+        seen += 1;
         let patches = master.patches(facet);
         let solved = solve(&patches, &point.x, (&here.lambda, 0.0));
         let on_it = solved.filter(|(lambda, _)| lambda.iter().all(|&l| l >= -ROUND_OFF));
@@ -214,9 +219,15 @@ fn around<const D: usize>(
             closest = Some(here);
         }
     }
+    let found = feet.len();
     feet.retain(|foot: &Foot<D>| foot.distance <= distance);
     feet.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-    Around { feet, closest }
+    let is_all = seen == master.faces.len() && feet.len() == found;
+    Around {
+        feet,
+        closest,
+        is_all,
+    }
 }
 
 /// The foot that a point must not penetrate: the nearest one, if it counts. Behind a surface that faces the same way, the next one is
@@ -230,7 +241,7 @@ pub(super) fn foot<const D: usize>(
     let mut distance = 0.4 * reach.size;
     loop {
         let found = around(surfaces, point, distance.min(reach.radius));
-        let is_last = distance >= reach.radius;
+        let is_last = distance >= reach.radius || found.is_all;
         let closest = found
             .closest
             .as_ref()

@@ -247,7 +247,8 @@ impl<const D: usize> Slave<'_, D> {
         }
         let middle = 0.5 * (from + to);
         let is_end = before.is_none() || after.is_none();
-        if halved == HALVINGS[usize::from(is_end)] {
+        // the end of the boundary may be found to be none after halvings
+        if halved >= HALVINGS[usize::from(is_end)] {
             breaks.push((middle, before));
             return;
         }
