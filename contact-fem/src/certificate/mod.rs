@@ -88,8 +88,8 @@ pub enum Condition {
     /// it was not examined.
     Instability,
     /// As [`Condition::WeakPenetration`], by gaps that are measured a second time from the meshes alone: own search, feet, normals and
-    /// quadrature. To the unit is added what the gap varies by within the row, of which two rules differ by a share: a tenth of it at
-    /// Gauss points, which both take, all of it where facets are cut in the plane, and 25 times as much elsewhere. At the ends of phases, as the
+    /// quadrature. To the unit is added what the gap varies by within the row, of which two rules differ by a share: all of it at
+    /// Gauss points, which both take, 10 times as much where facets are cut in the plane, and 250 times elsewhere. At the ends of phases, as the
     /// four that follow and [`Condition::EnergySlope`].
     RemeasuredPenetration,
     /// As [`Condition::Complementarity`], by the same gaps.
@@ -168,12 +168,12 @@ const TABLE: [Line; 28] = [
     line(
         Condition::RemeasuredPenetration,
         "remeasured_penetration",
-        2e-3,
+        2e-4,
     ),
     line(
         Condition::RemeasuredComplementarity,
         "remeasured_complementarity",
-        2e-3,
+        2e-4,
     ),
     line(Condition::RemeasuredClosed, "remeasured_closed", 0.0),
     line(Condition::RemeasuredAreas, "remeasured_areas", 1e-4),

@@ -75,7 +75,7 @@ struct Differs {
 /// Where both take the same points: those of a Gauss rule with feet along normals. Only round-off is left, and where feet at kinks differ.
 const SAME: Differs = Differs {
     covered: 0.1,
-    varies: 0.1,
+    varies: 1.0,
     forces: 1e-4,
     works: 2e-3,
     areas: true,
@@ -83,7 +83,7 @@ const SAME: Differs = Differs {
 /// Where both cut facets, and integrate by rules of different degrees. Gaps differ by 1e-4 of their variation and less on the discs and
 /// Hertz's cylinders.
 const CUT: Differs = Differs {
-    varies: 1.0,
+    varies: 10.0,
     ..SAME
 };
 /// The same with quadratic cells, whose facets are curved at present: forces on discs of 16 to 48 segments differ by up to 5e-4.
@@ -95,7 +95,7 @@ const CURVED: Differs = Differs {
 /// on each other in space, whose facets do not match, differ by 7e-2. Single points decide what a row at the end of the master is.
 const ROUGH: Differs = Differs {
     covered: 0.99,
-    varies: 25.0,
+    varies: 250.0,
     forces: 0.1,
     works: 5e-2,
     areas: false,
