@@ -31,8 +31,8 @@ fn solved<const D: usize>(
 }
 
 /// The largest difference of the solver's force on a node from that which the multipliers mean, by the largest force on a node of the body. The unit
-/// is the square of the mean sine of the angle between averaged normals and those of facets, to which both rules of integration differ
-/// where facets are chords, and `flat` more.
+/// is the square of the largest sine, around the node, of the angle between averaged normals and those of facets, to which both rules of
+/// integration differ where facets are chords or curved, and `flat` more.
 pub(super) fn forces_apart<const D: usize>(
     problem: &Problem<D>,
     measured: &[Measured<'_, D>],
@@ -41,22 +41,21 @@ pub(super) fn forces_apart<const D: usize>(
 ) -> f64 {
     let all: Vec<_> = measured.iter().collect();
     let mut apart = solved(problem, &all, state);
-    let mut tilt = 0.0_f64;
+    let mut sines = vec![0.0_f64; apart.len()];
     for own in measured {
         let pushes = own.pass.pushes(&own.lambda);
-        let [sum, all] = own.pass.tilt(&pushes);
-        tilt = tilt.max(if all > 0.0 { sum / all } else { 0.0 });
+        own.pass.add_sines(&pushes, &mut sines);
         let opposite: Vec<f64> = pushes.iter().map(|push| -push).collect();
         own.pass.add_forces(&opposite, &mut apart);
     }
     let mut worst = 0.0;
     for (body, unit) in units.iter().enumerate() {
-        let own = &apart[problem.nodes(body)];
-        worst = own
-            .iter()
-            .fold(worst, |worst, force| worse(worst, force.amax() / unit));
+        for node in problem.nodes(body) {
+            let unit = unit * (flat + sines[node] * sines[node]);
+            worst = worse(worst, apart[node].amax() / unit);
+        }
     }
-    worst / (flat + tilt * tilt)
+    worst
 }
 
 /// The largest difference of the work of the solver's forces in a virtual motion from the change of Σ λ_i c_i, over all pairs, both

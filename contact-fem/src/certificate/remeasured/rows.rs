@@ -220,19 +220,37 @@ impl<'a, const D: usize> Pass<'a, D> {
         }
     }
 
-    /// The mean sine of the angle between the normal at a foot and that of its facet, weighted with the forces.
-    pub fn tilt(&self, pushes: &[f64]) -> [f64; 2] {
-        let loaded = self
-            .held
-            .iter()
-            .zip(pushes)
-            .filter(|(_, push)| **push != 0.0);
-        loaded.fold([0.0; 2], |[sum, all], (point, push)| {
+    /// The points with a force, with the sine of the angle between the normal at the foot and that of its facet.
+    fn sines<'b>(&'b self, pushes: &'b [f64]) -> impl Iterator<Item = (&'b Held<D>, f64, f64)> {
+        let loaded = self.held.iter().zip(pushes);
+        let loaded = loaded.filter(|(_, push)| **push != 0.0);
+        loaded.map(|(point, push)| {
             let [there, _] = self.master.patches(point.foot.facet);
             let normal = there.normal(&point.foot.lambda).normalize();
-            let sine = (normal - point.foot.normal).norm();
+            (point, *push, (normal - point.foot.normal).norm())
+        })
+    }
+
+    /// The mean of these sines, weighted with the forces, as its two sums.
+    pub fn tilt(&self, pushes: &[f64]) -> [f64; 2] {
+        let sines = self.sines(pushes);
+        sines.fold([0.0; 2], |[sum, all], (_, push, sine)| {
             [sum + push.abs() * sine, all + push.abs()]
         })
+    }
+
+    /// Raises the largest sine around each node of the scene.
+    pub fn add_sines(&self, pushes: &[f64], largest: &mut [f64]) {
+        for (point, _, sine) in self.sines(pushes) {
+            let mut raise = |faces: &Faces<D>, facet: usize| {
+                for &a in faces.facet(facet) {
+                    let own = &mut largest[faces.nodes[a]];
+                    *own = own.max(sine);
+                }
+            };
+            raise(self.slave, point.facet);
+            raise(self.master.faces, point.foot.facet);
+        }
     }
 
     /// Σ π_q g_q with feet and normals that follow the nodes of the scene to `x` (UF·UL).
