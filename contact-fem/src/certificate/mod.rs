@@ -89,10 +89,11 @@ pub enum Condition {
     Instability,
     /// As [`Condition::WeakPenetration`], by gaps that are measured a second time from the meshes alone: own search, feet, normals and
     /// quadrature. To the unit is added what the gap varies by within the row, of which two rules differ by a share: all of it at
-    /// Gauss points, which both take, 10 times as much where facets are cut in the plane, and 250 times elsewhere. At the ends of phases, as the
+    /// Gauss points, which both take, 10 times as much where facets are cut in the plane, 30 times with
+    /// quadratic cells there, and 250 times elsewhere. What the solver's own gaps are off by is left to [`Condition::WeakPenetration`]. At the ends of phases, as the
     /// four that follow and [`Condition::EnergySlope`].
     RemeasuredPenetration,
-    /// As [`Condition::Complementarity`], by the same gaps.
+    /// As [`Condition::Complementarity`], by the difference of the same gaps from the solver's.
     RemeasuredComplementarity,
     /// As [`Condition::Closed`], by the same gaps: the number of rows that are closed beyond doubt and that the solver did not have.
     RemeasuredClosed,
@@ -101,7 +102,7 @@ pub enum Condition {
     RemeasuredAreas,
     /// Forces act where contact is, along its normals: the largest difference on a node of the solver's Cᵀλ from the forces which the
     /// same λ mean by the second measurement. The unit is the square of the largest sine around the node of the angle in [`Condition::VirtualWork`], to which quadratures differ on
-    /// chords, and 1e-4 more: 2e-3 with quadratic cells in the plane, 0.1 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
+    /// chords, and 1e-4 more: 2e-3 with quadratic cells in the plane, 0.4 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
     RemeasuredForces,
     /// Forces are the slope of gaps: |v·Cᵀλ − ∂/∂v Σ λ_i c_i|, the largest over rigid motions v of the first body of each pair and two waves of both. The
     /// c_i are those of the second measurement, with feet and normals that follow v. Rows hold feet and normals, and leave out by how

@@ -216,3 +216,36 @@ fn gauss_points_leave_round_off() {
         }
     }
 }
+
+/// A block overhangs another one, whose last facet is a ten-thousandth of the others: no halving of a facet of the former finds on both sides of the
+/// end what it found before.
+#[test]
+fn facets_beside_a_tiny_one_are_cut() {
+    for last in [2.0, 5e-5, 1e-5, 1e-6] {
+        let places = [0.0, 0.5, 1.0, 1.5, 2.0 - last, 2.0];
+        let lower = rectangle(&places, &[0.0, 1.0], Diagonals::Rising);
+        let lower = match last < 0.5 {
+            true => lower,
+            false => rectangle(&[0.0, 2.0], &[0.0, 1.0], Diagonals::Rising),
+        };
+        let lower = lower.expect("mesh");
+        let upper = rectangle(&linspace(0.1, 4.0, 9), &[1.001, 1.5], Diagonals::Rising);
+        let upper = upper.expect("mesh");
+        let (slave, master) = (faces(&upper, "bottom"), faces(&lower, "top"));
+        let placed = Placed::new(&master, lower.nodes());
+        let search = Search {
+            x: upper.nodes(),
+            reach: Reach {
+                radius: 1.0,
+                size: 0.5,
+                fit: 0.0,
+            },
+            is_one_body: false,
+            places: &Places::Pieces,
+            has_force: &vec![true; slave.nodes.len()],
+        };
+        let pass = Pass::new(&slave, &placed, &search);
+        let opposite: f64 = pass.held.iter().map(|point| point.weight).sum();
+        assert!((opposite - 1.9).abs() < 1e-4, "{last}: {opposite}");
+    }
+}
