@@ -105,6 +105,9 @@ const ROUGH: Differs = Differs {
 /// The round-off of gaps as a share of the largest coordinate: gaps are differences of positions.
 const ROUNDED: f64 = 64.0 * f64::EPSILON;
 
+/// In method (39), rows of nodes are not the solver's, and its penalty leaves gaps: their unit is so many times as large.
+const OF_POINTS: f64 = 10.0;
+
 fn differs<const D: usize>(problem: &Problem<D>) -> &'static Differs {
     let scene = problem.scene();
     let mut bodies = scene.bodies().iter();
@@ -346,6 +349,7 @@ fn judge<const D: usize>(
     let coordinates = x.iter().map(Vector::amax);
     let rounded = ROUNDED * coordinates.fold(0.0, f64::max);
     let differs = differs(problem);
+    let leeway = if is_of_nodes { 1.0 } else { OF_POINTS };
     for (i, c) in c.iter().enumerate() {
         let is_judged = pass.is_known[i] && moves[i] && pass.is_covered(i, differs.covered);
         if !is_judged || c.is_nan() {
@@ -354,20 +358,27 @@ fn judge<const D: usize>(
         let c = c + widths.get(i).copied().unwrap_or(0.0);
         // rows at X integrate gaps there, of which motions take nearly all away
         let range = [ranges[i], at_search[i]].map(|[least, most]| most - least);
-        let varies = rounded + range[0].max(range[1]) * differs.varies;
+        let varies = range[0].max(range[1]) * differs.varies;
         let claim = own.key(i).and_then(|key| claims.get(&key)).copied();
         let claimed = claim.map_or(0.0, |(_, c)| c);
-        let relative = (c - claimed.min(0.0)) / (units.strain * sizes[i] + varies);
-        found.penetration = worse(found.penetration, -relative);
+        let beyond = |apart: f64| {
+            if apart > rounded {
+                apart - rounded
+            } else {
+                apart.min(0.0)
+            }
+        };
+        let depth = beyond(claimed.min(0.0) - c) / (leeway * (units.strain * sizes[i] + varies));
+        found.penetration = worse(found.penetration, depth);
         let unit = force * (units.resolution + varies);
-        let product = (own.lambda[i] * (c - claimed)).abs() / unit;
+        let product = (own.lambda[i] * beyond((c - claimed).abs())).abs() / unit;
         found.complementarity = worse(found.complementarity, product);
         let is_whole = differs.areas && pass.is_whole[i];
         if let Some((area, _)) = claim.filter(|_| is_whole) {
             found.areas = worse(found.areas, (area / pass.areas[i] - 1.0).abs());
         }
         // a row that is open by less than the accuracy of both may be open for the solver
-        if relative < -units.closed && is_of_nodes && claim.is_none() {
+        if depth > units.closed && is_of_nodes && claim.is_none() {
             found.missing += 1;
         }
     }
