@@ -17,7 +17,7 @@ mod rule;
 #[cfg(test)]
 mod tests;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use contact_core::{LinearGaps, Multipliers, RowKey};
 
@@ -292,8 +292,10 @@ pub(super) fn measure<const D: usize>(
 /// Where all nodes are: those of the meshes, moved by the unknowns and by what supports prescribe at the load.
 fn positions<const D: usize>(problem: &Problem<D>, u: &[f64]) -> Vec<Vector<D>> {
     let mut x = Vec::new();
-    // of components that follow others
+    // components that follow others do so by the ties of the scene
     let tied = problem.displacements(u);
+    let ties = problem.dofs().ties().iter();
+    let follow: HashSet<usize> = ties.map(|tie| tie.dof).collect();
     for (number, body) in problem.scene().bodies().iter().enumerate() {
         let prescribed = body.prescribed_values(problem.load());
         for X in body.mesh().nodes() {
@@ -302,7 +304,7 @@ fn positions<const D: usize>(problem: &Problem<D>, u: &[f64]) -> Vec<Vector<D>> 
             x.push(Vector::from_fn(|i, _| {
                 let moved = match (problem.dofs().get(D * node + i), prescribed[D * own + i]) {
                     (Dof::Free(k), _) => u[k],
-                    (_, Some(value)) => value,
+                    (_, Some(value)) if !follow.contains(&(D * node + i)) => value,
                     _ => tied[node][i],
                 };
                 X[i] + moved
