@@ -13,8 +13,6 @@ pub mod motion;
 pub mod moving;
 pub mod normals;
 pub mod obstacle;
-#[cfg(planted)]
-mod planted;
 pub mod pressure;
 pub mod projection;
 mod rim;
