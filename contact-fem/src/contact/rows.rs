@@ -60,13 +60,13 @@ struct NodalRow<const D: usize> {
     widening: f64,
 }
 
-/// The derivatives of a row by the weight of a point.
+/// The derivatives of a row by the weight w of one of its points, whose unit is that of its area (UL in the plane, UL² in space).
 pub(super) struct Weighed<const D: usize> {
     /// The row's [`RowKey::node`].
     pub name: usize,
-    /// Of its gap (UL a weight).
+    /// ∂c_i/∂w, with c_i of equation (5) (UL divided by the unit of w).
     pub gap: f64,
-    /// Of its coefficients at scene nodes (1 a weight), which are to be added up.
+    /// ∂/∂w of the coefficients of c_i, by scene node (1 divided by the unit of w). A node may occur more than once: its terms add up.
     pub terms: Vec<(usize, Vector<D>)>,
 }
 

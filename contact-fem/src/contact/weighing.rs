@@ -24,12 +24,12 @@ use super::surface::Surface;
 use crate::element::Facet;
 use crate::tensor::{Matrix, Vector, unit_vector};
 
-/// What the weight of a point varies by: a linear form in positions (weights a UL) and in averaged normals (weights).
+/// The derivative of a point's weight (UL in the plane, UL² in space): a linear form in positions and in averaged normals.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Weighing<const D: usize> {
-    /// By scene nodes.
+    /// ∂w/∂x_a of scene nodes a (the unit of w divided by UL).
     pub nodes: Vec<(usize, Vector<D>)>,
-    /// By the master's nodes, with their positions in [`Surface::nodes`].
+    /// ∂w/∂n_b of the master's nodes b, which are positions in [`Surface::nodes`] (the unit of w).
     pub normals: Vec<(usize, Vector<D>)>,
 }
 
