@@ -10,7 +10,7 @@ FUZZ_SCENES ?= $(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes 
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick meshes errors needs features mutants package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick meshes errors needs features mutants planted planted-quick package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -35,6 +35,8 @@ help:
 	@echo "make needs             what runs cost beside what their scenes need: data in out/needs, within two minutes"
 	@echo "make features          what each cargo feature costs to compile: clean builds, and their table in docs/needs.md"
 	@echo "make mutants           plants faults one at a time and runs the tests (hours; an interrupted run goes on)"
+	@echo "make planted           faults in the library that are compiled in for this command alone: which condition of the certificate sees which"
+	@echo "make planted-quick     the cheapest ten of them"
 	@echo "make package           the crates as packages, each checked on its own, and their documentation without Ipopt"
 	@echo "make msrv              compiles with the oldest Rust that is promised to do"
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
@@ -145,6 +147,15 @@ features: install
 mutants: install
 	@command -v python3 >/dev/null || { echo "python3 is missing"; exit 1; }
 	@scripts/mutants/run.py $(ARGUMENTS)
+
+# The crates of this workspace are compiled with the faults, those below as for every other build. ARGUMENTS="--filter feet" takes some.
+PLANTED = RUSTC_WORKSPACE_WRAPPER=$(CURDIR)/scripts/planted/rustc.sh $(CARGO) run -p ipopt-contact-scenes --bin planted --
+
+planted: install
+	$(PLANTED) $(ARGUMENTS)
+
+planted-quick: install
+	$(PLANTED) --quick
 
 package: install
 	@./scripts/package.sh

@@ -52,6 +52,8 @@ pub mod nlp;
 pub mod outcome;
 #[cfg(feature = "linear")]
 mod parallel;
+#[cfg(planted)]
+pub mod planted;
 pub mod problem;
 pub mod quadratic;
 pub mod reduction;

@@ -186,10 +186,16 @@ impl<S: Equilibrium> Simulation<S> {
         };
         let mut steps = Vec::new();
         let mut done = (External::at_rest(problem), Vec::new());
+        let ends: Vec<f64> = match &self.load_steps.phases[..] {
+            [] => vec![1.0],
+            phases => phases.iter().map(|phase| phase.until).collect(),
+        };
         let run = self
             .load_steps
             .run(problem, &mut self.solver, start, |step| {
-                let record = StepRecord::new(step, &mut done);
+                let is_end = |end: &f64| (step.factor - end).abs() <= 1e-9 * end.abs();
+                let whole = ends.iter().any(is_end);
+                let record = StepRecord::new(step, &mut done, whole);
                 let flow = observe(&StepView {
                     problem: step.problem,
                     solution: step.solution,
@@ -244,9 +250,15 @@ impl<const D: usize> StepRecord<D> {
         self.pairs.iter().map(|pair| pair.area).sum::<f64>() + 0.0
     }
 
-    /// `done` has supports and loads at the last step, and the work until there.
-    fn new(step: &Step<'_, Problem<D>>, done: &mut (External<D>, Vec<WorkRecord>)) -> Self {
+    /// `done` has supports and loads at the last step, and the work until there; `whole` tells whether all of the certificate is computed.
+    fn new(
+        step: &Step<'_, Problem<D>>,
+        done: &mut (External<D>, Vec<WorkRecord>),
+        whole: bool,
+    ) -> Self {
         let (problem, solution) = (step.problem, step.solution);
+        #[cfg(planted)]
+        let solution = &spoiled(solution);
         let u = &solution.state.u;
         let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
         let mut c = vec![0.0; solution.gaps.len()];
@@ -287,7 +299,13 @@ impl<const D: usize> StepRecord<D> {
             support_reactions,
             pairs: states.into_iter().map(|state| state.record).collect(),
             ties: problem.tie_records(u, &forces),
+            #[cfg(not(planted))]
             pressures: range,
+            #[cfg(planted)]
+            pressures: match contact_core::planted!("pressures are doubled") {
+                true => range.map(|p| 2.0 * p),
+                false => range,
+            },
             contact_forces: bodies
                 .map(|body| problem.nodes(body).map(|a| forces[a]).sum())
                 .collect(),
@@ -300,10 +318,44 @@ impl<const D: usize> StepRecord<D> {
             rows: solution.gaps.len(),
             penetration: problem.penetration(u),
             weak_penetration: c.iter().fold(0.0, |depth: f64, c| depth.max(-c)),
-            certificate: Certificate::new(problem, solution),
+            certificate: Certificate::of_step(problem, solution, whole),
             attempt: step.attempt.clone(),
         }
     }
+}
+
+/// What faults make of a solution.
+#[cfg(planted)]
+fn spoiled(solution: &Solution) -> Solution {
+    let mut spoiled = solution.clone();
+    if contact_core::planted!("every ninth multiplier is lost") {
+        spoiled.lambda.iter_mut().step_by(9).for_each(|l| *l = 0.0);
+    }
+    if contact_core::planted!("multipliers are those of the next row") && !spoiled.lambda.is_empty()
+    {
+        spoiled.lambda.rotate_left(1);
+    }
+    let largest = spoiled.lambda.iter().copied().fold(0.0, f64::max);
+    for l in &mut spoiled.lambda {
+        if contact_core::planted!("the largest multiplier is a hundredth larger") && *l == largest {
+            *l *= 1.01;
+        }
+        if contact_core::planted!("small multipliers are lost") && *l < 0.1 * largest {
+            *l = 0.0;
+        }
+    }
+    let u = &mut spoiled.state.u;
+    if contact_core::planted!("the state is a thousandth off") {
+        u.iter_mut().for_each(|u| *u *= 1.001);
+    }
+    let middle = u.len() / 2;
+    if contact_core::planted!("one unknown is lost") && !u.is_empty() {
+        u[middle] = 0.0;
+    }
+    if contact_core::planted!("the state is that of the next unknown") && !u.is_empty() {
+        u.rotate_left(1);
+    }
+    spoiled
 }
 
 #[cfg(test)]

@@ -238,6 +238,28 @@ where
             parallel::in_order(at.len(), forces, |q, forces| {
                 let cell = self.cells[q / E::QUADRATURE.len()];
                 for (&a, force) in cell.as_ref().iter().zip(forces.as_ref()) {
+                    #[cfg(planted)]
+                    let force = &(match contact_core::planted!(
+                        "forces are a hundredth larger than the energy's slope"
+                    ) {
+                        true => force * 1.01,
+                        false => *force,
+                    });
+                    #[cfg(planted)]
+                    let force = &{
+                        let mut force = *force;
+                        if contact_core::planted!(
+                            "the first component of forces is a hundredth larger"
+                        ) {
+                            force[0] *= 1.01;
+                        }
+                        if contact_core::planted!("forces leave out every ninth cell")
+                            && (q / E::QUADRATURE.len()) % 9 == 0
+                        {
+                            force *= 0.0;
+                        }
+                        force
+                    };
                     (0..D).for_each(|i| add(D * a + i, force[i]));
                 }
             });

@@ -169,6 +169,20 @@ impl<const D: usize> Audit<D> {
         }
     }
 
+    /// The smallest height of a body's simplices in the reference configuration (UL), and their volume.
+    pub(crate) fn height_and_volume(&self, body: usize) -> [f64; 2] {
+        let cells = self.topology.cells.iter().zip(&self.inverses);
+        let own = cells.filter(|(cell, _)| cell.body == body);
+        own.fold([f64::INFINITY, 0.0], |[least, volume], (_, inverse)| {
+            // rows are the gradients of weights, which fall from 1 to 0 over a height
+            let rows = inverse.row_iter().map(|row| row.norm());
+            let height = 1.0 / rows.fold(inverse.row_sum().norm(), f64::max);
+            let factorial = if D == 2 { 2.0 } else { 6.0 };
+            let own = 1.0 / (factorial * crate::tensor::determinant(inverse).abs());
+            [least.min(height), volume + own]
+        })
+    }
+
     /// Places obstacles where they are at pseudo-time `t`.
     pub(crate) fn set_load(&mut self, t: f64) {
         for blocks in &mut self.obstacles {

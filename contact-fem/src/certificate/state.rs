@@ -6,7 +6,7 @@ use contact_core::equilibrium::Solution;
 use contact_core::gaps::Sampling;
 use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 
-use super::{Certificate, Condition, Limits, worse};
+use super::{Certificate, Condition, Limits, balance, remeasured, slope, worse};
 use crate::audit::Overlap;
 use crate::contact::Pass;
 use crate::model::{Body, Geometry, Problem};
@@ -15,6 +15,15 @@ use crate::tensor::{Matrix, Vector};
 impl Certificate {
     /// The certificate of `solution`; `problem` must be at the load of the solution.
     pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
+        Self::of_step(problem, solution, true)
+    }
+
+    /// The same, without what costs more than a load step may take for it unless the check is `whole`.
+    pub(crate) fn of_step<const D: usize>(
+        problem: &Problem<D>,
+        solution: &Solution,
+        whole: bool,
+    ) -> Self {
         let u = &solution.state.u;
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
         let forces = problem.contact_forces(gaps, lambda);
@@ -105,6 +114,17 @@ impl Certificate {
             Geometry::Reference => problem.reference().to_vec(),
             Geometry::Current => problem.positions(u),
         };
+        let again = whole.then(|| {
+            let units = remeasured::Units {
+                strain: units.strain,
+                resolution: problem.scale().resolution,
+                forces: &residual.forces,
+                closed: Limits::default().of(Condition::RemeasuredPenetration),
+            };
+            remeasured::measure(problem, u, (gaps, lambda), &units)
+        });
+        let slope = || slope::apart(problem, u, (gaps, lambda), &solution.held, &residual.forces);
+        let pairs = balance::of_pairs(problem, &positions, (gaps, lambda), any_force);
         let left = |condition| match condition {
             Condition::NodalPenetration => Some(problem.relative_penetration(u)),
             Condition::WeakPenetration => Some(deepest(&relative)),
@@ -124,6 +144,16 @@ impl Certificate {
             Condition::Dropped => Some(dropped as f64),
             Condition::Instability => instability(problem, solution),
             Condition::Held => holds.is_some().then_some(residual.held),
+            Condition::RemeasuredPenetration => again.map(|own| own.penetration),
+            Condition::RemeasuredComplementarity => again.map(|own| own.complementarity),
+            Condition::RemeasuredClosed => again.map(|own| own.missing as f64),
+            Condition::RemeasuredAreas => again.map(|own| own.areas),
+            Condition::RemeasuredForces => again.and_then(|own| own.forces),
+            Condition::VirtualWork => again.and_then(|own| own.work),
+            Condition::EnergySlope => again.and_then(|_| slope()),
+            Condition::PairBalance => Some(pairs.sum),
+            Condition::PairMoment => pairs.moment,
+            Condition::Undeclared => Some(undeclared(problem, u, &audit.overlaps)),
         };
         let blank = Certificate::uniform(0.0, problem.scale().roundoff);
         Condition::all().fold(blank, |all, condition| all.with(condition, left(condition)))
@@ -149,6 +179,8 @@ struct Units {
     noticed: f64,
     /// The same, of resultants: stiff volumes, which make forces on nodes large, do not.
     balanced: f64,
+    /// The expected displacement of a facet as a share of its length.
+    strain: f64,
 }
 
 impl Units {
@@ -168,6 +200,7 @@ impl Units {
             }
         };
         Units {
+            strain,
             bodies: {
                 let slaves = problem.passes().iter().map(|pass| pass.slave);
                 slaves.map(|s| problem.surfaces()[s].body()).collect()
@@ -214,7 +247,7 @@ impl Units {
 }
 
 /// Whether the bodies are ones of revolution.
-fn is_revolved<const D: usize>(problem: &Problem<D>) -> bool {
+pub(super) fn is_revolved<const D: usize>(problem: &Problem<D>) -> bool {
     let mut bodies = problem.scene().bodies().iter();
     bodies.any(|body| body.mesh().is_of_revolution())
 }
@@ -344,9 +377,41 @@ fn from_rigid<const D: usize>(problem: &Problem<D>, u: &[f64], v: &[f64]) -> f64
 /// Rounds over the planes of rotation; one is exact in the plane.
 const ROUNDS: usize = 20;
 
+/// The largest depth of overlaps of bodies without a pair or a tie between them, beyond that at rest, as a share of the largest displacement or
+/// of the extent of the smaller body.
+fn undeclared<const D: usize>(problem: &Problem<D>, u: &[f64], overlaps: &[Overlap<D>]) -> f64 {
+    let bodies = problem.scene().bodies();
+    let is_free = |[a, b]: [usize; 2]| {
+        let has_bodies = a != b && b < bodies.len();
+        has_bodies && !problem.is_pair([a, b]) && !problem.are_tied([a, b])
+    };
+    let moved = problem.displacements(u);
+    let moved = moved.iter().map(Vector::norm).fold(0.0, f64::max);
+    let extent = |body: usize| {
+        let (low, high) = bodies[body].mesh().bounding_box();
+        (high - low).min()
+    };
+    let share = |overlap: &Overlap<D>| {
+        let [a, b] = overlap.bodies;
+        let depth = overlap.depth - problem.depth_at_rest(overlap.bodies);
+        depth.max(0.0) / moved.min(extent(a)).min(extent(b))
+    };
+    let those = overlaps.iter().filter(|overlap| is_free(overlap.bodies));
+    those.map(share).fold(0.0, worse)
+}
+
 /// |Σ x ∧ f| of the contact forces, divided by Σ |x − c| |f| with the centre c of all nodes.
 fn moment<const D: usize>(x: &[Vector<D>], forces: &[Vector<D>]) -> f64 {
     let centre = x.iter().sum::<Vector<D>>() / x.len().max(1) as f64;
+    moment_about(&centre, x, forces)
+}
+
+/// The same with another centre.
+pub(super) fn moment_about<const D: usize>(
+    centre: &Vector<D>,
+    x: &[Vector<D>],
+    forces: &[Vector<D>],
+) -> f64 {
     let (mut sum, mut magnitude) = (Matrix::<D>::zeros(), 0.0);
     for (x, f) in x.iter().zip(forces) {
         let arm = x - centre;
@@ -362,7 +427,7 @@ fn norm(f: &[f64]) -> f64 {
 }
 
 /// `value` / `unit`; 0 if the value is 0, for any unit.
-fn over(value: f64, unit: f64) -> f64 {
+pub(super) fn over(value: f64, unit: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value / unit }
 }
 
@@ -413,7 +478,8 @@ struct Residual {
     free: f64,
     /// For each body the largest force on a node, but at least the smallest unit of forces (UF).
     forces: Vec<f64>,
-    /// |Σ reactions, those of foundations included, + Σ loads + Σ forces of obstacles| (UF).
+    /// |Σ reactions, those of foundations included, + Σ loads + Σ forces of obstacles| (UF), or, if that is larger, the difference of a body's
+    /// reaction from the one that results tell.
     sum: f64,
     /// The largest of all resultants of reactions, loads and contact forces on a body (UF); around an axis, what points away from it
     /// is summed by its amount.
@@ -437,7 +503,9 @@ impl Residual {
         let (mut sum, mut resultant) = (-of_obstacles.iter().sum::<Vector<D>>(), 0.0_f64);
         let (residuals, U) = (problem.residuals(u), problem.displacements(u));
         // what ties do to one body, and the opposite to the other, is a load like contact
+        let reported = problem.reactions(u, contact);
         let contact = problem.with_tie_forces(u, contact);
+        let mut told = 0.0;
         for (body, owner) in problem.scene().bodies().iter().enumerate() {
             let residual = &residuals[body];
             let (loads, springs) = on_boundary(problem, body, &U);
@@ -452,20 +520,23 @@ impl Residual {
             let (mut rest_free, mut largest) = (0.0, units.noticed);
             // of reactions, loads and contact forces
             let mut resultants = [Vector::<D>::zeros(); 3];
+            let mut supported = left_by_supports(problem, body);
             for (k, node) in problem.nodes(body).enumerate() {
                 for i in 0..D {
                     let dof = D * k + i;
                     let rest: f64 = residual[dof] - contact[node][i];
                     let load = loads[dof];
-                    let reaction = match owner.prescribed()[dof] {
-                        Some(_) => rest,
+                    let (hold, reaction) = match owner.prescribed()[dof] {
+                        Some(_) => (0.0, rest),
                         None => {
                             let hold = holds.map_or(0.0, |holds| holds[node][i]);
-                            hold + tied.get(&dof).copied().unwrap_or(0.0)
+                            (hold, tied.get(&dof).copied().unwrap_or(0.0))
                         }
                     };
-                    rest_free = worse((rest - reaction).abs(), rest_free);
                     let spring = springs.get(dof).copied().unwrap_or(0.0);
+                    supported[i] += reaction + spring;
+                    let reaction = reaction + hold;
+                    rest_free = worse((rest - reaction).abs(), rest_free);
                     sum[i] += load + reaction + spring;
                     largest = spring.abs().max(largest);
                     let forces = [reaction + spring, load, contact[node][i]];
@@ -478,6 +549,7 @@ impl Residual {
             let norms = resultants.iter().map(|sum| sum.norm());
             resultant = norms.fold(resultant, f64::max);
             free = worse(over(rest_free, largest), free);
+            told = worse(told, (supported - reported[body]).norm());
             forces.push(largest);
             load += loads.chunks_exact(D).map(norm).sum::<f64>();
             if let Some(holds) = holds {
@@ -494,7 +566,7 @@ impl Residual {
         Residual {
             free,
             forces,
-            sum: sum.norm(),
+            sum: worse(sum.norm(), told),
             resultant,
             held: held_of.into_iter().fold(0.0, |largest, [held, contact]| {
                 // bodies between jaws may be pressed much more than they are loaded
@@ -507,6 +579,19 @@ impl Residual {
             }),
         }
     }
+}
+
+/// The sum of the forces that supports of a body left which let go (UF), where they count as loads.
+fn left_by_supports<const D: usize>(problem: &Problem<D>, body: usize) -> Vector<D> {
+    let owner = &problem.scene().bodies()[body];
+    let mut sum = Vector::zeros();
+    if !owner.softens() {
+        // such forces do not depend on displacements
+        let U = vec![0.0; owner.prescribed().len()];
+        let fading = owner.fading(problem.load(), &U);
+        fading.for_each(|(dof, force, _)| sum[dof % D] += force);
+    }
+    sum
 }
 
 /// The loads on a body, and the forces of its springs (UF), none if it has none, at the displacements U of all nodes.

@@ -13,6 +13,8 @@ pub mod motion;
 pub mod moving;
 pub mod normals;
 pub mod obstacle;
+#[cfg(planted)]
+mod planted;
 pub mod pressure;
 pub mod projection;
 mod rim;

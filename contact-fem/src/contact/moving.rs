@@ -23,6 +23,8 @@ impl<const D: usize> Moving<D> {
     pub fn new(surface: &Arc<Surface<D>>, x: &[Vector<D>]) -> Self {
         let x = surface.gather(x);
         let sums = normals::sums(surface, &x);
+        #[cfg(planted)]
+        let sums = super::planted::normals(surface, sums);
         Moving {
             surface: Arc::clone(surface),
             x,

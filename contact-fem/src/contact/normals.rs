@@ -22,6 +22,11 @@ pub fn averaged<const D: usize>(surface: &Surface<D>, x: &[Vector<D>]) -> Vec<Ve
 pub(super) fn sums<const D: usize>(surface: &Surface<D>, x: &[Vector<D>]) -> Vec<Vector<D>> {
     let mut sums = vec![Vector::zeros(); x.len()];
     for (nodes, facet) in surface.facets().zip(surface.facets_at(x)) {
+        #[cfg(planted)]
+        if contact_core::planted!("every fifth facet is left out of averages") && nodes[0] % 5 == 1
+        {
+            continue;
+        }
         for (k, &node) in nodes.iter().enumerate() {
             let tangent = facet.tangent(&node_coordinates(k));
             sums[node] += unit(facet_normal(&tangent)) * node_weight(&tangent, k);

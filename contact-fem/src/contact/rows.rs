@@ -183,6 +183,10 @@ impl<'a, const D: usize> PassRows<'a, D> {
             Sampling::Nodes => Leaning::new(slave, &rows),
             Sampling::Points => Leaning::default(),
         };
+        #[cfg(planted)]
+        if contact_core::planted!("rows do not lean") {
+            leaning = Leaning::default();
+        }
         if !leaning.own.is_empty() {
             let mut leant = vec![NodalRow::default(); rows.len()];
             for (j, row) in rows.iter().enumerate() {
@@ -358,10 +362,43 @@ impl<'a, const D: usize> PassRows<'a, D> {
             row.prescribed.clear();
             row.constant = nodal.constant + nodal.widening;
             row.weight = nodal.area;
+            #[cfg(planted)]
+            {
+                let size = nodal.area.powf(1.0 / (D as f64 - 1.0));
+                if contact_core::planted!("rows are a hundredth of a facet open") {
+                    row.constant += 0.01 * size;
+                }
+                if contact_core::planted!("rows are a thousandth of a facet open") {
+                    row.constant += 0.001 * size;
+                }
+                if contact_core::planted!("every fifth row is a hundredth of a facet closed")
+                    && node % 5 == 0
+                {
+                    row.constant -= 0.01 * size;
+                }
+            }
+            #[cfg(planted)]
+            if contact_core::planted!("every fifth row is left out") && node % 5 == 0 {
+                continue;
+            }
             let mut is_tied = false;
             for (a, coefficient) in &nodal.terms {
                 row.constant += coefficient.dot(&X[*a]);
+                #[cfg(planted)]
+                if contact_core::planted!("rows take places at rest a thousandth off") {
+                    row.constant += 0.001 * coefficient.dot(&X[*a]);
+                }
                 for (i, &c) in coefficient.iter().enumerate() {
+                    #[cfg(planted)]
+                    let c = match i {
+                        0 if contact_core::planted!(
+                            "the first component of rows is a hundredth larger"
+                        ) =>
+                        {
+                            1.01 * c
+                        }
+                        _ => c,
+                    };
                     match unknowns.dofs.get(D * a + i) {
                         Dof::Free(j) => row.free.push((j, c)),
                         Dof::Prescribed(j) => {
@@ -379,6 +416,11 @@ impl<'a, const D: usize> PassRows<'a, D> {
                 merge(&mut row.free);
             }
             let node = node as u32;
+            #[cfg(planted)]
+            let node = match contact_core::planted!("rows have the names of the next nodes") {
+                true => node + 1,
+                false => node,
+            };
             gaps.push(RowKey { pass, node }, &row);
         }
     }
@@ -450,6 +492,10 @@ impl<const D: usize> NodalRow<D> {
             }
             same
         });
+        #[cfg(planted)]
+        if contact_core::planted!("rows are not divided by their area") {
+            return;
+        }
         if self.has_support() {
             self.terms.iter_mut().for_each(|term| term.1 /= self.area);
             self.constant /= self.area;

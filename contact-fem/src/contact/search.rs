@@ -59,6 +59,10 @@ impl<const D: usize> FootPoint<D> {
             foot.axpy(*N, &surface.positions()[a], 1.0);
             normal.axpy(*N, &surface.normals()[a], 1.0);
         }
+        #[cfg(planted)]
+        if contact_core::planted!("the normal is that of the nearest node") {
+            normal = surface.normals()[nodes[lambda.imax()]];
+        }
         let normal = normals::unit(normal);
         let offset = x - foot;
         FootPoint {
@@ -127,6 +131,10 @@ impl<const D: usize> Seeker<'_, D> {
     /// The share of its weight with which a point counts. It falls to zero towards the search radius, and where slave and
     /// master are at right angles, so that no point leaves its row at once.
     pub(super) fn share(&self, p: &FootPoint<D>) -> f64 {
+        #[cfg(planted)]
+        if contact_core::planted!("shares of points are left out") {
+            return 1.0;
+        }
         let facing = -self.facing.dot(&p.normal) / self.facing.norm();
         let near = match self.reach.is_finite() {
             true => (self.reach - p.distance) / (FAR * self.reach),
@@ -208,6 +216,12 @@ impl<const D: usize> Master<D> {
     }
 
     fn tree(&self) -> &FacetTree<D> {
+        #[cfg(planted)]
+        if contact_core::planted!("the tree is that at rest") {
+            let X = self.surface().reference_nodes();
+            let facets = || FacetTree::new(self.surface().facets_at(X));
+            return self.tree.get_or_init(facets);
+        }
         self.tree
             .get_or_init(|| FacetTree::new(self.surface().facets_at(self.moving.positions())))
     }
@@ -229,7 +243,25 @@ impl<const D: usize> Master<D> {
         if self.tree().is_beyond(&seeker.x, seeker.reach) {
             return None;
         }
+        #[cfg(planted)]
+        let seeker = &Seeker {
+            reach: match contact_core::planted!("reach is a hundredth") {
+                true => 0.01 * seeker.reach,
+                false => seeker.reach,
+            },
+            ..*seeker
+        };
         let counts = |p: &FootPoint<D>| {
+            #[cfg(planted)]
+            if contact_core::planted!("every fourth facet is no master") && p.facet % 4 == 0
+                || contact_core::planted!("every sixteenth facet is no master") && p.facet % 16 == 7
+            {
+                return false;
+            }
+            #[cfg(planted)]
+            if contact_core::planted!("points of any side count") {
+                return p.distance <= seeker.reach && !p.off_the_end;
+            }
             p.distance <= seeker.reach
                 && Self::is_above(p, seeker)
                 && seeker.facing.dot(&p.normal) < 0.0
@@ -276,6 +308,10 @@ impl<const D: usize> Master<D> {
     /// other one. The surface is then seen from behind, as the top of a slab is from below. Two signs tell: the way to the foot
     /// crosses the surface elsewhere, or the way between them in the reference configuration leads through a body.
     fn is_through_material(&self, p: &FootPoint<D>, seeker: &Seeker<'_, D>) -> bool {
+        #[cfg(planted)]
+        if contact_core::planted!("what is seen through material counts") {
+            return false;
+        }
         if p.gap >= 0.0 {
             return false;
         }
@@ -384,6 +420,8 @@ impl<const D: usize> Master<D> {
             Projection::AlongNormals => along_normals::foot(&self.moving, x, nearby),
             Projection::Closest => Foot::None,
         };
+        #[cfg(planted)]
+        let along_normals = super::planted::foot(self.surface(), along_normals);
         match along_normals {
             Foot::On(facet, lambda) => FootPoint {
                 by: Projection::AlongNormals,
@@ -399,7 +437,11 @@ impl<const D: usize> Master<D> {
                 ..FootPoint::on(&self.moving, nearby, x)
             },
             Foot::None => FootPoint {
+                #[cfg(not(planted))]
                 off_the_end: self.is_off_the_end(closest, x),
+                #[cfg(planted)]
+                off_the_end: !contact_core::planted!("points beyond the end count")
+                    && self.is_off_the_end(closest, x),
                 ..FootPoint::on(&self.moving, nearby, x)
             },
         }

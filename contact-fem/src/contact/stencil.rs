@@ -128,7 +128,11 @@ impl<'a, const D: usize> Stencil<'a, D> {
     /// φ_i(q) of the slave's nodes i, given by their positions in [`Surface::nodes`].
     pub fn test_functions(&self) -> impl Iterator<Item = (usize, f64)> + 'a {
         let nodes = self.slave.facet(self.point.facet).iter().copied();
-        let tests = nodes.zip(self.slave.test_functions(&self.point.lambda));
+        #[cfg(not(planted))]
+        let lambda = self.point.lambda;
+        #[cfg(planted)]
+        let lambda = super::planted::tests(self.point.lambda);
+        let tests = nodes.zip(self.slave.test_functions(&lambda));
         tests.take(self.slave.test_nodes())
     }
 
@@ -140,6 +144,11 @@ impl<'a, const D: usize> Stencil<'a, D> {
             _ => slave.facet(self.point.facet),
         };
         let nodes = nodes.iter().map(|&a| slave.nodes()[a]);
+        #[cfg(planted)]
+        if contact_core::planted!("the slave is in the middle of its facet") {
+            let middle = Vector::<D>::repeat(1.0 / D as f64);
+            return nodes.zip(facet_shapes(slave.order(), &middle));
+        }
         nodes.zip(facet_shapes(slave.order(), &self.point.lambda))
     }
 
@@ -156,6 +165,20 @@ impl<'a, const D: usize> Stencil<'a, D> {
             let nodes = master.facet(p.facet).iter().map(|&b| master.nodes()[b]);
             nodes.zip(facet_shapes(master.order(), &p.lambda).map(|N| -N))
         });
+        #[cfg(planted)]
+        let other = {
+            let mut share = 1.0;
+            if contact_core::planted!("the master's part is halved") {
+                share = 0.5;
+            }
+            if contact_core::planted!("the master's part is left out") {
+                share = 0.0;
+            }
+            if contact_core::planted!("the master's part has the sign of the slave's") {
+                share = -1.0;
+            }
+            other.map(move |(b, N)| (b, share * N))
+        };
         let own = self.slave_shapes();
         own.chain(other).map(move |(a, N)| (a, p.normal * N))
     }
@@ -355,6 +378,35 @@ fn on_facets<const D: usize>(
                     projection,
                     kind,
                 }
+            });
+            #[cfg(planted)]
+            let found = found.filter(|_| {
+                let is_point =
+                    contact_core::planted!("every fifth point is lost") && number % 5 == 0;
+                let is_facet =
+                    contact_core::planted!("every sixth facet is lost") && index % 6 == 0;
+                let is_near = contact_core::planted!("points near corners are lost")
+                    && place.lambda.max() > 0.9;
+                !is_point && !is_facet && !is_near
+            });
+            #[cfg(planted)]
+            let found = found.map(|mut point| {
+                if contact_core::planted!("weights leave out the measure") {
+                    point.weight = place.weight;
+                }
+                if contact_core::planted!("every third facet weighs twice") && index % 3 == 0 {
+                    point.weight *= 2.0;
+                }
+                if contact_core::planted!("every twentieth point weighs twice") && number % 20 == 0
+                {
+                    point.weight *= 2.0;
+                }
+                if contact_core::planted!("every ninth point pushes the other way")
+                    && number % 9 == 0
+                {
+                    point.projection.normal = -point.projection.normal;
+                }
+                point
             });
             projected.extend(found.filter(|point| point.weight > 0.0));
             number += 1;

@@ -275,7 +275,7 @@ impl<const D: usize> Body<D> {
     }
 
     /// The displacements prescribed at a load factor (UL), as [`Body::prescribed`].
-    pub(super) fn prescribed_values(&self, factor: f64) -> Vec<Option<f64>> {
+    pub(crate) fn prescribed_values(&self, factor: f64) -> Vec<Option<f64>> {
         let mut values = self.prescribed_at(factor).into_iter();
         let all = self.prescribed.iter();
         all.map(|held| held.and_then(|_| values.next())).collect()

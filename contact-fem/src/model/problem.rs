@@ -238,6 +238,41 @@ impl<const D: usize> Problem<D> {
         self.contact.bodies_of(pass)
     }
 
+    /// The smallest height of a body's cells in the reference configuration, of quadratic ones that of their parts (UL), and its
+    /// volume (UL², UL³; of revolution that of the half-plane).
+    pub(crate) fn height_and_volume(&self, body: usize) -> [f64; 2] {
+        self.audit.height_and_volume(body)
+    }
+
+    /// Whether there are passes between two bodies.
+    pub(crate) fn is_pair(&self, bodies: [usize; 2]) -> bool {
+        self.contact.is_pair(bodies)
+    }
+
+    /// The depth of the deepest overlap of two bodies in the reference configuration (UL).
+    pub(crate) fn depth_at_rest(&self, [a, b]: [usize; 2]) -> f64 {
+        let of_both = |bodies: [usize; 2]| bodies == [a, b] || bodies == [b, a];
+        let overlaps = self.audit.overlaps(&self.kinematics.X).into_iter();
+        let own = overlaps.filter(|overlap| of_both(overlap.bodies));
+        own.map(|overlap| overlap.depth).fold(0.0, f64::max)
+    }
+
+    /// The search radius of integration points (UL).
+    pub(crate) fn reach(&self) -> f64 {
+        self.contact.reach
+    }
+
+    /// How deep a body starts inside other bodies, or has them inside (UL).
+    pub(crate) fn deepest_fit(&self, body: usize) -> f64 {
+        self.contact.deepest_fit(body)
+    }
+
+    /// Whether the pass of this number counts at the present load factor. One that there is not is missed.
+    pub(crate) fn counts(&self, number: Option<usize>) -> bool {
+        let pass = number.and_then(|k| self.passes().get(k));
+        pass.is_none_or(|pass| self.contact.is_on(*pass))
+    }
+
     /// The pass with exchanged roles; `None` if its master is an obstacle.
     pub(crate) fn turned(&self, pass: Pass) -> Option<Pass> {
         self.contact.turned(pass)

@@ -569,7 +569,7 @@ impl<const D: usize> Scene<D> {
     }
 
     /// The quadrature of the constraints: the one that was set, or the default.
-    pub(super) fn integration(&self) -> Integration {
+    pub(crate) fn integration(&self) -> Integration {
         let by_default = match D {
             2 => Integration::Exact,
             _ => Integration::Gauss(self.default_points()),

@@ -13,7 +13,7 @@ pub fn ended<const D: usize>(problem: &mut Problem<D>, increments: usize) -> His
     let history = history.expect("a run");
     assert!(history.is_complete(), "{}", history.run.ending);
     let certificate = &history.last().expect("a step").certificate;
-    assert!(certificate.holds(&Limits::default()), "{certificate:?}");
+    assert!(certificate.holds(&Limits::default()), "{certificate}");
     history
 }
 

@@ -31,7 +31,7 @@ fn run<const D: usize>(problem: &mut Problem<D>, increments: usize) -> History<D
     let history = history.expect("a run");
     assert!(history.is_complete(), "{}", history.run.ending);
     let certificate = history.certificate().expect("a step");
-    assert!(certificate.holds(&Limits::default()), "{certificate:?}");
+    assert!(certificate.holds(&Limits::default()), "{certificate}");
     history
 }
 

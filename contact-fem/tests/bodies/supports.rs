@@ -45,7 +45,7 @@ fn run(problem: &mut Problem<2>, phases: &[(f64, usize)]) -> History<2> {
     let history = simulation.run(problem).expect("a run");
     assert!(history.is_complete(), "{}", history.run.ending);
     let certificate = history.certificate().expect("a step");
-    assert!(certificate.holds(&Limits::default()), "{certificate:?}");
+    assert!(certificate.holds(&Limits::default()), "{certificate}");
     history
 }
 

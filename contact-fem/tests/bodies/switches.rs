@@ -19,7 +19,7 @@ fn block(low: [f64; 2], size: [f64; 2], cells: [usize; 2], small: bool) -> Body<
 fn holds(history: &History<2>) {
     assert!(history.is_complete(), "{}", history.run.ending);
     let certificate = history.certificate().expect("a step");
-    assert!(certificate.holds(&Limits::default()), "{certificate:?}");
+    assert!(certificate.holds(&Limits::default()), "{certificate}");
 }
 
 /// A block is pressed into another, and its pair ends: both spring back to what they were, though the tool stays in the way.

@@ -33,6 +33,8 @@ pub enum FindingKind {
     /// Bodies start inside each other. The value is the depth (UL), for bodies without a contact pair as
     /// a share of what the mesh resolves there.
     Interference,
+    /// Bodies without a contact pair are moved into each other. The value is the depth (UL).
+    Undeclared,
     /// Surfaces of a pair are too far apart. The value is their distance (UL).
     OutOfReach,
     /// Surfaces of a pair do not face each other. The value is the largest −n·n̄ of their normals.

@@ -13,6 +13,10 @@ pub(super) const MOST_PIECES: usize = 64;
 /// round-off of coordinates. The note on interference depends on it.
 pub(super) const TOUCHES: f64 = 1e-6;
 
+/// The depth to which bodies without contact are moved into each other, as a share of their motion, that is worth a warning: above what
+/// the estimate of the motion and chords of curved surfaces leave.
+pub(super) const MEETS: f64 = 0.05;
+
 /// The smallest −n·n̄ (no unit) of surfaces that face each other. The contact search takes any positive value; this
 /// is above round-off.
 pub(super) const FACES: f64 = 0.01;

@@ -18,6 +18,7 @@ mod surfaces;
 #[cfg(test)]
 mod tests;
 mod ties;
+mod undeclared;
 
 pub use finding::{Finding, FindingKind, Severity};
 pub(super) use steps::at_increments;
@@ -134,4 +135,5 @@ pub(super) fn with_surfaces<const D: usize>(setup: &Setup<'_, D>, report: &mut R
     meshes::check(setup, report);
     laws::check(setup, report);
     steps::check(setup, report);
+    undeclared::check(setup, report);
 }

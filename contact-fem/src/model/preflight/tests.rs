@@ -242,7 +242,7 @@ fn bodies_that_start_inside_each_other() {
     let inside = undeclared(0.6, Overlaps::Refused);
     let found = differ(
         &inside,
-        &undeclared(1.0, Overlaps::Refused),
+        &undeclared(1.02, Overlaps::Refused),
         FindingKind::Interference,
     );
     assert_eq!(found.severity, Severity::Warning);
@@ -529,6 +529,33 @@ fn linear_elements_that_lock() {
     );
     assert!((found.value - 0.49).abs() < 1e-9, "{found}");
     assert!(scene(0.49, unit(0.0).quadratic()).preflight().is_empty());
+}
+
+/// A block is moved 0.03 towards another one, 0.01 above it, without a pair: whatever the mesh, that is told. With a pair, a
+/// gap of 0.05 between them or leave to pass, it is not.
+#[test]
+fn bodies_that_come_together_without_contact() {
+    let scene = |gap: f64, cells: usize| {
+        let upper = mesh([0.1, 1.0 + gap], [1.0; 2], [cells, cells]);
+        let mut scene = Scene::new();
+        scene.add("lower", held(unit(0.0), linear()));
+        scene.add("upper", pushed(upper, linear(), [0.0, -0.03]));
+        scene
+    };
+    for cells in [1, 3, 20] {
+        let found = differ(
+            &scene(0.01, cells),
+            &scene(0.05, cells),
+            FindingKind::Undeclared,
+        );
+        assert!((found.value - 0.02).abs() < 1e-9, "{found}");
+        assert_eq!(found.bodies, ["lower", "upper"]);
+        let mut allowed = scene(0.01, cells);
+        allowed.overlaps = Overlaps::Allowed;
+        assert!(of(&allowed, FindingKind::Undeclared).is_empty());
+    }
+    let stacked = pressed(linear());
+    assert!(of(&stacked, FindingKind::Undeclared).is_empty());
 }
 
 #[test]

@@ -1,0 +1,401 @@
+//! The facets of one side of a pair, from the mesh alone, and where they are.
+
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+use super::boxes::Sorted;
+use crate::element::Order;
+use crate::mesh::Mesh;
+use crate::tensor::{Matrix, Vector};
+
+/// The largest number of nodes of a facet.
+const MOST: usize = 6;
+
+/// The facets of a boundary, and their reference positions.
+pub(super) struct Faces<const D: usize> {
+    pub body: usize,
+    order: Order,
+    is_revolved: bool,
+    /// The scene's numbers of the nodes, ascending.
+    pub nodes: Vec<usize>,
+    /// The nodes of all facets, by position in `nodes`.
+    facets: Vec<usize>,
+    X: Vec<Vector<D>>,
+    N: Vec<Vector<D>>,
+    /// For each facet and corner, whether the side opposite the corner has no other facet.
+    rim: Vec<[bool; D]>,
+    /// For each node, whether it is a corner at the end of the boundary.
+    is_end: Vec<bool>,
+    /// The length of each facet at X (UL).
+    sizes: Vec<f64>,
+}
+
+/// The nodes of one facet with a vector each, which are interpolated by own shape functions.
+#[derive(Clone, Copy)]
+pub(super) struct Patch<const D: usize> {
+    order: Order,
+    values: [Vector<D>; MOST],
+}
+
+/// N_a(λ) of a facet.
+pub(super) fn shapes<const D: usize>(order: Order, lambda: &Vector<D>) -> [f64; MOST] {
+    let mut N = [0.0; MOST];
+    for k in 0..D {
+        N[k] = match order {
+            Order::Linear => lambda[k],
+            Order::Quadratic => lambda[k] * (2.0 * lambda[k] - 1.0),
+        };
+    }
+    if order == Order::Quadratic {
+        for e in 0..D * (D - 1) / 2 {
+            N[D + e] = 4.0 * lambda[e] * lambda[(e + 1) % D];
+        }
+    }
+    N
+}
+
+impl<const D: usize> Patch<D> {
+    /// The value at λ.
+    pub fn at(&self, lambda: &Vector<D>) -> Vector<D> {
+        let N = shapes(self.order, lambda);
+        let count = self.order.facet_nodes::<D>();
+        let mut value = Vector::<D>::zeros();
+        for (N, own) in N.iter().zip(&self.values).take(count) {
+            value += own * *N;
+        }
+        value
+    }
+
+    /// Its slope along λ_k, while λ_0 falls. The difference across a length of 1 is exact: values are quadratic in λ.
+    pub fn slope(&self, lambda: &Vector<D>, k: usize) -> Vector<D> {
+        let [mut before, mut after] = [*lambda; 2];
+        (before[0], before[k]) = (before[0] + 0.5, before[k] - 0.5);
+        (after[0], after[k]) = (after[0] - 0.5, after[k] + 0.5);
+        self.at(&after) - self.at(&before)
+    }
+
+    /// The normal of positions at λ, as long as the facet's measure is large.
+    pub fn normal(&self, lambda: &Vector<D>) -> Vector<D> {
+        let first = self.slope(lambda, 1);
+        let mut normal = Vector::zeros();
+        if D == 2 {
+            (normal[0], normal[1]) = (first[1], -first[0]);
+            return normal;
+        }
+        let second = self.slope(lambda, 2);
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            normal[i] = 0.5 * (first[j] * second[k] - first[k] * second[j]);
+        }
+        normal
+    }
+
+    /// The angle between the sides at corner `k`.
+    fn angle(&self, lambda: &Vector<D>, k: usize) -> f64 {
+        let toward = |other: usize| {
+            let along = |j: usize| match j {
+                0 => Vector::zeros(),
+                _ => self.slope(lambda, j),
+            };
+            along(other) - along(k)
+        };
+        let (a, b) = (toward((k + 1) % D), toward((k + 2) % D));
+        (2.0 * self.normal(lambda).norm()).atan2(a.dot(&b))
+    }
+}
+
+/// λ of a facet's k-th node.
+fn place<const D: usize>(k: usize) -> Vector<D> {
+    let mut lambda = Vector::zeros();
+    match k < D {
+        true => lambda[k] = 1.0,
+        false => (lambda[k - D], lambda[(k - D + 1) % D]) = (0.5, 0.5),
+    }
+    lambda
+}
+
+/// The flat pieces of a facet, by λ of their corners.
+fn pieces<const D: usize>(order: Order) -> Vec<[Vector<D>; D]> {
+    let corner = |k: usize| {
+        let mut lambda = Vector::zeros();
+        lambda[k] = 1.0;
+        lambda
+    };
+    let half = |a: usize, b: usize| (corner(a) + corner(b)) * 0.5;
+    let of = |corners: &[Vector<D>]| std::array::from_fn(|k| corners[k]);
+    match (order, D) {
+        (Order::Linear, _) => vec![std::array::from_fn(corner)],
+        (Order::Quadratic, 2) => vec![of(&[corner(0), half(0, 1)]), of(&[half(0, 1), corner(1)])],
+        _ => {
+            let middles = [half(0, 1), half(1, 2), half(2, 0)];
+            let at = |k: usize| of(&[corner(k), middles[k], middles[(k + 2) % 3]]);
+            let mut all: Vec<_> = (0..3).map(at).collect();
+            all.push(of(&middles));
+            all
+        }
+    }
+}
+
+/// λ in the middle of a facet.
+pub(super) fn middle<const D: usize>() -> Vector<D> {
+    Vector::repeat(1.0 / D as f64)
+}
+
+/// For each facet and corner, whether no other facet has the side opposite the corner. Sides on the axis of a body of revolution
+/// go on beyond it.
+fn rim<const D: usize>(facets: &[&[usize]], is_on_axis: impl Fn(usize) -> bool) -> Vec<[bool; D]> {
+    let side = |facet: &[usize], k: usize| {
+        let mut side: Vec<usize> = (0..D).filter(|&c| c != k).map(|c| facet[c]).collect();
+        side.sort_unstable();
+        side
+    };
+    let mut sharers: HashMap<Vec<usize>, usize> = HashMap::new();
+    for facet in facets {
+        (0..D).for_each(|k| *sharers.entry(side(facet, k)).or_default() += 1);
+    }
+    let is_rim = |facet: &[usize], k: usize| {
+        let side = side(facet, k);
+        sharers[&side] == 1 && !side.iter().all(|&a| is_on_axis(a))
+    };
+    let of_facet = |facet: &&[usize]| std::array::from_fn(|k| is_rim(facet, k));
+    facets.iter().map(of_facet).collect()
+}
+
+impl<const D: usize> Faces<D> {
+    /// A boundary of a body's mesh, whose nodes follow those of the bodies before; `None` if there is no such boundary.
+    pub fn new(mesh: &Mesh<D>, (body, first): (usize, usize), boundary: &str) -> Option<Self> {
+        let facets = mesh.boundary(boundary).ok()?;
+        let mut own: Vec<usize> = facets
+            .iter()
+            .flat_map(|facet| facet.iter().copied())
+            .collect();
+        own.sort_unstable();
+        own.dedup();
+        let place_of = |a: &usize| own.binary_search(a).unwrap_or_default();
+        let is_revolved = mesh.is_of_revolution();
+        let is_on_axis = |a: usize| is_revolved && mesh.nodes()[a][0] == 0.0;
+        let mut faces = Faces {
+            body,
+            order: mesh.order(),
+            is_revolved,
+            facets: facets
+                .iter()
+                .flat_map(|facet| facet.iter().map(place_of))
+                .collect(),
+            X: own.iter().map(|&a| mesh.nodes()[a]).collect(),
+            N: Vec::new(),
+            rim: rim(&facets, is_on_axis),
+            nodes: own.iter().map(|a| a + first).collect(),
+            is_end: vec![false; own.len()],
+            sizes: Vec::new(),
+        };
+        for f in 0..faces.len() {
+            for k in (0..D).filter(|&k| faces.rim[f][k]) {
+                let corners = (0..D).filter(|&c| c != k).map(|c| faces.facet(f)[c]);
+                let corners: Vec<usize> = corners.collect();
+                corners.into_iter().for_each(|a| faces.is_end[a] = true);
+            }
+        }
+        faces.N = faces.averaged(&faces.X);
+        let measure = |f: usize| faces.patch(f, &faces.X).normal(&middle()).norm();
+        let sizes = (0..faces.len()).map(|f| measure(f).powf(1.0 / (D as f64 - 1.0)));
+        faces.sizes = sizes.collect();
+        Some(faces)
+    }
+
+    pub fn len(&self) -> usize {
+        self.rim.len()
+    }
+
+    pub fn order(&self) -> Order {
+        self.order
+    }
+
+    /// The nodes of a facet, by position in `nodes`.
+    pub fn facet(&self, f: usize) -> &[usize] {
+        let count = self.order.facet_nodes::<D>();
+        &self.facets[f * count..(f + 1) * count]
+    }
+
+    /// The nodes of a facet with a test function.
+    pub fn tests(&self, f: usize) -> &[usize] {
+        &self.facet(f)[..self.test_order().facet_nodes::<D>()]
+    }
+
+    fn test_order(&self) -> Order {
+        match D == 2 && !self.is_revolved {
+            true => self.order,
+            false => Order::Linear,
+        }
+    }
+
+    /// φ_i(λ) of the nodes [`Faces::tests`].
+    pub fn test_values(&self, lambda: &Vector<D>) -> [f64; MOST] {
+        shapes(self.test_order(), lambda)
+    }
+
+    /// Values of the nodes of a facet, from those of all nodes of the boundary.
+    pub fn patch(&self, f: usize, of: &[Vector<D>]) -> Patch<D> {
+        let mut values = [Vector::zeros(); MOST];
+        let own = self.facet(f).iter();
+        values
+            .iter_mut()
+            .zip(own)
+            .for_each(|(value, &a)| *value = of[a]);
+        Patch {
+            order: self.order,
+            values,
+        }
+    }
+
+    /// The reference positions, and the averaged normals there, of a facet's nodes.
+    pub fn reference(&self, f: usize) -> [Patch<D>; 2] {
+        [self.patch(f, &self.X), self.patch(f, &self.N)]
+    }
+
+    /// The reference measure at λ (UL in the plane, UL² in space and of revolution), which quadrature weights multiply.
+    pub fn measure(&self, f: usize, lambda: &Vector<D>) -> f64 {
+        let patch = self.patch(f, &self.X);
+        let ring = match self.is_revolved {
+            true => TAU * patch.at(lambda)[0],
+            false => 1.0,
+        };
+        ring * patch.normal(lambda).norm()
+    }
+
+    /// Whether the side opposite corner `k` is at the end of the boundary.
+    pub fn is_rim(&self, f: usize, k: usize) -> bool {
+        self.rim[f][k]
+    }
+
+    /// How far λ is inside the end of the boundary, as a share of a facet: linear between the corners of a facet, the middles of its
+    /// sides and its centre, of which those at the end are 0 and the others 1.
+    pub fn depth(&self, f: usize, lambda: &Vector<D>) -> f64 {
+        let mut order: [usize; D] = std::array::from_fn(|k| k);
+        order.sort_by(|&a, &b| lambda[b].total_cmp(&lambda[a]));
+        let of = |is_end: bool| if is_end { 0.0 } else { 1.0 };
+        let corner = of(self.is_end[self.facet(f)[order[0]]]);
+        let sorted = order.map(|k| lambda[k]);
+        match D {
+            2 => (sorted[0] - sorted[1]) * corner + 2.0 * sorted[1],
+            _ => {
+                let side = of(self.rim[f][order[2]]);
+                let (first, second) = (sorted[0] - sorted[1], sorted[1] - sorted[2]);
+                first * corner + 2.0 * second * side + 3.0 * sorted[2]
+            }
+        }
+    }
+
+    /// The length of the smallest facet (UL).
+    pub fn smallest(&self) -> f64 {
+        self.sizes.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The mean length of the facets (UL).
+    pub fn size(&self) -> f64 {
+        self.sizes.iter().sum::<f64>() / self.len().max(1) as f64
+    }
+
+    /// For each node the mean length of the facets around it (UL).
+    pub fn node_sizes(&self) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.nodes.len()];
+        for (f, size) in self.sizes.iter().enumerate() {
+            for &a in self.facet(f) {
+                sums[a] = (sums[a].0 + size, sums[a].1 + 1.0);
+            }
+        }
+        sums.iter().map(|(sum, count)| sum / count).collect()
+    }
+
+    /// The averaged unit normals where the nodes are at `x`: those of the facets around a node, in space weighted by their angles.
+    pub fn averaged(&self, x: &[Vector<D>]) -> Vec<Vector<D>> {
+        let mut sums = vec![Vector::<D>::zeros(); x.len()];
+        for f in 0..self.len() {
+            let patch = self.patch(f, x);
+            for (k, &a) in self.facet(f).iter().enumerate() {
+                let lambda = place(k);
+                let angle = match D == 3 && k < D {
+                    true => patch.angle(&lambda, k),
+                    false => 1.0,
+                };
+                let normal = patch.normal(&lambda);
+                sums[a] += normal * (angle / normal.norm());
+            }
+        }
+        for (sum, X) in sums.iter_mut().zip(&self.X) {
+            if self.is_revolved && X[0] == 0.0 {
+                sum[0] = 0.0;
+            }
+            let norm = sum.norm();
+            *sum /= if norm > 0.0 { norm } else { 1.0 };
+        }
+        sums
+    }
+}
+
+/// A boundary where its nodes are.
+pub(super) struct Placed<'a, const D: usize> {
+    pub faces: &'a Faces<D>,
+    pub x: Vec<Vector<D>>,
+    normals: Vec<Vector<D>>,
+    pub boxes: Sorted<D>,
+    /// The flat pieces between the nodes of a facet, by λ of their corners.
+    pub pieces: Vec<[Vector<D>; D]>,
+}
+
+impl<'a, const D: usize> Placed<'a, D> {
+    /// At positions `x` of all nodes of the scene, for searches.
+    pub fn new(faces: &'a Faces<D>, x: &[Vector<D>]) -> Self {
+        let mut placed = Self::unsorted(faces, x);
+        let x = &placed.x;
+        let around = |f: usize| {
+            let own = faces.facet(f);
+            let low = own.iter().fold(x[own[0]], |low, &a| low.inf(&x[a]));
+            let high = own.iter().fold(x[own[0]], |high, &a| high.sup(&x[a]));
+            // a curved facet leaves the box of its nodes by less than half of it
+            let beyond = match faces.order {
+                Order::Linear => 0.0,
+                Order::Quadratic => 0.5 * (high - low).max(),
+            };
+            [low.add_scalar(-beyond), high.add_scalar(beyond)]
+        };
+        placed.boxes = Sorted::new((0..faces.len()).map(around));
+        placed.pieces = pieces(faces.order);
+        placed
+    }
+
+    /// The same for points that know the facets of their feet.
+    pub fn unsorted(faces: &'a Faces<D>, x: &[Vector<D>]) -> Self {
+        let x: Vec<Vector<D>> = faces.nodes.iter().map(|&a| x[a]).collect();
+        Placed {
+            faces,
+            normals: faces.averaged(&x),
+            x,
+            boxes: Sorted::new(std::iter::empty()),
+            pieces: Vec::new(),
+        }
+    }
+
+    /// Positions and normals of the nodes of a facet.
+    pub fn patches(&self, f: usize) -> [Patch<D>; 2] {
+        [
+            self.faces.patch(f, &self.x),
+            self.faces.patch(f, &self.normals),
+        ]
+    }
+}
+
+/// ∂(x̄ + s m)/∂(λ_1, …, s) at λ and s, as columns.
+pub(super) fn swept<const D: usize>(
+    [places, normals]: &[Patch<D>; 2],
+    lambda: &Vector<D>,
+    s: f64,
+) -> Matrix<D> {
+    let mut columns = Matrix::<D>::zeros();
+    for k in 1..D {
+        let column = places.slope(lambda, k) + normals.slope(lambda, k) * s;
+        columns.set_column(k - 1, &column);
+    }
+    columns.set_column(D - 1, &normals.at(lambda));
+    columns
+}

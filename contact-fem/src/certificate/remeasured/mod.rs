@@ -1,0 +1,444 @@
+//! Contact measured a second time, from meshes, positions and multipliers alone.
+//!
+//! The solver and the conditions that take its rows share search, feet, normals, quadrature and sums; a fault in one of them is the same
+//! in both. Here weak gaps and forces are computed from the meshes' boundaries by other ways to the same definitions: boxes sorted along
+//! an axis instead of a tree, all facets around a point instead of a walk from the closest one, slopes by differences, points that are cut by bisection,
+//! quadrature of another degree. Nothing of the solver's contact is imported, which a test holds.
+//!
+//! What the two ways share: the meshes and the declared pairs, which kinds of points count ([`rule`], [`feet`]), and the definition of a row.
+
+mod boxes;
+mod faces;
+mod feet;
+mod fields;
+mod pairs;
+mod rows;
+mod rule;
+#[cfg(test)]
+mod tests;
+
+use std::collections::{HashMap, HashSet};
+
+use contact_core::{LinearGaps, Multipliers, RowKey};
+
+use super::worse;
+use crate::assembly::Dof;
+use crate::element::Order;
+use crate::model::{Geometry, InitialGaps, Integration, Pair, Passes, Problem, Projection, Side};
+use crate::tensor::Vector;
+use faces::{Faces, Placed};
+use feet::Reach;
+use rows::{Pass, Search};
+use rule::Places;
+
+/// The units in which gaps and forces are told.
+pub(super) struct Units<'a> {
+    /// The expected displacement of a facet as a share of its length.
+    pub strain: f64,
+    /// The unit of lengths in products of gaps and forces (UL).
+    pub resolution: f64,
+    /// For each body the largest force on a node (UF).
+    pub forces: &'a [f64],
+    /// Weak gaps below this one are closed, in units of the displacement of a facet.
+    pub closed: f64,
+}
+
+/// What the second measurement finds. Each is a residual as those of the conditions of the same name.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Remeasured {
+    pub penetration: f64,
+    pub complementarity: f64,
+    /// The largest difference of the area of a row that is opposite the master as a whole.
+    pub areas: f64,
+    /// Closed rows that the solver did not have.
+    pub missing: usize,
+    /// The largest difference of the forces on a node; `None` where multipliers do not belong to nodes.
+    pub forces: Option<f64>,
+    /// The largest difference of virtual works; `None` likewise, and where rows are frozen at X.
+    pub work: Option<f64>,
+}
+
+/// How far two sound measurements may differ.
+struct Differs {
+    /// Rows with a smaller share of their test function opposite the master are not judged by their gaps.
+    covered: f64,
+    /// How much of what gaps vary by within a row counts as their unit.
+    varies: f64,
+    /// The difference of the forces on a node, as a share of the largest on the body, that quadrature leaves where surfaces are flat.
+    forces: f64,
+    /// The same of virtual works, added to the sine of the angle between averaged normals and those of facets.
+    works: f64,
+    /// Whether the areas of rows are the same, of which all points count in full.
+    areas: bool,
+}
+
+/// Where both take the same points: those of a Gauss rule with feet along normals. Only round-off is left, and where feet at kinks differ.
+const SAME: Differs = Differs {
+    covered: 0.1,
+    varies: 1.0,
+    forces: 1e-4,
+    works: 2e-3,
+    areas: true,
+};
+/// Where both cut facets, and integrate by rules of different degrees. Gaps differ by 1e-4 of their variation and less on the discs and
+/// Hertz's cylinders.
+const CUT: Differs = Differs {
+    varies: 10.0,
+    ..SAME
+};
+/// The same with quadratic cells, whose facets are curved at present: forces on discs of 16 to 48 segments differ by up to 5e-4.
+const CURVED: Differs = Differs {
+    forces: 2e-3,
+    works: 1e-2,
+    varies: 30.0,
+    ..CUT
+};
+/// Where facets are cut differently: in space with exact integration, whose facets are divided here, and with closest points. Three blocks
+/// on each other in space, whose facets do not match, differ by up to 0.2. Single points decide what a row at the end of the master is.
+const ROUGH: Differs = Differs {
+    covered: 0.99,
+    varies: 250.0,
+    forces: 0.4,
+    works: 5e-2,
+    areas: false,
+};
+/// The round-off of gaps as a share of the largest coordinate: gaps are differences of positions.
+const ROUNDED: f64 = 64.0 * f64::EPSILON;
+
+/// In method (39), rows of nodes are not the solver's, and its penalty leaves gaps: their unit is so many times as large.
+const OF_POINTS: f64 = 10.0;
+
+fn differs<const D: usize>(problem: &Problem<D>) -> &'static Differs {
+    let scene = problem.scene();
+    let mut bodies = scene.bodies().iter();
+    let is_quadratic = bodies.any(|body| body.mesh().order() == Order::Quadratic);
+    match (scene.integration(), scene.projection) {
+        (_, Projection::Closest) => &ROUGH,
+        (Integration::Gauss(_), _) => &SAME,
+        (Integration::Exact, _) if D == 2 && is_quadratic => &CURVED,
+        (Integration::Exact, _) if D == 2 => &CUT,
+        (Integration::Exact, _) => &ROUGH,
+    }
+}
+
+/// A pass of a declared pair, and its number among the solver's.
+struct Declared {
+    pair: usize,
+    slave: usize,
+    master: usize,
+    number: Option<usize>,
+}
+
+/// The boundaries of all pairs, and the passes between them.
+struct Contact<const D: usize> {
+    boundaries: Vec<Faces<D>>,
+    passes: Vec<Declared>,
+}
+
+impl<const D: usize> Contact<D> {
+    fn new(problem: &Problem<D>) -> Self {
+        let scene = problem.scene();
+        let (mut sides, mut boundaries) = (Vec::<&Side>::new(), Vec::new());
+        let mut passes = Vec::new();
+        for (number, pair) in scene.pairs().iter().enumerate() {
+            let Pair { first, second, .. } = pair;
+            let both = [first, second].map(|side| {
+                sides.iter().position(|known| *known == side).or_else(|| {
+                    let body = side.body.index();
+                    let mesh = scene.bodies()[body].mesh();
+                    let place = (body, problem.first_node(body));
+                    boundaries.push(Faces::new(mesh, place, &side.boundary)?);
+                    sides.push(side);
+                    Some(sides.len() - 1)
+                })
+            });
+            let [Some(a), Some(b)] = both else { continue };
+            let roles: &[[usize; 2]] = match pair.passes {
+                _ if a == b => &[[a, b]],
+                Passes::Both => &[[a, b], [b, a]],
+                Passes::FirstIsSlave => &[[a, b]],
+                Passes::SecondIsSlave => &[[b, a]],
+            };
+            passes.extend(roles.iter().map(|&[slave, master]| Declared {
+                pair: number,
+                slave,
+                master,
+                number: None,
+            }));
+        }
+        let mut contact = Contact { boundaries, passes };
+        contact.number(problem);
+        contact
+    }
+
+    /// Finds the solver's passes between the same nodes.
+    fn number(&mut self, problem: &Problem<D>) {
+        let surfaces = problem.surfaces();
+        let is_same = |k: usize, boundary: usize| {
+            let own = surfaces.get(k).map(|surface| surface.nodes());
+            own == Some(&self.boundaries[boundary].nodes[..])
+        };
+        let numbers = self.passes.iter().map(|own| {
+            let mut all = problem.passes().iter();
+            all.position(|pass| is_same(pass.slave, own.slave) && is_same(pass.master, own.master))
+        });
+        let numbers: Vec<_> = numbers.collect();
+        let passes = self.passes.iter_mut().zip(numbers);
+        passes.for_each(|(pass, number)| pass.number = number);
+    }
+}
+
+/// What one pass was measured to be.
+struct Measured<'a, const D: usize> {
+    declared: &'a Declared,
+    pass: Pass<'a, D>,
+    /// One for each node of the slave.
+    lambda: Vec<f64>,
+}
+
+impl<const D: usize> Measured<'_, D> {
+    fn key(&self, i: usize) -> Option<RowKey> {
+        let pass = self.declared.number? as u32;
+        let node = self.pass.slave.nodes[i] as u32;
+        Some(RowKey { pass, node })
+    }
+}
+
+/// Measures contact at a state with these rows and multipliers of the solver.
+pub(super) fn measure<const D: usize>(
+    problem: &Problem<D>,
+    u: &[f64],
+    (gaps, lambda): (&LinearGaps, &[f64]),
+    units: &Units<'_>,
+) -> Remeasured {
+    let contact = Contact::new(problem);
+    let x = positions(problem, u);
+    let searched = match problem.geometry() {
+        Geometry::Reference => problem.reference(),
+        Geometry::Current => &x[..],
+    };
+    let placed: Vec<_> = contact
+        .boundaries
+        .iter()
+        .map(|own| Placed::new(own, searched))
+        .collect();
+    let of_nodes = gaps.sampling() == contact_core::gaps::Sampling::Nodes;
+    let multipliers = Multipliers::new(gaps, lambda);
+    let mut measured = Vec::new();
+    for declared in contact
+        .passes
+        .iter()
+        .filter(|own| problem.counts(own.number))
+    {
+        let slave = &contact.boundaries[declared.slave];
+        let of_node = |node: &usize| match declared.number {
+            Some(pass) if of_nodes => multipliers.of(RowKey {
+                pass: pass as u32,
+                node: *node as u32,
+            }),
+            _ => 0.0,
+        };
+        let lambda: Vec<f64> = slave.nodes.iter().map(of_node).collect();
+        let has_force: Vec<bool> = lambda.iter().map(|l| *l != 0.0).collect();
+        let master = &placed[declared.master];
+        let places = places(problem, slave, master.faces);
+        let search = Search {
+            x: searched,
+            places: &places,
+            reach: reach(problem, slave, master.faces),
+            is_one_body: slave.body == master.faces.body,
+            has_force: &has_force,
+        };
+        let pass = Pass::new(slave, master, &search);
+        measured.push(Measured {
+            declared,
+            pass,
+            lambda,
+        });
+    }
+    let mut found = Remeasured {
+        // a pass that the solver does not have
+        missing: contact
+            .passes
+            .iter()
+            .filter(|own| own.number.is_none())
+            .count(),
+        ..Remeasured::default()
+    };
+    let mut claimed = vec![0.0; gaps.len()];
+    gaps.value(u, &mut claimed);
+    let claims = gaps.weights().iter().copied().zip(claimed);
+    let claims: Claims<'_> = gaps
+        .keys()
+        .iter()
+        .zip(claims)
+        .filter(|_| of_nodes)
+        .collect();
+    for own in &measured {
+        judge(problem, own, &x, (&claims, of_nodes, units), &mut found);
+    }
+    if of_nodes {
+        let state = (&x[..], gaps, lambda);
+        let differs = differs(problem);
+        let own = (units.forces, differs.forces);
+        found.forces = Some(pairs::forces_apart(problem, &measured, state, own));
+        let follows = problem.geometry() == Geometry::Current;
+        let own = (units.forces, differs.works);
+        found.work = follows.then(|| pairs::works_apart(problem, &measured, state, own));
+    }
+    found
+}
+
+/// Where all nodes are: those of the meshes, moved by the unknowns and by what supports prescribe at the load.
+fn positions<const D: usize>(problem: &Problem<D>, u: &[f64]) -> Vec<Vector<D>> {
+    let mut x = Vec::new();
+    // components that follow others do so by the ties of the scene
+    let tied = problem.displacements(u);
+    let ties = problem.dofs().ties().iter();
+    let follow: HashSet<usize> = ties.map(|tie| tie.dof).collect();
+    for (number, body) in problem.scene().bodies().iter().enumerate() {
+        let prescribed = body.prescribed_values(problem.load());
+        for X in body.mesh().nodes() {
+            let node = x.len();
+            let own = node - problem.first_node(number);
+            x.push(Vector::from_fn(|i, _| {
+                let moved = match (problem.dofs().get(D * node + i), prescribed[D * own + i]) {
+                    (Dof::Free(k), _) => u[k],
+                    (_, Some(value)) if !follow.contains(&(D * node + i)) => value,
+                    _ => tied[node][i],
+                };
+                X[i] + moved
+            }));
+        }
+    }
+    x
+}
+
+fn places<const D: usize>(problem: &Problem<D>, slave: &Faces<D>, master: &Faces<D>) -> Places<D> {
+    let scene = problem.scene();
+    Places::new(scene.integration(), scene.projection, slave, master)
+}
+
+fn reach<const D: usize>(problem: &Problem<D>, slave: &Faces<D>, master: &Faces<D>) -> Reach {
+    Reach {
+        radius: problem.reach(),
+        size: slave.size().max(master.size()),
+        fit: problem.deepest_fit(master.body),
+    }
+}
+
+/// The area and the gap of each row of a node, as the solver has them.
+type Claims<'a> = HashMap<&'a RowKey, (f64, f64)>;
+
+/// Judges the rows of one pass by their gaps. What the solver's own gaps are off by is judged by the conditions that take its rows.
+fn judge<const D: usize>(
+    problem: &Problem<D>,
+    own: &Measured<'_, D>,
+    x: &[Vector<D>],
+    (claims, is_of_nodes, units): (&Claims<'_>, bool, &Units<'_>),
+    found: &mut Remeasured,
+) {
+    let pass = &own.pass;
+    let of_points = pass.point_gaps(x);
+    let c = pass.gaps(&of_points);
+    let widths = widths(problem, own);
+    let sizes = pass.slave.node_sizes();
+    let ranges = pass.ranges(&of_points);
+    let at_search: Vec<f64> = pass.held.iter().map(|point| point.foot.gap).collect();
+    let at_search = pass.ranges(&at_search);
+    let moves = moves(problem, pass);
+    let force = units.forces[pass.slave.body];
+    let coordinates = x.iter().map(Vector::amax);
+    let rounded = ROUNDED * coordinates.fold(0.0, f64::max);
+    let differs = differs(problem);
+    let leeway = if is_of_nodes { 1.0 } else { OF_POINTS };
+    for (i, c) in c.iter().enumerate() {
+        let is_judged = pass.is_known[i] && moves[i] && pass.is_covered(i, differs.covered);
+        if !is_judged || c.is_nan() {
+            continue;
+        }
+        let c = c + widths.get(i).copied().unwrap_or(0.0);
+        // rows at X integrate gaps there, of which motions take nearly all away
+        let range = [ranges[i], at_search[i]].map(|[least, most]| most - least);
+        let varies = range[0].max(range[1]) * differs.varies;
+        let claim = own.key(i).and_then(|key| claims.get(&key)).copied();
+        let claimed = claim.map_or(0.0, |(_, c)| c);
+        let beyond = |apart: f64| {
+            if apart > rounded {
+                apart - rounded
+            } else {
+                apart.min(0.0)
+            }
+        };
+        let depth = beyond(claimed.min(0.0) - c) / (leeway * (units.strain * sizes[i] + varies));
+        found.penetration = worse(found.penetration, depth);
+        let unit = force * (units.resolution + varies);
+        let product = (own.lambda[i] * beyond((c - claimed).abs())).abs() / unit;
+        found.complementarity = worse(found.complementarity, product);
+        let is_whole = differs.areas && pass.is_whole[i];
+        if let Some((area, _)) = claim.filter(|_| is_whole) {
+            found.areas = worse(found.areas, (area / pass.areas[i] - 1.0).abs());
+        }
+        // a row that is open by less than the accuracy of both may be open for the solver
+        if depth > units.closed && is_of_nodes && claim.is_none() {
+            found.missing += 1;
+        }
+    }
+}
+
+/// For each row, whether a node that it depends on is free.
+fn moves<const D: usize>(problem: &Problem<D>, pass: &Pass<'_, D>) -> Vec<bool> {
+    let is_free =
+        |node: usize| (0..D).any(|i| matches!(problem.dofs().get(D * node + i), Dof::Free(_)));
+    let mut moves = vec![false; pass.slave.nodes.len()];
+    for point in &pass.held {
+        let own = pass
+            .slave
+            .facet(point.facet)
+            .iter()
+            .map(|&a| pass.slave.nodes[a]);
+        let master = pass.master.faces;
+        let other = master
+            .facet(point.foot.facet)
+            .iter()
+            .map(|&b| master.nodes[b]);
+        if own.chain(other).any(is_free) {
+            pass.slave
+                .tests(point.facet)
+                .iter()
+                .for_each(|&a| moves[a] = true);
+        }
+    }
+    moves
+}
+
+/// What is left of the overlap with which the bodies started, for each row (UL); empty where none is taken.
+fn widths<const D: usize>(problem: &Problem<D>, own: &Measured<'_, D>) -> Vec<f64> {
+    let taken = problem.scene().initial_gaps;
+    let left = match taken {
+        InitialGaps::Refuse => return Vec::new(),
+        InitialGaps::Resolve => (1.0 - problem.load()).clamp(0.0, 1.0),
+        InitialGaps::Adjust => 1.0,
+    };
+    let X = problem.reference();
+    let master = Placed::new(own.pass.master.faces, X);
+    let has_force: Vec<bool> = own.lambda.iter().map(|l| *l != 0.0).collect();
+    let places = places(problem, own.pass.slave, master.faces);
+    let search = Search {
+        x: X,
+        places: &places,
+        reach: reach(problem, own.pass.slave, master.faces),
+        is_one_body: own.pass.slave.body == master.faces.body,
+        has_force: &has_force,
+    };
+    let rest = Pass::new(own.pass.slave, &master, &search);
+    let of_points = rest.point_gaps(X);
+    let depths = rest
+        .gaps(&of_points)
+        .into_iter()
+        .zip(rest.ranges(&of_points));
+    // where nothing overlaps, the gap is positive or not a number
+    depths
+        .map(|(c, [deepest, _])| left * (-c).min(-deepest).max(0.0))
+        .collect()
+}

@@ -1,0 +1,251 @@
+use std::fs;
+use std::path::Path;
+
+use super::faces::middle;
+use super::feet::{self, Point};
+use super::*;
+use crate::LinearElastic;
+use crate::Simulation;
+use crate::certificate::Condition;
+use crate::mesh::Mesh;
+use crate::mesh::generators::{Diagonals, annulus, cuboid, disc, linspace, rectangle};
+use crate::model::{Body, Scene};
+
+/// The sources name nothing of the solver's contact, nor of solvers.
+#[test]
+fn the_sources_share_nothing_with_the_solver() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/certificate");
+    let mut files = vec![folder.join("slope.rs")];
+    let own = fs::read_dir(folder.join("remeasured")).expect("a folder");
+    files.extend(own.map(|entry| entry.expect("an entry").path()));
+    assert!(files.len() > 6);
+    for file in files.iter().filter(|file| !file.ends_with("tests.rs")) {
+        let text = fs::read_to_string(file).expect("a source");
+        let code = text
+            .lines()
+            .map(|line| line.split("//").next().unwrap_or_default());
+        for line in code {
+            for shared in [
+                "::contact::",
+                "contact::{",
+                "facet_shapes",
+                "FacetRule",
+                "Facet::",
+                "condensed",
+                "newton",
+                "equilibrium",
+                "rows_at",
+                "rows_of",
+                "linearize",
+                "vary_gaps",
+                "located",
+                "rstar",
+            ] {
+                assert!(!line.contains(shared), "{}: {line}", file.display());
+            }
+        }
+    }
+}
+
+fn faces<const D: usize>(mesh: &Mesh<D>, boundary: &str) -> Faces<D> {
+    Faces::new(mesh, (0, 0), boundary).expect("named")
+}
+
+/// Averaged normals of regular polygons and of a block point away from the bodies, and have length 1.
+#[test]
+fn normals_point_outward() {
+    let mesh = disc(2.0, 24, 2, 0.1).expect("mesh");
+    let own = faces(&mesh, "boundary");
+    let placed = Placed::new(&own, mesh.nodes());
+    for f in 0..own.len() {
+        let [places, normals] = placed.patches(f);
+        for lambda in [[1.0, 0.0], [0.0, 1.0]].map(Vector::<2>::from) {
+            let radial = places.at(&lambda) / 2.0;
+            assert!((normals.at(&lambda) - radial).norm() < 1e-12);
+        }
+        assert!(places.normal(&middle()).dot(&places.at(&middle())) > 0.0);
+    }
+    for order in [Order::Linear, Order::Quadratic] {
+        let mesh = cuboid([0.0; 3], [1.0; 3], [2, 3, 2]).expect("mesh");
+        let mesh = if order == Order::Linear {
+            mesh
+        } else {
+            mesh.quadratic()
+        };
+        let own = faces(&mesh, "top");
+        let placed = Placed::new(&own, mesh.nodes());
+        let area: f64 = (0..own.len()).map(|f| own.measure(f, &middle())).sum();
+        assert!((area - 1.0).abs() < 1e-12);
+        let up = Vector::<3>::new(0.0, 0.0, 1.0);
+        for f in 0..own.len() {
+            let [_, normals] = placed.patches(f);
+            assert!((normals.at(&middle()) - up).norm() < 1e-12);
+        }
+    }
+}
+
+/// The foot of a point above a flat side is below it; beyond the side's end there is none, and none behind a surface that faces the
+/// same way.
+#[test]
+fn feet_on_a_flat_side() {
+    let mesh = rectangle(
+        &linspace(0.0, 3.0, 7),
+        &linspace(0.0, 1.0, 2),
+        Diagonals::Rising,
+    );
+    let mesh = mesh.expect("mesh");
+    let own = faces(&mesh, "top");
+    let placed = Placed::new(&own, mesh.nodes());
+    let foot = |x: [f64; 2], facing: f64| {
+        let [x, facing] = [x, [0.0, facing]].map(Vector::<2>::from);
+        let point = Point {
+            x,
+            facing,
+            X: x,
+            N: facing,
+            own: None,
+        };
+        feet::foot(
+            (&own, &placed),
+            &point,
+            Reach {
+                radius: 1.0,
+                size: 0.5,
+                fit: 0.0,
+            },
+        )
+    };
+    for (x, gap) in [([1.1, 1.2], 0.2), ([2.9, 0.97], -0.03), ([0.0, 1.9], 0.9)] {
+        let found = foot(x, -1.0).expect("a foot");
+        assert!((found.gap - gap).abs() < 1e-12, "{x:?}: {}", found.gap);
+    }
+    assert!(foot([3.1, 1.1], -1.0).is_none(), "beyond the end");
+    assert!(foot([1.0, 2.1], -1.0).is_none(), "out of reach");
+    assert!(foot([1.0, 1.1], 1.0).is_none(), "turned away");
+}
+
+/// Rows of a disc in a ring of the same centre: each weak gap is between those of the polygons' corners and of their middles.
+#[test]
+fn weak_gaps_of_a_disc_in_a_ring() {
+    let ring = annulus(&[1.0, 1.5], 48, Diagonals::Rising).expect("mesh");
+    let disc = disc(0.9, 37, 2, 0.05).expect("mesh");
+    let (inner, outer) = (faces(&disc, "boundary"), faces(&ring, "inner"));
+    let master = Placed::new(&outer, ring.nodes());
+    let search = Search {
+        x: disc.nodes(),
+        reach: Reach {
+            radius: 1.0,
+            size: outer.size(),
+            fit: 0.0,
+        },
+        places: &Places::Pieces,
+        is_one_body: false,
+        has_force: &vec![false; inner.nodes.len()],
+    };
+    let pass = Pass::new(&inner, &master, &search);
+    let of_points: Vec<f64> = pass.held.iter().map(|point| point.foot.gap).collect();
+    let flat = |n: f64| 1.0 - (std::f64::consts::PI / n).cos();
+    let bounds = [0.1 - flat(48.0), 0.1 + 0.9 * flat(37.0)];
+    for c in pass.gaps(&of_points) {
+        assert!(bounds[0] < c && c < bounds[1], "{c} {bounds:?}");
+    }
+    let length: f64 = pass.held.iter().map(|point| point.weight).sum();
+    let perimeter = 2.0 * 0.9 * 37.0 * (std::f64::consts::PI / 37.0).sin();
+    assert!((length - perimeter).abs() < 1e-9 * perimeter);
+}
+
+/// The depth inside the end of a side of three squares by two: 0 at its rim, 1 in the middle of facets and at inner corners, and nowhere larger than
+/// six times the distance from the rim in squares.
+#[test]
+fn depths_inside_the_end() {
+    let mesh = cuboid([0.0; 3], [3.0, 2.0, 1.0], [3, 2, 1]).expect("mesh");
+    let own = faces(&mesh, "top");
+    let placed = Placed::new(&own, mesh.nodes());
+    for f in 0..own.len() {
+        let [places, _] = placed.patches(f);
+        assert!((own.depth(f, &middle()) - 1.0).abs() < 1e-14);
+        for k in 0..=20 {
+            for l in 0..=20 - k {
+                let [k, l] = [k, l].map(|n| f64::from(n) / 20.0);
+                let lambda = Vector::<3>::new(k, l, 1.0 - k - l);
+                let x = places.at(&lambda);
+                let sides = [x[0], x[1], 3.0 - x[0], 2.0 - x[1]];
+                let from_rim = sides.into_iter().fold(f64::INFINITY, f64::min);
+                let depth = own.depth(f, &lambda);
+                assert!(depth <= 6.0 * from_rim + 1e-13, "{x:?}: {depth}");
+                assert!(depth >= from_rim.min(0.5) - 1e-13 && depth <= 1.0 + 1e-13);
+            }
+        }
+    }
+}
+
+/// Blocks whose facets do not match, of which the upper one is smaller: at Gauss points, both measurements are the same but for
+/// round-off, rows at rims included.
+#[test]
+fn gauss_points_leave_round_off() {
+    let body = |mesh: Mesh<3>, side: &str, by: f64| {
+        let mut body = Body::new(mesh, LinearElastic::new(1.0, 0.3).expect("a law"));
+        let held = [Some(0.0), Some(0.0), Some(by)];
+        body.prescribe(side, held).expect("a side");
+        body
+    };
+    for quadratic in [false, true] {
+        let lower = cuboid([0.0; 3], [1.0; 3], [4, 3, 2]).expect("mesh");
+        let upper = cuboid([0.15, 0.1, 1.0], [0.83, 0.9, 1.5], [2, 3, 1]).expect("mesh");
+        let [lower, upper] = [lower, upper].map(|mesh| match quadratic {
+            true => mesh.quadratic(),
+            false => mesh,
+        });
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", body(lower, "bottom", 0.0));
+        let upper = scene.add("upper", body(upper, "top", -0.05));
+        let sides = (lower.on("top"), upper.on("bottom"));
+        scene.contact(sides.0, sides.1).expect("a pair");
+        let mut problem = scene.problem().expect("a problem");
+        let history = Simulation::with_increments(1).run(&mut problem);
+        let history = history.expect("a run");
+        let certificate = history.certificate().expect("a step");
+        for condition in [
+            Condition::RemeasuredPenetration,
+            Condition::RemeasuredComplementarity,
+            Condition::RemeasuredAreas,
+            Condition::RemeasuredForces,
+        ] {
+            let left = certificate.left(condition).expect("computed");
+            assert!(left < 1e-6, "{condition:?}: {left:.1e}\n{certificate}");
+        }
+    }
+}
+
+/// A block overhangs another one, whose last facet is a ten-thousandth of the others: no halving of a facet of the former finds on both sides of the
+/// end what it found before.
+#[test]
+fn facets_beside_a_tiny_one_are_cut() {
+    for last in [2.0, 5e-5, 1e-5, 1e-6] {
+        let places = [0.0, 0.5, 1.0, 1.5, 2.0 - last, 2.0];
+        let lower = rectangle(&places, &[0.0, 1.0], Diagonals::Rising);
+        let lower = match last < 0.5 {
+            true => lower,
+            false => rectangle(&[0.0, 2.0], &[0.0, 1.0], Diagonals::Rising),
+        };
+        let lower = lower.expect("mesh");
+        let upper = rectangle(&linspace(0.1, 4.0, 9), &[1.001, 1.5], Diagonals::Rising);
+        let upper = upper.expect("mesh");
+        let (slave, master) = (faces(&upper, "bottom"), faces(&lower, "top"));
+        let placed = Placed::new(&master, lower.nodes());
+        let search = Search {
+            x: upper.nodes(),
+            reach: Reach {
+                radius: 1.0,
+                size: 0.5,
+                fit: 0.0,
+            },
+            is_one_body: false,
+            places: &Places::Pieces,
+            has_force: &vec![true; slave.nodes.len()],
+        };
+        let pass = Pass::new(&slave, &placed, &search);
+        let opposite: f64 = pass.held.iter().map(|point| point.weight).sum();
+        assert!((opposite - 1.9).abs() < 1e-4, "{last}: {opposite}");
+    }
+}

@@ -1,0 +1,109 @@
+//! Forces against the energy itself: its slope along random directions, by differences of its value.
+
+use contact_core::{ContactProblem, LinearGaps, Reduction};
+
+use super::worse;
+use crate::model::Problem;
+
+/// The directions of each body.
+const DIRECTIONS: u64 = 2;
+/// The step, as a share of the smallest height of the body's cells. Differences of the fourth order leave out its fourth power.
+const STEP: f64 = 1e-3;
+/// The largest share of the largest force that round-off may add to a slope; beyond it, the slope is not judged.
+const RESOLVED: f64 = 1e-6;
+/// The round-off of an energy (no unit) in units of modulus times volume, as long as deformation gradients are about 1.
+const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
+
+/// The largest difference of the slope of a body's energy along a random direction from the work of the contact forces and of those that hold motions
+/// which nothing resists, divided by the
+/// largest force on a node of the body and the length of the direction; `None` where displacements are so small that the value of the
+/// energy does not resolve them.
+pub(super) fn apart<const D: usize>(
+    problem: &Problem<D>,
+    u: &[f64],
+    (gaps, lambda): (&LinearGaps, &[f64]),
+    held: &[f64],
+    units: &[f64],
+) -> Option<f64> {
+    let mut forces = vec![0.0; u.len()];
+    forces.iter_mut().zip(held).for_each(|(f, held)| *f = *held);
+    gaps.add_forces(lambda, &mut forces);
+    let reduction = problem.reduction();
+    let mut worst = None;
+    for (body, unit) in units.iter().enumerate() {
+        let [height, volume] = problem.height_and_volume(body);
+        let step = STEP * height;
+        for number in 0..DIRECTIONS {
+            let v = direction(problem, body, number, reduction.as_ref(), u.len());
+            let length = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let modulus = problem.body_energies()[body].contact_modulus();
+            let lost = ROUND_OFF * modulus * volume / step;
+            if length == 0.0 || !(lost <= RESOLVED * unit * length) {
+                continue;
+            }
+            let slope = slope(problem, (u, &v), step);
+            let work: f64 = forces.iter().zip(&v).map(|(f, v)| f * v).sum();
+            let own = (slope - work).abs() / (unit * length);
+            worst = Some(worst.map_or(own, |worst| worse(worst, own)));
+        }
+    }
+    worst
+}
+
+/// The slope of the energy along v at u.
+fn slope<const D: usize>(problem: &Problem<D>, (u, v): (&[f64], &[f64]), step: f64) -> f64 {
+    let [far_back, back, on, far_on] = [-2.0, -1.0, 1.0, 2.0].map(|steps| {
+        let moved = u.iter().zip(v).map(|(u, v)| u + steps * step * v);
+        value(problem, &moved.collect::<Vec<f64>>(), v)
+    });
+    (8.0 * (on - back) - (far_on - far_back)) / (12.0 * step)
+}
+
+/// The energy of those bodies that a direction moves.
+fn value<const D: usize>(problem: &Problem<D>, u: &[f64], v: &[f64]) -> f64 {
+    let mut first = 0;
+    let mut sum = 0.0;
+    for (body, energy) in problem.body_energies().iter().enumerate() {
+        let own = first..first + energy.dofs();
+        first = own.end;
+        if v[own.clone()].iter().any(|v| *v != 0.0) {
+            let mut unused = vec![0.0; D * problem.nodes(body).len()];
+            sum += energy.add_residual(&u[own], &mut unused);
+        }
+    }
+    sum
+}
+
+/// A direction of ±1 in the unknowns of a body, and what follows from them in others that are tied to it.
+fn direction<const D: usize>(
+    problem: &Problem<D>,
+    body: usize,
+    number: u64,
+    reduction: Option<&Reduction>,
+    unknowns: usize,
+) -> Vec<f64> {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64 ^ ((body as u64) << 32) ^ number;
+    let mut sign = || {
+        // xorshift
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        match (state >> 40) & 1 {
+            0 => 1.0,
+            _ => -1.0,
+        }
+    };
+    let mut v = vec![0.0; unknowns];
+    let energies = problem.body_energies();
+    let first: usize = energies[..body].iter().map(|energy| energy.dofs()).sum();
+    let own = first..first + energies[body].dofs();
+    v[own].iter_mut().for_each(|v| *v = sign());
+    match reduction {
+        None => v,
+        Some(reduction) => {
+            let free = reduction.map.restricted(&v);
+            let none = vec![0.0; reduction.constants.len()];
+            reduction.map.expanded(&free, &none)
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! Runs five scenes with faults that are planted in the library, one at a time, and tells which condition of the certificate sees which.
+//!
+//! ```text
+//! make planted
+//! ```
+//!
+//! The faults are compiled in for this command alone (`--cfg planted`). Without them, the program runs the sound scenes. A fault that
+//! changes energy or reactions by more than [`MATTERS`] must be seen, and sound scenes must show nothing; else the exit code is 1.
+#![forbid(unsafe_code)]
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Parser;
+use contact_core::Phase;
+use contact_fem::certificate::{Certificate, Limits};
+use contact_fem::element::Order;
+use contact_fem::model::Integration;
+use contact_fem::output::record::exit;
+use contact_fem::simulation::History;
+use contact_fem::{Error, Scene, Simulation};
+use ipopt_contact_scenes::Failure;
+use ipopt_contact_scenes::beams::{Beams, Law};
+use ipopt_contact_scenes::blocks::Blocks;
+use ipopt_contact_scenes::disc_in_disc::{self, Fineness, Roles};
+use ipopt_contact_scenes::hertz::{self, Hertz};
+use ipopt_contact_scenes::ironing::{self, Ironing};
+
+/// A fault that changes energy or reactions by a larger share must be seen.
+#[cfg_attr(not(planted), allow(dead_code))]
+const MATTERS: f64 = 1e-4;
+
+/// Faults that are planted in the library, and what sees them
+#[derive(Parser, Debug)]
+struct Arguments {
+    /// Only the faults whose names contain this
+    #[arg(long, default_value = "")]
+    filter: String,
+    /// The cheapest faults alone
+    #[arg(long)]
+    quick: bool,
+    /// Show all residuals of the sound scenes
+    #[arg(long)]
+    values: bool,
+}
+
+/// What came of one run.
+struct Found {
+    energy: f64,
+    /// The norms of the reactions of all bodies.
+    #[cfg_attr(not(planted), allow(dead_code))]
+    reactions: Vec<f64>,
+    /// The conditions that do not hold, or how the run ended.
+    seen: Vec<String>,
+    seconds: f64,
+}
+
+impl Found {
+    fn of<const D: usize>(history: &History<D>, seconds: f64, values: bool) -> Self {
+        let mut seen = Vec::new();
+        if !history.is_complete() {
+            seen.push("not complete".to_string());
+        }
+        if let Some(certificate) = history.certificate() {
+            if values {
+                println!("{certificate}");
+            }
+            let broken = certificate.entries(&Limits::default());
+            let broken = broken.filter(|entry| !entry.holds());
+            seen.extend(broken.map(|entry| entry.name.to_string()));
+        }
+        let last = history.last();
+        Found {
+            energy: last.map_or(f64::NAN, |last| last.energy),
+            reactions: last.map_or(Vec::new(), |last| {
+                last.reactions.iter().map(|force| force.norm()).collect()
+            }),
+            seen,
+            seconds,
+        }
+    }
+
+    #[cfg(planted)]
+    /// The largest change of energy and reactions, as a share of the sound ones.
+    fn apart(&self, sound: &Found) -> f64 {
+        let most = sound.reactions.iter().copied().fold(0.0, f64::max);
+        let reactions = self.reactions.iter().zip(&sound.reactions);
+        let reactions = reactions.map(|(a, b)| (a - b).abs() / most);
+        let energy = (self.energy - sound.energy).abs() / sound.energy.abs();
+        let apart = reactions.fold(energy, f64::max);
+        if apart.is_nan() { f64::INFINITY } else { apart }
+    }
+}
+
+/// A scene runs by its name.
+struct Case {
+    name: &'static str,
+    run: fn(bool) -> Result<Found, Error>,
+}
+
+const CASES: [Case; 5] = [
+    Case {
+        name: "discs",
+        run: |values| {
+            let scene = disc_in_disc::scene(Fineness::scaled(40), Roles::default())?;
+            solve(scene, 8, &[], values)
+        },
+    },
+    Case {
+        name: "hertz",
+        run: |values| {
+            let hertz = Hertz::new(hertz::Fineness::family(5), Order::Linear);
+            solve(hertz.scene()?, 1, &[], values)
+        },
+    },
+    Case {
+        name: "blocks",
+        run: |values| {
+            let blocks = Blocks {
+                large_strains: true,
+                ..Blocks::new([4, 5], Order::Quadratic, Integration::Exact)
+            };
+            solve(blocks.plane()?, 2, &[], values)
+        },
+    },
+    Case {
+        name: "ironing",
+        run: |values| {
+            let ironing = Ironing::new(Order::Linear, 24);
+            solve(ironing.scene()?, 8, &ironing::phases(2, 6), values)
+        },
+    },
+    Case {
+        name: "beams",
+        run: |values| {
+            let beams = Beams::new(2, Order::Linear, Law::NeoHookean);
+            solve(beams.scene()?, 2, &[], values)
+        },
+    },
+];
+
+fn solve<const D: usize>(
+    scene: Scene<D>,
+    increments: usize,
+    phases: &[Phase],
+    values: bool,
+) -> Result<Found, Error> {
+    let clock = Instant::now();
+    let mut problem = scene.problem()?;
+    let mut simulation = match phases {
+        [] => Simulation::with_increments(increments),
+        phases => Simulation::in_phases(phases.iter().cloned()),
+    };
+    simulation.load_steps.budget.seconds = Some(LONGEST);
+    let history = simulation.run(&mut problem)?;
+    if let Some(solution) = history.run.solution.as_ref().filter(|_| values) {
+        let run = clock.elapsed().as_secs_f64();
+        std::hint::black_box(Certificate::new(&problem, solution));
+        let share = (clock.elapsed().as_secs_f64() - run) / run;
+        println!("the whole certificate takes {share:.3} of the run");
+    }
+    Ok(Found::of(&history, clock.elapsed().as_secs_f64(), values))
+}
+
+/// A run that a fault leads astray is stopped after so many seconds.
+const LONGEST: f64 = 5.0;
+
+fn main() -> ExitCode {
+    exit(run(&Arguments::parse()))
+}
+
+/// A run, whatever comes of it.
+fn ran(case: &Case, values: bool) -> Found {
+    let failed = |how: String| Found {
+        energy: f64::NAN,
+        reactions: Vec::new(),
+        seen: vec![how],
+        seconds: 0.0,
+    };
+    match catch_unwind(AssertUnwindSafe(|| (case.run)(values))) {
+        Ok(Ok(found)) => found,
+        Ok(Err(error)) => failed(format!("error: {error}")),
+        Err(_) => failed("panic".to_string()),
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let mut sound = Vec::new();
+    for case in &CASES {
+        if arguments.values {
+            println!("{}", case.name);
+        }
+        let found = ran(case, arguments.values);
+        let (energy, seconds) = (found.energy, found.seconds);
+        println!(
+            "{}: energy {energy:.8e}, {seconds:.2} s {}",
+            case.name,
+            found.seen.join(", ")
+        );
+        sound.push(found);
+    }
+    let is_sound = sound.iter().all(|found| found.seen.is_empty());
+    let missed = faults(arguments, &sound)?;
+    Ok(match is_sound && missed == 0 {
+        true => ExitCode::SUCCESS,
+        false => ExitCode::FAILURE,
+    })
+}
+
+/// Without faults there is nothing to see.
+#[cfg(not(planted))]
+fn faults(arguments: &Arguments, _: &[Found]) -> Result<usize, Failure> {
+    match arguments.quick || !arguments.filter.is_empty() {
+        true => Err("the faults are compiled in by `make planted`".into()),
+        false => Ok(0),
+    }
+}
+
+/// Plants one fault after the other, and returns in how many runs one that matters was not seen.
+#[cfg(planted)]
+fn faults(arguments: &Arguments, sound: &[Found]) -> Result<usize, Failure> {
+    use contact_core::planted::{FAULTS, plant};
+    use ipopt_contact_scenes::tables::Table;
+
+    std::panic::set_hook(Box::new(|_| {}));
+    let columns = ["area", "fault", "scene", "change", "seen by", ""];
+    let mut table = Table::new("planted", columns);
+    let (mut missed, mut mattered, mut last) = (0, 0, "");
+    for (number, [area, name]) in FAULTS.iter().enumerate() {
+        let is_first = std::mem::replace(&mut last, area) != *area;
+        if !name.contains(&arguments.filter) || (arguments.quick && !is_first) {
+            continue;
+        }
+        for (case, sound) in CASES.iter().zip(sound) {
+            if arguments.quick && !QUICK.contains(&case.name) {
+                continue;
+            }
+            plant(Some(number));
+            let found = ran(case, false);
+            plant(None);
+            let apart = found.apart(sound);
+            let matters = apart > MATTERS;
+            let is_missed = matters && found.seen.is_empty();
+            mattered += usize::from(matters);
+            missed += usize::from(is_missed);
+            let verdict = match (is_missed, matters) {
+                (true, _) => "MISSED",
+                (_, true) => "",
+                _ => "below what matters",
+            };
+            table.push(vec![
+                area.to_string(),
+                name.to_string(),
+                case.name.to_string(),
+                format!("{apart:.1e}"),
+                found.seen.join(", "),
+                verdict.to_string(),
+            ]);
+            let seen = found.seen.join(", ");
+            println!(
+                "{area}: {name}, {}: {apart:.1e}, {seen} {verdict}",
+                case.name
+            );
+        }
+    }
+    println!("\n{}", table.markdown());
+    println!("{mattered} runs changed by more than {MATTERS:.0e}, {missed} of them unseen");
+    Ok(missed)
+}
+
+/// The scenes of `--quick`.
+#[cfg(planted)]
+const QUICK: [&str; 2] = ["discs", "hertz"];
