@@ -120,6 +120,12 @@ pub enum Condition {
     /// Bodies without contact between them stay apart: the largest depth of an overlap of two that have no pair, beyond that at the
     /// start, divided by the largest displacement or, if that is less, by the extent of the smaller body. No mesh is a part of it.
     Undeclared,
+    /// The equilibrium is stable, by the inertia of a tangent that the certificate assembles: the energy's Hessian, whose product is compared with differences of
+    /// gradients, and the slopes of contact forces by differences of the second measurement. It is factored on the motions that rows with a force permit.
+    /// The residual is 0 if no motion that deforms bodies releases energy, or else the most that one releases, where 1 is the sum of the forces on a body's
+    /// nodes, divided by the extent of the body, times the mean square of the motion. Rigid motions are left to [`Condition::Held`] and
+    /// [`Condition::Instability`]. `None` in method (39).
+    Inertia,
 }
 
 /// One line of the table of conditions.
@@ -147,7 +153,7 @@ const fn line(condition: Condition, name: &'static str, limit: f64) -> Line {
 
 /// The table of conditions from which limits, files and summaries are generated, in the order of
 /// [`Condition`].
-const TABLE: [Line; 28] = [
+const TABLE: [Line; 29] = [
     line(Condition::NodalPenetration, "nodal_penetration", 0.2),
     line(Condition::WeakPenetration, "weak_penetration", 2e-3),
     line(Condition::Adhesion, "adhesion", 1e-9),
@@ -184,6 +190,7 @@ const TABLE: [Line; 28] = [
     line(Condition::PairBalance, "pair_balance", 1e-9),
     line(Condition::PairMoment, "pair_moment", 1e-3),
     line(Condition::Undeclared, "undeclared", 0.05),
+    line(Condition::Inertia, "inertia", 0.05),
 ];
 
 impl Condition {

@@ -120,6 +120,7 @@ impl Certificate {
                 resolution: problem.scale().resolution,
                 forces: &residual.forces,
                 closed: Limits::default().of(Condition::RemeasuredPenetration),
+                releases: (units.noticed, Limits::default().of(Condition::Inertia)),
             };
             remeasured::measure(problem, u, (gaps, lambda), &units)
         });
@@ -144,16 +145,19 @@ impl Certificate {
             Condition::Dropped => Some(dropped as f64),
             Condition::Instability => instability(problem, solution),
             Condition::Held => holds.is_some().then_some(residual.held),
-            Condition::RemeasuredPenetration => again.map(|own| own.penetration),
-            Condition::RemeasuredComplementarity => again.map(|own| own.complementarity),
-            Condition::RemeasuredClosed => again.map(|own| own.missing as f64),
-            Condition::RemeasuredAreas => again.map(|own| own.areas),
-            Condition::RemeasuredForces => again.and_then(|own| own.forces),
-            Condition::VirtualWork => again.and_then(|own| own.work),
-            Condition::EnergySlope => again.and_then(|_| slope()),
+            Condition::RemeasuredPenetration => again.as_ref().map(|own| own.penetration),
+            Condition::RemeasuredComplementarity => again.as_ref().map(|own| own.complementarity),
+            Condition::RemeasuredClosed => again.as_ref().map(|own| own.missing as f64),
+            Condition::RemeasuredAreas => again.as_ref().map(|own| own.areas),
+            Condition::RemeasuredForces => again.as_ref().and_then(|own| own.forces),
+            Condition::VirtualWork => again.as_ref().and_then(|own| own.work),
+            Condition::EnergySlope => again.as_ref().and_then(|_| slope()),
             Condition::PairBalance => Some(pairs.sum),
             Condition::PairMoment => pairs.moment,
             Condition::Undeclared => Some(undeclared(problem, u, &audit.overlaps)),
+            Condition::Inertia => again
+                .as_ref()
+                .and_then(|own| inertia(problem, u, own.releases.as_deref()?)),
         };
         let blank = Certificate::uniform(0.0, problem.scale().roundoff);
         Condition::all().fold(blank, |all, condition| all.with(condition, left(condition)))
@@ -329,6 +333,18 @@ fn instability<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Opt
         true => over(-curvature, stored),
         false => left,
     })
+}
+
+/// The largest share of its unit by which a motion that deforms bodies releases energy.
+fn inertia<const D: usize>(
+    problem: &Problem<D>,
+    u: &[f64],
+    releases: &[remeasured::Release],
+) -> Option<f64> {
+    let deforms = releases
+        .iter()
+        .find(|release| from_rigid(problem, u, &release.motion) > RIGID);
+    Some(deforms.map_or(0.0, |release| release.share))
 }
 
 /// How far the motion v of free unknowns is from translations and rotations of the bodies, as a share of it, by root mean squares over nodes.

@@ -313,24 +313,64 @@ impl<const D: usize> Faces<D> {
         for f in 0..self.len() {
             let patch = self.patch(f, x);
             for (k, &a) in self.facet(f).iter().enumerate() {
-                let lambda = place(k);
-                let angle = match D == 3 && k < D {
-                    true => patch.angle(&lambda, k),
-                    false => 1.0,
-                };
-                let normal = patch.normal(&lambda);
-                sums[a] += normal * (angle / normal.norm());
+                sums[a] += weighted_normal(&patch, k);
             }
         }
-        for (sum, X) in sums.iter_mut().zip(&self.X) {
-            if self.is_revolved && X[0] == 0.0 {
-                sum[0] = 0.0;
+        let sums = sums.into_iter().enumerate();
+        sums.map(|(a, sum)| self.direction(a, sum)).collect()
+    }
+
+    /// The direction of a sum of normals around a node.
+    fn direction(&self, a: usize, mut sum: Vector<D>) -> Vector<D> {
+        if self.is_revolved && self.X[a][0] == 0.0 {
+            sum[0] = 0.0;
+        }
+        let norm = sum.norm();
+        sum / if norm > 0.0 { norm } else { 1.0 }
+    }
+
+    /// The facets around each node.
+    pub fn around(&self) -> Vec<Vec<usize>> {
+        let mut around = vec![Vec::new(); self.nodes.len()];
+        for f in 0..self.len() {
+            self.facet(f).iter().for_each(|&a| around[a].push(f));
+        }
+        around
+    }
+
+    /// The sums of normals around the nodes of one facet, over the facets `of` alone, where the boundary's nodes are at `x`.
+    pub fn sums(&self, f: usize, of: &[usize], x: &[Vector<D>]) -> [Vector<D>; MOST] {
+        let mut sums = [Vector::zeros(); MOST];
+        for &other in of {
+            let patch = self.patch(other, x);
+            for (k, b) in self.facet(other).iter().enumerate() {
+                if let Some(own) = self.facet(f).iter().position(|a| a == b) {
+                    sums[own] += weighted_normal(&patch, k);
+                }
             }
-            let norm = sum.norm();
-            *sum /= if norm > 0.0 { norm } else { 1.0 };
         }
         sums
     }
+
+    /// Positions and averaged normals of the nodes of one facet, of the sums of normals around them.
+    pub fn patches_of(&self, f: usize, x: &[Vector<D>], sums: &[Vector<D>; MOST]) -> [Patch<D>; 2] {
+        let places = self.patch(f, x);
+        let mut normals = places;
+        let own = normals.values.iter_mut().zip(self.facet(f)).zip(sums);
+        own.for_each(|((normal, &a), sum)| *normal = self.direction(a, *sum));
+        [places, normals]
+    }
+}
+
+/// The unit normal at a facet's k-th node, in space times the angle there.
+fn weighted_normal<const D: usize>(patch: &Patch<D>, k: usize) -> Vector<D> {
+    let lambda = place(k);
+    let angle = match D == 3 && k < D {
+        true => patch.angle(&lambda, k),
+        false => 1.0,
+    };
+    let normal = patch.normal(&lambda);
+    normal * (angle / normal.norm())
 }
 
 /// A boundary where its nodes are.

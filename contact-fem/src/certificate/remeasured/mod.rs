@@ -14,6 +14,8 @@ mod fields;
 mod pairs;
 mod rows;
 mod rule;
+mod slopes;
+mod stability;
 #[cfg(test)]
 mod tests;
 
@@ -30,6 +32,7 @@ use faces::{Faces, Placed};
 use feet::Reach;
 use rows::{Pass, Search};
 use rule::Places;
+pub(super) use stability::Release;
 
 /// The units in which gaps and forces are told.
 pub(super) struct Units<'a> {
@@ -41,10 +44,12 @@ pub(super) struct Units<'a> {
     pub forces: &'a [f64],
     /// Weak gaps below this one are closed, in units of the displacement of a facet.
     pub closed: f64,
+    /// The smallest force on a body (UF), and the share of the unit above which a motion releases energy.
+    pub releases: (f64, f64),
 }
 
 /// What the second measurement finds. Each is a residual as those of the conditions of the same name.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub(super) struct Remeasured {
     pub penetration: f64,
     pub complementarity: f64,
@@ -56,6 +61,8 @@ pub(super) struct Remeasured {
     pub forces: Option<f64>,
     /// The largest difference of virtual works; `None` likewise, and where rows are frozen at X.
     pub work: Option<f64>,
+    /// Motions that release energy; `None` where that is not known.
+    pub releases: Option<Vec<Release>>,
 }
 
 /// How far two sound measurements may differ.
@@ -285,6 +292,10 @@ pub(super) fn measure<const D: usize>(
         let follows = problem.geometry() == Geometry::Current;
         let own = (units.forces, differs.works);
         found.work = follows.then(|| pairs::works_apart(problem, &measured, state, own));
+        let moving = if follows { &measured[..] } else { &[] };
+        let state = (&x[..], u);
+        found.releases =
+            stability::releases(problem, moving, state, (gaps, lambda), units.releases);
     }
     found
 }

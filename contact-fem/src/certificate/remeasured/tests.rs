@@ -249,3 +249,159 @@ fn facets_beside_a_tiny_one_are_cut() {
         assert!((opposite - 1.9).abs() < 1e-4, "{last}: {opposite}");
     }
 }
+
+/// The slopes of point forces along a random motion are differences of these forces with feet that are looked for again: of polygons in each
+/// other, of curved facets, and in space.
+#[test]
+fn slopes_of_forces_are_differences() {
+    let plane = |order: Order| {
+        let ring = annulus(&[1.0, 1.5], 24, Diagonals::Rising).expect("mesh");
+        let disc = disc(0.9, 19, 2, 0.05).expect("mesh");
+        match order {
+            Order::Linear => [disc, ring],
+            Order::Quadratic => [disc.quadratic(), ring.quadratic()],
+        }
+    };
+    for order in [Order::Linear, Order::Quadratic] {
+        let [disc, ring] = plane(order);
+        differences([&disc, &ring], ["boundary", "inner"]);
+        let lower = cuboid([0.0; 3], [1.0; 3], [4, 3, 1]).expect("mesh");
+        let upper = cuboid([0.15, 0.1, 1.02], [0.83, 0.9, 1.5], [2, 3, 1]).expect("mesh");
+        let [mut lower, upper] = [lower, upper].map(|mesh| match order {
+            Order::Linear => mesh,
+            Order::Quadratic => mesh.quadratic(),
+        });
+        // waves, so that facets and normals are inclined
+        lower = lower
+            .mapped(|x| [x[0], x[1], x[2] + 0.02 * (7.0 * x[0] + 5.0 * x[1]).sin()].into())
+            .expect("mesh");
+        differences([&upper, &lower], ["bottom", "top"]);
+    }
+}
+
+fn differences<const D: usize>(meshes: [&Mesh<D>; 2], sides: [&str; 2]) {
+    let own = Faces::new(meshes[0], (0, 0), sides[0]).expect("named");
+    let first = meshes[0].nodes().len();
+    let other = Faces::new(meshes[1], (1, first), sides[1]).expect("named");
+    let nodes = meshes.map(Mesh::nodes).into_iter().flatten();
+    let x: Vec<Vector<D>> = nodes.copied().collect();
+    let master = Placed::new(&other, &x);
+    let search = Search {
+        x: &x,
+        reach: Reach {
+            radius: 1.0,
+            size: other.size(),
+            fit: 0.0,
+        },
+        places: &Places::Pieces,
+        is_one_body: false,
+        has_force: &vec![true; own.nodes.len()],
+    };
+    let pass = Pass::new(&own, &master, &search);
+    let lambda: Vec<f64> = (0..own.nodes.len()).map(|i| 1.0 + (i % 3) as f64).collect();
+    let pushes = pass.pushes(&lambda);
+    let wave = |k: usize, i: usize| (1.0 + 12.9 * k as f64 + 78.2 * i as f64).sin();
+    let v: Vec<Vector<D>> = (0..x.len())
+        .map(|k| Vector::from_fn(|i, _| wave(k, i)))
+        .collect();
+    let mut slopes = vec![Vector::<D>::zeros(); x.len()];
+    pass.slopes_of_forces(&pushes, &x, &mut |row, column, slope| {
+        slopes[row / D][row % D] += slope * v[column / D][column % D];
+    });
+    const STEP: f64 = 1e-6;
+    for (sign, forces) in [(1.0, 1.0), (-1.0, -1.0)] {
+        let moved = x.iter().zip(&v).map(|(x, v)| x + v * (sign * STEP));
+        let moved: Vec<Vector<D>> = moved.collect();
+        let there = Placed::unsorted(&other, &moved);
+        let slave: Vec<Vector<D>> = own.nodes.iter().map(|&a| moved[a]).collect();
+        let mut after = Pass::new(&own, &master, &search);
+        for point in &mut after.held {
+            let place = own.patch(point.facet, &slave).at(&point.lambda);
+            let patches = there.patches(point.foot.facet);
+            let start = (&point.foot.lambda, point.foot.gap);
+            let found = feet::solve(&patches, &place, start).expect("a foot");
+            point.foot = feet::at(point.foot.facet, &patches, found);
+        }
+        let shares: Vec<f64> = pushes
+            .iter()
+            .map(|push| push * forces / (2.0 * STEP))
+            .collect();
+        let opposite: Vec<f64> = shares.iter().map(|share| -share).collect();
+        after.add_forces(&opposite, &mut slopes);
+    }
+    let largest = pushes.iter().map(|push| push.abs()).fold(0.0, f64::max);
+    let size = own.size().min(other.size());
+    for (node, rest) in slopes.iter().enumerate() {
+        assert!(rest.norm() * size < 1e-4 * largest, "{node}: {rest}");
+    }
+}
+
+/// A straight column between clamps: below Euler's load, no motion releases energy, and beyond it, the softest bow as much as Euler's beam.
+#[test]
+fn a_straight_column_releases_energy() {
+    const HEIGHT: f64 = 10.0;
+    const WIDTH: f64 = 0.4;
+    const YOUNG: f64 = 1e3;
+    use std::f64::consts::PI;
+    let stiffness = YOUNG * WIDTH.powi(3) / 12.0;
+    let euler = 4.0 * PI * PI * stiffness / HEIGHT.powi(2);
+    let block = |x: [f64; 2], y: [f64; 2], cells: [usize; 2]| {
+        let lines = [(x, cells[0]), (y, cells[1])].map(|([a, b], n)| linspace(a, b, n));
+        let mesh = rectangle(&lines[0], &lines[1], Diagonals::Alternating);
+        mesh.expect("mesh").quadratic()
+    };
+    let law = || crate::NeoHookean::new(YOUNG, 0.0).expect("a law");
+    for times in [0.9, 1.5, 2.5] {
+        let push = times * euler * HEIGHT / (YOUNG * WIDTH);
+        let mesh = block([-0.5 * WIDTH, 0.5 * WIDTH], [0.0, HEIGHT], [2, 24]);
+        let mut column = Body::new(mesh, law());
+        column.prescribe("bottom", [Some(0.0); 2]).expect("a side");
+        let top = [Some(0.0), Some(-push)];
+        column.prescribe("top", top).expect("a side");
+        let mut wall = Body::new(block([2.0, 3.0], [2.0, 8.0], [1, 4]), law());
+        wall.prescribe("right", [Some(0.0); 2]).expect("a side");
+        let mut scene = Scene::new();
+        let (column, wall) = (scene.add("column", column), scene.add("wall", wall));
+        let pair = (column.on("right"), wall.on("left"));
+        scene.contact(pair.0, pair.1).expect("a pair");
+        let mut problem = scene.problem().expect("a problem");
+        let begun = contact_core::Phase::new("begun", 1e-3, 1);
+        let history = Simulation::in_phases([begun]).run(&mut problem).expect("a run");
+        let mut solution = history.run.solution.expect("a step");
+        // the same straight column at the whole load
+        contact_core::LoadStepped::set_load(&mut problem, 1.0).expect("a load");
+        for node in problem.nodes(0) {
+            for i in 0..2 {
+                let X = problem.reference()[node];
+                if let Dof::Free(k) = problem.dofs().get(2 * node + i) {
+                    solution.state.u[k] = [0.0, -push * X[1] / HEIGHT][i];
+                }
+            }
+        }
+        let certificate = crate::Certificate::new(&problem, &solution);
+        let found = certificate.left(Condition::Inertia).expect("known");
+        // w = Σ a_k (1 − cos 2πk y/h): the smallest of ∫ EI w''² − P w'² over ∫ w² times the sum 2 P of both reactions over h²
+        let wave = |k: usize| 2.0 * PI * k as f64 / HEIGHT;
+        let curvature = nalgebra::Matrix4::from_fn(|i, j| match i == j {
+            true => {
+                let wave = wave(i + 1);
+                0.5 * HEIGHT * (stiffness * wave.powi(4) - times * euler * wave.powi(2))
+            }
+            false => 0.0,
+        });
+        let unit = nalgebra::Matrix4::from_fn(|i, j| match i == j {
+            true => 3.0 * times * euler / HEIGHT,
+            false => 2.0 * times * euler / HEIGHT,
+        });
+        let factor = unit.cholesky().expect("positive").l();
+        let inverse = factor.try_inverse().expect("positive");
+        let shares = (inverse * curvature * inverse.transpose()).symmetric_eigenvalues();
+        let euler = (-shares.min()).max(0.0);
+        assert!(
+            (found - euler).abs() <= 0.06 * euler,
+            "{times}: {found} {euler}"
+        );
+        let limit = crate::certificate::Limits::default().of(Condition::Inertia);
+        assert_eq!(found > limit, times > 1.0, "{certificate}");
+    }
+}

@@ -1,0 +1,187 @@
+//! How the forces of points vary with positions, while feet and normals follow.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DMatrix;
+
+use super::faces::{Patch, shapes, swept};
+use super::rows::Pass;
+use super::rule::Held;
+use crate::tensor::{Matrix, Vector};
+
+/// The step of differences, as a share of a facet.
+const STEP: f64 = 1e-5;
+/// A foot is along its normal if the point is no further from the line, as a share of a facet.
+const ALONG: f64 = 1e-6;
+
+/// A point with a force whose foot is along its normal.
+struct Loaded<'a, const D: usize> {
+    point: &'a Held<D>,
+    push: f64,
+    place: Vector<D>,
+    /// s of x = x̄(λ) + s m(λ), and the inverse of the slopes of the right side by λ and s.
+    along: f64,
+    inverse: Matrix<D>,
+}
+
+impl<'a, const D: usize> Loaded<'a, D> {
+    fn new(
+        point: &'a Held<D>,
+        push: f64,
+        place: Vector<D>,
+        (patches, size): (&[Patch<D>; 2], f64),
+    ) -> Option<Self> {
+        let lambda = &point.foot.lambda;
+        let along = point.foot.gap / patches[1].at(lambda).norm();
+        let rest = place - patches[0].at(lambda) - patches[1].at(lambda) * along;
+        let inverse = swept(patches, lambda, along).try_inverse()?;
+        (rest.norm() < ALONG * size).then_some(Loaded {
+            point,
+            push,
+            place,
+            along,
+            inverse,
+        })
+    }
+
+    /// The direction of the force, and λ of its foot, after a small change of the master or of the place: Newton's method, one step.
+    fn after(&self, patches: &[Patch<D>; 2], place: &Vector<D>) -> (Vector<D>, Vector<D>) {
+        let mut lambda = self.point.foot.lambda;
+        let rest = place - patches[0].at(&lambda) - patches[1].at(&lambda) * self.along;
+        let step = self.inverse * rest;
+        for k in 1..D {
+            lambda[k] += step[k - 1];
+            lambda[0] -= step[k - 1];
+        }
+        (patches[1].at(&lambda).normalize(), lambda)
+    }
+}
+
+impl<const D: usize> Pass<'_, D> {
+    /// Gives the slope of each component of the force on a node of the scene, by each component of the position of one, to `add`. Those of
+    /// one place add up. Pushes, and the points that count, are held. Points without a foot along normals are left out.
+    pub fn slopes_of_forces(
+        &self,
+        pushes: &[f64],
+        x: &[Vector<D>],
+        add: &mut impl FnMut(usize, usize, f64),
+    ) {
+        let master = self.master.faces;
+        let around = master.around();
+        let size = self.slave.size().min(master.size());
+        let step = STEP * size;
+        let own: Vec<Vector<D>> = self.slave.nodes.iter().map(|&a| x[a]).collect();
+        let mut there: Vec<Vector<D>> = master.nodes.iter().map(|&b| x[b]).collect();
+        let mut by_facet: BTreeMap<usize, Vec<(&Held<D>, f64)>> = BTreeMap::new();
+        let loaded = self.held.iter().zip(pushes);
+        for (point, push) in loaded.filter(|(_, push)| **push != 0.0) {
+            let group = by_facet.entry(point.foot.facet).or_default();
+            group.push((point, *push));
+        }
+        for (facet, group) in by_facet {
+            let mut facets = Vec::new();
+            for &a in master.facet(facet) {
+                facets.extend_from_slice(&around[a]);
+            }
+            facets.sort_unstable();
+            facets.dedup();
+            let sums = master.sums(facet, &facets, &there);
+            let here = master.patches_of(facet, &there, &sums);
+            let loaded = group.iter().filter_map(|(point, push)| {
+                let place = self.slave.patch(point.facet, &own).at(&point.lambda);
+                Loaded::new(point, *push, place, (&here, size))
+            });
+            let loaded: Vec<Loaded<'_, D>> = loaded.collect();
+            // the nodes of the scene on which forces of these points act or depend
+            let mut nearby: Vec<usize> = facets
+                .iter()
+                .flat_map(|&f| master.facet(f))
+                .copied()
+                .collect();
+            nearby.sort_unstable();
+            nearby.dedup();
+            let mut nodes: Vec<usize> = nearby.iter().map(|&b| master.nodes[b]).collect();
+            for own in &loaded {
+                let corners = self.slave.facet(own.point.facet).iter();
+                nodes.extend(corners.map(|&a| self.slave.nodes[a]));
+            }
+            nodes.sort_unstable();
+            nodes.dedup();
+            let place_of = |node: usize| D * nodes.binary_search(&node).unwrap_or_default();
+            let mut slopes = DMatrix::<f64>::zeros(D * nodes.len(), D * nodes.len());
+            for own in &loaded {
+                let N = shapes(self.slave.order(), &own.point.lambda);
+                for i in 0..D {
+                    let both = [step, -step].map(|step| {
+                        let mut moved = own.place;
+                        moved[i] += step;
+                        own.after(&here, &moved)
+                    });
+                    self.add_change(own, &both, &place_of, |row, change| {
+                        for (&a, N) in self.slave.facet(own.point.facet).iter().zip(N) {
+                            let column = place_of(self.slave.nodes[a]) + i;
+                            slopes[(row, column)] += N * change / (2.0 * step);
+                        }
+                    });
+                }
+            }
+            for b in nearby {
+                // of the normals, only those of facets around this node vary
+                let vary = master.sums(facet, &around[b], &there);
+                for i in 0..D {
+                    let kept = there[b][i];
+                    let patches = [step, -step].map(|step| {
+                        there[b][i] = kept + step;
+                        let mut moved = master.sums(facet, &around[b], &there);
+                        let rest = sums.iter().zip(&vary).map(|(sum, vary)| sum - vary);
+                        moved
+                            .iter_mut()
+                            .zip(rest)
+                            .for_each(|(sum, rest)| *sum += rest);
+                        master.patches_of(facet, &there, &moved)
+                    });
+                    there[b][i] = kept;
+                    let column = place_of(master.nodes[b]) + i;
+                    for own in &loaded {
+                        let both = patches.each_ref().map(|moved| own.after(moved, &own.place));
+                        self.add_change(own, &both, &place_of, |row, change| {
+                            slopes[(row, column)] += change / (2.0 * step);
+                        });
+                    }
+                }
+            }
+            let dof = |k: usize| D * nodes[k / D] + k % D;
+            for column in 0..slopes.ncols() {
+                let entries = slopes.column(column);
+                let entries = entries.iter().enumerate();
+                for (row, slope) in entries.filter(|(_, slope)| **slope != 0.0) {
+                    add(dof(row), dof(column), *slope);
+                }
+            }
+        }
+    }
+
+    /// The difference of two forces of a point, component by component.
+    fn add_change(
+        &self,
+        own: &Loaded<'_, D>,
+        [on, back]: &[(Vector<D>, Vector<D>); 2],
+        place_of: &impl Fn(usize) -> usize,
+        mut add: impl FnMut(usize, f64),
+    ) {
+        let turn = (on.0 - back.0) * own.push;
+        let N = shapes(self.slave.order(), &own.point.lambda);
+        for (&a, N) in self.slave.facet(own.point.facet).iter().zip(N) {
+            let row = place_of(self.slave.nodes[a]);
+            (0..D).for_each(|i| add(row + i, turn[i] * N));
+        }
+        let master = self.master.faces;
+        let [after, before] = [on, back].map(|(_, lambda)| shapes(master.order(), lambda));
+        let nodes = master.facet(own.point.foot.facet).iter();
+        for ((&b, before), after) in nodes.zip(before).zip(after) {
+            let row = place_of(master.nodes[b]);
+            let change = (back.0 * before - on.0 * after) * own.push;
+            (0..D).for_each(|i| add(row + i, change[i]));
+        }
+    }
+}

@@ -1,0 +1,357 @@
+//! Stability, from the inertia of the tangent on the motions that rows with a force permit.
+
+use contact_core::linear::SymmetricPattern;
+use contact_core::{ContactProblem, LinearGaps};
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{MatMut, Side};
+use nalgebra::{DMatrix, DVector};
+
+use super::Measured;
+use crate::assembly::Dof;
+use crate::model::{Geometry, Problem};
+use crate::tensor::{Vector, unit_vector};
+
+/// The stiffness of rows with a force, and of ties, in units of the largest of the unknowns that they move.
+const HOLDS: f64 = 1e5;
+/// What is added to the diagonal, as a share of itself: round-off of the factorisation.
+const ROUND_OFF: f64 = 1e-12;
+/// The motions that are looked at where the inertia tells that some release energy, and rounds of the inverse iteration.
+const MOTIONS: usize = 8;
+const ROUNDS: usize = 12;
+/// The largest share that is looked for, by what factor shifts grow, and how often the interval of the shift is halved.
+const LARGEST: f64 = 1e6;
+const SPREAD: f64 = 4.0;
+const HALVINGS: usize = 6;
+/// The step of differences of gradients, as a share of the smallest height of cells, and by how much the Hessian's product may differ from them.
+const STEP: f64 = 1e-5;
+const SLOPE: f64 = 1e-3;
+/// The step of differences of the distance from an obstacle, as a share of a facet.
+const DISTANCE: f64 = 1e-3;
+
+/// A motion of the unknowns along which energy is released.
+#[derive(Debug)]
+pub(in crate::certificate) struct Release {
+    /// −vᵀKv, by the unit.
+    pub share: f64,
+    /// One entry for each free unknown.
+    pub motion: Vec<f64>,
+}
+
+/// K = ∇²E − sym D, with the slopes D of contact forces, and stiff springs on the rows with a force and on ties. K is positive
+/// on the motions that these permit if it has a Cholesky factor.
+struct Tangent {
+    pattern: SymmetricPattern,
+    held: Vec<f64>,
+    /// One entry for each unknown (UF/UL).
+    unit: Vec<f64>,
+    symbolic: SymbolicLlt<usize>,
+}
+
+/// Where nodes are, and the free unknowns.
+pub(in crate::certificate) type State<'a, const D: usize> = (&'a [Vector<D>], &'a [f64]);
+
+/// The softest motions that release more than the share `limit` of the unit, those that release most first. The unit is the curvature of a force that turns with the body: the sum
+/// of the forces on a body's nodes, at least `noticed`, divided by the longest side of the box around the body, times the mean square of
+/// the motion. `None` where the tangent is not that of the energy's gradient.
+pub(in crate::certificate) fn releases<const D: usize>(
+    problem: &Problem<D>,
+    measured: &[Measured<'_, D>],
+    (x, u): State<'_, D>,
+    (gaps, lambda): (&LinearGaps, &[f64]),
+    (noticed, limit): (f64, f64),
+) -> Option<Vec<Release>> {
+    if problem.geometry() == Geometry::Reference && problem.energy().is_quadratic() {
+        // rows at X do not vary, and a law for small strains has a positive tangent
+        return Some(Vec::new());
+    }
+    let tangent = Tangent::new(problem, measured, (x, u), (gaps, lambda), noticed)?;
+    if tangent.factor(limit).is_some() {
+        return Some(Vec::new());
+    }
+    let mut shift = 2.0 * limit;
+    while tangent.factor(shift).is_none() {
+        shift *= SPREAD;
+        if shift > LARGEST {
+            return None;
+        }
+    }
+    // between a shift that fails and one that holds
+    let (mut fails, mut holds) = (limit, shift);
+    for _ in 0..HALVINGS {
+        let middle = (fails * holds).sqrt();
+        match tangent.factor(middle) {
+            Some(_) => holds = middle,
+            None => fails = middle,
+        }
+    }
+    let factor = tangent.factor(holds)?;
+    Some(tangent.softest(&factor, limit))
+}
+
+impl Tangent {
+    fn new<const D: usize>(
+        problem: &Problem<D>,
+        measured: &[Measured<'_, D>],
+        (x, u): (&[Vector<D>], &[f64]),
+        (gaps, lambda): (&LinearGaps, &[f64]),
+        noticed: f64,
+    ) -> Option<Self> {
+        let energy = problem.energy();
+        let n = u.len();
+        let own = energy.hessian_pattern();
+        let mut hessian = vec![0.0; own.len()];
+        energy.hessian(u, &mut hessian);
+        if n == 0 || !agrees(problem, u, &hessian) {
+            return None;
+        }
+        let mut entries: Vec<(usize, usize, f64)> = Vec::new();
+        let places = own.iter().zip(&hessian);
+        entries.extend(places.map(|((i, j), value)| (i, j, *value)));
+        let mut curvature = |row: usize, column: usize, value: f64| {
+            for (i, a) in problem.dofs().slopes(row) {
+                for (j, b) in problem.dofs().slopes(column) {
+                    // of the symmetric part, below the diagonal
+                    let share = if i == j { 1.0 } else { 0.5 };
+                    entries.push((i.max(j), i.min(j), -share * a * b * value));
+                }
+            }
+        };
+        for own in measured {
+            let pushes = own.pass.pushes(&own.lambda);
+            own.pass.slopes_of_forces(&pushes, x, &mut curvature);
+        }
+        slopes_on_obstacles(problem, x, (gaps, lambda), &mut curvature);
+        let mut stiffest = vec![0.0_f64; n];
+        for &(i, j, value) in entries.iter().filter(|entry| entry.0 == entry.1) {
+            debug_assert_eq!(i, j);
+            stiffest[i] += value.abs();
+        }
+        let mut hold = |row: &[(usize, f64)]| {
+            let square: f64 = row.iter().map(|(_, c)| c * c).sum();
+            let stiff = row.iter().map(|(i, _)| stiffest[*i]).fold(0.0, f64::max);
+            if !(square > 0.0) {
+                return;
+            }
+            for (k, (i, a)) in row.iter().enumerate() {
+                for (j, b) in &row[..=k] {
+                    entries.push((*i.max(j), *i.min(j), HOLDS * stiff / square * a * b));
+                }
+            }
+        };
+        for (i, _) in lambda.iter().enumerate().filter(|(_, l)| **l > 0.0) {
+            hold(&merged(gaps.matrix().row(i)));
+        }
+        if let Some(reduction) = problem.reduction() {
+            let map = &reduction.map;
+            for &dependent in map.dependents() {
+                let mut unit = vec![0.0; n];
+                unit[dependent] = 1.0;
+                let mut row = map.spread(&map.transposed(&unit));
+                row[dependent] -= 1.0;
+                hold(&merged(
+                    row.into_iter().enumerate().filter(|(_, c)| *c != 0.0),
+                ));
+            }
+        }
+        let places: Vec<_> = entries.iter().map(|&(i, j, _)| (i, j)).collect();
+        let (pattern, slots) = SymmetricPattern::from_entries(n, &places).ok()?;
+        let mut held = vec![0.0; pattern.len()];
+        for (slot, entry) in slots.iter().zip(&entries) {
+            held[*slot] += entry.2;
+        }
+        let symbolic = SymbolicLlt::try_new(columns(&pattern), Side::Lower).ok()?;
+        let unit = units(problem, u, noticed);
+        let is_known = held.iter().chain(&unit).all(|value| value.is_finite());
+        is_known.then_some(Tangent {
+            pattern,
+            held,
+            unit,
+            symbolic,
+        })
+    }
+
+    /// The factor of the matrix with rows that hold and `shift` units more; `None` where it is not positive definite.
+    fn factor(&self, shift: f64) -> Option<Llt<usize, f64>> {
+        let mut values = self.held.clone();
+        for (j, unit) in self.unit.iter().enumerate() {
+            let diagonal = self.pattern.slot(j, j)?;
+            values[diagonal] += shift * unit + ROUND_OFF * self.held[diagonal].abs();
+        }
+        let matrix = SparseColMatRef::new(columns(&self.pattern), &values[..]);
+        Llt::try_new_with_symbolic(self.symbolic.clone(), matrix, Side::Lower).ok()
+    }
+
+    /// Those of the softest motions that release more than `limit`, by inverse iteration with a factor of the shifted matrix.
+    fn softest(&self, factor: &Llt<usize, f64>, limit: f64) -> Vec<Release> {
+        let n = self.unit.len();
+        let count = MOTIONS.min(n);
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut noise = || {
+            // xorshift
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let unit = DVector::from_column_slice(&self.unit);
+        let mut motions = DMatrix::from_fn(n, count, |_, _| noise());
+        let mut shares = DVector::zeros(count);
+        for _ in 0..ROUNDS {
+            for mut motion in motions.column_iter_mut() {
+                let mut b: Vec<f64> = motion.iter().zip(&unit).map(|(v, m)| v * m).collect();
+                factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut b, n, 1));
+                motion.copy_from_slice(&b);
+            }
+            orthonormalize(&mut motions, &unit);
+            let mut products = motions.clone();
+            for (mut product, motion) in products.column_iter_mut().zip(motions.column_iter()) {
+                let mut y = vec![0.0; n];
+                let v: Vec<f64> = motion.iter().copied().collect();
+                self.pattern.product(&self.held, &v, &mut y);
+                product.copy_from_slice(&y);
+            }
+            let small = motions.transpose() * products;
+            let eigen = ((&small + small.transpose()) * 0.5).symmetric_eigen();
+            motions *= eigen.eigenvectors;
+            shares = eigen.eigenvalues;
+        }
+        let mut releases: Vec<Release> = Vec::new();
+        for (motion, share) in motions.column_iter().zip(&shares) {
+            if -share > limit {
+                releases.push(Release {
+                    share: -share,
+                    motion: motion.iter().copied().collect(),
+                });
+            }
+        }
+        releases.sort_by(|a, b| b.share.total_cmp(&a.share));
+        releases
+    }
+}
+
+fn columns(pattern: &SymmetricPattern) -> SymbolicSparseColMatRef<'_, usize> {
+    let n = pattern.dim();
+    SymbolicSparseColMatRef::new_checked(n, n, pattern.starts(), None, pattern.rows())
+}
+
+/// Gram and Schmidt's way, twice, with this diagonal of a product.
+fn orthonormalize(motions: &mut DMatrix<f64>, unit: &DVector<f64>) {
+    for k in 0..motions.ncols() {
+        let mut own: DVector<f64> = motions.column(k).into();
+        for _ in 0..2 {
+            for other in motions.columns(0, k).column_iter() {
+                let part: f64 = own
+                    .iter()
+                    .zip(unit)
+                    .zip(&other)
+                    .map(|((a, m), b)| a * m * b)
+                    .sum();
+                own -= other * part;
+            }
+            let norm: f64 = own.iter().zip(unit).map(|(v, m)| v * v * m).sum();
+            if norm > 0.0 {
+                own /= norm.sqrt();
+            }
+        }
+        motions.set_column(k, &own);
+    }
+}
+
+/// Entries of a row by unknown, those of one added.
+fn merged(entries: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
+    let mut own: Vec<(usize, f64)> = entries.collect();
+    own.sort_unstable_by_key(|(i, _)| *i);
+    own.dedup_by(|later, first| {
+        let is_same = later.0 == first.0;
+        if is_same {
+            first.1 += later.1;
+        }
+        is_same
+    });
+    own
+}
+
+/// The force on each body over its extent and its number of nodes, for each free unknown.
+fn units<const D: usize>(problem: &Problem<D>, u: &[f64], noticed: f64) -> Vec<f64> {
+    let residuals = problem.residuals(u);
+    let mut units = vec![0.0; u.len()];
+    for (body, owner) in problem.scene().bodies().iter().enumerate() {
+        let (low, high) = owner.mesh().bounding_box();
+        let extent = (high - low).max();
+        let nodes = problem.nodes(body);
+        let forces = residuals[body].chunks_exact(D);
+        let norms = forces.map(|f| f.iter().map(|f| f * f).sum::<f64>().sqrt());
+        let force = norms.sum::<f64>().max(noticed);
+        let unit = force / (extent * nodes.len() as f64);
+        for node in nodes {
+            for i in 0..D {
+                if let Dof::Free(k) = problem.dofs().get(D * node + i) {
+                    units[k] = unit;
+                }
+            }
+        }
+    }
+    units
+}
+
+/// The slopes of forces on obstacles, λ ∇²d of the signed distance d at the node of each row. What is more than its facets resolve is a kink,
+/// and is left out.
+fn slopes_on_obstacles<const D: usize>(
+    problem: &Problem<D>,
+    x: &[Vector<D>],
+    (gaps, lambda): (&LinearGaps, &[f64]),
+    add: &mut impl FnMut(usize, usize, f64),
+) {
+    let obstacles = problem.scene().obstacles();
+    for (key, lambda) in gaps.keys().iter().zip(lambda).filter(|(_, l)| **l > 0.0) {
+        let pass = problem.passes()[key.pass as usize];
+        let node = key.node as usize;
+        let Some(obstacle) = problem.obstacle_of(pass).and_then(|k| obstacles.get(k)) else {
+            continue;
+        };
+        let Some(x) = x.get(node) else { continue };
+        let size = problem.surfaces()[pass.slave].facet_size();
+        let pose = obstacle.pose(problem.load());
+        let distance = |a: Vector<D>| obstacle.distance(&pose.back(&(x + a)));
+        let step = DISTANCE * size;
+        for i in 0..D {
+            for j in 0..D {
+                let [a, b] = [i, j].map(|k| unit_vector::<D>(k) * step);
+                let sum = distance(a + b) - distance(a - b) - distance(b - a) + distance(-a - b);
+                let slope = sum / (4.0 * step * step);
+                if slope.abs() * size < 1.0 {
+                    add(D * node + i, D * node + j, lambda * slope);
+                }
+            }
+        }
+    }
+}
+
+/// Whether the Hessian's product with a random motion is the difference of gradients.
+fn agrees<const D: usize>(problem: &Problem<D>, u: &[f64], hessian: &[f64]) -> bool {
+    let energy = problem.energy();
+    let heights =
+        (0..problem.scene().bodies().len()).map(|body| problem.height_and_volume(body)[0]);
+    let step = STEP * heights.fold(f64::INFINITY, f64::min);
+    let n = u.len();
+    let v: Vec<f64> = (0..n)
+        .map(|k| (1.0 + 2.4 * k as f64 + 0.7 * (k * k) as f64).sin())
+        .collect();
+    let mut product = vec![0.0; n];
+    energy.hessian_pattern().product(hessian, &v, &mut product);
+    let [on, back] = [step, -step].map(|step| {
+        let moved: Vec<f64> = u.iter().zip(&v).map(|(u, v)| u + step * v).collect();
+        let mut gradient = vec![0.0; n];
+        energy.gradient(&moved, &mut gradient);
+        gradient
+    });
+    let (mut apart, mut size) = (0.0, 0.0);
+    for ((on, back), product) in on.iter().zip(&back).zip(&product) {
+        let slope = (on - back) / (2.0 * step);
+        apart += (slope - product) * (slope - product);
+        size += slope * slope;
+    }
+    apart <= SLOPE * SLOPE * size
+}
