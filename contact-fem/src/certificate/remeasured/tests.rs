@@ -366,7 +366,9 @@ fn a_straight_column_releases_energy() {
         scene.contact(pair.0, pair.1).expect("a pair");
         let mut problem = scene.problem().expect("a problem");
         let begun = contact_core::Phase::new("begun", 1e-3, 1);
-        let history = Simulation::in_phases([begun]).run(&mut problem).expect("a run");
+        let history = Simulation::in_phases([begun])
+            .run(&mut problem)
+            .expect("a run");
         let mut solution = history.run.solution.expect("a step");
         // the same straight column at the whole load
         contact_core::LoadStepped::set_load(&mut problem, 1.0).expect("a load");
