@@ -101,8 +101,8 @@ pub enum Condition {
     /// from that of the second measurement. 0 with closest points, and with exact integration in space.
     RemeasuredAreas,
     /// Forces act where contact is, along its normals: the largest difference on a node of the solver's Cᵀλ from the forces which the
-    /// same λ mean by the second measurement. The unit is the square of the largest sine around the node of the angle in [`Condition::VirtualWork`], to which quadratures differ on
-    /// chords, and 1e-4 more: 2e-3 with quadratic cells in the plane, 0.4 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
+    /// same λ mean by the second measurement. The unit is 0.3 of the square of the largest sine around the node of the angle in [`Condition::VirtualWork`], to which quadratures differ on
+    /// chords, and 1e-4 more: the square itself and 2e-3 with quadratic cells in the plane, or 0.4 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
     RemeasuredForces,
     /// Forces are the slope of gaps: |v·Cᵀλ − ∂/∂v Σ λ_i c_i|, the largest over rigid motions v of the first body of each pair and two waves of both. The
     /// c_i are those of the second measurement, with feet and normals that follow v. Rows hold feet and normals, and leave out by how

@@ -157,7 +157,7 @@ impl Certificate {
             Condition::Undeclared => Some(undeclared(problem, u, &audit.overlaps)),
             Condition::Inertia => again
                 .as_ref()
-                .and_then(|own| inertia(problem, u, own.releases.as_deref()?)),
+                .and_then(|own| inertia(problem, u, own.releases.as_ref()?)),
         };
         let blank = Certificate::uniform(0.0, problem.scale().roundoff);
         Condition::all().fold(blank, |all, condition| all.with(condition, left(condition)))
@@ -335,16 +335,18 @@ fn instability<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Opt
     })
 }
 
-/// The largest share of its unit by which a motion that deforms bodies releases energy.
+/// The largest share of its unit by which a motion that deforms bodies releases energy; `None` where rigid motions hide whether there is one.
 fn inertia<const D: usize>(
     problem: &Problem<D>,
     u: &[f64],
-    releases: &[remeasured::Release],
+    releases: &remeasured::Releases,
 ) -> Option<f64> {
-    let deforms = releases
-        .iter()
-        .find(|release| from_rigid(problem, u, &release.motion) > RIGID);
-    Some(deforms.map_or(0.0, |release| release.share))
+    let mut motions = releases.motions.iter();
+    let deforms = motions.find(|release| from_rigid(problem, u, &release.motion) > RIGID);
+    match deforms {
+        Some(release) => Some(release.share),
+        None => releases.are_all.then_some(0.0),
+    }
 }
 
 /// How far the motion v of free unknowns is from translations and rotations of the bodies, as a share of it, by root mean squares over nodes.

@@ -237,7 +237,7 @@ fn faults(arguments: &Arguments, sound: &[Found]) -> Result<usize, Failure> {
                 continue;
             }
             plant(Some(number));
-            let found = ran(case, false);
+            let found = ran(case, arguments.values);
             plant(None);
             let apart = found.apart(sound);
             let matters = apart > MATTERS;

@@ -32,7 +32,7 @@ use faces::{Faces, Placed};
 use feet::Reach;
 use rows::{Pass, Search};
 use rule::Places;
-pub(super) use stability::Release;
+pub(super) use stability::Releases;
 
 /// The units in which gaps and forces are told.
 pub(super) struct Units<'a> {
@@ -62,7 +62,7 @@ pub(super) struct Remeasured {
     /// The largest difference of virtual works; `None` likewise, and where rows are frozen at X.
     pub work: Option<f64>,
     /// Motions that release energy; `None` where that is not known.
-    pub releases: Option<Vec<Release>>,
+    pub releases: Option<Releases>,
 }
 
 /// How far two sound measurements may differ.
@@ -73,6 +73,8 @@ struct Differs {
     varies: f64,
     /// The difference of the forces on a node, as a share of the largest on the body, that quadrature leaves where surfaces are flat.
     forces: f64,
+    /// How much of the square of the sine of the angle between averaged normals and those of facets is added to it.
+    chords: f64,
     /// The same of virtual works, added to the sine of the angle between averaged normals and those of facets.
     works: f64,
     /// Whether the areas of rows are the same, of which all points count in full.
@@ -84,6 +86,7 @@ const SAME: Differs = Differs {
     covered: 0.1,
     varies: 1.0,
     forces: 1e-4,
+    chords: 0.3,
     works: 2e-3,
     areas: true,
 };
@@ -96,6 +99,7 @@ const CUT: Differs = Differs {
 /// The same with quadratic cells, whose facets are curved at present: forces on discs of 16 to 48 segments differ by up to 5e-4.
 const CURVED: Differs = Differs {
     forces: 2e-3,
+    chords: 1.0,
     works: 1e-2,
     varies: 30.0,
     ..CUT
@@ -106,6 +110,7 @@ const ROUGH: Differs = Differs {
     covered: 0.99,
     varies: 250.0,
     forces: 0.4,
+    chords: 1.0,
     works: 5e-2,
     areas: false,
 };
@@ -287,7 +292,7 @@ pub(super) fn measure<const D: usize>(
     if of_nodes {
         let state = (&x[..], gaps, lambda);
         let differs = differs(problem);
-        let own = (units.forces, differs.forces);
+        let own = (units.forces, [differs.forces, differs.chords]);
         found.forces = Some(pairs::forces_apart(problem, &measured, state, own));
         let follows = problem.geometry() == Geometry::Current;
         let own = (units.forces, differs.works);

@@ -31,13 +31,13 @@ fn solved<const D: usize>(
 }
 
 /// The largest difference of the solver's force on a node from that which the multipliers mean, by the largest force on a node of the body. The unit
-/// is the square of the largest sine, around the node, of the angle between averaged normals and those of facets, to which both rules of
+/// is a share `chords` of the square of the largest sine, around the node, of the angle between averaged normals and those of facets, to which both rules of
 /// integration differ where facets are chords or curved, and `flat` more.
 pub(super) fn forces_apart<const D: usize>(
     problem: &Problem<D>,
     measured: &[Measured<'_, D>],
     state: State<'_, D>,
-    (units, flat): (&[f64], f64),
+    (units, [flat, chords]): (&[f64], [f64; 2]),
 ) -> f64 {
     let all: Vec<_> = measured.iter().collect();
     let mut apart = solved(problem, &all, state);
@@ -51,7 +51,7 @@ pub(super) fn forces_apart<const D: usize>(
     let mut worst = 0.0;
     for (body, unit) in units.iter().enumerate() {
         for node in problem.nodes(body) {
-            let unit = unit * (flat + sines[node] * sines[node]);
+            let unit = unit * (flat + chords * sines[node] * sines[node]);
             worst = worse(worst, apart[node].amax() / unit);
         }
     }
@@ -91,12 +91,15 @@ pub(super) fn works_apart<const D: usize>(
             .map(|(own, pushes)| own.pass.tilt(pushes));
         let tilts = tilts.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
         let tilt = tilts[0] / tilts[1] + flat;
+        let loaded = own.iter().zip(&pushes);
+        let loaded = loaded.map(|(own, pushes)| own.pass.loaded(pushes, state.0));
+        let loaded: Vec<_> = loaded.collect();
         let size = first.pass.slave.size().min(first.pass.master.faces.size());
         for field in Field::of_pair(problem, bodies, state.0, &forces) {
             let works = [1.0, -1.0].map(|sign| {
                 let x = field.moved(state.0, sign * STEP * size);
-                let each = own.iter().zip(&pushes);
-                each.map(|(own, pushes)| own.pass.work(pushes, &x))
+                let each = own.iter().zip(&loaded);
+                each.map(|(own, loaded)| own.pass.work(loaded, &x))
                     .sum::<f64>()
             });
             let change = (works[0] - works[1]) / (2.0 * STEP * size);

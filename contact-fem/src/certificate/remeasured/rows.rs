@@ -1,7 +1,7 @@
 //! Weak gaps of one pass, and the forces that multipliers mean.
 
 use super::faces::{Faces, Placed, shapes};
-use super::feet::{self, Reach};
+use super::feet::Reach;
 use super::rule::{Held, Places, Points, Slave};
 use crate::tensor::Vector;
 
@@ -251,24 +251,6 @@ impl<'a, const D: usize> Pass<'a, D> {
             raise(self.slave, point.facet);
             raise(self.master.faces, point.foot.facet);
         }
-    }
-
-    /// Σ π_q g_q with feet and normals that follow the nodes of the scene to `x` (UF·UL).
-    pub fn work(&self, pushes: &[f64], x: &[Vector<D>]) -> f64 {
-        let own: Vec<Vector<D>> = self.slave.nodes.iter().map(|&a| x[a]).collect();
-        let moved = Placed::unsorted(self.master.faces, x);
-        let loaded = self
-            .held
-            .iter()
-            .zip(pushes)
-            .filter(|(_, push)| **push != 0.0);
-        let gap = |point: &Held<D>| {
-            let place = self.slave.patch(point.facet, &own).at(&point.lambda);
-            let patches = moved.patches(point.foot.facet);
-            let found = feet::solve(&patches, &place, (&point.foot.lambda, point.foot.gap));
-            found.map_or(f64::NAN, |found| feet::at(0, &patches, found).gap)
-        };
-        loaded.map(|(point, push)| push * gap(point)).sum()
     }
 }
 

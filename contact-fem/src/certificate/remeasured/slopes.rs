@@ -1,10 +1,10 @@
-//! How the forces of points vary with positions, while feet and normals follow.
+//! How gaps and forces of points vary with positions, while feet and normals follow.
 
 use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 
-use super::faces::{Patch, shapes, swept};
+use super::faces::{Patch, Placed, shapes, swept};
 use super::rows::Pass;
 use super::rule::Held;
 use crate::tensor::{Matrix, Vector};
@@ -14,14 +14,14 @@ const STEP: f64 = 1e-5;
 /// A foot is along its normal if the point is no further from the line, as a share of a facet.
 const ALONG: f64 = 1e-6;
 
-/// A point with a force whose foot is along its normal.
-struct Loaded<'a, const D: usize> {
-    point: &'a Held<D>,
-    push: f64,
+/// A point with a force.
+pub(super) struct Loaded<'a, const D: usize> {
+    pub point: &'a Held<D>,
+    pub push: f64,
     place: Vector<D>,
-    /// s of x = x̄(λ) + s m(λ), and the inverse of the slopes of the right side by λ and s.
-    along: f64,
-    inverse: Matrix<D>,
+    /// s of x = x̄(λ) + s m(λ), and the inverse of the slopes of the right side by λ and s; `None` for a foot that is not along normals,
+    /// which is held.
+    along: Option<(f64, Matrix<D>)>,
 }
 
 impl<'a, const D: usize> Loaded<'a, D> {
@@ -30,55 +30,90 @@ impl<'a, const D: usize> Loaded<'a, D> {
         push: f64,
         place: Vector<D>,
         (patches, size): (&[Patch<D>; 2], f64),
-    ) -> Option<Self> {
+    ) -> Self {
         let lambda = &point.foot.lambda;
-        let along = point.foot.gap / patches[1].at(lambda).norm();
-        let rest = place - patches[0].at(lambda) - patches[1].at(lambda) * along;
-        let inverse = swept(patches, lambda, along).try_inverse()?;
-        (rest.norm() < ALONG * size).then_some(Loaded {
+        let s = point.foot.gap / patches[1].at(lambda).norm();
+        let rest = place - patches[0].at(lambda) - patches[1].at(lambda) * s;
+        let inverse = swept(patches, lambda, s).try_inverse();
+        let inverse = inverse.filter(|_| rest.norm() < ALONG * size);
+        Loaded {
             point,
             push,
             place,
-            along,
-            inverse,
-        })
+            along: inverse.map(|inverse| (s, inverse)),
+        }
     }
 
-    /// The direction of the force, and λ of its foot, after a small change of the master or of the place: Newton's method, one step.
-    fn after(&self, patches: &[Patch<D>; 2], place: &Vector<D>) -> (Vector<D>, Vector<D>) {
+    /// λ of the foot, the unit normal there and the gap, after a small change of the master or of the place: Newton's method, one step.
+    fn after(&self, patches: &[Patch<D>; 2], place: &Vector<D>) -> (Vector<D>, Vector<D>, f64) {
         let mut lambda = self.point.foot.lambda;
-        let rest = place - patches[0].at(&lambda) - patches[1].at(&lambda) * self.along;
-        let step = self.inverse * rest;
+        let Some((s, inverse)) = &self.along else {
+            let normal = self.point.foot.normal;
+            return (
+                lambda,
+                normal,
+                (place - patches[0].at(&lambda)).dot(&normal),
+            );
+        };
+        let rest = place - patches[0].at(&lambda) - patches[1].at(&lambda) * *s;
+        let step = inverse * rest;
         for k in 1..D {
             lambda[k] += step[k - 1];
             lambda[0] -= step[k - 1];
         }
-        (patches[1].at(&lambda).normalize(), lambda)
+        let normal = patches[1].at(&lambda);
+        let length = normal.norm();
+        (lambda, normal / length, (s + step[D - 1]) * length)
     }
 }
 
 impl<const D: usize> Pass<'_, D> {
+    /// The points with a force, where the scene's nodes are at `x`, at which the feet were looked for.
+    pub fn loaded(&self, pushes: &[f64], x: &[Vector<D>]) -> Vec<Loaded<'_, D>> {
+        let size = self.slave.size().min(self.master.faces.size());
+        let own: Vec<Vector<D>> = self.slave.nodes.iter().map(|&a| x[a]).collect();
+        let points = self.held.iter().zip(pushes);
+        let points = points
+            .filter(|(_, push)| **push != 0.0)
+            .map(|(point, push)| {
+                let place = self.slave.patch(point.facet, &own).at(&point.lambda);
+                let patches = self.master.patches(point.foot.facet);
+                Loaded::new(point, *push, place, (&patches, size))
+            });
+        points.collect()
+    }
+
+    /// Σ π_q g_q with feet and normals that follow the nodes of the scene to `x`, nearby (UF·UL).
+    pub fn work(&self, loaded: &[Loaded<'_, D>], x: &[Vector<D>]) -> f64 {
+        let slave: Vec<Vector<D>> = self.slave.nodes.iter().map(|&a| x[a]).collect();
+        let moved = Placed::unsorted(self.master.faces, x);
+        let works = loaded.iter().map(|own| {
+            let point = own.point;
+            let place = self.slave.patch(point.facet, &slave).at(&point.lambda);
+            let patches = moved.patches(point.foot.facet);
+            let (_, _, gap) = own.after(&patches, &place);
+            own.push * gap
+        });
+        works.sum()
+    }
+
     /// Gives the slope of each component of the force on a node of the scene, by each component of the position of one, to `add`. Those of
-    /// one place add up. Pushes, and the points that count, are held. Points without a foot along normals are left out.
+    /// one place add up. Pushes, and the points that count, are held.
     pub fn slopes_of_forces(
         &self,
-        pushes: &[f64],
+        loaded: &[Loaded<'_, D>],
         x: &[Vector<D>],
         add: &mut impl FnMut(usize, usize, f64),
     ) {
         let master = self.master.faces;
         let around = master.around();
-        let size = self.slave.size().min(master.size());
-        let step = STEP * size;
-        let own: Vec<Vector<D>> = self.slave.nodes.iter().map(|&a| x[a]).collect();
+        let step = STEP * self.slave.size().min(master.size());
         let mut there: Vec<Vector<D>> = master.nodes.iter().map(|&b| x[b]).collect();
-        let mut by_facet: BTreeMap<usize, Vec<(&Held<D>, f64)>> = BTreeMap::new();
-        let loaded = self.held.iter().zip(pushes);
-        for (point, push) in loaded.filter(|(_, push)| **push != 0.0) {
-            let group = by_facet.entry(point.foot.facet).or_default();
-            group.push((point, *push));
+        let mut by_facet: BTreeMap<usize, Vec<&Loaded<'_, D>>> = BTreeMap::new();
+        for own in loaded.iter().filter(|own| own.along.is_some()) {
+            by_facet.entry(own.point.foot.facet).or_default().push(own);
         }
-        for (facet, group) in by_facet {
+        for (facet, loaded) in by_facet {
             let mut facets = Vec::new();
             for &a in master.facet(facet) {
                 facets.extend_from_slice(&around[a]);
@@ -87,11 +122,6 @@ impl<const D: usize> Pass<'_, D> {
             facets.dedup();
             let sums = master.sums(facet, &facets, &there);
             let here = master.patches_of(facet, &there, &sums);
-            let loaded = group.iter().filter_map(|(point, push)| {
-                let place = self.slave.patch(point.facet, &own).at(&point.lambda);
-                Loaded::new(point, *push, place, (&here, size))
-            });
-            let loaded: Vec<Loaded<'_, D>> = loaded.collect();
             // the nodes of the scene on which forces of these points act or depend
             let mut nearby: Vec<usize> = facets
                 .iter()
@@ -165,22 +195,22 @@ impl<const D: usize> Pass<'_, D> {
     fn add_change(
         &self,
         own: &Loaded<'_, D>,
-        [on, back]: &[(Vector<D>, Vector<D>); 2],
+        [on, back]: &[(Vector<D>, Vector<D>, f64); 2],
         place_of: &impl Fn(usize) -> usize,
         mut add: impl FnMut(usize, f64),
     ) {
-        let turn = (on.0 - back.0) * own.push;
+        let turn = (on.1 - back.1) * own.push;
         let N = shapes(self.slave.order(), &own.point.lambda);
         for (&a, N) in self.slave.facet(own.point.facet).iter().zip(N) {
             let row = place_of(self.slave.nodes[a]);
             (0..D).for_each(|i| add(row + i, turn[i] * N));
         }
         let master = self.master.faces;
-        let [after, before] = [on, back].map(|(_, lambda)| shapes(master.order(), lambda));
+        let [after, before] = [on, back].map(|(lambda, ..)| shapes(master.order(), lambda));
         let nodes = master.facet(own.point.foot.facet).iter();
         for ((&b, before), after) in nodes.zip(before).zip(after) {
             let row = place_of(master.nodes[b]);
-            let change = (back.0 * before - on.0 * after) * own.push;
+            let change = (back.1 * before - on.1 * after) * own.push;
             (0..D).for_each(|i| add(row + i, change[i]));
         }
     }

@@ -17,8 +17,9 @@ use crate::tensor::{Vector, unit_vector};
 const HOLDS: f64 = 1e5;
 /// What is added to the diagonal, as a share of itself: round-off of the factorisation.
 const ROUND_OFF: f64 = 1e-12;
-/// The motions that are looked at where the inertia tells that some release energy, and rounds of the inverse iteration.
-const MOTIONS: usize = 8;
+/// The motions that are looked at, where some release energy: so many and those of rigid bodies, but no more than the second number.
+const MOTIONS: [usize; 2] = [8, 64];
+/// Rounds of the inverse iteration.
 const ROUNDS: usize = 12;
 /// The largest share that is looked for, by what factor shifts grow, and how often the interval of the shift is halved.
 const LARGEST: f64 = 1e6;
@@ -39,6 +40,15 @@ pub(in crate::certificate) struct Release {
     pub motion: Vec<f64>,
 }
 
+/// The motions that release energy.
+#[derive(Debug, Default)]
+pub(in crate::certificate) struct Releases {
+    /// Those that release most first.
+    pub motions: Vec<Release>,
+    /// Whether these are all.
+    pub are_all: bool,
+}
+
 /// K = ∇²E − sym D, with the slopes D of contact forces, and stiff springs on the rows with a force and on ties. K is positive
 /// on the motions that these permit if it has a Cholesky factor.
 struct Tangent {
@@ -52,7 +62,7 @@ struct Tangent {
 /// Where nodes are, and the free unknowns.
 pub(in crate::certificate) type State<'a, const D: usize> = (&'a [Vector<D>], &'a [f64]);
 
-/// The softest motions that release more than the share `limit` of the unit, those that release most first. The unit is the curvature of a force that turns with the body: the sum
+/// The motions that release more than the share `limit` of the unit. The unit is the curvature of a force that turns with the body: the sum
 /// of the forces on a body's nodes, at least `noticed`, divided by the longest side of the box around the body, times the mean square of
 /// the motion. `None` where the tangent is not that of the energy's gradient.
 pub(in crate::certificate) fn releases<const D: usize>(
@@ -61,14 +71,14 @@ pub(in crate::certificate) fn releases<const D: usize>(
     (x, u): State<'_, D>,
     (gaps, lambda): (&LinearGaps, &[f64]),
     (noticed, limit): (f64, f64),
-) -> Option<Vec<Release>> {
+) -> Option<Releases> {
     if problem.geometry() == Geometry::Reference && problem.energy().is_quadratic() {
         // rows at X do not vary, and a law for small strains has a positive tangent
-        return Some(Vec::new());
+        return Some(Releases::none());
     }
     let tangent = Tangent::new(problem, measured, (x, u), (gaps, lambda), noticed)?;
     if tangent.factor(limit).is_some() {
-        return Some(Vec::new());
+        return Some(Releases::none());
     }
     let mut shift = 2.0 * limit;
     while tangent.factor(shift).is_none() {
@@ -87,7 +97,18 @@ pub(in crate::certificate) fn releases<const D: usize>(
         }
     }
     let factor = tangent.factor(holds)?;
-    Some(tangent.softest(&factor, limit))
+    let rigid = D * (D + 1) / 2 * problem.scene().bodies().len();
+    let count = (MOTIONS[0] + rigid).min(MOTIONS[1]).min(u.len());
+    Some(tangent.softest(&factor, count, limit))
+}
+
+impl Releases {
+    fn none() -> Self {
+        Releases {
+            motions: Vec::new(),
+            are_all: true,
+        }
+    }
 }
 
 impl Tangent {
@@ -120,7 +141,8 @@ impl Tangent {
         };
         for own in measured {
             let pushes = own.pass.pushes(&own.lambda);
-            own.pass.slopes_of_forces(&pushes, x, &mut curvature);
+            let loaded = own.pass.loaded(&pushes, x);
+            own.pass.slopes_of_forces(&loaded, x, &mut curvature);
         }
         slopes_on_obstacles(problem, x, (gaps, lambda), &mut curvature);
         let mut stiffest = vec![0.0_f64; n];
@@ -183,10 +205,9 @@ impl Tangent {
         Llt::try_new_with_symbolic(self.symbolic.clone(), matrix, Side::Lower).ok()
     }
 
-    /// Those of the softest motions that release more than `limit`, by inverse iteration with a factor of the shifted matrix.
-    fn softest(&self, factor: &Llt<usize, f64>, limit: f64) -> Vec<Release> {
+    /// Those of the `count` softest motions that release more than `limit`, by inverse iteration with a factor of the shifted matrix.
+    fn softest(&self, factor: &Llt<usize, f64>, count: usize, limit: f64) -> Releases {
         let n = self.unit.len();
-        let count = MOTIONS.min(n);
         let mut state = 0x9e37_79b9_7f4a_7c15_u64;
         let mut noise = || {
             // xorshift
@@ -196,38 +217,39 @@ impl Tangent {
             (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         };
         let unit = DVector::from_column_slice(&self.unit);
-        let mut motions = DMatrix::from_fn(n, count, |_, _| noise());
+        let mut found = DMatrix::from_fn(n, count, |_, _| noise());
         let mut shares = DVector::zeros(count);
         for _ in 0..ROUNDS {
-            for mut motion in motions.column_iter_mut() {
+            for mut motion in found.column_iter_mut() {
                 let mut b: Vec<f64> = motion.iter().zip(&unit).map(|(v, m)| v * m).collect();
                 factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut b, n, 1));
                 motion.copy_from_slice(&b);
             }
-            orthonormalize(&mut motions, &unit);
-            let mut products = motions.clone();
-            for (mut product, motion) in products.column_iter_mut().zip(motions.column_iter()) {
+            orthonormalize(&mut found, &unit);
+            let mut products = found.clone();
+            for (mut product, motion) in products.column_iter_mut().zip(found.column_iter()) {
                 let mut y = vec![0.0; n];
                 let v: Vec<f64> = motion.iter().copied().collect();
                 self.pattern.product(&self.held, &v, &mut y);
                 product.copy_from_slice(&y);
             }
-            let small = motions.transpose() * products;
+            let small = found.transpose() * products;
             let eigen = ((&small + small.transpose()) * 0.5).symmetric_eigen();
-            motions *= eigen.eigenvectors;
+            found *= eigen.eigenvectors;
             shares = eigen.eigenvalues;
         }
-        let mut releases: Vec<Release> = Vec::new();
-        for (motion, share) in motions.column_iter().zip(&shares) {
+        let mut motions: Vec<Release> = Vec::new();
+        for (motion, share) in found.column_iter().zip(&shares) {
             if -share > limit {
-                releases.push(Release {
+                motions.push(Release {
                     share: -share,
                     motion: motion.iter().copied().collect(),
                 });
             }
         }
-        releases.sort_by(|a, b| b.share.total_cmp(&a.share));
-        releases
+        motions.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let are_all = motions.len() < count || count == n;
+        Releases { motions, are_all }
     }
 }
 

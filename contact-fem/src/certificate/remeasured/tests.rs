@@ -305,7 +305,7 @@ fn differences<const D: usize>(meshes: [&Mesh<D>; 2], sides: [&str; 2]) {
         .map(|k| Vector::from_fn(|i, _| wave(k, i)))
         .collect();
     let mut slopes = vec![Vector::<D>::zeros(); x.len()];
-    pass.slopes_of_forces(&pushes, &x, &mut |row, column, slope| {
+    pass.slopes_of_forces(&pass.loaded(&pushes, &x), &x, &mut |row, column, slope| {
         slopes[row / D][row % D] += slope * v[column / D][column % D];
     });
     const STEP: f64 = 1e-6;
