@@ -89,7 +89,7 @@ pub enum Condition {
     Instability,
     /// As [`Condition::WeakPenetration`], by gaps that are measured a second time from the meshes alone: own search, feet, normals and
     /// quadrature. To the unit is added what the gap varies by within the row, of which two rules differ by a share: all of it at
-    /// Gauss points, which both take, 10 times as much where facets are cut in the plane, 30 times with
+    /// Gauss points, which both take, 10 times as much where facets are cut in the plane, 150 times with
     /// quadratic cells there, and 250 times elsewhere. What the solver's own gaps are off by is left to [`Condition::WeakPenetration`]. At the ends of phases, as the
     /// four that follow and [`Condition::EnergySlope`].
     RemeasuredPenetration,
@@ -101,8 +101,8 @@ pub enum Condition {
     /// from that of the second measurement. 0 with closest points, and with exact integration in space.
     RemeasuredAreas,
     /// Forces act where contact is, along its normals: the largest difference on a node of the solver's Cᵀλ from the forces which the
-    /// same λ mean by the second measurement. The unit is 0.3 of the square of the largest sine around the node of the angle in [`Condition::VirtualWork`], to which quadratures differ on
-    /// chords, and 1e-4 more: the square itself and 2e-3 with quadratic cells in the plane, or 0.4 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
+    /// same λ mean by the second measurement. The unit is half of the square of the largest sine around the node of the angle in [`Condition::VirtualWork`], to which quadratures differ on
+    /// chords, and 1e-4 more: ten times the square and 2e-3 with quadratic cells in the plane, the square and 0.4 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
     RemeasuredForces,
     /// Forces are the slope of gaps: |v·Cᵀλ − ∂/∂v Σ λ_i c_i|, the largest over rigid motions v of the first body of each pair and two waves of both. The
     /// c_i are those of the second measurement, with feet and normals that follow v. Rows hold feet and normals, and leave out by how
@@ -122,7 +122,7 @@ pub enum Condition {
     Undeclared,
     /// The equilibrium is stable, by the inertia of a tangent that the certificate assembles: the energy's Hessian, whose product is compared with differences of
     /// gradients, and the slopes of contact forces by differences of the second measurement. It is factored on the motions that rows with a force permit.
-    /// The residual is 0 if no motion that deforms bodies releases energy, or else the most that one releases, where 1 is the sum of the forces on a body's
+    /// The residual is 0 if no motion that deforms bodies releases more than the limit, or else the most that one releases, where 1 is the sum of the forces on a body's
     /// nodes, divided by the extent of the body, times the mean square of the motion. Rigid motions are left to [`Condition::Held`] and
     /// [`Condition::Instability`]. `None` in method (39).
     Inertia,
@@ -190,7 +190,7 @@ const TABLE: [Line; 29] = [
     line(Condition::PairBalance, "pair_balance", 1e-9),
     line(Condition::PairMoment, "pair_moment", 1e-3),
     line(Condition::Undeclared, "undeclared", 0.05),
-    line(Condition::Inertia, "inertia", 0.05),
+    line(Condition::Inertia, "inertia", 0.01),
 ];
 
 impl Condition {

@@ -1,5 +1,7 @@
 //! Forces against the energy itself: its slope along random directions, by differences of its value.
 
+use std::f64::consts::TAU;
+
 use contact_core::{ContactProblem, LinearGaps, Reduction};
 
 use super::worse;
@@ -31,7 +33,12 @@ pub(super) fn apart<const D: usize>(
     let reduction = problem.reduction();
     let mut worst = None;
     for (body, unit) in units.iter().enumerate() {
-        let [height, volume] = problem.height_and_volume(body);
+        let [height, area] = problem.height_and_volume(body);
+        let mesh = problem.scene().bodies()[body].mesh();
+        let volume = match mesh.is_of_revolution() {
+            true => TAU * mesh.bounding_box().1[0] * area,
+            false => area,
+        };
         let step = STEP * height;
         for number in 0..DIRECTIONS {
             let v = direction(problem, body, number, reduction.as_ref(), u.len());
