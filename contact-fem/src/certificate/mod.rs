@@ -101,8 +101,9 @@ pub enum Condition {
     /// from that of the second measurement. 0 with closest points, and with exact integration in space.
     RemeasuredAreas,
     /// Forces act where contact is, along its normals: the largest difference on a node of the solver's Cᵀλ from the forces which the
-    /// same λ mean by the second measurement. The unit is half of the square of the largest sine around the node of the angle in [`Condition::VirtualWork`], to which quadratures differ on
-    /// chords, and 1e-4 more: ten times the square and 2e-3 with quadratic cells in the plane, the square and 0.4 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
+    /// same λ mean by the second measurement. Quadratures differ on chords by about the square of the sine of the angle in
+    /// [`Condition::VirtualWork`]. The unit is half of the largest such square around the node, and 1e-4; the square and 2e-3 with quadratic
+    /// cells in the plane; the square and 0.4 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
     RemeasuredForces,
     /// Forces are the slope of gaps: |v·Cᵀλ − ∂/∂v Σ λ_i c_i|, the largest over rigid motions v of the first body of each pair and two waves of both. The
     /// c_i are those of the second measurement, with feet and normals that follow v. Rows hold feet and normals, and leave out by how
@@ -120,10 +121,11 @@ pub enum Condition {
     /// Bodies without contact between them stay apart: the largest depth of an overlap of two that have no pair, beyond that at the
     /// start, divided by the largest displacement or, if that is less, by the extent of the smaller body. No mesh is a part of it.
     Undeclared,
-    /// The equilibrium is stable, by the inertia of a tangent that the certificate assembles: the energy's Hessian, whose product is compared with differences of
-    /// gradients, and the slopes of contact forces by differences of the second measurement. It is factored on the motions that rows with a force permit.
-    /// The residual is 0 if no motion that deforms bodies releases more than the limit, or else the most that one releases, where 1 is the sum of the forces on a body's
-    /// nodes, divided by the extent of the body, times the mean square of the motion. Rigid motions are left to [`Condition::Held`] and
+    /// The equilibrium is stable, by the inertia of a tangent that the certificate assembles: the energy's Hessian, whose product is compared
+    /// with differences of gradients, and the slopes of contact forces by differences of the second measurement. The tangent is factored on the
+    /// motions that rows with a force permit. The residual is 0 if no motion that deforms bodies releases more than the default limit, or
+    /// else the most that one releases. Its unit is the sum of the forces on a body's nodes, divided by the extent of the body, times the mean
+    /// square of the motion. Rigid motions are left to [`Condition::Held`] and
     /// [`Condition::Instability`]. `None` in method (39).
     Inertia,
 }

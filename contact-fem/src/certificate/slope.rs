@@ -33,6 +33,7 @@ pub(super) fn apart<const D: usize>(
     let reduction = problem.reduction();
     let mut worst = None;
     for (body, unit) in units.iter().enumerate() {
+        // of revolution the area of the cross-section, and at most its ring about the axis
         let [height, area] = problem.height_and_volume(body);
         let mesh = problem.scene().bodies()[body].mesh();
         let volume = match mesh.is_of_revolution() {

@@ -31,7 +31,7 @@ fn solved<const D: usize>(
 }
 
 /// The largest difference of the solver's force on a node from that which the multipliers mean, by the largest force on a node of the body. The unit
-/// is a share `chords` of the square of the largest sine, around the node, of the angle between averaged normals and those of facets, to which both rules of
+/// is a share `chords` of the square of the largest sine, around the node, of the angle between averaged normals and normals of facets, to which both rules of
 /// integration differ where facets are chords or curved, and `flat` more.
 pub(super) fn forces_apart<const D: usize>(
     problem: &Problem<D>,

@@ -156,7 +156,7 @@ impl<const D: usize> Pass<'_, D> {
                 }
             }
             for b in nearby {
-                // of the normals, only those of facets around this node vary
+                // normals vary with this node on the facets around it alone
                 let vary = master.sums(facet, &around[b], &there);
                 for i in 0..D {
                     let kept = there[b][i];

@@ -17,7 +17,7 @@ use crate::tensor::{Vector, unit_vector};
 const HOLDS: f64 = 1e5;
 /// What is added to the diagonal, as a share of itself: round-off of the factorisation.
 const ROUND_OFF: f64 = 1e-12;
-/// The motions that are looked at, where some release energy: so many and those of rigid bodies, but no more than the second number.
+/// The number of motions that are looked at, where some release energy: the first number and the rigid motions of all bodies, but at most the second.
 const MOTIONS: [usize; 2] = [8, 64];
 /// Rounds of the inverse iteration.
 const ROUNDS: usize = 12;
@@ -115,7 +115,7 @@ impl Tangent {
     fn new<const D: usize>(
         problem: &Problem<D>,
         measured: &[Measured<'_, D>],
-        (x, u): (&[Vector<D>], &[f64]),
+        (x, u): State<'_, D>,
         (gaps, lambda): (&LinearGaps, &[f64]),
         noticed: f64,
     ) -> Option<Self> {
@@ -133,9 +133,7 @@ impl Tangent {
         let mut curvature = |row: usize, column: usize, value: f64| {
             for (i, a) in problem.dofs().slopes(row) {
                 for (j, b) in problem.dofs().slopes(column) {
-                    // of the symmetric part, below the diagonal
-                    let share = if i == j { 1.0 } else { 0.5 };
-                    entries.push((i.max(j), i.min(j), -share * a * b * value));
+                    entries.push(symmetric(i, j, -a * b * value));
                 }
             }
         };
@@ -146,8 +144,7 @@ impl Tangent {
         }
         slopes_on_obstacles(problem, x, (gaps, lambda), &mut curvature);
         let mut stiffest = vec![0.0_f64; n];
-        for &(i, j, value) in entries.iter().filter(|entry| entry.0 == entry.1) {
-            debug_assert_eq!(i, j);
+        for &(i, _, value) in entries.iter().filter(|(i, j, _)| i == j) {
             stiffest[i] += value.abs();
         }
         let mut hold = |row: &[(usize, f64)]| {
@@ -156,14 +153,14 @@ impl Tangent {
             if !(square > 0.0) {
                 return;
             }
-            for (k, (i, a)) in row.iter().enumerate() {
-                for (j, b) in &row[..=k] {
-                    entries.push((*i.max(j), *i.min(j), HOLDS * stiff / square * a * b));
-                }
+            for (i, a) in row {
+                let each = row.iter();
+                entries
+                    .extend(each.map(|(j, b)| symmetric(*i, *j, HOLDS * stiff / square * a * b)));
             }
         };
         for (i, _) in lambda.iter().enumerate().filter(|(_, l)| **l > 0.0) {
-            hold(&merged(gaps.matrix().row(i)));
+            hold(&gaps.matrix().row(i).collect::<Vec<_>>());
         }
         if let Some(reduction) = problem.reduction() {
             let map = &reduction.map;
@@ -172,9 +169,8 @@ impl Tangent {
                 unit[dependent] = 1.0;
                 let mut row = map.spread(&map.transposed(&unit));
                 row[dependent] -= 1.0;
-                hold(&merged(
-                    row.into_iter().enumerate().filter(|(_, c)| *c != 0.0),
-                ));
+                let row = row.into_iter().enumerate().filter(|(_, c)| *c != 0.0);
+                hold(&row.collect::<Vec<_>>());
             }
         }
         let places: Vec<_> = entries.iter().map(|&(i, j, _)| (i, j)).collect();
@@ -185,7 +181,8 @@ impl Tangent {
         }
         let symbolic = SymbolicLlt::try_new(columns(&pattern), Side::Lower).ok()?;
         let unit = units(problem, u, noticed);
-        let is_known = held.iter().chain(&unit).all(|value| value.is_finite());
+        let is_known = held.iter().chain(&unit).all(|value| value.is_finite())
+            && unit.iter().all(|unit| *unit > 0.0);
         is_known.then_some(Tangent {
             pattern,
             held,
@@ -208,42 +205,36 @@ impl Tangent {
     /// Those of the `count` softest motions that release more than `limit`, by inverse iteration with a factor of the shifted matrix.
     fn softest(&self, factor: &Llt<usize, f64>, count: usize, limit: f64) -> Releases {
         let n = self.unit.len();
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        let mut noise = || {
-            // xorshift
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
-        let unit = DVector::from_column_slice(&self.unit);
-        let mut found = DMatrix::from_fn(n, count, |_, _| noise());
+        // scaled by the square root of the unit, motions have the length 1
+        let root = DVector::from_iterator(n, self.unit.iter().map(|unit| unit.sqrt()));
+        let mut scaled = DMatrix::from_fn(n, count, |i, k| noise(i + n * k));
         let mut shares = DVector::zeros(count);
         for _ in 0..ROUNDS {
-            for mut motion in found.column_iter_mut() {
-                let mut b: Vec<f64> = motion.iter().zip(&unit).map(|(v, m)| v * m).collect();
-                factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut b, n, 1));
-                motion.copy_from_slice(&b);
+            for mut motion in scaled.column_iter_mut() {
+                motion.component_mul_assign(&root);
+                let b = MatMut::from_column_major_slice_mut(motion.as_mut_slice(), n, 1);
+                factor.solve_in_place(b);
+                motion.component_mul_assign(&root);
             }
-            orthonormalize(&mut found, &unit);
-            let mut products = found.clone();
-            for (mut product, motion) in products.column_iter_mut().zip(found.column_iter()) {
-                let mut y = vec![0.0; n];
-                let v: Vec<f64> = motion.iter().copied().collect();
-                self.pattern.product(&self.held, &v, &mut y);
-                product.copy_from_slice(&y);
+            scaled = scaled.qr().q();
+            let mut products = scaled.clone();
+            for mut product in products.column_iter_mut() {
+                product.component_div_assign(&root);
+                let v: Vec<f64> = product.iter().copied().collect();
+                self.pattern.product(&self.held, &v, product.as_mut_slice());
+                product.component_div_assign(&root);
             }
-            let small = found.transpose() * products;
+            let small = scaled.transpose() * products;
             let eigen = ((&small + small.transpose()) * 0.5).symmetric_eigen();
-            found *= eigen.eigenvectors;
+            scaled *= eigen.eigenvectors;
             shares = eigen.eigenvalues;
         }
         let mut motions: Vec<Release> = Vec::new();
-        for (motion, share) in found.column_iter().zip(&shares) {
+        for (motion, share) in scaled.column_iter().zip(&shares) {
             if -share > limit {
                 motions.push(Release {
                     share: -share,
-                    motion: motion.iter().copied().collect(),
+                    motion: motion.iter().zip(&root).map(|(y, root)| y / root).collect(),
                 });
             }
         }
@@ -258,41 +249,15 @@ fn columns(pattern: &SymmetricPattern) -> SymbolicSparseColMatRef<'_, usize> {
     SymbolicSparseColMatRef::new_checked(n, n, pattern.starts(), None, pattern.rows())
 }
 
-/// Gram and Schmidt's way, twice, with this diagonal of a product.
-fn orthonormalize(motions: &mut DMatrix<f64>, unit: &DVector<f64>) {
-    for k in 0..motions.ncols() {
-        let mut own: DVector<f64> = motions.column(k).into();
-        for _ in 0..2 {
-            for other in motions.columns(0, k).column_iter() {
-                let part: f64 = own
-                    .iter()
-                    .zip(unit)
-                    .zip(&other)
-                    .map(|((a, m), b)| a * m * b)
-                    .sum();
-                own -= other * part;
-            }
-            let norm: f64 = own.iter().zip(unit).map(|(v, m)| v * v * m).sum();
-            if norm > 0.0 {
-                own /= norm.sqrt();
-            }
-        }
-        motions.set_column(k, &own);
-    }
+/// An entry of the symmetric part of a matrix, on or below the diagonal, of an entry of the matrix.
+fn symmetric(i: usize, j: usize, value: f64) -> (usize, usize, f64) {
+    let share = if i == j { 1.0 } else { 0.5 };
+    (i.max(j), i.min(j), share * value)
 }
 
-/// Entries of a row by unknown, those of one added.
-fn merged(entries: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
-    let mut own: Vec<(usize, f64)> = entries.collect();
-    own.sort_unstable_by_key(|(i, _)| *i);
-    own.dedup_by(|later, first| {
-        let is_same = later.0 == first.0;
-        if is_same {
-            first.1 += later.1;
-        }
-        is_same
-    });
-    own
+/// Numbers between −1 and 1 without a pattern.
+fn noise(k: usize) -> f64 {
+    (1.0 + 2.4 * k as f64 + 0.7 * (k as f64).powi(2)).sin()
 }
 
 /// The force on each body over its extent and its number of nodes, for each free unknown.
@@ -358,9 +323,7 @@ fn agrees<const D: usize>(problem: &Problem<D>, u: &[f64], hessian: &[f64]) -> b
         (0..problem.scene().bodies().len()).map(|body| problem.height_and_volume(body)[0]);
     let step = STEP * heights.fold(f64::INFINITY, f64::min);
     let n = u.len();
-    let v: Vec<f64> = (0..n)
-        .map(|k| (1.0 + 2.4 * k as f64 + 0.7 * (k * k) as f64).sin())
-        .collect();
+    let v: Vec<f64> = (0..n).map(noise).collect();
     let mut product = vec![0.0; n];
     energy.hessian_pattern().product(hessian, &v, &mut product);
     let [on, back] = [step, -step].map(|step| {

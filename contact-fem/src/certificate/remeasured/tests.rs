@@ -309,7 +309,7 @@ fn differences<const D: usize>(meshes: [&Mesh<D>; 2], sides: [&str; 2]) {
         slopes[row / D][row % D] += slope * v[column / D][column % D];
     });
     const STEP: f64 = 1e-6;
-    for (sign, forces) in [(1.0, 1.0), (-1.0, -1.0)] {
+    for sign in [1.0, -1.0] {
         let moved = x.iter().zip(&v).map(|(x, v)| x + v * (sign * STEP));
         let moved: Vec<Vector<D>> = moved.collect();
         let there = Placed::unsorted(&other, &moved);
@@ -322,12 +322,8 @@ fn differences<const D: usize>(meshes: [&Mesh<D>; 2], sides: [&str; 2]) {
             let found = feet::solve(&patches, &place, start).expect("a foot");
             point.foot = feet::at(point.foot.facet, &patches, found);
         }
-        let shares: Vec<f64> = pushes
-            .iter()
-            .map(|push| push * forces / (2.0 * STEP))
-            .collect();
-        let opposite: Vec<f64> = shares.iter().map(|share| -share).collect();
-        after.add_forces(&opposite, &mut slopes);
+        let opposite = pushes.iter().map(|push| -sign * push / (2.0 * STEP));
+        after.add_forces(&opposite.collect::<Vec<f64>>(), &mut slopes);
     }
     let largest = pushes.iter().map(|push| push.abs()).fold(0.0, f64::max);
     let size = own.size().min(other.size());
