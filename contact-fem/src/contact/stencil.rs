@@ -339,7 +339,7 @@ fn on_facets<const D: usize>(
     let mut projected = Vec::new();
     let mut number = 0;
     let same_body = slave.body() == master.surface().body();
-    let mut rule = Points::new(integration, slave, master.surface());
+    let mut rule = Points::new(integration, slave, master);
     for index in facets {
         if stops() {
             return None;
