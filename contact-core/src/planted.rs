@@ -1,5 +1,6 @@
 //! Faults that are compiled in for `make planted` alone, one of which is present at a time.
 
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The faults by area and name. The first of each area are the cheapest to run.
@@ -85,7 +86,14 @@ pub const FAULTS: &[[&str; 2]] = &[
     ["pressures", "pressures are doubled"],
 ];
 
-static PRESENT: AtomicUsize = AtomicUsize::new(usize::MAX);
+/// The environment variable with the name of a fault that is present from the start, for programs that do not plant one themselves.
+pub const VARIABLE: &str = "PLANTED_FAULT";
+
+static PRESENT: LazyLock<AtomicUsize> = LazyLock::new(|| {
+    let given = std::env::var(VARIABLE).ok();
+    let fault = given.and_then(|given| FAULTS.iter().position(|[_, name]| *name == given));
+    AtomicUsize::new(fault.unwrap_or(usize::MAX))
+});
 
 /// Plants the fault of this number, or none.
 pub fn plant(fault: Option<usize>) {

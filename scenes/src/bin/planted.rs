@@ -5,7 +5,8 @@
 //! ```
 //!
 //! The faults are compiled in for this command alone (`--cfg planted`). Without them, the program runs the sound scenes. A fault that
-//! changes energy or reactions by more than [`MATTERS`] must be seen, and sound scenes must show nothing; else the exit code is 1.
+//! changes energy or reactions by more than [`MATTERS`] must be seen, and sound scenes must show nothing; else the exit code is 1. With
+//! `--tests`, the unit tests of the library run with each fault, too.
 #![forbid(unsafe_code)]
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -14,6 +15,8 @@ use std::time::Instant;
 
 use clap::Parser;
 use contact_core::Phase;
+#[cfg(planted)]
+use contact_fem::certificate::Condition;
 use contact_fem::certificate::{Certificate, Limits};
 use contact_fem::element::Order;
 use contact_fem::model::Integration;
@@ -43,6 +46,9 @@ struct Arguments {
     /// Show all residuals of the sound scenes
     #[arg(long)]
     values: bool,
+    /// Run the unit tests with each fault, which takes a minute or so for each
+    #[arg(long)]
+    tests: bool,
 }
 
 /// What came of one run.
@@ -217,6 +223,51 @@ fn faults(arguments: &Arguments, _: &[Found]) -> Result<usize, Failure> {
     }
 }
 
+/// What sees one fault.
+#[cfg(planted)]
+#[derive(Default)]
+struct Seen {
+    /// In how many runs it matters, and in how many of these nothing sees it.
+    runs: [usize; 2],
+    /// The largest change.
+    most: f64,
+    /// How often each condition saw it in a run in which it matters.
+    by: std::collections::BTreeMap<String, usize>,
+}
+
+#[cfg(planted)]
+impl Seen {
+    fn add(&mut self, apart: f64, found: &Found) {
+        self.most = self.most.max(apart);
+        if apart <= MATTERS {
+            return;
+        }
+        self.runs[0] += 1;
+        self.runs[1] += usize::from(found.seen.is_empty());
+        for name in &found.seen {
+            let name = name.split(':').next().unwrap_or(name);
+            *self.by.entry(name.to_string()).or_default() += 1;
+        }
+    }
+
+    /// The conditions that are the audit's, those that are not, or how runs ended.
+    fn of(&self, is_own: impl Fn(&str) -> bool) -> String {
+        let own = self.by.iter().filter(|(name, _)| is_own(name));
+        let own: Vec<_> = own.map(|(name, count)| format!("{name} {count}")).collect();
+        own.join(", ")
+    }
+}
+
+/// The conditions that the audit judges.
+#[cfg(planted)]
+const OF_AUDIT: [&str; 5] = [
+    "inverted",
+    "small_strain",
+    "overlap",
+    "unopposed",
+    "undeclared",
+];
+
 /// Plants one fault after the other, and returns in how many runs one that matters was not seen.
 #[cfg(planted)]
 fn faults(arguments: &Arguments, sound: &[Found]) -> Result<usize, Failure> {
@@ -224,14 +275,32 @@ fn faults(arguments: &Arguments, sound: &[Found]) -> Result<usize, Failure> {
     use ipopt_contact_scenes::tables::Table;
 
     std::panic::set_hook(Box::new(|_| {}));
-    let columns = ["area", "fault", "scene", "change", "seen by", ""];
+    let columns = [
+        "area",
+        "fault",
+        "largest change",
+        "runs that change",
+        "unseen",
+        "certificate",
+        "audit",
+        "how runs end",
+        "unit tests",
+    ];
     let mut table = Table::new("planted", columns);
+    table.quiet = true;
+    if arguments.tests {
+        let sound = unit_tests(None)?;
+        if sound != Tested::Passed {
+            return Err(format!("without faults, the unit tests {sound}").into());
+        }
+    }
     let (mut missed, mut mattered, mut last) = (0, 0, "");
     for (number, [area, name]) in FAULTS.iter().enumerate() {
         let is_first = std::mem::replace(&mut last, area) != *area;
         if !name.contains(&arguments.filter) || (arguments.quick && !is_first) {
             continue;
         }
+        let mut all = Seen::default();
         for (case, sound) in CASES.iter().zip(sound) {
             if arguments.quick && !QUICK.contains(&case.name) {
                 continue;
@@ -240,34 +309,113 @@ fn faults(arguments: &Arguments, sound: &[Found]) -> Result<usize, Failure> {
             let found = ran(case, arguments.values);
             plant(None);
             let apart = found.apart(sound);
-            let matters = apart > MATTERS;
-            let is_missed = matters && found.seen.is_empty();
-            mattered += usize::from(matters);
-            missed += usize::from(is_missed);
-            let verdict = match (is_missed, matters) {
-                (true, _) => "MISSED",
-                (_, true) => "",
+            all.add(apart, &found);
+            let verdict = match (apart > MATTERS, found.seen.is_empty()) {
+                (true, true) => "MISSED",
+                (true, false) => "",
                 _ => "below what matters",
             };
-            table.push(vec![
-                area.to_string(),
-                name.to_string(),
-                case.name.to_string(),
-                format!("{apart:.1e}"),
-                found.seen.join(", "),
-                verdict.to_string(),
-            ]);
             let seen = found.seen.join(", ");
             println!(
                 "{area}: {name}, {}: {apart:.1e}, {seen} {verdict}",
                 case.name
             );
         }
+        mattered += all.runs[0];
+        missed += all.runs[1];
+        let is_condition = |name: &str| Condition::all().any(|own| own.name() == name);
+        let is_of_audit = |name: &str| OF_AUDIT.contains(&name);
+        table.push(vec![
+            area.to_string(),
+            name.to_string(),
+            format!("{:.1e}", all.most),
+            all.runs[0].to_string(),
+            all.runs[1].to_string(),
+            all.of(|name| is_condition(name) && !is_of_audit(name)),
+            all.of(is_of_audit),
+            all.of(|name| !is_condition(name)),
+            match arguments.tests {
+                true => unit_tests(Some(name))?.to_string(),
+                false => String::new(),
+            },
+        ]);
     }
     println!("\n{}", table.markdown());
     println!("{mattered} runs changed by more than {MATTERS:.0e}, {missed} of them unseen");
     Ok(missed)
 }
+
+/// What came of the unit tests.
+#[cfg(planted)]
+#[derive(Debug, PartialEq)]
+enum Tested {
+    Passed,
+    /// So many failed.
+    Failed(usize),
+    /// They did not end, or not by themselves.
+    Stopped,
+}
+
+#[cfg(planted)]
+impl std::fmt::Display for Tested {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Tested::Passed => write!(f, "pass"),
+            Tested::Failed(count) => write!(f, "{count} fail"),
+            Tested::Stopped => write!(f, "do not end"),
+        }
+    }
+}
+
+/// The unit tests of the library with this fault are stopped after so many seconds.
+#[cfg(planted)]
+const TESTED: u64 = 180;
+
+/// Runs the unit tests of contact-core and contact-fem with this fault, or none.
+#[cfg(planted)]
+fn unit_tests(fault: Option<&str>) -> Result<Tested, Failure> {
+    use std::process::{Command, Stdio};
+
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_string());
+    let mut command = Command::new("timeout");
+    // the tests are built before the first run's time counts
+    let build = [
+        "test",
+        "--lib",
+        "-pcontact-core",
+        "-pcontact-fem",
+        "--features=contact-fem/record",
+    ];
+    let built = Command::new(&cargo).args(build).arg("--no-run").status()?;
+    if !built.success() {
+        return Err("the unit tests do not build".into());
+    }
+    command.arg(TESTED.to_string()).arg(&cargo).args(build);
+    command.arg("--no-fail-fast").stderr(Stdio::null());
+    if let Some(name) = fault {
+        command.env(contact_core::planted::VARIABLE, name);
+    }
+    let output = command.output()?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let mut failed = 0;
+    let results = text.lines().filter(|line| line.starts_with("test result:"));
+    let results: Vec<&str> = results.collect();
+    for line in &results {
+        let count = line
+            .split(';')
+            .find_map(|part| part.trim().strip_suffix(" failed"));
+        failed += count.map_or(Ok(0), str::parse::<usize>)?;
+    }
+    Ok(match (output.status.success(), results.len() == CRATES) {
+        (true, true) => Tested::Passed,
+        (false, true) if failed > 0 => Tested::Failed(failed),
+        _ => Tested::Stopped,
+    })
+}
+
+/// The crates whose unit tests run.
+#[cfg(planted)]
+const CRATES: usize = 2;
 
 /// The scenes of `--quick`.
 #[cfg(planted)]
