@@ -66,6 +66,18 @@ impl<const D: usize> Patch<D> {
         value
     }
 
+    /// Adds to a component of a node's value.
+    pub fn add(&mut self, node: usize, component: usize, change: f64) {
+        self.values[node][component] += change;
+    }
+
+    /// The components of all nodes' values, node by node.
+    pub fn components(&self) -> impl Iterator<Item = f64> {
+        let count = self.order.facet_nodes::<D>();
+        let components = self.values.iter().take(count).flatten();
+        components.copied()
+    }
+
     /// Its slope along λ_k, while λ_0 falls. The difference across a length of 1 is exact: values are quadratic in λ.
     pub fn slope(&self, lambda: &Vector<D>, k: usize) -> Vector<D> {
         let [mut before, mut after] = [*lambda; 2];

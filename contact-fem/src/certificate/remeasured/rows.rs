@@ -220,28 +220,38 @@ impl<'a, const D: usize> Pass<'a, D> {
         }
     }
 
-    /// The points with a force, with the sine of the angle between the normal at the foot and that of its facet.
-    fn sines<'b>(&'b self, pushes: &'b [f64]) -> impl Iterator<Item = (&'b Held<D>, f64, f64)> {
-        let loaded = self.held.iter().zip(pushes);
-        let loaded = loaded.filter(|(_, push)| **push != 0.0);
-        loaded.map(|(point, push)| {
+    /// The sine of the angle between the normal at the foot of each point and that of the facet there.
+    fn sines(&self) -> impl Iterator<Item = (&Held<D>, f64)> {
+        self.held.iter().map(|point| {
             let [there, _] = self.master.patches(point.foot.facet);
             let normal = there.normal(&point.foot.lambda).normalize();
-            (point, *push, (normal - point.foot.normal).norm())
+            (point, (normal - point.foot.normal).norm())
         })
     }
 
     /// The mean of these sines, weighted with the forces, as its two sums.
     pub fn tilt(&self, pushes: &[f64]) -> [f64; 2] {
-        let sines = self.sines(pushes);
-        sines.fold([0.0; 2], |[sum, all], (_, push, sine)| {
+        let sines = self.sines().zip(pushes);
+        sines.fold([0.0; 2], |[sum, all], ((_, sine), push)| {
             [sum + push.abs() * sine, all + push.abs()]
         })
     }
 
-    /// Raises the largest sine around each node of the scene.
+    /// The largest of these sines around each node of the slave.
+    pub fn node_sines(&self) -> Vec<f64> {
+        let mut largest = vec![0.0_f64; self.slave.nodes.len()];
+        for (point, sine) in self.sines() {
+            for &a in self.slave.facet(point.facet) {
+                largest[a] = largest[a].max(sine);
+            }
+        }
+        largest
+    }
+
+    /// Raises the largest sine of points with a force, around each node of the scene.
     pub fn add_sines(&self, pushes: &[f64], largest: &mut [f64]) {
-        for (point, _, sine) in self.sines(pushes) {
+        let loaded = self.sines().zip(pushes).filter(|(_, push)| **push != 0.0);
+        for ((point, sine), _) in loaded {
             let mut raise = |faces: &Faces<D>, facet: usize| {
                 for &a in faces.facet(facet) {
                     let own = &mut largest[faces.nodes[a]];
@@ -273,10 +283,11 @@ fn neighbours<const D: usize>(slave: &Faces<D>) -> Vec<Vec<usize>> {
 /// ∫ φ_i of each node over the reference configuration.
 fn wholes<const D: usize>(slave: &Faces<D>) -> Vec<f64> {
     let mut wholes = vec![0.0; slave.nodes.len()];
+    let rule = super::rule::whole::<D>();
     for f in 0..slave.len() {
-        for (weight, lambda) in super::rule::whole::<D>() {
-            let part = weight * slave.measure(f, &lambda);
-            let tests = slave.tests(f).iter().zip(slave.test_values(&lambda));
+        for (weight, lambda) in &rule {
+            let part = weight * slave.measure(f, lambda);
+            let tests = slave.tests(f).iter().zip(slave.test_values(lambda));
             tests.for_each(|(&a, phi)| wholes[a] += part * phi);
         }
     }

@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::faces::{Patch, Placed, shapes, swept};
 use super::rows::Pass;
 use super::rule::Held;
 use crate::tensor::{Matrix, Vector};
 
-/// The step of differences, as a share of a facet.
-const STEP: f64 = 1e-5;
+/// The step of differences, as a share of a facet, and of a unit normal.
+const STEP: f64 = 1e-6;
 /// A foot is along its normal if the point is no further from the line, as a share of a facet.
 const ALONG: f64 = 1e-6;
 
@@ -97,13 +97,13 @@ impl<const D: usize> Pass<'_, D> {
         works.sum()
     }
 
-    /// Gives the slope of each component of the force on a node of the scene, by each component of the position of one, to `add`. Those of
-    /// one place add up. Pushes, and the points that count, are held.
+    /// Gives the slopes of forces by positions to `add`, one matrix for each facet of the master that has points, with the components of the
+    /// scene's nodes that its rows and columns belong to. Those of one place add up. Pushes, and the points that count, are held.
     pub fn slopes_of_forces(
         &self,
         loaded: &[Loaded<'_, D>],
         x: &[Vector<D>],
-        add: &mut impl FnMut(usize, usize, f64),
+        mut add: impl FnMut(&[usize], &DMatrix<f64>),
     ) {
         let master = self.master.faces;
         let around = master.around();
@@ -138,56 +138,63 @@ impl<const D: usize> Pass<'_, D> {
             nodes.sort_unstable();
             nodes.dedup();
             let place_of = |node: usize| D * nodes.binary_search(&node).unwrap_or_default();
-            let mut slopes = DMatrix::<f64>::zeros(D * nodes.len(), D * nodes.len());
+            let rows = D * nodes.len();
+            let mut slopes = DMatrix::<f64>::zeros(rows, rows);
+            // by the places of the facet's nodes, and by the normals there
+            let corners = master.facet(facet);
+            let mut by_patch = [(); 2].map(|()| DMatrix::<f64>::zeros(rows, D * corners.len()));
             for own in &loaded {
+                let before = own.after(&here, &own.place);
                 let N = shapes(self.slave.order(), &own.point.lambda);
                 for i in 0..D {
-                    let both = [step, -step].map(|step| {
-                        let mut moved = own.place;
-                        moved[i] += step;
-                        own.after(&here, &moved)
-                    });
-                    self.add_change(own, &both, &place_of, |row, change| {
+                    let mut moved = own.place;
+                    moved[i] += step;
+                    let after = own.after(&here, &moved);
+                    self.add_change(own, [&after, &before], &place_of, |row, change| {
                         for (&a, N) in self.slave.facet(own.point.facet).iter().zip(N) {
                             let column = place_of(self.slave.nodes[a]) + i;
-                            slopes[(row, column)] += N * change / (2.0 * step);
+                            slopes[(row, column)] += N * change / step;
                         }
                     });
+                    for k in 0..corners.len() {
+                        for (which, step) in [(0, step), (1, STEP)] {
+                            let mut moved = here;
+                            moved[which].add(k, i, step);
+                            let after = own.after(&moved, &own.place);
+                            self.add_change(own, [&after, &before], &place_of, |row, change| {
+                                by_patch[which][(row, D * k + i)] += change / step;
+                            });
+                        }
+                    }
                 }
+            }
+            for (k, &b) in corners.iter().enumerate() {
+                let mut own = slopes.columns_mut(place_of(master.nodes[b]), D);
+                own += by_patch[0].columns(D * k, D);
             }
             for b in nearby {
                 // normals vary with this node on the facets around it alone
                 let vary = master.sums(facet, &around[b], &there);
                 for i in 0..D {
                     let kept = there[b][i];
-                    let patches = [step, -step].map(|step| {
-                        there[b][i] = kept + step;
-                        let mut moved = master.sums(facet, &around[b], &there);
-                        let rest = sums.iter().zip(&vary).map(|(sum, vary)| sum - vary);
-                        moved
-                            .iter_mut()
-                            .zip(rest)
-                            .for_each(|(sum, rest)| *sum += rest);
-                        master.patches_of(facet, &there, &moved)
-                    });
+                    there[b][i] = kept + step;
+                    let mut moved = master.sums(facet, &around[b], &there);
+                    let rest = sums.iter().zip(&vary).map(|(sum, vary)| sum - vary);
+                    moved
+                        .iter_mut()
+                        .zip(rest)
+                        .for_each(|(sum, rest)| *sum += rest);
+                    let [_, normals] = master.patches_of(facet, &there, &moved);
                     there[b][i] = kept;
-                    let column = place_of(master.nodes[b]) + i;
-                    for own in &loaded {
-                        let both = patches.each_ref().map(|moved| own.after(moved, &own.place));
-                        self.add_change(own, &both, &place_of, |row, change| {
-                            slopes[(row, column)] += change / (2.0 * step);
-                        });
-                    }
+                    let change = normals.components().zip(here[1].components());
+                    let rate = change.map(|(after, before)| (after - before) / step);
+                    let rate = DVector::from_iterator(D * corners.len(), rate);
+                    let mut column = slopes.column_mut(place_of(master.nodes[b]) + i);
+                    column.gemv(1.0, &by_patch[1], &rate, 1.0);
                 }
             }
-            let dof = |k: usize| D * nodes[k / D] + k % D;
-            for column in 0..slopes.ncols() {
-                let entries = slopes.column(column);
-                let entries = entries.iter().enumerate();
-                for (row, slope) in entries.filter(|(_, slope)| **slope != 0.0) {
-                    add(dof(row), dof(column), *slope);
-                }
-            }
+            let dofs: Vec<usize> = (0..rows).map(|k| D * nodes[k / D] + k % D).collect();
+            add(&dofs, &slopes);
         }
     }
 
@@ -195,22 +202,22 @@ impl<const D: usize> Pass<'_, D> {
     fn add_change(
         &self,
         own: &Loaded<'_, D>,
-        [on, back]: &[(Vector<D>, Vector<D>, f64); 2],
+        [after, before]: [&(Vector<D>, Vector<D>, f64); 2],
         place_of: &impl Fn(usize) -> usize,
         mut add: impl FnMut(usize, f64),
     ) {
-        let turn = (on.1 - back.1) * own.push;
+        let turn = (after.1 - before.1) * own.push;
         let N = shapes(self.slave.order(), &own.point.lambda);
         for (&a, N) in self.slave.facet(own.point.facet).iter().zip(N) {
             let row = place_of(self.slave.nodes[a]);
             (0..D).for_each(|i| add(row + i, turn[i] * N));
         }
         let master = self.master.faces;
-        let [after, before] = [on, back].map(|(lambda, ..)| shapes(master.order(), lambda));
+        let [on, from] = [after, before].map(|(lambda, ..)| shapes(master.order(), lambda));
         let nodes = master.facet(own.point.foot.facet).iter();
-        for ((&b, before), after) in nodes.zip(before).zip(after) {
+        for ((&b, from), on) in nodes.zip(from).zip(on) {
             let row = place_of(master.nodes[b]);
-            let change = (back.1 * before - on.1 * after) * own.push;
+            let change = (before.1 * from - after.1 * on) * own.push;
             (0..D).for_each(|i| add(row + i, change[i]));
         }
     }

@@ -6,7 +6,7 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{MatMut, Side};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 use super::Measured;
 use crate::assembly::Dof;
@@ -25,6 +25,10 @@ const ROUNDS: usize = 12;
 const LARGEST: f64 = 1e6;
 const SPREAD: f64 = 4.0;
 const HALVINGS: usize = 6;
+/// A body deforms if its motion is farther from a translation and a rotation than this share of it, by root mean squares over its nodes. Bodies are
+/// looked at that move by more than the second share of the one that moves most.
+const RIGID: f64 = 0.07;
+const TAKES_PART: f64 = 0.1;
 /// The step of differences of gradients, as a share of the smallest height of cells, and by how much the Hessian's product may differ from them.
 const STEP: f64 = 1e-5;
 const SLOPE: f64 = 1e-3;
@@ -36,8 +40,8 @@ const DISTANCE: f64 = 1e-3;
 pub(in crate::certificate) struct Release {
     /// −vᵀKv, by the unit.
     pub share: f64,
-    /// One entry for each free unknown.
-    pub motion: Vec<f64>,
+    /// Whether a body deforms along v.
+    pub deforms: bool,
 }
 
 /// The motions that release energy.
@@ -99,7 +103,17 @@ pub(in crate::certificate) fn releases<const D: usize>(
     let factor = tangent.factor(holds)?;
     let rigid = D * (D + 1) / 2 * problem.scene().bodies().len();
     let count = (MOTIONS[0] + rigid).min(MOTIONS[1]).min(u.len());
-    Some(tangent.softest(&factor, count, limit))
+    let softest = tangent.softest(&factor, count);
+    let releasing = softest.into_iter().filter(|(share, _)| *share > limit);
+    let mut motions: Vec<Release> = releasing
+        .map(|(share, v)| Release {
+            share,
+            deforms: deformation(problem, x, &v) > RIGID,
+        })
+        .collect();
+    motions.sort_by(|a, b| b.share.total_cmp(&a.share));
+    let are_all = motions.len() < count || count == u.len();
+    Some(Releases { motions, are_all })
 }
 
 impl Releases {
@@ -140,7 +154,17 @@ impl Tangent {
         for own in measured {
             let pushes = own.pass.pushes(&own.lambda);
             let loaded = own.pass.loaded(&pushes, x);
-            own.pass.slopes_of_forces(&loaded, x, &mut curvature);
+            own.pass.slopes_of_forces(&loaded, x, |dofs, slopes| {
+                for (column, &k) in dofs.iter().enumerate() {
+                    curvature(k, k, slopes[(column, column)]);
+                    for (row, &j) in dofs.iter().enumerate().skip(column + 1) {
+                        let both = slopes[(row, column)] + slopes[(column, row)];
+                        if both != 0.0 {
+                            curvature(j, k, both);
+                        }
+                    }
+                }
+            });
         }
         slopes_on_obstacles(problem, x, (gaps, lambda), &mut curvature);
         let mut stiffest = vec![0.0_f64; n];
@@ -153,10 +177,11 @@ impl Tangent {
             if !(square > 0.0) {
                 return;
             }
-            for (i, a) in row {
-                let each = row.iter();
-                entries
-                    .extend(each.map(|(j, b)| symmetric(*i, *j, HOLDS * stiff / square * a * b)));
+            for (k, (i, a)) in row.iter().enumerate() {
+                let each = row[..=k].iter();
+                let product =
+                    |(j, b): &(usize, f64)| (*i.max(j), *i.min(j), HOLDS * stiff / square * a * b);
+                entries.extend(each.map(product));
             }
         };
         for (i, _) in lambda.iter().enumerate().filter(|(_, l)| **l > 0.0) {
@@ -202,8 +227,8 @@ impl Tangent {
         Llt::try_new_with_symbolic(self.symbolic.clone(), matrix, Side::Lower).ok()
     }
 
-    /// Those of the `count` softest motions that release more than `limit`, by inverse iteration with a factor of the shifted matrix.
-    fn softest(&self, factor: &Llt<usize, f64>, count: usize, limit: f64) -> Releases {
+    /// The `count` softest motions, each with the share that it releases, by inverse iteration with a factor of the shifted matrix.
+    fn softest(&self, factor: &Llt<usize, f64>, count: usize) -> Vec<(f64, Vec<f64>)> {
         let n = self.unit.len();
         // scaled by the square root of the unit, motions have the length 1
         let root = DVector::from_iterator(n, self.unit.iter().map(|unit| unit.sqrt()));
@@ -229,19 +254,50 @@ impl Tangent {
             scaled *= eigen.eigenvectors;
             shares = eigen.eigenvalues;
         }
-        let mut motions: Vec<Release> = Vec::new();
-        for (motion, share) in scaled.column_iter().zip(&shares) {
-            if -share > limit {
-                motions.push(Release {
-                    share: -share,
-                    motion: motion.iter().zip(&root).map(|(y, root)| y / root).collect(),
-                });
-            }
-        }
-        motions.sort_by(|a, b| b.share.total_cmp(&a.share));
-        let are_all = motions.len() < count || count == n;
-        Releases { motions, are_all }
+        let motion =
+            |y: DVectorView<'_, f64>| y.iter().zip(&root).map(|(y, root)| y / root).collect();
+        let motions = scaled.column_iter().zip(&shares);
+        motions.map(|(y, share)| (-share, motion(y))).collect()
     }
+}
+
+/// How far a motion of the free unknowns is from translations and rotations of bodies: the largest share of a body that takes part.
+fn deformation<const D: usize>(problem: &Problem<D>, x: &[Vector<D>], v: &[f64]) -> f64 {
+    let rate = |dof: usize| {
+        problem
+            .dofs()
+            .slopes(dof)
+            .map(|(k, a)| a * v[k])
+            .sum::<f64>()
+    };
+    let planes = (0..D).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let planes: Vec<(usize, usize)> = planes.collect();
+    let bodies = 0..problem.scene().bodies().len();
+    let of_body = |body: usize| {
+        let nodes = problem.nodes(body);
+        let count = nodes.len();
+        let centre = x[nodes.clone()].iter().sum::<Vector<D>>() / count as f64;
+        let moved = DVector::from_fn(D * count, |k, _| rate(D * nodes.start + k));
+        // one column for each direction and for each plane of rotation
+        let rigid = DMatrix::from_fn(D * count, D + planes.len(), |k, column| {
+            let (arm, component) = (x[nodes.start + k / D] - centre, k % D);
+            match column.checked_sub(D).map(|plane| planes[plane]) {
+                None => f64::from(u8::from(component == column)),
+                Some((i, j)) if component == i => arm[j],
+                Some((i, j)) if component == j => -arm[i],
+                Some(_) => 0.0,
+            }
+        });
+        let rigid = rigid.qr().q().tr_mul(&moved).norm_squared();
+        let whole = moved.norm_squared();
+        ((whole - rigid).max(0.0) / whole, whole / count as f64)
+    };
+    let found: Vec<(f64, f64)> = bodies.map(of_body).collect();
+    let most = found.iter().map(|(_, moved)| *moved).fold(0.0, f64::max);
+    let part = found
+        .iter()
+        .filter(|(_, moved)| *moved > TAKES_PART * TAKES_PART * most);
+    part.map(|(share, _)| share.sqrt()).fold(0.0, f64::max)
 }
 
 fn columns(pattern: &SymmetricPattern) -> SymbolicSparseColMatRef<'_, usize> {

@@ -1,6 +1,8 @@
 use std::fs;
 use std::path::Path;
 
+use nalgebra::DVector;
+
 use super::faces::middle;
 use super::feet::{self, Point};
 use super::*;
@@ -138,7 +140,7 @@ fn weak_gaps_of_a_disc_in_a_ring() {
             size: outer.size(),
             fit: 0.0,
         },
-        places: &Places::Pieces,
+        places: &Places::pieces(&inner, &outer),
         is_one_body: false,
         has_force: &vec![false; inner.nodes.len()],
     };
@@ -241,7 +243,7 @@ fn facets_beside_a_tiny_one_are_cut() {
                 fit: 0.0,
             },
             is_one_body: false,
-            places: &Places::Pieces,
+            places: &Places::pieces(&slave, &master),
             has_force: &vec![true; slave.nodes.len()],
         };
         let pass = Pass::new(&slave, &placed, &search);
@@ -293,7 +295,7 @@ fn differences<const D: usize>(meshes: [&Mesh<D>; 2], sides: [&str; 2]) {
             size: other.size(),
             fit: 0.0,
         },
-        places: &Places::Pieces,
+        places: &Places::pieces(&own, &other),
         is_one_body: false,
         has_force: &vec![true; own.nodes.len()],
     };
@@ -305,8 +307,12 @@ fn differences<const D: usize>(meshes: [&Mesh<D>; 2], sides: [&str; 2]) {
         .map(|k| Vector::from_fn(|i, _| wave(k, i)))
         .collect();
     let mut slopes = vec![Vector::<D>::zeros(); x.len()];
-    pass.slopes_of_forces(&pass.loaded(&pushes, &x), &x, &mut |row, column, slope| {
-        slopes[row / D][row % D] += slope * v[column / D][column % D];
+    pass.slopes_of_forces(&pass.loaded(&pushes, &x), &x, |dofs, own| {
+        let motion = dofs.iter().map(|&k| v[k / D][k % D]);
+        let rates = own * DVector::from_iterator(dofs.len(), motion);
+        dofs.iter()
+            .zip(&rates)
+            .for_each(|(&k, rate)| slopes[k / D][k % D] += rate);
     });
     const STEP: f64 = 1e-6;
     for sign in [1.0, -1.0] {
