@@ -10,7 +10,7 @@ FUZZ_SCENES ?= $(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes 
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick meshes errors needs features mutants planted planted-quick package msrv bindings fuzz-readers fuzz-binding fuzz-scenes
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick pressures extremes extremes-quick meshes errors needs features mutants planted planted-quick package msrv bindings fuzz-readers fuzz-binding fuzz-scenes random-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -42,6 +42,7 @@ help:
 	@echo "make fuzz-readers      damages mesh files at random for SECONDS (60) and reads them"
 	@echo "make fuzz-binding      solves random problems with random options and faults for SECONDS (60), in other processes"
 	@echo "make fuzz-scenes       solves random scenes, sound and wrong ones, for SECONDS (60)"
+	@echo "make random-scenes     random scenes that are sound, of 22 kinds: how many come to their end and are certified"
 	@echo "make bindings          renews the bindings to Ipopt kept in the source"
 
 install:
@@ -177,3 +178,9 @@ fuzz-binding: install
 # A case has a number, which the program takes as its third argument to show it again.
 fuzz-scenes: install
 	$(FUZZ_SCENES) $(SECONDS) $(SEED)
+
+# ARGUMENTS="--count 660 --seed 7 --kinds cylinders,neutral" takes some.
+random-scenes: install
+	@command -v python3 >/dev/null || { echo "python3 is missing"; exit 1; }
+	$(CARGO) build --release -p ipopt-contact --bin ipopt-contact
+	scripts/random/run.py "$(or $(CARGO_TARGET_DIR),target)/release/ipopt-contact" $(ARGUMENTS)
