@@ -200,11 +200,13 @@ fn the_deep_end_of_a_tilted_face_is_seen() {
             let overlaps = problem.audit(u).expect("a state").overlaps;
             let deepest = overlaps.iter().map(|overlap| overlap.depth);
             let deepest = deepest.fold(0.0, f64::max) / facet;
-            // the end itself is on the side of the lower block, so that the last node but one is the deepest
+            // what stays moves nothing; the end itself is on the side of the lower block, inside or not by round-off, the last node but one is inside
             let inside = 0.1 + 0.75 * (deep - 0.1);
+            let moved = u.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            let stays = (inside - 1e-9..deep + 1e-9).contains(&deepest) && moved < 1e-12;
             match gaps {
                 InitialGaps::Resolve => assert!(deepest < 0.02, "{deep}: {deepest}"),
-                _ => assert!((deepest - inside).abs() < 1e-9, "{deep}: {deepest}"),
+                _ => assert!(stays, "{deep}: {deepest}, moved by {moved}"),
             }
         }
         let refused = tilted([0.1 * facet, 0.6], gaps).problem();
