@@ -46,7 +46,7 @@ struct Arguments {
     /// Show all residuals of the sound scenes
     #[arg(long)]
     values: bool,
-    /// Run the unit tests with each fault, which takes a minute or so for each
+    /// Run the unit tests with each fault, which takes two minutes or so for each
     #[arg(long)]
     tests: bool,
 }
@@ -369,7 +369,7 @@ impl std::fmt::Display for Tested {
 
 /// The unit tests of the library with this fault are stopped after so many seconds.
 #[cfg(planted)]
-const TESTED: u64 = 180;
+const TESTED: u64 = 600;
 
 /// Runs the unit tests of contact-core and contact-fem with this fault, or none.
 #[cfg(planted)]
