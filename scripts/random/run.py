@@ -38,12 +38,12 @@ def verdict(code, text):
     broken = ", ".join(f"{name} {value} of {limit}" for name, value, limit in CONDITION.findall(text))
     if code is None:
         return "stopped", f"after {LONGEST} s"
+    if code not in (0, 1, 2, 3):
+        return "panicked", last
     if code == 0:
         return "certified", ""
-    if code == 3 or ": complete" in text:
+    if code == 3:
         return "complete", broken
-    if "panicked" in text or code < 0 or code > 3:
-        return "panicked", last
     reason = [line for line in text.splitlines() if "not converged" in line or line.startswith("error")]
     return ("refused" if code == 2 else "not complete"), (reason or [last])[0][:200]
 

@@ -188,7 +188,7 @@ const TABLE: [Line; 29] = [
     line(Condition::RemeasuredAreas, "remeasured_areas", 1e-4),
     line(Condition::RemeasuredForces, "remeasured_forces", 1.0),
     line(Condition::VirtualWork, "virtual_work", 1.0),
-    line(Condition::EnergySlope, "energy_slope", 3e-5),
+    line(Condition::EnergySlope, "energy_slope", 1e-5),
     line(Condition::PairBalance, "pair_balance", 1e-9),
     line(Condition::PairMoment, "pair_moment", 1e-3),
     line(Condition::Undeclared, "undeclared", 0.05),

@@ -250,7 +250,7 @@ impl Seen {
         }
     }
 
-    /// The conditions that are the audit's, those that are not, or how runs ended.
+    /// The names that `is_own` selects, each with its count.
     fn of(&self, is_own: impl Fn(&str) -> bool) -> String {
         let own = self.by.iter().filter(|(name, _)| is_own(name));
         let own: Vec<_> = own.map(|(name, count)| format!("{name} {count}")).collect();

@@ -81,7 +81,7 @@ struct Differs {
 }
 
 /// Where both take the same points, those of a Gauss rule with feet along normals, and where both cut facets in the plane and integrate by rules of
-/// degrees 5 and 7. Forces of the scenes of `make extremes` differ by up to 4e-6; those of balls in bowls of 2 facets by up to 1e-3.
+/// degrees 5 and 7. Forces of the scenes of `make extremes` differ by up to 4e-6, forces of balls in bowls of 2 facets by up to 1e-3.
 const CUT: Differs = Differs {
     covered: 0.1,
     varies: [0.1, 150.0],
@@ -97,7 +97,7 @@ const CURVED: Differs = Differs {
     works: 1e-2,
     ..CUT
 };
-/// With closest points, whose feet are others. Single points decide what a row at the end of the master is.
+/// With closest points, where the solver's feet differ from the feet here. Single points decide how much of a row at the end of the master counts.
 const CLOSEST: Differs = Differs {
     covered: 0.99,
     varies: [250.0, 0.0],

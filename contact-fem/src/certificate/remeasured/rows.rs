@@ -13,6 +13,8 @@ pub(super) struct Pass<'a, const D: usize> {
     pub slave: &'a Faces<D>,
     pub master: &'a Placed<'a, D>,
     pub held: Vec<Held<D>>,
+    /// For each point, the sine of the angle between the normal at its foot and that of the facet there.
+    sines: Vec<f64>,
     /// Whether all points of a row were looked at.
     pub is_known: Vec<bool>,
     /// Whether all points of a row have a foot and count in full.
@@ -78,9 +80,15 @@ impl<'a, const D: usize> Pass<'a, D> {
         for (is_whole, is_known) in is_whole.iter_mut().zip(&is_known) {
             *is_whole &= is_known;
         }
+        let sines = points.held.iter().map(|point| {
+            let [there, _] = master.patches(point.foot.facet);
+            let normal = there.normal(&point.foot.lambda).normalize();
+            (normal - point.foot.normal).norm()
+        });
         let mut pass = Pass {
             slave,
             master,
+            sines: sines.collect(),
             held: points.held,
             is_known,
             is_whole,
@@ -220,27 +228,18 @@ impl<'a, const D: usize> Pass<'a, D> {
         }
     }
 
-    /// The sine of the angle between the normal at the foot of each point and that of the facet there.
-    fn sines(&self) -> impl Iterator<Item = (&Held<D>, f64)> {
-        self.held.iter().map(|point| {
-            let [there, _] = self.master.patches(point.foot.facet);
-            let normal = there.normal(&point.foot.lambda).normalize();
-            (point, (normal - point.foot.normal).norm())
-        })
-    }
-
-    /// The mean of these sines, weighted with the forces, as its two sums.
+    /// The mean of the sines, weighted with the forces, as its two sums.
     pub fn tilt(&self, pushes: &[f64]) -> [f64; 2] {
-        let sines = self.sines().zip(pushes);
-        sines.fold([0.0; 2], |[sum, all], ((_, sine), push)| {
+        let sines = self.sines.iter().zip(pushes);
+        sines.fold([0.0; 2], |[sum, all], (sine, push)| {
             [sum + push.abs() * sine, all + push.abs()]
         })
     }
 
-    /// The largest of these sines around each node of the slave.
+    /// The largest of the sines around each node of the slave.
     pub fn node_sines(&self) -> Vec<f64> {
         let mut largest = vec![0.0_f64; self.slave.nodes.len()];
-        for (point, sine) in self.sines() {
+        for (point, &sine) in self.held.iter().zip(&self.sines) {
             for &a in self.slave.facet(point.facet) {
                 largest[a] = largest[a].max(sine);
             }
@@ -248,10 +247,10 @@ impl<'a, const D: usize> Pass<'a, D> {
         largest
     }
 
-    /// Raises the largest sine of points with a force, around each node of the scene.
+    /// Raises the largest of the sines of points with a force, around each node of the scene.
     pub fn add_sines(&self, pushes: &[f64], largest: &mut [f64]) {
-        let loaded = self.sines().zip(pushes).filter(|(_, push)| **push != 0.0);
-        for ((point, sine), _) in loaded {
+        let loaded = self.held.iter().zip(&self.sines).zip(pushes);
+        for ((point, &sine), _) in loaded.filter(|(_, push)| **push != 0.0) {
             let mut raise = |faces: &Faces<D>, facet: usize| {
                 for &a in faces.facet(facet) {
                     let own = &mut largest[faces.nodes[a]];
