@@ -46,7 +46,7 @@ struct Arguments {
     /// Show all residuals of the sound scenes
     #[arg(long)]
     values: bool,
-    /// Run the unit tests with each fault, which takes two minutes or so for each
+    /// Run the unit tests with each fault, which takes half a minute for each
     #[arg(long)]
     tests: bool,
 }
@@ -323,6 +323,13 @@ fn faults(arguments: &Arguments, sound: &[Found]) -> Result<usize, Failure> {
         }
         mattered += all.runs[0];
         missed += all.runs[1];
+        let tested = match arguments.tests {
+            true => unit_tests(Some(name))?.to_string(),
+            false => String::new(),
+        };
+        if arguments.tests {
+            println!("{area}: {name}, unit tests: {tested}");
+        }
         let is_condition = |name: &str| Condition::all().any(|own| own.name() == name);
         let is_of_audit = |name: &str| OF_AUDIT.contains(&name);
         table.push(vec![
@@ -334,10 +341,7 @@ fn faults(arguments: &Arguments, sound: &[Found]) -> Result<usize, Failure> {
             all.of(|name| is_condition(name) && !is_of_audit(name)),
             all.of(is_of_audit),
             all.of(|name| !is_condition(name)),
-            match arguments.tests {
-                true => unit_tests(Some(name))?.to_string(),
-                false => String::new(),
-            },
+            tested,
         ]);
     }
     println!("\n{}", table.markdown());
@@ -371,6 +375,14 @@ impl std::fmt::Display for Tested {
 #[cfg(planted)]
 const TESTED: u64 = 600;
 
+/// The tests that take longest are left out: three take 90 s of 118, and segments have the same test.
+#[cfg(planted)]
+const LEFT_OUT: [&str; 3] = [
+    "quadratic_triangles",
+    "battery::linear_triangles",
+    "the_nearest_of_all_facets",
+];
+
 /// Runs the unit tests of contact-core and contact-fem with this fault, or none.
 #[cfg(planted)]
 fn unit_tests(fault: Option<&str>) -> Result<Tested, Failure> {
@@ -391,7 +403,9 @@ fn unit_tests(fault: Option<&str>) -> Result<Tested, Failure> {
         return Err("the unit tests do not build".into());
     }
     command.arg(TESTED.to_string()).arg(&cargo).args(build);
-    command.arg("--no-fail-fast").stderr(Stdio::null());
+    command.args(["--no-fail-fast", "--"]);
+    command.args(LEFT_OUT.iter().flat_map(|test| ["--skip", test]));
+    command.stderr(Stdio::null());
     if let Some(name) = fault {
         command.env(contact_core::planted::VARIABLE, name);
     }

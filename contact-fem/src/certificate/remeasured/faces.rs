@@ -9,7 +9,7 @@ use crate::mesh::Mesh;
 use crate::tensor::{Matrix, Vector};
 
 /// The largest number of nodes of a facet.
-const MOST: usize = 6;
+pub(super) const MOST: usize = 6;
 
 /// The facets of a boundary, and their reference positions.
 pub(super) struct Faces<const D: usize> {
@@ -54,36 +54,45 @@ pub(super) fn shapes<const D: usize>(order: Order, lambda: &Vector<D>) -> [f64; 
     N
 }
 
+/// The slopes of N_a along λ_k, while λ_0 falls. The difference across a length of 1 is exact: N_a are quadratic in λ.
+pub(super) fn shape_slopes<const D: usize>(
+    order: Order,
+    lambda: &Vector<D>,
+    k: usize,
+) -> [f64; MOST] {
+    let [mut before, mut after] = [*lambda; 2];
+    (before[0], before[k]) = (before[0] + 0.5, before[k] - 0.5);
+    (after[0], after[k]) = (after[0] - 0.5, after[k] + 0.5);
+    let [before, after] = [before, after].map(|lambda| shapes(order, &lambda));
+    std::array::from_fn(|a| after[a] - before[a])
+}
+
 impl<const D: usize> Patch<D> {
     /// The value at λ.
     pub fn at(&self, lambda: &Vector<D>) -> Vector<D> {
-        let N = shapes(self.order, lambda);
-        let count = self.order.facet_nodes::<D>();
-        let mut value = Vector::<D>::zeros();
-        for (N, own) in N.iter().zip(&self.values).take(count) {
-            value += own * *N;
+        match self.order {
+            Order::Linear => self.sum(lambda.as_slice()),
+            Order::Quadratic => self.sum(&shapes(self.order, lambda)),
         }
-        value
     }
 
-    /// Adds to a component of a node's value.
-    pub fn add(&mut self, node: usize, component: usize, change: f64) {
-        self.values[node][component] += change;
-    }
-
-    /// The components of all nodes' values, node by node.
-    pub fn components(&self) -> impl Iterator<Item = f64> {
-        let count = self.order.facet_nodes::<D>();
-        let components = self.values.iter().take(count).flatten();
-        components.copied()
-    }
-
-    /// Its slope along λ_k, while λ_0 falls. The difference across a length of 1 is exact: values are quadratic in λ.
+    /// Its slope along λ_k, while λ_0 falls.
     pub fn slope(&self, lambda: &Vector<D>, k: usize) -> Vector<D> {
-        let [mut before, mut after] = [*lambda; 2];
-        (before[0], before[k]) = (before[0] + 0.5, before[k] - 0.5);
-        (after[0], after[k]) = (after[0] - 0.5, after[k] + 0.5);
-        self.at(&after) - self.at(&before)
+        match self.order {
+            Order::Linear => self.values[k] - self.values[0],
+            Order::Quadratic => self.sum(&shape_slopes(self.order, lambda, k)),
+        }
+    }
+
+    /// The sum of the values of the first nodes with these weights.
+    fn sum(&self, weights: &[f64]) -> Vector<D> {
+        let mut sum = Vector::zeros();
+        for (own, weight) in self.values.iter().zip(weights) {
+            for i in 0..D {
+                sum[i] += own[i] * weight;
+            }
+        }
+        sum
     }
 
     /// The normal of positions at λ, as long as the facet's measure is large.
@@ -208,7 +217,7 @@ impl<const D: usize> Faces<D> {
                 corners.into_iter().for_each(|a| faces.is_end[a] = true);
             }
         }
-        faces.N = faces.averaged(&faces.X);
+        faces.N = faces.averaged(&faces.X, |_| true);
         let measure = |f: usize| faces.patch(f, &faces.X).normal(&middle()).norm();
         let sizes = (0..faces.len()).map(|f| measure(f).powf(1.0 / (D as f64 - 1.0)));
         faces.sizes = sizes.collect();
@@ -319,26 +328,43 @@ impl<const D: usize> Faces<D> {
         sums.iter().map(|(sum, count)| sum / count).collect()
     }
 
-    /// The averaged unit normals where the nodes are at `x`: those of the facets around a node, in space weighted by their angles.
-    pub fn averaged(&self, x: &[Vector<D>]) -> Vec<Vector<D>> {
-        let mut sums = vec![Vector::<D>::zeros(); x.len()];
-        for f in 0..self.len() {
-            let patch = self.patch(f, x);
-            for (k, &a) in self.facet(f).iter().enumerate() {
-                sums[a] += weighted_normal(&patch, k);
-            }
-        }
-        let sums = sums.into_iter().enumerate();
-        sums.map(|(a, sum)| self.direction(a, sum)).collect()
+    /// The averaged unit normals where the nodes are at `x`: those of the facets around a node, in space weighted by their angles; of the
+    /// nodes that are needed alone.
+    fn averaged(&self, x: &[Vector<D>], is_needed: impl Fn(usize) -> bool) -> Vec<Vector<D>> {
+        let sums = self.normal_sums(x, is_needed);
+        let unit = |sum: Vector<D>| {
+            let norm = sum.norm();
+            sum / if norm > 0.0 { norm } else { 1.0 }
+        };
+        sums.into_iter().map(unit).collect()
     }
 
-    /// The direction of a sum of normals around a node.
-    fn direction(&self, a: usize, mut sum: Vector<D>) -> Vector<D> {
-        if self.is_revolved && self.X[a][0] == 0.0 {
-            sum[0] = 0.0;
+    /// The sums of which averaged normals are the directions, likewise.
+    pub fn normal_sums(
+        &self,
+        x: &[Vector<D>],
+        is_needed: impl Fn(usize) -> bool,
+    ) -> Vec<Vector<D>> {
+        let mut sums = vec![Vector::<D>::zeros(); x.len()];
+        for f in 0..self.len() {
+            let own = self.facet(f);
+            if !own.iter().any(|&a| is_needed(a)) {
+                continue;
+            }
+            let patch = self.patch(f, x);
+            for (k, &a) in own.iter().enumerate().filter(|(_, a)| is_needed(**a)) {
+                sums[a] += self.permitted(a, weighted_normal(&patch, k));
+            }
         }
-        let norm = sum.norm();
-        sum / if norm > 0.0 { norm } else { 1.0 }
+        sums
+    }
+
+    /// A normal of a facet as the averaged one at a node takes it: along the axis of a body of revolution if the node is there.
+    fn permitted(&self, a: usize, mut normal: Vector<D>) -> Vector<D> {
+        if self.is_revolved && self.X[a][0] == 0.0 {
+            normal[0] = 0.0;
+        }
+        normal
     }
 
     /// The facets around each node.
@@ -350,27 +376,23 @@ impl<const D: usize> Faces<D> {
         around
     }
 
-    /// The sums of normals around the nodes of one facet, over the facets `of` alone, where the boundary's nodes are at `x`.
-    pub fn sums(&self, f: usize, of: &[usize], x: &[Vector<D>]) -> [Vector<D>; MOST] {
-        let mut sums = [Vector::zeros(); MOST];
-        for &other in of {
-            let patch = self.patch(other, x);
-            for (k, b) in self.facet(other).iter().enumerate() {
-                if let Some(own) = self.facet(f).iter().position(|a| a == b) {
-                    sums[own] += weighted_normal(&patch, k);
-                }
+    /// How the part of a facet in the sum of normals at its k-th node changes with component i of its j-th node, by differences over a step,
+    /// for each j, i and k in this order (1/UL).
+    pub fn normal_rates(&self, f: usize, x: &[Vector<D>], step: f64) -> Vec<Vector<D>> {
+        let own = self.facet(f);
+        let here = self.patch(f, x);
+        let part = |patch: &Patch<D>, k: usize| self.permitted(own[k], weighted_normal(patch, k));
+        let before: Vec<Vector<D>> = (0..own.len()).map(|k| part(&here, k)).collect();
+        let mut rates = Vec::with_capacity(D * own.len() * own.len());
+        for j in 0..own.len() {
+            for i in 0..D {
+                let mut moved = here;
+                moved.values[j][i] += step;
+                let change = |(k, before): (usize, &Vector<D>)| (part(&moved, k) - before) / step;
+                rates.extend(before.iter().enumerate().map(change));
             }
         }
-        sums
-    }
-
-    /// Positions and averaged normals of the nodes of one facet, of the sums of normals around them.
-    pub fn patches_of(&self, f: usize, x: &[Vector<D>], sums: &[Vector<D>; MOST]) -> [Patch<D>; 2] {
-        let places = self.patch(f, x);
-        let mut normals = places;
-        let own = normals.values.iter_mut().zip(self.facet(f)).zip(sums);
-        own.for_each(|((normal, &a), sum)| *normal = self.direction(a, *sum));
-        [places, normals]
+        rates
     }
 }
 
@@ -398,7 +420,7 @@ pub(super) struct Placed<'a, const D: usize> {
 impl<'a, const D: usize> Placed<'a, D> {
     /// At positions `x` of all nodes of the scene, for searches.
     pub fn new(faces: &'a Faces<D>, x: &[Vector<D>]) -> Self {
-        let mut placed = Self::unsorted(faces, x);
+        let mut placed = Self::unsorted(faces, x, |_| true);
         let x = &placed.x;
         let around = |f: usize| {
             let own = faces.facet(f);
@@ -416,12 +438,16 @@ impl<'a, const D: usize> Placed<'a, D> {
         placed
     }
 
-    /// The same for points that know the facets of their feet.
-    pub fn unsorted(faces: &'a Faces<D>, x: &[Vector<D>]) -> Self {
+    /// The same for points that know the facets of their feet, with the normals at the nodes that are needed.
+    pub fn unsorted(
+        faces: &'a Faces<D>,
+        x: &[Vector<D>],
+        is_needed: impl Fn(usize) -> bool,
+    ) -> Self {
         let x: Vec<Vector<D>> = faces.nodes.iter().map(|&a| x[a]).collect();
         Placed {
             faces,
-            normals: faces.averaged(&x),
+            normals: faces.averaged(&x, is_needed),
             x,
             boxes: Sorted::new(std::iter::empty()),
             pieces: Vec::new(),

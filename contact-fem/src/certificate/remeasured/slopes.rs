@@ -1,15 +1,16 @@
 //! How gaps and forces of points vary with positions, while feet and normals follow.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
-use super::faces::{Patch, Placed, shapes, swept};
+use super::faces::{Faces, MOST, Patch, Placed, shape_slopes, shapes, swept};
 use super::rows::Pass;
 use super::rule::Held;
-use crate::tensor::{Matrix, Vector};
+use crate::element::Order;
+use crate::tensor::{Matrix, Vector, unit_vector};
 
-/// The step of differences, as a share of a facet, and of a unit normal.
+/// The step of differences of normals, as a share of a facet.
 const STEP: f64 = 1e-6;
 /// A foot is along its normal if the point is no further from the line, as a share of a facet.
 const ALONG: f64 = 1e-6;
@@ -18,7 +19,6 @@ const ALONG: f64 = 1e-6;
 pub(super) struct Loaded<'a, const D: usize> {
     pub point: &'a Held<D>,
     pub push: f64,
-    place: Vector<D>,
     /// s of x = x̄(λ) + s m(λ), and the inverse of the slopes of the right side by λ and s; `None` for a foot that is not along normals,
     /// which is held.
     along: Option<(f64, Matrix<D>)>,
@@ -39,21 +39,15 @@ impl<'a, const D: usize> Loaded<'a, D> {
         Loaded {
             point,
             push,
-            place,
             along: inverse.map(|inverse| (s, inverse)),
         }
     }
 
-    /// λ of the foot, the unit normal there and the gap, after a small change of the master or of the place: Newton's method, one step.
-    fn after(&self, patches: &[Patch<D>; 2], place: &Vector<D>) -> (Vector<D>, Vector<D>, f64) {
+    /// The gap after a small change of the master or of the place: Newton's method, one step.
+    fn gap_after(&self, patches: &[Patch<D>; 2], place: &Vector<D>) -> f64 {
         let mut lambda = self.point.foot.lambda;
         let Some((s, inverse)) = &self.along else {
-            let normal = self.point.foot.normal;
-            return (
-                lambda,
-                normal,
-                (place - patches[0].at(&lambda)).dot(&normal),
-            );
+            return (place - patches[0].at(&lambda)).dot(&self.point.foot.normal);
         };
         let rest = place - patches[0].at(&lambda) - patches[1].at(&lambda) * *s;
         let step = inverse * rest;
@@ -61,9 +55,7 @@ impl<'a, const D: usize> Loaded<'a, D> {
             lambda[k] += step[k - 1];
             lambda[0] -= step[k - 1];
         }
-        let normal = patches[1].at(&lambda);
-        let length = normal.norm();
-        (lambda, normal / length, (s + step[D - 1]) * length)
+        (s + step[D - 1]) * patches[1].at(&lambda).norm()
     }
 }
 
@@ -86,139 +78,200 @@ impl<const D: usize> Pass<'_, D> {
     /// Σ π_q g_q with feet and normals that follow the nodes of the scene to `x`, nearby (UF·UL).
     pub fn work(&self, loaded: &[Loaded<'_, D>], x: &[Vector<D>]) -> f64 {
         let slave: Vec<Vector<D>> = self.slave.nodes.iter().map(|&a| x[a]).collect();
-        let moved = Placed::unsorted(self.master.faces, x);
+        let master = self.master.faces;
+        let mut is_needed = vec![false; master.nodes.len()];
+        for own in loaded {
+            let nodes = master.facet(own.point.foot.facet).iter();
+            nodes.for_each(|&b| is_needed[b] = true);
+        }
+        let moved = Placed::unsorted(master, x, |b| is_needed[b]);
         let works = loaded.iter().map(|own| {
             let point = own.point;
             let place = self.slave.patch(point.facet, &slave).at(&point.lambda);
             let patches = moved.patches(point.foot.facet);
-            let (_, _, gap) = own.after(&patches, &place);
-            own.push * gap
+            own.push * own.gap_after(&patches, &place)
         });
         works.sum()
     }
 
-    /// Gives the slopes of forces by positions to `add`, one matrix for each facet of the master that has points, with the components of the
-    /// scene's nodes that its rows and columns belong to. Those of one place add up. Pushes, and the points that count, are held.
+    /// Gives the slopes of forces by positions to `add`, one matrix for each facet of the master that has points, with the nodes of the scene
+    /// whose components its rows and columns belong to, ascending. Those of one place add up. Pushes, and the points that count, are held.
     pub fn slopes_of_forces(
         &self,
         loaded: &[Loaded<'_, D>],
-        x: &[Vector<D>],
         mut add: impl FnMut(&[usize], &DMatrix<f64>),
     ) {
-        let master = self.master.faces;
-        let around = master.around();
-        let step = STEP * self.slave.size().min(master.size());
-        let mut there: Vec<Vector<D>> = master.nodes.iter().map(|&b| x[b]).collect();
+        let (slave, master) = (self.slave, self.master.faces);
+        let there = &self.master.x;
+        let (around, sums) = (master.around(), master.normal_sums(there, |_| true));
+        let step = STEP * slave.size().min(master.size());
+        let mut normal_rates: HashMap<usize, Vec<Vector<D>>> = HashMap::new();
         let mut by_facet: BTreeMap<usize, Vec<&Loaded<'_, D>>> = BTreeMap::new();
         for own in loaded.iter().filter(|own| own.along.is_some()) {
             by_facet.entry(own.point.foot.facet).or_default().push(own);
         }
         for (facet, loaded) in by_facet {
-            let mut facets = Vec::new();
-            for &a in master.facet(facet) {
-                facets.extend_from_slice(&around[a]);
-            }
-            facets.sort_unstable();
-            facets.dedup();
-            let sums = master.sums(facet, &facets, &there);
-            let here = master.patches_of(facet, &there, &sums);
+            let corners = master.facet(facet);
+            let facets = || corners.iter().flat_map(|&a| &around[a]).copied();
             // the nodes of the scene on which forces of these points act or depend
-            let mut nearby: Vec<usize> = facets
-                .iter()
-                .flat_map(|&f| master.facet(f))
-                .copied()
+            let mut nodes: Vec<usize> = facets()
+                .flat_map(|f| master.facet(f))
+                .map(|&b| master.nodes[b])
                 .collect();
-            nearby.sort_unstable();
-            nearby.dedup();
-            let mut nodes: Vec<usize> = nearby.iter().map(|&b| master.nodes[b]).collect();
             for own in &loaded {
-                let corners = self.slave.facet(own.point.facet).iter();
-                nodes.extend(corners.map(|&a| self.slave.nodes[a]));
+                let corners = slave.facet(own.point.facet).iter();
+                nodes.extend(corners.map(|&a| slave.nodes[a]));
             }
             nodes.sort_unstable();
             nodes.dedup();
-            let place_of = |node: usize| D * nodes.binary_search(&node).unwrap_or_default();
+            let place_of = |faces: &Faces<D>, a: usize| {
+                D * nodes.binary_search(&faces.nodes[a]).unwrap_or_default()
+            };
+            let places_of = |faces: &Faces<D>, f: usize| -> Vec<usize> {
+                let own = faces.facet(f).iter();
+                own.map(|&a| place_of(faces, a)).collect()
+            };
             let rows = D * nodes.len();
             let mut slopes = DMatrix::<f64>::zeros(rows, rows);
-            // by the places of the facet's nodes, and by the normals there
-            let corners = master.facet(facet);
-            let mut by_patch = [(); 2].map(|()| DMatrix::<f64>::zeros(rows, D * corners.len()));
-            for own in &loaded {
-                let before = own.after(&here, &own.place);
-                let N = shapes(self.slave.order(), &own.point.lambda);
+            // by the averaged normals at the facet's nodes
+            let mut by_normals = DMatrix::<f64>::zeros(rows, D * corners.len());
+            let patches = self.master.patches(facet);
+            let on_master = places_of(master, facet);
+            for own in loaded {
+                let on_slave = places_of(slave, own.point.facet);
+                let Some(rates) = Rates::new(own, &patches, [slave.order(), master.order()]) else {
+                    continue;
+                };
+                let each = |change: &Change<D>, set: &mut dyn FnMut(usize, f64)| {
+                    rates.spread(change, [&on_slave, &on_master], set);
+                };
                 for i in 0..D {
-                    let mut moved = own.place;
-                    moved[i] += step;
-                    let after = own.after(&here, &moved);
-                    self.add_change(own, [&after, &before], &place_of, |row, change| {
-                        for (&a, N) in self.slave.facet(own.point.facet).iter().zip(N) {
-                            let column = place_of(self.slave.nodes[a]) + i;
-                            slopes[(row, column)] += N * change / step;
+                    each(&rates.moved[i], &mut |row, change| {
+                        for (a, N) in on_slave.iter().zip(rates.N[0]) {
+                            slopes[(row, a + i)] += N * change;
+                        }
+                        for (k, (b, N)) in on_master.iter().zip(rates.N[1]).enumerate() {
+                            slopes[(row, b + i)] -= N * change;
+                            by_normals[(row, D * k + i)] -= rates.s * N * change;
                         }
                     });
-                    for k in 0..corners.len() {
-                        for (which, step) in [(0, step), (1, STEP)] {
-                            let mut moved = here;
-                            moved[which].add(k, i, step);
-                            let after = own.after(&moved, &own.place);
-                            self.add_change(own, [&after, &before], &place_of, |row, change| {
-                                by_patch[which][(row, D * k + i)] += change / step;
-                            });
+                    each(&rates.turned[i], &mut |row, change| {
+                        for (k, N) in (0..corners.len()).zip(rates.N[1]) {
+                            by_normals[(row, D * k + i)] += N * change;
+                        }
+                    });
+                }
+            }
+            let mut turns = DMatrix::<f64>::zeros(D * corners.len(), rows);
+            for (k, &a) in corners.iter().enumerate() {
+                let length = sums[a].norm();
+                let normal = sums[a] / length;
+                if !(length > 0.0) {
+                    continue;
+                }
+                for &f in &around[a] {
+                    let rates = normal_rates
+                        .entry(f)
+                        .or_insert_with(|| master.normal_rates(f, there, step));
+                    let own = master.facet(f);
+                    let at = own.iter().position(|b| *b == a).unwrap_or_default();
+                    for (j, &b) in own.iter().enumerate() {
+                        for i in 0..D {
+                            let rate = rates[(D * j + i) * own.len() + at];
+                            let rate = across(&rate, &normal) / length;
+                            let mut own =
+                                turns.fixed_view_mut::<D, 1>(D * k, place_of(master, b) + i);
+                            own += rate;
                         }
                     }
                 }
             }
-            for (k, &b) in corners.iter().enumerate() {
-                let mut own = slopes.columns_mut(place_of(master.nodes[b]), D);
-                own += by_patch[0].columns(D * k, D);
-            }
-            for b in nearby {
-                // normals vary with this node on the facets around it alone
-                let vary = master.sums(facet, &around[b], &there);
-                for i in 0..D {
-                    let kept = there[b][i];
-                    there[b][i] = kept + step;
-                    let mut moved = master.sums(facet, &around[b], &there);
-                    let rest = sums.iter().zip(&vary).map(|(sum, vary)| sum - vary);
-                    moved
-                        .iter_mut()
-                        .zip(rest)
-                        .for_each(|(sum, rest)| *sum += rest);
-                    let [_, normals] = master.patches_of(facet, &there, &moved);
-                    there[b][i] = kept;
-                    let change = normals.components().zip(here[1].components());
-                    let rate = change.map(|(after, before)| (after - before) / step);
-                    let rate = DVector::from_iterator(D * corners.len(), rate);
-                    let mut column = slopes.column_mut(place_of(master.nodes[b]) + i);
-                    column.gemv(1.0, &by_patch[1], &rate, 1.0);
-                }
-            }
-            let dofs: Vec<usize> = (0..rows).map(|k| D * nodes[k / D] + k % D).collect();
-            add(&dofs, &slopes);
+            slopes.gemm(1.0, &by_normals, &turns, 1.0);
+            add(&nodes, &slopes);
         }
     }
+}
 
-    /// The difference of two forces of a point, component by component.
-    fn add_change(
-        &self,
+/// The part of a vector across a unit normal.
+fn across<const D: usize>(v: &Vector<D>, normal: &Vector<D>) -> Vector<D> {
+    v - normal * normal.dot(v)
+}
+
+/// A change of the unit normal at a foot, and of N_b there.
+type Change<const D: usize> = (Vector<D>, [f64; MOST]);
+
+/// How the forces of a point vary: x = x̄(λ) + s m(λ) holds, and the forces are π N_a n at the slave, and −π N_b(λ) n at the master, n = m/|m|.
+struct Rates<const D: usize> {
+    push: f64,
+    s: f64,
+    n: Vector<D>,
+    /// N_a of the point on the slave, and N_b of its foot on the master.
+    N: [[f64; MOST]; 2],
+    /// While the point moves along axis i, or what is at rest against it the other way.
+    moved: [Change<D>; D],
+    /// While m is lengthened along axis i, and λ is held.
+    turned: [Change<D>; D],
+}
+
+impl<const D: usize> Rates<D> {
+    /// `None` if the foot is held.
+    fn new(
         own: &Loaded<'_, D>,
-        [after, before]: [&(Vector<D>, Vector<D>, f64); 2],
-        place_of: &impl Fn(usize) -> usize,
-        mut add: impl FnMut(usize, f64),
+        [_, normals]: &[Patch<D>; 2],
+        [on_slave, on_master]: [Order; 2],
+    ) -> Option<Self> {
+        let (s, inverse) = own.along?;
+        let lambda = &own.point.foot.lambda;
+        let m = normals.at(lambda);
+        let length = m.norm();
+        let n = m / length;
+        let slopes: [Change<D>; D] = std::array::from_fn(|k| match k {
+            0 => (Vector::zeros(), [0.0; MOST]),
+            _ => (normals.slope(lambda, k), shape_slopes(on_master, lambda, k)),
+        });
+        let moved = std::array::from_fn(|i| {
+            // ∂(λ_1, …, s)/∂x_i
+            let step = inverse.column(i);
+            let mut change: Change<D> = (Vector::zeros(), [0.0; MOST]);
+            for k in 1..D {
+                change.0 += slopes[k].0 * step[k - 1];
+                let own = change.1.iter_mut().zip(slopes[k].1);
+                own.for_each(|(change, slope)| *change += slope * step[k - 1]);
+            }
+            (across(&change.0, &n) / length, change.1)
+        });
+        let turned = std::array::from_fn(|i| {
+            let turn = across(&unit_vector(i), &n) / length;
+            (turn, [0.0; MOST])
+        });
+        let N = [
+            shapes(on_slave, &own.point.lambda),
+            shapes(on_master, lambda),
+        ];
+        Some(Rates {
+            push: own.push,
+            s,
+            n,
+            N,
+            moved,
+            turned,
+        })
+    }
+
+    /// Gives the changes of the forces on the nodes at these places, component by component.
+    fn spread(
+        &self,
+        (turn, shift): &Change<D>,
+        [on_slave, on_master]: [&[usize]; 2],
+        set: &mut dyn FnMut(usize, f64),
     ) {
-        let turn = (after.1 - before.1) * own.push;
-        let N = shapes(self.slave.order(), &own.point.lambda);
-        for (&a, N) in self.slave.facet(own.point.facet).iter().zip(N) {
-            let row = place_of(self.slave.nodes[a]);
-            (0..D).for_each(|i| add(row + i, turn[i] * N));
+        let turn = turn * self.push;
+        for (row, N) in on_slave.iter().zip(self.N[0]) {
+            (0..D).for_each(|i| set(row + i, turn[i] * N));
         }
-        let master = self.master.faces;
-        let [on, from] = [after, before].map(|(lambda, ..)| shapes(master.order(), lambda));
-        let nodes = master.facet(own.point.foot.facet).iter();
-        for ((&b, from), on) in nodes.zip(from).zip(on) {
-            let row = place_of(master.nodes[b]);
-            let change = (before.1 * from - after.1 * on) * own.push;
-            (0..D).for_each(|i| add(row + i, change[i]));
+        for ((row, N), shift) in on_master.iter().zip(self.N[1]).zip(shift) {
+            let change = turn * N + self.n * (shift * self.push);
+            (0..D).for_each(|i| set(row + i, -change[i]));
         }
     }
 }

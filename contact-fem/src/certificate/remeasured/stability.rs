@@ -1,5 +1,7 @@
 //! Stability, from the inertia of the tangent on the motions that rows with a force permit.
 
+use std::collections::BTreeMap;
+
 use contact_core::linear::SymmetricPattern;
 use contact_core::{ContactProblem, LinearGaps};
 use faer::linalg::solvers::Solve;
@@ -11,7 +13,7 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 use super::Measured;
 use crate::assembly::Dof;
 use crate::model::{Geometry, Problem};
-use crate::tensor::{Vector, unit_vector};
+use crate::tensor::{Matrix, Vector, unit_vector};
 
 /// The stiffness of rows with a force, and of ties, in units of the largest of the unknowns that they move.
 const HOLDS: f64 = 1e5;
@@ -151,20 +153,37 @@ impl Tangent {
                 }
             }
         };
+        // by the dofs of two nodes, of which the second is not the larger
+        let mut blocks: BTreeMap<[usize; 2], Matrix<D>> = BTreeMap::new();
         for own in measured {
             let pushes = own.pass.pushes(&own.lambda);
             let loaded = own.pass.loaded(&pushes, x);
-            own.pass.slopes_of_forces(&loaded, x, |dofs, slopes| {
-                for (column, &k) in dofs.iter().enumerate() {
-                    curvature(k, k, slopes[(column, column)]);
-                    for (row, &j) in dofs.iter().enumerate().skip(column + 1) {
-                        let both = slopes[(row, column)] + slopes[(column, row)];
-                        if both != 0.0 {
-                            curvature(j, k, both);
+            own.pass.slopes_of_forces(&loaded, |nodes, slopes| {
+                for (b, &second) in nodes.iter().enumerate() {
+                    for (a, &first) in nodes.iter().enumerate().skip(b) {
+                        let [lower, upper] =
+                            [(a, b), (b, a)].map(|(a, b)| slopes.fixed_view::<D, D>(D * a, D * b));
+                        let both: Matrix<D> = match a == b {
+                            true => lower.clone_owned(),
+                            false => lower + upper.transpose(),
+                        };
+                        if both.iter().any(|value| *value != 0.0) {
+                            *blocks.entry([first, second]).or_insert_with(Matrix::zeros) += both;
                         }
                     }
                 }
             });
+        }
+        for ([a, b], slopes) in &blocks {
+            for i in 0..D {
+                for j in (0..D).filter(|j| a != b || i >= *j) {
+                    let value = match a == b && i != j {
+                        true => slopes[(i, j)] + slopes[(j, i)],
+                        false => slopes[(i, j)],
+                    };
+                    curvature(D * a + i, D * b + j, value);
+                }
+            }
         }
         slopes_on_obstacles(problem, x, (gaps, lambda), &mut curvature);
         let mut stiffest = vec![0.0_f64; n];

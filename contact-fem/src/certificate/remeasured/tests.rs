@@ -307,18 +307,18 @@ fn differences<const D: usize>(meshes: [&Mesh<D>; 2], sides: [&str; 2]) {
         .map(|k| Vector::from_fn(|i, _| wave(k, i)))
         .collect();
     let mut slopes = vec![Vector::<D>::zeros(); x.len()];
-    pass.slopes_of_forces(&pass.loaded(&pushes, &x), &x, |dofs, own| {
-        let motion = dofs.iter().map(|&k| v[k / D][k % D]);
-        let rates = own * DVector::from_iterator(dofs.len(), motion);
-        dofs.iter()
-            .zip(&rates)
-            .for_each(|(&k, rate)| slopes[k / D][k % D] += rate);
+    pass.slopes_of_forces(&pass.loaded(&pushes, &x), |nodes, own| {
+        let motion = nodes.iter().flat_map(|&a| v[a].iter().copied());
+        let rates = own * DVector::from_iterator(D * nodes.len(), motion);
+        for (k, &a) in nodes.iter().enumerate() {
+            slopes[a] += rates.fixed_rows::<D>(D * k);
+        }
     });
     const STEP: f64 = 1e-6;
     for sign in [1.0, -1.0] {
         let moved = x.iter().zip(&v).map(|(x, v)| x + v * (sign * STEP));
         let moved: Vec<Vector<D>> = moved.collect();
-        let there = Placed::unsorted(&other, &moved);
+        let there = Placed::unsorted(&other, &moved, |_| true);
         let slave: Vec<Vector<D>> = own.nodes.iter().map(|&a| moved[a]).collect();
         let mut after = Pass::new(&own, &master, &search);
         for point in &mut after.held {
