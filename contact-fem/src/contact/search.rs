@@ -636,6 +636,34 @@ mod tests {
         }
     }
 
+    /// A point loses its weight over the last tenth of the search radius, and where the surfaces are nearly at right angles.
+    #[test]
+    fn points_count_in_part_where_they_are_about_to_leave() {
+        let floor = polyline(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]);
+        let share = |height: f64, cosine: f64, reach: f64| {
+            let sine = (1.0 - cosine * cosine).sqrt();
+            let own = seeker([0.7, height], [sine, -cosine], reach);
+            let foot = floor.project(&own.x).expect("a facet");
+            own.share(&foot)
+        };
+        for (height, cosine, reach, expected) in [
+            (0.2, 1.0, f64::INFINITY, 1.0),
+            (0.2, 1.0, 0.5, 1.0),
+            (0.48, 1.0, 0.5, 0.4),
+            (0.5, 1.0, 0.5, 0.0),
+            (0.2, 0.2, 0.5, 1.0),
+            (0.2, 0.05, 0.5, 0.25),
+            (0.48, 0.05, 0.5, 0.1),
+            (0.2, -0.1, 0.5, 0.0),
+        ] {
+            let own = share(height, cosine, reach);
+            assert!(
+                (own - expected).abs() < 1e-12,
+                "{height} {cosine} {reach}: {own}"
+            );
+        }
+    }
+
     fn polyline(points: &[[f64; 2]]) -> Master<2> {
         let x: Vec<Vector<2>> = points.iter().copied().map(Vector::from).collect();
         let facets: Vec<[usize; 2]> = (1..x.len()).map(|k| [k, k - 1]).collect();

@@ -142,7 +142,12 @@ fn nearest_on<const D: usize>(x: &Vector<D>, corners: &[Vector<D>]) -> [f64; 3] 
     weights
 }
 
-fn closest_on<const D: usize>(master: &Placed<'_, D>, facet: usize, x: &Vector<D>) -> Closest<D> {
+/// The closest point of a facet, if it is within `distance`; else the distance is infinite.
+fn closest_on<const D: usize>(
+    master: &Placed<'_, D>,
+    facet: usize,
+    (x, distance): (&Vector<D>, f64),
+) -> Closest<D> {
     let patch = master.faces.patch(facet, &master.x);
     let mut best = Closest {
         distance: f64::INFINITY,
@@ -152,15 +157,22 @@ fn closest_on<const D: usize>(master: &Placed<'_, D>, facet: usize, x: &Vector<D
     };
     for piece in &master.pieces {
         let corners = piece.map(|lambda| patch.at(&lambda));
+        // no point is closer than the box around the corners
+        let low = corners.iter().fold(corners[0], |low, y| low.inf(y));
+        let high = corners.iter().fold(corners[0], |high, y| high.sup(y));
+        let beside = (low - x).sup(&(x - high)).sup(&Vector::zeros());
+        if beside.norm() > best.distance.min(distance) {
+            continue;
+        }
         let weights = nearest_on(x, &corners);
         let mut lambda = Vector::<D>::zeros();
         piece
             .iter()
             .zip(weights)
             .for_each(|(own, w)| lambda += own * w);
-        let distance = (x - patch.at(&lambda)).norm();
-        if distance < best.distance {
-            (best.distance, best.lambda) = (distance, lambda);
+        let own = (x - patch.at(&lambda)).norm();
+        if own < best.distance {
+            (best.distance, best.lambda) = (own, lambda);
         }
     }
     let on_side = |k: usize| best.lambda[k] < ROUND_OFF && master.faces.is_rim(facet, k);
@@ -203,7 +215,7 @@ fn around<const D: usize>(
             seen += 1;
             continue;
         }
-        let here = closest_on(master, facet, &point.x);
+        let here = closest_on(master, facet, (&point.x, distance));
         if here.distance > distance {
             continue;
         }
