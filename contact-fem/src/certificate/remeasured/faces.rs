@@ -328,8 +328,8 @@ impl<const D: usize> Faces<D> {
         sums.iter().map(|(sum, count)| sum / count).collect()
     }
 
-    /// The averaged unit normals where the nodes are at `x`: those of the facets around a node, in space weighted by their angles; of the
-    /// nodes that are needed alone.
+    /// The averaged unit normals of the nodes that are needed, where the boundary's nodes are at `x`: directions of [`Faces::normal_sums`].
+    /// Normals of other nodes are zero.
     fn averaged(&self, x: &[Vector<D>], is_needed: impl Fn(usize) -> bool) -> Vec<Vector<D>> {
         let sums = self.normal_sums(x, is_needed);
         let unit = |sum: Vector<D>| {
@@ -339,7 +339,7 @@ impl<const D: usize> Faces<D> {
         sums.into_iter().map(unit).collect()
     }
 
-    /// The sums of which averaged normals are the directions, likewise.
+    /// The sum of the unit normals of the facets around each node that is needed, in space weighted by the facets' angles there.
     pub fn normal_sums(
         &self,
         x: &[Vector<D>],
@@ -438,7 +438,7 @@ impl<'a, const D: usize> Placed<'a, D> {
         placed
     }
 
-    /// The same for points that know the facets of their feet, with the normals at the nodes that are needed.
+    /// The same without boxes, for points that know the facets of their feet, and with normals at the nodes that are needed alone.
     pub fn unsorted(
         faces: &'a Faces<D>,
         x: &[Vector<D>],

@@ -95,7 +95,7 @@ impl<const D: usize> Pass<'_, D> {
     }
 
     /// Gives the slopes of forces by positions to `add`, one matrix for each facet of the master that has points, with the nodes of the scene
-    /// whose components its rows and columns belong to, ascending. Those of one place add up. Pushes, and the points that count, are held.
+    /// whose components its rows and columns belong to, ascending. Matrices of several facets add up. Pushes, and the points that count, are held.
     pub fn slopes_of_forces(
         &self,
         loaded: &[Loaded<'_, D>],

@@ -153,7 +153,7 @@ impl Tangent {
                 }
             }
         };
-        // by the dofs of two nodes, of which the second is not the larger
+        // D + Dᵀ by blocks of two nodes, of which the second is not the larger
         let mut blocks: BTreeMap<[usize; 2], Matrix<D>> = BTreeMap::new();
         for own in measured {
             let pushes = own.pass.pushes(&own.lambda);
@@ -163,10 +163,7 @@ impl Tangent {
                     for (a, &first) in nodes.iter().enumerate().skip(b) {
                         let [lower, upper] =
                             [(a, b), (b, a)].map(|(a, b)| slopes.fixed_view::<D, D>(D * a, D * b));
-                        let both: Matrix<D> = match a == b {
-                            true => lower.clone_owned(),
-                            false => lower + upper.transpose(),
-                        };
+                        let both: Matrix<D> = lower + upper.transpose();
                         if both.iter().any(|value| *value != 0.0) {
                             *blocks.entry([first, second]).or_insert_with(Matrix::zeros) += both;
                         }
@@ -176,12 +173,12 @@ impl Tangent {
         }
         for ([a, b], slopes) in &blocks {
             for i in 0..D {
-                for j in (0..D).filter(|j| a != b || i >= *j) {
-                    let value = match a == b && i != j {
-                        true => slopes[(i, j)] + slopes[(j, i)],
-                        false => slopes[(i, j)],
-                    };
-                    curvature(D * a + i, D * b + j, value);
+                for j in 0..D {
+                    let (row, column) = (D * a + i, D * b + j);
+                    if row >= column {
+                        let share = if row == column { 0.5 } else { 1.0 };
+                        curvature(row, column, share * slopes[(i, j)]);
+                    }
                 }
             }
         }
