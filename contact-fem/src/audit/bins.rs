@@ -5,15 +5,15 @@ use rstar::AABB;
 /// A regular grid of bins over boxes, in which those that a box meets are marked.
 pub(super) struct Bins<const D: usize> {
     low: [f64; D],
-    /// Bins per length (1/UL).
-    scale: [f64; D],
+    /// Bins per length, along each axis the same (1/UL).
+    scale: f64,
     /// The number of bins along each axis.
-    side: usize,
+    sides: [usize; D],
     marked: Vec<bool>,
 }
 
 impl<const D: usize> Bins<D> {
-    /// The largest number of bins along each axis.
+    /// The largest number of bins along the longest axis.
     const MOST: usize = match D {
         3 => 48,
         _ => 160,
@@ -21,23 +21,24 @@ impl<const D: usize> Bins<D> {
 
     pub fn new(boxes: impl Iterator<Item = AABB<[f64; D]>>) -> Self {
         let boxes: Vec<_> = boxes.collect();
-        // as many as there are boxes along a side, if they cover a surface
-        let along = (boxes.len() as f64).powf(1.0 / (D as f64 - 1.0));
-        let side = (along.ceil() as usize).clamp(1, Self::MOST);
         let least = |of: &dyn Fn(&AABB<[f64; D]>) -> f64| {
             boxes.iter().map(of).fold(f64::INFINITY, f64::min)
         };
         let low: [f64; D] = std::array::from_fn(|i| least(&|b| b.lower()[i]));
-        let scale = std::array::from_fn(|i| {
-            let scale = side as f64 / (-least(&|b| -b.upper()[i]) - low[i]);
-            // what has no extent is in one bin
-            if scale.is_finite() { scale } else { 0.0 }
-        });
+        let extents: [f64; D] = std::array::from_fn(|i| -least(&|b| -b.upper()[i]) - low[i]);
+        let longest = extents.iter().copied().fold(0.0, f64::max);
+        // as many as there are boxes along a side, if they cover a surface
+        let along = (boxes.len() as f64).powf(1.0 / (D as f64 - 1.0));
+        let scale = along.ceil().clamp(1.0, Self::MOST as f64) / longest;
+        // what has no extent is in one bin
+        let scale = if scale.is_finite() { scale } else { 0.0 };
+        let side = |extent: f64| ((extent * scale).ceil() as usize).clamp(1, Self::MOST);
+        let sides = extents.map(side);
         let mut bins = Bins {
             low,
             scale,
-            side,
-            marked: vec![false; side.pow(D as u32)],
+            sides,
+            marked: vec![false; sides.iter().product()],
         };
         for b in &boxes {
             let mut marked = std::mem::take(&mut bins.marked);
@@ -59,14 +60,15 @@ impl<const D: usize> Bins<D> {
     fn visit(&self, envelope: &AABB<[f64; D]>, mut found: impl FnMut(usize) -> bool) -> bool {
         let bin = |x: [f64; D]| -> [usize; D] {
             std::array::from_fn(|i| {
-                let place = (x[i] - self.low[i]) * self.scale[i];
-                (place.max(0.0) as usize).min(self.side - 1)
+                let place = (x[i] - self.low[i]) * self.scale;
+                (place.max(0.0) as usize).min(self.sides[i] - 1)
             })
         };
         let (first, last) = (bin(envelope.lower()), bin(envelope.upper()));
         let mut at = first;
         loop {
-            let place = at.iter().fold(0, |place, k| place * self.side + k);
+            let axes = at.iter().zip(&self.sides);
+            let place = axes.fold(0, |place, (k, side)| place * side + k);
             if found(place) {
                 return true;
             }

@@ -67,6 +67,19 @@ fn round(ways: [f64; 2], kind: (Geometry, Passes)) -> (f64, Told) {
 
 const BOTH: (Geometry, Passes) = (Geometry::Reference, Passes::Both);
 
+/// A disc that moves far over a block without being lifted keeps its force at the present positions, and has several times as much at the
+/// reference positions: gaps differ by more than the half of the indentation.
+#[test]
+fn a_force_that_is_a_multiple_is_told() {
+    let (present, _) = round([0.4, 0.0], (Geometry::Current, Passes::Both));
+    let (force, told) = round([0.4, 0.0], BOTH);
+    assert!(force > 2.0 * present, "{force} {present}");
+    let [[error, indentation]] = told[..] else {
+        panic!("{told:?}");
+    };
+    assert!(error > 0.5 * indentation, "{told:?}");
+}
+
 /// Both passes hold a disc where it was and where it is: the force is too large, by about twice the share that is told. With the flat block
 /// as the only slave it is too large, too. With the disc as the only slave it is that of the disc that has not moved, and so is the place.
 #[test]

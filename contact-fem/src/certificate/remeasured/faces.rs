@@ -54,17 +54,31 @@ pub(super) fn shapes<const D: usize>(order: Order, lambda: &Vector<D>) -> [f64; 
     N
 }
 
-/// The slopes of N_a along λ_k, while λ_0 falls. The difference across a length of 1 is exact: N_a are quadratic in λ.
+/// The slopes of N_a along λ_k, while λ_0 falls.
 pub(super) fn shape_slopes<const D: usize>(
     order: Order,
     lambda: &Vector<D>,
     k: usize,
 ) -> [f64; MOST] {
-    let [mut before, mut after] = [*lambda; 2];
-    (before[0], before[k]) = (before[0] + 0.5, before[k] - 0.5);
-    (after[0], after[k]) = (after[0] - 0.5, after[k] + 0.5);
-    let [before, after] = [before, after].map(|lambda| shapes(order, &lambda));
-    std::array::from_fn(|a| after[a] - before[a])
+    let rate = |j: usize| match j {
+        0 => -1.0,
+        _ if j == k => 1.0,
+        _ => 0.0,
+    };
+    let mut slopes = [0.0; MOST];
+    for j in 0..D {
+        slopes[j] = match order {
+            Order::Linear => rate(j),
+            Order::Quadratic => rate(j) * (4.0 * lambda[j] - 1.0),
+        };
+    }
+    if order == Order::Quadratic {
+        for e in 0..D * (D - 1) / 2 {
+            let next = (e + 1) % D;
+            slopes[D + e] = 4.0 * (rate(e) * lambda[next] + rate(next) * lambda[e]);
+        }
+    }
+    slopes
 }
 
 impl<const D: usize> Patch<D> {
@@ -126,7 +140,7 @@ impl<const D: usize> Patch<D> {
 }
 
 /// λ of a facet's k-th node.
-fn place<const D: usize>(k: usize) -> Vector<D> {
+pub(super) fn place<const D: usize>(k: usize) -> Vector<D> {
     let mut lambda = Vector::zeros();
     match k < D {
         true => lambda[k] = 1.0,
@@ -135,26 +149,15 @@ fn place<const D: usize>(k: usize) -> Vector<D> {
     lambda
 }
 
-/// The flat pieces of a facet, by λ of their corners.
-fn pieces<const D: usize>(order: Order) -> Vec<[Vector<D>; D]> {
-    let corner = |k: usize| {
-        let mut lambda = Vector::zeros();
-        lambda[k] = 1.0;
-        lambda
+/// The flat pieces between the nodes of a facet, by the numbers of their corners among these.
+fn pieces<const D: usize>(order: Order) -> Vec<[usize; D]> {
+    let all: &[[usize; 3]] = match (order, D) {
+        (Order::Linear, _) => &[[0, 1, 2]],
+        (Order::Quadratic, 2) => &[[0, 2, 0], [2, 1, 0]],
+        _ => &[[0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5]],
     };
-    let half = |a: usize, b: usize| (corner(a) + corner(b)) * 0.5;
-    let of = |corners: &[Vector<D>]| std::array::from_fn(|k| corners[k]);
-    match (order, D) {
-        (Order::Linear, _) => vec![std::array::from_fn(corner)],
-        (Order::Quadratic, 2) => vec![of(&[corner(0), half(0, 1)]), of(&[half(0, 1), corner(1)])],
-        _ => {
-            let middles = [half(0, 1), half(1, 2), half(2, 0)];
-            let at = |k: usize| of(&[corner(k), middles[k], middles[(k + 2) % 3]]);
-            let mut all: Vec<_> = (0..3).map(at).collect();
-            all.push(of(&middles));
-            all
-        }
-    }
+    let own = |piece: &[usize; 3]| std::array::from_fn(|k| piece[k]);
+    all.iter().map(own).collect()
 }
 
 /// λ in the middle of a facet.
@@ -412,9 +415,18 @@ pub(super) struct Placed<'a, const D: usize> {
     pub faces: &'a Faces<D>,
     pub x: Vec<Vector<D>>,
     normals: Vec<Vector<D>>,
+    /// The boxes of the flat pieces between the nodes of each facet.
     pub boxes: Sorted<D>,
-    /// The flat pieces between the nodes of a facet, by λ of their corners.
-    pub pieces: Vec<[Vector<D>; D]>,
+    pieces: Vec<[usize; D]>,
+    /// The boxes around the pieces of each facet.
+    around_pieces: Vec<[Vector<D>; 2]>,
+}
+
+/// A flat piece between nodes of a facet.
+pub(super) struct Piece<const D: usize> {
+    /// The numbers of its corners among the facet's nodes.
+    pub nodes: [usize; D],
+    pub corners: [Vector<D>; D],
 }
 
 impl<'a, const D: usize> Placed<'a, D> {
@@ -426,16 +438,33 @@ impl<'a, const D: usize> Placed<'a, D> {
             let own = faces.facet(f);
             let low = own.iter().fold(x[own[0]], |low, &a| low.inf(&x[a]));
             let high = own.iter().fold(x[own[0]], |high, &a| high.sup(&x[a]));
-            // a curved facet leaves the box of its nodes by less than half of it
-            let beyond = match faces.order {
-                Order::Linear => 0.0,
-                Order::Quadratic => 0.5 * (high - low).max(),
-            };
-            [low.add_scalar(-beyond), high.add_scalar(beyond)]
+            [low, high]
         };
-        placed.boxes = Sorted::new((0..faces.len()).map(around));
-        placed.pieces = pieces(faces.order);
+        let boxes = Sorted::new((0..faces.len()).map(around));
+        let pieces = pieces(faces.order);
+        let of_facet = |f: usize| {
+            let own = faces.facet(f);
+            let corners = pieces.iter().map(move |piece| piece.map(|k| x[own[k]]));
+            corners.map(|corners| {
+                let others = corners[1..].iter();
+                others.fold([corners[0]; 2], |[low, high], y| [low.inf(y), high.sup(y)])
+            })
+        };
+        let around_pieces = (0..faces.len()).flat_map(of_facet).collect();
+        (placed.boxes, placed.pieces, placed.around_pieces) = (boxes, pieces, around_pieces);
         placed
+    }
+
+    /// The flat pieces of a facet, each with the box around it.
+    pub fn pieces(&self, f: usize) -> impl Iterator<Item = (&[Vector<D>; 2], Piece<D>)> {
+        let count = self.pieces.len();
+        let boxes = self.around_pieces[f * count..(f + 1) * count].iter();
+        let own = self.faces.facet(f);
+        let piece = move |&nodes: &[usize; D]| Piece {
+            nodes,
+            corners: nodes.map(|k| self.x[own[k]]),
+        };
+        boxes.zip(self.pieces.iter().map(piece))
     }
 
     /// The same without boxes, for points that know the facets of their feet, and with normals at the nodes that are needed alone.
@@ -451,6 +480,7 @@ impl<'a, const D: usize> Placed<'a, D> {
             x,
             boxes: Sorted::new(std::iter::empty()),
             pieces: Vec::new(),
+            around_pieces: Vec::new(),
         }
     }
 
@@ -471,7 +501,13 @@ pub(super) fn swept<const D: usize>(
 ) -> Matrix<D> {
     let mut columns = Matrix::<D>::zeros();
     for k in 1..D {
-        let column = places.slope(lambda, k) + normals.slope(lambda, k) * s;
+        let column = match places.order {
+            Order::Linear => places.slope(lambda, k) + normals.slope(lambda, k) * s,
+            Order::Quadratic => {
+                let weights = shape_slopes(places.order, lambda, k);
+                places.sum(&weights) + normals.sum(&weights) * s
+            }
+        };
         columns.set_column(k - 1, &column);
     }
     columns.set_column(D - 1, &normals.at(lambda));

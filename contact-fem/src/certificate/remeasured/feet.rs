@@ -1,6 +1,6 @@
 //! The foot of a point, by trying all facets around it.
 
-use super::faces::{Faces, Patch, Placed, swept};
+use super::faces::{Faces, Patch, Placed, place, swept};
 use crate::tensor::Vector;
 
 /// The foot of a point on a boundary.
@@ -73,6 +73,19 @@ pub(super) fn solve<const D: usize>(
         }
     }
     None
+}
+
+/// The foot of a place on one facet, if it has one there, looked for from a λ and a distance on.
+pub(super) fn on<const D: usize>(
+    master: &Placed<'_, D>,
+    facet: usize,
+    x: &Vector<D>,
+    start: (&Vector<D>, f64),
+) -> Option<Foot<D>> {
+    let patches = master.patches(facet);
+    let found = solve(&patches, x, start)?;
+    let is_on_it = found.0.iter().all(|&l| l >= -ROUND_OFF);
+    is_on_it.then(|| at(facet, &patches, found))
 }
 
 /// The foot at λ and s on a facet.
@@ -155,21 +168,16 @@ fn closest_on<const D: usize>(
         lambda: Vector::zeros(),
         is_end: false,
     };
-    for piece in &master.pieces {
-        let corners = piece.map(|lambda| patch.at(&lambda));
+    for ([low, high], piece) in master.pieces(facet) {
         // no point is closer than the box around the corners
-        let low = corners.iter().fold(corners[0], |low, y| low.inf(y));
-        let high = corners.iter().fold(corners[0], |high, y| high.sup(y));
         let beside = (low - x).sup(&(x - high)).sup(&Vector::zeros());
         if beside.norm() > best.distance.min(distance) {
             continue;
         }
-        let weights = nearest_on(x, &corners);
+        let weights = nearest_on(x, &piece.corners);
         let mut lambda = Vector::<D>::zeros();
-        piece
-            .iter()
-            .zip(weights)
-            .for_each(|(own, w)| lambda += own * w);
+        let corners = piece.nodes.iter().zip(weights);
+        corners.for_each(|(&k, w)| lambda += place::<D>(k) * w);
         let own = (x - patch.at(&lambda)).norm();
         if own < best.distance {
             (best.distance, best.lambda) = (own, lambda);
@@ -182,32 +190,25 @@ fn closest_on<const D: usize>(
 
 /// What is around a point within some distance.
 struct Around<const D: usize> {
-    /// By distance.
-    feet: Vec<Foot<D>>,
-    closest: Option<Closest<D>>,
-    /// Whether this is all there is.
+    /// The closest points of all facets there but those that have a node of the point's own facet, by distance.
+    closest: Vec<Closest<D>>,
+    /// Whether no facet is farther away.
     is_all: bool,
 }
 
-/// The feet within `distance`, on all facets but those that have a node of the point's own facet.
 fn around<const D: usize>(
     (slave, master): (&Faces<D>, &Placed<'_, D>),
     point: &Point<D>,
     distance: f64,
 ) -> Around<D> {
-    let (mut feet, mut closest) = (Vec::new(), None::<Closest<D>>);
+    let mut closest = Vec::new();
     let mut seen = 0;
     let is_own = |f: usize| {
         let node = |faces: &Faces<D>, a: usize| faces.nodes[a];
         point.own.is_some_and(|own| {
-            let own = slave.facet(own).iter().map(|&a| node(slave, a));
-            let there: Vec<usize> = master
-                .faces
-                .facet(f)
-                .iter()
-                .map(|&b| node(master.faces, b))
-                .collect();
-            own.into_iter().any(|a| there.contains(&a))
+            let mut own = slave.facet(own).iter().map(|&a| node(slave, a));
+            let there = master.faces.facet(f);
+            own.any(|a| there.iter().any(|&b| node(master.faces, b) == a))
         })
     };
     for facet in master.boxes.within(&point.x, distance) {
@@ -216,31 +217,21 @@ fn around<const D: usize>(
             continue;
         }
         let here = closest_on(master, facet, (&point.x, distance));
-        if here.distance > distance {
-            continue;
-        }
-        seen += 1;
-        let patches = master.patches(facet);
-        let solved = solve(&patches, &point.x, (&here.lambda, 0.0));
-        let on_it = solved.filter(|(lambda, _)| lambda.iter().all(|&l| l >= -ROUND_OFF));
-        feet.extend(on_it.map(|found| at(facet, &patches, found)));
-        let known = closest
-            .as_ref()
-            .map_or(f64::INFINITY, |known| known.distance);
-        if here.distance < known {
-            closest = Some(here);
+        if here.distance <= distance {
+            seen += 1;
+            closest.push(here);
         }
     }
-    let found = feet.len();
-    feet.retain(|foot: &Foot<D>| foot.distance <= distance);
-    feet.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-    let is_all = seen == master.faces.len() && feet.len() == found;
-    Around {
-        feet,
-        closest,
-        is_all,
-    }
+    closest.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+    let is_all = seen == master.faces.len();
+    Around { closest, is_all }
 }
+
+/// How far around a point feet are looked for first, and next, as shares of a facet. Most points that press are close to the other boundary.
+const FIRST: f64 = 0.02;
+const SECOND: f64 = 0.4;
+/// A facet is not nearer than a share of the distance of its flat pieces.
+const NEARER: f64 = 0.5;
 
 /// The foot that a point must not penetrate: the nearest one, if it counts. Behind a surface that faces the same way, the next one is
 /// looked at, as is any that does not count where a body meets itself. Where normals have crossed, the closest point takes the place
@@ -250,22 +241,69 @@ pub(super) fn foot<const D: usize>(
     point: &Point<D>,
     reach: Reach,
 ) -> Option<Foot<D>> {
-    let mut distance = 0.4 * reach.size;
+    let master = surfaces.1;
+    let mut distance = FIRST * reach.size;
+    let mut feet: Vec<Foot<D>> = Vec::new();
     loop {
-        let found = around(surfaces, point, distance.min(reach.radius));
-        let is_last = distance >= reach.radius || found.is_all;
-        let closest = found
-            .closest
-            .as_ref()
-            .filter(|own| 4.0 * own.distance <= distance || is_last);
-        let decided = decide(surfaces.1, point, reach, &found.feet, closest);
-        match decided {
+        let within = distance.min(reach.radius);
+        let found = around(surfaces, point, within);
+        feet.clear();
+        let mut nearest: Option<Foot<D>> = None;
+        for own in &found.closest {
+            // what is farther away decides nothing
+            let is_first = |foot: &Foot<D>| {
+                foot.distance < NEARER * own.distance && counts(master.faces, point, foot, reach)
+            };
+            if let Some(foot) = nearest.filter(is_first) {
+                return Some(foot);
+            }
+            let there = on(master, own.facet, &point.x, (&own.lambda, 0.0));
+            feet.extend(there);
+            let near = nearest.into_iter().chain(there);
+            nearest = near.min_by(|a, b| a.distance.total_cmp(&b.distance));
+        }
+        let count = feet.len();
+        feet.retain(|foot| foot.distance <= within);
+        feet.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        let is_all = found.is_all && feet.len() == count;
+        let is_last = distance >= reach.radius || is_all;
+        let closest = found.closest.first();
+        let closest = closest.filter(|own| 4.0 * own.distance <= distance || is_last);
+        match decide(master, point, reach, &feet, closest) {
             Decision::Found(foot) => return Some(foot),
             Decision::None => return None,
             Decision::Open if is_last => return None,
-            Decision::Open => distance *= 2.0,
+            Decision::Open => distance = (2.0 * distance).max(SECOND * reach.size),
         }
     }
+}
+
+/// The nearest foot that counts on one of these facets.
+pub(super) fn nearest_of<const D: usize>(
+    master: &Placed<'_, D>,
+    facets: impl Iterator<Item = usize>,
+    point: &Point<D>,
+    reach: Reach,
+) -> Option<Foot<D>> {
+    let middle = Vector::repeat(1.0 / D as f64);
+    let feet = facets.filter_map(|facet| on(master, facet, &point.x, (&middle, 0.0)));
+    let feet = feet
+        .filter(|foot| foot.distance <= reach.radius && counts(master.faces, point, foot, reach));
+    feet.min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
+
+/// Whether a foot faces the point, with no body between them.
+fn counts<const D: usize>(
+    master: &Faces<D>,
+    point: &Point<D>,
+    foot: &Foot<D>,
+    reach: Reach,
+) -> bool {
+    faces(point, foot) && !is_through_material(master, point, foot, reach)
+}
+
+fn faces<const D: usize>(point: &Point<D>, foot: &Foot<D>) -> bool {
+    point.facing.dot(&foot.normal) < 0.0
 }
 
 enum Decision<const D: usize> {
@@ -282,9 +320,7 @@ fn decide<const D: usize>(
     feet: &[Foot<D>],
     closest: Option<&Closest<D>>,
 ) -> Decision<D> {
-    let faces = |foot: &Foot<D>| point.facing.dot(&foot.normal) < 0.0;
-    let counts =
-        |foot: &Foot<D>| faces(foot) && !is_through_material(master.faces, point, foot, reach);
+    let counts = |foot: &Foot<D>| counts(master.faces, point, foot, reach);
     if point.own.is_some() {
         return match feet.iter().find(|foot| counts(foot)) {
             Some(foot) => Decision::Found(*foot),
@@ -292,7 +328,7 @@ fn decide<const D: usize>(
         };
     }
     for foot in feet {
-        let is_behind = foot.gap < 0.0 && !faces(foot);
+        let is_behind = foot.gap < 0.0 && !faces(point, foot);
         match counts(foot) {
             true => return Decision::Found(*foot),
             false if is_behind => {}

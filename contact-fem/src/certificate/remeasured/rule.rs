@@ -160,6 +160,15 @@ impl<const D: usize> Slave<'_, D> {
         self.foot(lambda).map(|foot| foot.facet)
     }
 
+    /// The same between two places of which the feet are on these facets: they are tried first.
+    fn opposite_between(&self, lambda: &Vector<D>, facets: [Option<usize>; 2]) -> Option<usize> {
+        let point = self.point(lambda);
+        let facets = facets.into_iter().flatten();
+        let nearest = feet::nearest_of(self.surfaces.1, facets, &point, self.reach);
+        let foot = nearest.or_else(|| feet::foot(self.surfaces, &point, self.reach));
+        foot.map(|foot| foot.facet)
+    }
+
     /// Adds the points of the facet, and tells whether all have a foot and count in full.
     pub fn add(&self, points: &mut Points<D>) -> bool {
         points.are_whole = true;
@@ -186,11 +195,9 @@ impl<const D: usize> Slave<'_, D> {
         points: &mut Points<D>,
     ) {
         let known = facet.and_then(|facet| {
-            let patches = self.surfaces.1.patches(facet);
             let start = Vector::repeat(1.0 / D as f64);
-            let found = feet::solve(&patches, &self.patch.at(&lambda), (&start, 0.0))?;
-            let is_on_it = found.0.iter().all(|&l| l >= 0.0);
-            is_on_it.then(|| feet::at(facet, &patches, found))
+            let x = self.patch.at(&lambda);
+            feet::on(self.surfaces.1, facet, &x, (&start, 0.0))
         });
         let Some(foot) = known.or_else(|| self.foot(&lambda)) else {
             points.are_whole = false;
@@ -255,7 +262,7 @@ impl<const D: usize> Slave<'_, D> {
             breaks.push((middle, before));
             return;
         }
-        let there = (middle, self.opposite(&on(middle)));
+        let there = (middle, self.opposite_between(&on(middle), [before, after]));
         self.divide(on, ((from, before), there), halved + 1, breaks);
         self.divide(on, (there, (to, after)), halved + 1, breaks);
     }
