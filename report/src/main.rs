@@ -24,6 +24,7 @@ mod norms;
 mod overview;
 mod page;
 mod pareto;
+mod peers;
 mod processor;
 mod record;
 mod refined;
@@ -60,6 +61,9 @@ struct Arguments {
     /// Seconds after which a run is given up, and the page says so
     #[arg(long, value_name = "SECONDS", default_value_t = 600)]
     limit: u64,
+    /// Compute and store the errors of the pressures that report/peers/campaign.py left here
+    #[arg(long, value_name = "DIR")]
+    peers: Option<PathBuf>,
     /// Do one run in this process: its settings as JSON, and where the refined solution is kept
     #[arg(long, hide = true, num_args = 2)]
     run: Option<Vec<String>>,
@@ -67,14 +71,35 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let result = match arguments.run.as_deref() {
-        Some([case, place]) => campaign::child(case, place),
+    let result = match (arguments.run.as_deref(), &arguments.peers) {
+        (Some([case, place]), _) => campaign::child(case, place),
+        (_, Some(folder)) => peers_of(folder),
         _ => report(&arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error}");
         ExitCode::from(2)
     })
+}
+
+/// Where the results of other programs are kept.
+fn peers_file() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/results.json")
+}
+
+fn peers_of(folder: &Path) -> Result<ExitCode, Failure> {
+    let environment = environment::environment(&revision::revision()?);
+    let stored = peers::store(folder, &environment, &peers_file())?;
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    for scene in &peers::SCENES {
+        let picture = page::peers::picture(&stored, scene);
+        fs::write(docs.join(format!("peers_{}.svg", scene.name)), picture)?;
+        println!("{}", scene.title);
+        for target in peers::TARGETS {
+            println!("  {}", stored.sentence(scene, target));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
 fn report(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -117,7 +142,9 @@ fn write(
 ) -> Result<(), Failure> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../freefem/reference");
     let (freefem, freefem_remarks) = freefem::load(&source);
+    let peers = peers::load(&peers_file())?;
     let page = Page {
+        peers: &peers,
         studies,
         environment,
         freefem: &freefem,

@@ -3,11 +3,22 @@
 use std::fmt::Write;
 
 use crate::overview;
-use crate::page::{ADVICE, Page};
+use crate::page::{ADVICE, Page, peers};
+use crate::peers::SCENES;
 
 /// The whole text.
 pub fn markdown(page: &Page<'_>) -> String {
-    let mut text = String::from("# Error against run time\n\n## What must hold\n\n");
+    let mut text =
+        String::from("# Error against run time\n\n## Which program for which accuracy\n");
+    for scene in &SCENES {
+        let _ = write!(text, "\n### {}\n\n{}\n\n", scene.title, scene.about);
+        for sentence in peers::sentences(page.peers, scene) {
+            let _ = writeln!(text, "- {sentence}");
+        }
+        text.push('\n');
+        text += &peers::runs(page.peers, scene).markdown();
+    }
+    text += "\n## What must hold\n\n";
     text += &overview::claims(page.studies).markdown();
     let _ = write!(text, "\n## What accuracy costs\n\n{ADVICE}\n\n");
     text += &overview::advice(page.studies).markdown();

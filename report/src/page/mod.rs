@@ -1,5 +1,6 @@
 //! The report as one HTML page without anything from elsewhere.
 
+pub mod peers;
 mod plot;
 
 use std::fmt::Write;
@@ -10,6 +11,7 @@ use crate::families::Quantity;
 use crate::freefem::Point;
 use crate::overview;
 use crate::pareto::front;
+use crate::peers::Stored;
 use crate::study::{Axis, Run, Series, Study};
 use ipopt_contact_scenes::tables::Table;
 
@@ -21,6 +23,8 @@ pub struct Page<'a> {
     pub studies: &'a [Study<'a>],
     /// The machine and the programs.
     pub environment: &'a [(&'static str, String)],
+    /// What other programs need on the same meshes.
+    pub peers: &'a Stored,
     /// Results of FreeFEM.
     pub freefem: &'a [Point],
     /// What there is to say on FreeFEM's results.
@@ -49,12 +53,14 @@ impl Page<'_> {
     }
 
     fn head(&self, html: &mut String) {
-        html.push_str("<nav><p>");
+        html.push_str("<nav><p><a href=\"#programs\">programs</a> · ");
         for study in self.studies {
             let (name, title) = (study.family.name, escape(study.family.title));
             let _ = write!(html, "<a href=\"#{name}\">{title}</a> · ");
         }
-        html.push_str("<a href=\"#machine\">machine</a></p></nav>\n<h2>What must hold</h2>\n");
+        html.push_str("<a href=\"#machine\">machine</a></p></nav>\n");
+        html.push_str(&peers::section(self.peers));
+        html.push_str("<h2>What must hold</h2>\n");
         html.push_str(&table(&overview::claims(self.studies)));
         let _ = write!(html, "<h2>What accuracy costs</h2>\n<p>{ADVICE}</p>\n");
         html.push_str(&table(&overview::advice(self.studies)));
@@ -168,7 +174,7 @@ impl Page<'_> {
 
 const INTRODUCTION: &str = "<p>What accuracy costs with this library: benchmark families over meshes, orders, \
     integration, the paper's methods (7), (37) and (39), the library's default solver, fixed-point variants and tolerances. Every result on this \
-    page is computed anew by the command that writes it, but FreeFEM's, which are stored; every run is a process of its own with one thread, one at a \
+    page is computed anew by the command that writes it, but those of the comparison with other programs, which are stored; every run is a process of its own with one thread, one at a \
     time, and time counts from building the mesh to the last converged load step. Errors are relative. The broad line \
     joins the runs that no other beats in both cost and error.</p>\n";
 

@@ -167,8 +167,9 @@ impl Plot {
                     true => (b - 8.0, -12.0),
                     false => (b + 13.0, 12.0),
                 };
+                let width = (7.0 * note.chars().count() as f64).max(40.0);
                 let is_taken = |(x, y): &(f64, f64), height: f64| {
-                    (x - a).abs() < 40.0 && (y - height).abs() < 12.0
+                    (x - a).abs() < width && (y - height).abs() < 12.0
                 };
                 while notes.iter().any(|note| is_taken(note, height)) {
                     height += step;

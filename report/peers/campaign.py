@@ -1,0 +1,119 @@
+#!/usr/bin/python3
+"""Solves two of Hertz' scenes by this library, GetFEM, CalculiX and FreeFEM, on the same meshes and on this machine, one run at a time.
+
+    report/peers/campaign.py [--quick] [--out out/report-peers]
+
+`make report-peers` installs the programs, runs this, and lets the report compute all errors by one function from the pressures that are
+written here, one file a run. A file that is there is not computed again.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import sys
+import time
+
+os.environ["OMP_NUM_THREADS"] = "1"
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+import calculix_peer
+import freefem_peer
+import getfem_peer
+import ours_peer
+import scenes
+
+PROGRAMS = [ours_peer, getfem_peer, calculix_peer, freefem_peer]
+# short runs are repeated, and the least time counts
+REPETITIONS, SHORT = 3, 3.0
+
+
+def busy_seconds():
+    """What all processors have worked since the machine began (s)."""
+    words = pathlib.Path("/proc/stat").read_text().splitlines()[0].split()[1:]
+    user, nice, system, _idle, _wait, irq, soft = (int(word) for word in words[:7])
+    return (user + nice + system + irq + soft) / os.sysconf("SC_CLK_TCK")
+
+
+def own_seconds():
+    spent = os.times()
+    return spent.user + spent.system + spent.children_user + spent.children_system
+
+
+def measured(program, scene, mesh, setting):
+    """A run with its repetitions: all processor times, and how much else the machine did meanwhile, in processors."""
+    times, others = [], []
+    while True:
+        began, own, busy = time.time(), own_seconds(), busy_seconds()
+        try:
+            result = program.solve(scene, mesh, setting)
+        except Exception as error:  # a peer that stops is a result
+            result = {"cpu": None, "unknowns": None, "failure": f"{type(error).__name__}: {error}"[:300], "pressure": None}
+        wall = time.time() - began
+        own, busy = own_seconds() - own, busy_seconds() - busy
+        others.append(max(0.0, busy - own) / max(wall, 0.1))
+        times.append(result["cpu"])
+        is_short = result["cpu"] is not None and result["cpu"] < SHORT
+        if not is_short or len(times) >= REPETITIONS:
+            return result, times, others
+
+
+def written(result, mesh):
+    """The fields of a result, of the contact boundary alone."""
+    if result["pressure"] is None:
+        return {"nodes": [], "facets": [], "pressure": []}
+    facets = result.get("facets", mesh.facets[scenes.CONTACT])
+    nodes = result.get("nodes", mesh.nodes)
+    own = sorted({int(a) for facet in facets for a in facet})
+    place = {a: k for k, a in enumerate(own)}
+    return {
+        "nodes": [[float(f"{x:.12g}") for x in nodes[a]] for a in own],
+        "facets": [[place[int(a)] for a in facet] for facet in facets],
+        "pressure": [float(f"{result['pressure'][a]:.8g}") for a in own],
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="the coarsest mesh of each scene alone")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/report-peers"))
+    arguments = parser.parse_args()
+    meshes = arguments.out / "meshes"
+    meshes.mkdir(parents=True, exist_ok=True)
+    versions = {program.NAME: program.version() for program in PROGRAMS}
+    for name, version in versions.items():
+        print(f"{name}: {version}", flush=True)
+    for scene in scenes.ALL:
+        sizes = list(scene.sizes.items())
+        for fineness, size in sizes[:1] if arguments.quick else sizes:
+            for degree in (1, 2):
+                mesh = scene.mesh(meshes.resolve(), fineness, degree)
+                for program in PROGRAMS:
+                    for number, setting in enumerate(program.SETTINGS):
+                        name = f"{scene.name}_{fineness}_P{degree}_{program.NAME}_{number}"
+                        path = arguments.out / f"{name}.json"
+                        if path.exists():
+                            continue
+                        result, times, others = measured(program, scene, mesh, setting)
+                        record = {
+                            "scene": scene.name,
+                            "program": program.NAME,
+                            "version": versions[program.NAME],
+                            "setting": setting,
+                            "mesh": size,
+                            "degree": degree,
+                            "unknowns": result["unknowns"],
+                            "seconds": [spent for spent in times if spent is not None],
+                            "others": max(others),
+                            "failure": result["failure"],
+                            **written(result, mesh),
+                        }
+                        part = path.with_suffix(".part")
+                        part.write_text(json.dumps(record))
+                        part.rename(path)
+                        spent = min(record["seconds"], default=float("nan"))
+                        print(f"{name}: {setting}, {spent:.2f} s, {result['failure'] or 'solved'}", flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,540 @@
+//! Other programs on the same meshes: errors of the pressures that `report/peers/campaign.py` writes, all by one function, and what a reader
+//! learns from them.
+//!
+//! `report/peers/results.json` keeps the errors and processor times of one campaign on one machine, so that the page shows them anywhere.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Failure;
+use crate::pareto::front;
+
+/// What a run wrote. Lengths and forces are in the scene's units.
+#[derive(Debug, Deserialize)]
+struct Field {
+    scene: String,
+    program: String,
+    version: String,
+    setting: String,
+    mesh: String,
+    degree: usize,
+    unknowns: Option<usize>,
+    /// Processor time of each repetition.
+    seconds: Vec<f64>,
+    /// What other processes took meanwhile, in processors.
+    others: f64,
+    failure: Option<String>,
+    nodes: Vec<Vec<f64>>,
+    /// The nodes of each facet: corners, then middles of the sides 01, 12, 20.
+    facets: Vec<Vec<usize>>,
+    pressure: Vec<f64>,
+}
+
+/// A run: what it was, what it cost, and how far its pressure is off.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    pub scene: String,
+    pub program: String,
+    pub version: String,
+    pub setting: String,
+    /// The size of facets in the contact zone, by its radius a.
+    pub mesh: String,
+    pub degree: usize,
+    pub unknowns: Option<usize>,
+    /// The least processor time (s), and the largest by it.
+    pub seconds: Option<f64>,
+    pub scatter: Option<f64>,
+    /// Whether other processes took more than a fifth of a processor meanwhile.
+    pub is_disturbed: bool,
+    pub failure: Option<String>,
+    /// Of the pressure, in L² over the contact boundary, relative; of failed runs, too, where they left one.
+    pub error: Option<f64>,
+}
+
+impl Entry {
+    /// (s, error) of a run that ended well and alone.
+    pub fn point(&self) -> Option<(f64, f64)> {
+        let counts = self.failure.is_none() && !self.is_disturbed;
+        self.seconds.zip(self.error).filter(|_| counts)
+    }
+
+    /// What it is in words.
+    pub fn title(&self) -> String {
+        let unknowns = self
+            .unknowns
+            .map_or(String::new(), |n| format!(", {n} unknowns"));
+        format!(
+            "{}, P{}, {}, {}{unknowns}",
+            self.program, self.degree, self.mesh, self.setting
+        )
+    }
+}
+
+/// The results of one campaign.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Stored {
+    /// The machine and the day.
+    pub environment: BTreeMap<String, String>,
+    pub entries: Vec<Entry>,
+}
+
+/// A scene with a known pressure.
+pub struct Scene {
+    /// As in the files.
+    pub name: &'static str,
+    /// For a reader.
+    pub title: &'static str,
+    pub about: &'static str,
+    /// The pressure at a distance from the middle, by the force on the whole plane.
+    exact: fn(f64, f64) -> f64,
+    /// The force on the plane is this many times that on the part that is meshed, as far as the pressure tells; else it is given (UF).
+    force: Force,
+}
+
+enum Force {
+    Given(f64),
+    OfParts(f64),
+}
+
+const MODULUS: f64 = 1000.0 / (1.0 - 0.3 * 0.3);
+const ZONE: f64 = 0.05;
+
+pub const SCENES: [Scene; 2] = [
+    Scene {
+        name: "half_disc",
+        title: "Half a disc on a rigid line",
+        about: "Plane strain, small strains, E = 1000, ν = 0.3, R = 1, pressed to a half-width of contact a = R/20 by a traction on its flat top. \
+            Hertz's pressure is that of half-planes, from which it differs by a share of the order of (a/R)², 0.3 %.",
+        exact: |force, r| {
+            let peak = 2.0 * force / (PI * ZONE);
+            peak * (1.0 - (r / ZONE).powi(2)).max(0.0).sqrt()
+        },
+        force: Force::Given(PI * MODULUS * ZONE * ZONE / 4.0),
+    },
+    Scene {
+        name: "ball",
+        title: "A ball on a rigid plane",
+        about: "An eighth of a ball, small strains, E = 20 000, ν = 0.3, R = 50, whose flat top comes down by 2: the radius of contact is about 10, a fifth of R. \
+            The reference is Hertz's pressure for the force that each program found, from which the exact one differs by a share of the order of (a/R)², 4 %: no mesh brings \
+            the error below that.",
+        exact: |force, r| {
+            // a rigid plane counts as a ball of the same stiffness at half the approach
+            let (radius, modulus) = (25.0, 20000.0 / 2.0 / (1.0 - 0.3 * 0.3));
+            let a = (3.0 * force * radius / (4.0 * modulus)).cbrt();
+            let peak = 3.0 * force / (2.0 * PI * a * a);
+            peak * (1.0 - (r / a).powi(2)).max(0.0).sqrt()
+        },
+        force: Force::OfParts(4.0),
+    },
+];
+
+/// A point of integration on a facet: weight (UL or UL²), distance from the middle (UL), pressure.
+struct Sample {
+    weight: f64,
+    distance: f64,
+    pressure: f64,
+}
+
+/// Points and weights of Gauss' rule on (0, 1), by Newton's method on Legendre's polynomial.
+fn gauss(count: usize) -> Vec<(f64, f64)> {
+    let point = |k: usize| {
+        let mut x = (PI * (k as f64 + 0.75) / (count as f64 + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..50 {
+            let (mut before, mut here) = (1.0, x);
+            for n in 2..=count {
+                let n = n as f64;
+                (before, here) = (here, ((2.0 * n - 1.0) * x * here - (n - 1.0) * before) / n);
+            }
+            slope = count as f64 * (x * here - before) / (x * x - 1.0);
+            x -= here / slope;
+        }
+        (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..count).map(point).collect()
+}
+
+/// The shape functions of a facet with so many nodes at λ.
+fn shapes(lambda: &[f64], count: usize) -> Vec<f64> {
+    if count == lambda.len() {
+        return lambda.to_vec();
+    }
+    let sides: &[[usize; 2]] = match lambda.len() {
+        2 => &[[0, 1]],
+        _ => &[[0, 1], [1, 2], [2, 0]],
+    };
+    let corners = lambda.iter().map(|l| l * (2.0 * l - 1.0));
+    let middles = sides.iter().map(|[i, j]| 4.0 * lambda[*i] * lambda[*j]);
+    corners.chain(middles).collect()
+}
+
+/// The Gauss points of a segment, or in each direction of a triangle.
+const POINTS: usize = 16;
+
+fn samples(field: &Field) -> Vec<Sample> {
+    let line = gauss(POINTS);
+    let mut samples = Vec::new();
+    for facet in &field.facets {
+        let dimension = field.nodes[facet[0]].len();
+        let rule: Vec<(Vec<f64>, f64)> = match dimension {
+            2 => line.iter().map(|&(t, w)| (vec![1.0 - t, t], w)).collect(),
+            // a square that is collapsed at the first corner
+            _ => {
+                let each = line.iter().flat_map(|a| line.iter().map(move |b| (a, b)));
+                let point = |((s, v), (t, w)): (&(f64, f64), &(f64, f64))| {
+                    (vec![1.0 - s, s * (1.0 - t), s * t], v * w * s)
+                };
+                each.map(point).collect()
+            }
+        };
+        let place = |lambda: &[f64]| -> Vec<f64> {
+            let shapes = shapes(lambda, facet.len());
+            let own = |i: usize| -> f64 {
+                let nodes = facet.iter().zip(&shapes);
+                nodes.map(|(&a, N)| N * field.nodes[a][i]).sum()
+            };
+            (0..dimension).map(own).collect()
+        };
+        for (lambda, weight) in rule {
+            // positions are at most quadratic, of which these differences are exact
+            let slope = |k: usize| -> Vec<f64> {
+                let [mut back, mut on] = [lambda.clone(), lambda.clone()];
+                (back[0], back[k]) = (back[0] + 0.5, back[k] - 0.5);
+                (on[0], on[k]) = (on[0] - 0.5, on[k] + 0.5);
+                let (back, on) = (place(&back), place(&on));
+                on.iter().zip(back).map(|(on, back)| on - back).collect()
+            };
+            let first = slope(1);
+            let measure = match dimension {
+                2 => first[0].hypot(first[1]),
+                _ => {
+                    let second = slope(2);
+                    let cross = |i: usize, j: usize| first[i] * second[j] - first[j] * second[i];
+                    (cross(0, 1).powi(2) + cross(1, 2).powi(2) + cross(2, 0).powi(2)).sqrt()
+                }
+            };
+            let x = place(&lambda);
+            let distance = x[..dimension - 1].iter().map(|x| x * x).sum::<f64>().sqrt();
+            let shapes = shapes(&lambda, facet.len());
+            let nodes = facet.iter().zip(&shapes);
+            samples.push(Sample {
+                weight: weight * measure,
+                distance,
+                pressure: nodes.map(|(&a, N)| N * field.pressure[a]).sum(),
+            });
+        }
+    }
+    samples
+}
+
+/// The error of a field against the scene's pressure, relative, in L².
+fn error(scene: &Scene, field: &Field) -> f64 {
+    let samples = samples(field);
+    let force = match scene.force {
+        Force::Given(force) => force,
+        Force::OfParts(parts) => {
+            parts
+                * samples
+                    .iter()
+                    .map(|own| own.weight * own.pressure)
+                    .sum::<f64>()
+        }
+    };
+    let (mut off, mut whole) = (0.0, 0.0);
+    for own in &samples {
+        let exact = (scene.exact)(force, own.distance);
+        off += own.weight * (own.pressure - exact).powi(2);
+        whole += own.weight * exact.powi(2);
+    }
+    (off / whole).sqrt()
+}
+
+fn entry(field: &Field) -> Result<Entry, Failure> {
+    let scene = SCENES.iter().find(|scene| scene.name == field.scene);
+    let scene = scene.ok_or_else(|| format!("there is no scene `{}`", field.scene))?;
+    let all = field.facets.iter().flatten();
+    let most = all.fold(0, |most, &a| most.max(a + 1));
+    if field.nodes.len() < most || field.pressure.len() != field.nodes.len() {
+        return Err("facets have nodes that have no place or no pressure".into());
+    }
+    let least = field.seconds.iter().copied().reduce(f64::min);
+    let most = field.seconds.iter().copied().reduce(f64::max);
+    let error = (!field.facets.is_empty()).then(|| error(scene, field));
+    Ok(Entry {
+        scene: field.scene.clone(),
+        program: field.program.clone(),
+        version: field.version.clone(),
+        setting: field.setting.clone(),
+        mesh: field.mesh.clone(),
+        degree: field.degree,
+        unknowns: field.unknowns,
+        seconds: least,
+        scatter: least.zip(most).map(|(least, most)| most / least),
+        is_disturbed: field.others > 0.2,
+        failure: field.failure.clone(),
+        error: error.filter(|error| error.is_finite()),
+    })
+}
+
+/// Computes the errors of all runs in a folder of a campaign, and stores them.
+pub fn store(
+    folder: &Path,
+    environment: &[(&'static str, String)],
+    results: &Path,
+) -> Result<Stored, Failure> {
+    let mut entries = Vec::new();
+    for file in fs::read_dir(folder)? {
+        let path = file?.path();
+        if path.extension().is_none_or(|own| own != "json") {
+            continue;
+        }
+        let field: Result<Field, _> = serde_json::from_str(&fs::read_to_string(&path)?);
+        let own = field.map_err(Failure::from).and_then(|field| entry(&field));
+        entries.push(own.map_err(|error| format!("{}: {error}", path.display()))?);
+    }
+    let finer = |entry: &Entry| entry.mesh.trim_start_matches("a/").parse().unwrap_or(0);
+    let key = |entry: &Entry| {
+        let place = SCENES.iter().position(|scene| scene.name == entry.scene);
+        let (program, setting) = (entry.program.clone(), entry.setting.clone());
+        (place, program, entry.degree, setting, finer(entry))
+    };
+    entries.sort_by_key(|entry| -> (Option<usize>, String, usize, String, u32) { key(entry) });
+    let kept = ["processor", "cores", "system", "date", "revision"];
+    let environment = environment.iter();
+    let environment = environment.filter(|(name, _)| kept.contains(name));
+    let stored = Stored {
+        environment: environment
+            .map(|(name, value)| (name.to_string(), value.clone()))
+            .collect(),
+        entries,
+    };
+    fs::write(results, serde_json::to_string_pretty(&stored)? + "\n")?;
+    Ok(stored)
+}
+
+/// The stored results.
+pub fn load(results: &Path) -> Result<Stored, Failure> {
+    Ok(serde_json::from_str(&fs::read_to_string(results)?)?)
+}
+
+impl Stored {
+    /// The runs of a scene.
+    pub fn of<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = &'a Entry> {
+        let own = self.entries.iter();
+        own.filter(move |entry| entry.scene == scene.name)
+    }
+
+    /// The programs, this library first.
+    pub fn programs(&self) -> Vec<&str> {
+        let mut programs: Vec<&str> = self.entries.iter().map(|own| &own.program[..]).collect();
+        programs.sort_by_key(|name| (*name != OURS, *name));
+        programs.dedup();
+        programs
+    }
+
+    /// The runs of a program that no other of its runs beats in both time and error, by rising time.
+    pub fn best<'a>(&'a self, scene: &'a Scene, program: &str) -> Vec<&'a Entry> {
+        let own = self.of(scene).filter(|entry| entry.program == program);
+        let own: Vec<(&Entry, (f64, f64))> = own
+            .filter_map(|entry| Some((entry, entry.point()?)))
+            .collect();
+        let points: Vec<(f64, f64)> = own.iter().map(|(_, point)| *point).collect();
+        front(&points).into_iter().map(|k| own[k].0).collect()
+    }
+
+    /// For each target the cheapest run of each program whose error is at most that, the cheapest first; none where no program has one.
+    pub fn cheapest<'a>(&'a self, scene: &'a Scene, target: f64) -> Vec<(&'a Entry, f64)> {
+        let programs = self.programs().into_iter();
+        let cheapest = programs.filter_map(|program| {
+            let best = self.best(scene, program).into_iter();
+            let mut reached = best.filter_map(|entry| Some((entry, entry.point()?)));
+            let (entry, (seconds, _)) = reached.find(|(_, (_, error))| *error <= target)?;
+            Some((entry, seconds))
+        });
+        let mut all: Vec<_> = cheapest.collect();
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        all
+    }
+
+    /// One sentence for a scene and a target.
+    pub fn sentence(&self, scene: &Scene, target: f64) -> String {
+        let percent = format!("{} %", 100.0 * target);
+        let all = self.cheapest(scene, target);
+        let Some(((first, seconds), others)) = all.split_first() else {
+            return format!("No program reached {percent} here.");
+        };
+        let (mesh, degree, setting) = (&first.mesh, first.degree, &first.setting);
+        let mut text = format!(
+            "For {percent}, {} is the cheapest: {seconds:.2} s with P{degree} cells of {mesh} ({setting}).",
+            first.program
+        );
+        for (other, own) in others {
+            text += &format!(
+                " {} takes {:.1} times as long.",
+                other.program,
+                own / seconds
+            );
+        }
+        for program in self.programs() {
+            if all.iter().all(|(entry, _)| entry.program != program) {
+                text += &format!(" {program} did not reach it.");
+            }
+        }
+        text
+    }
+}
+
+/// The program of this library.
+pub const OURS: &str = "ipopt-contact";
+/// The errors that sentences are about.
+pub const TARGETS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A straight line of facets of the half disc's zone with these pressures at the nodes.
+    fn field(scene: &str, pressure: impl Fn(f64) -> f64, count: usize) -> Field {
+        let nodes = (0..=count).map(|k| vec![4.0 * ZONE * (k as f64 / count as f64 - 0.5), 0.0]);
+        let nodes: Vec<Vec<f64>> = nodes.collect();
+        Field {
+            scene: scene.into(),
+            program: OURS.into(),
+            version: String::new(),
+            setting: String::new(),
+            mesh: "a/1".into(),
+            degree: 1,
+            unknowns: Some(1),
+            seconds: vec![2.0, 1.0, 3.0],
+            others: 0.0,
+            failure: None,
+            pressure: nodes.iter().map(|x| pressure(x[0])).collect(),
+            facets: (0..count).map(|k| vec![k, k + 1]).collect(),
+            nodes,
+        }
+    }
+
+    #[test]
+    fn the_rule_is_exact() {
+        for count in 1..=16 {
+            let rule = gauss(count);
+            for degree in 0..2 * count as i32 {
+                let sum: f64 = rule.iter().map(|(t, w)| w * t.powi(degree)).sum();
+                assert!(
+                    (sum - 1.0 / f64::from(degree + 1)).abs() < 1e-13,
+                    "{count} {degree}"
+                );
+            }
+        }
+    }
+
+    /// No pressure is off by all of it, 1.1 times the pressure by a tenth, and a shift of a constant by its own norm.
+    #[test]
+    fn errors_are_shares_of_the_pressure() {
+        let scene = &SCENES[0];
+        let Force::Given(force) = scene.force else {
+            panic!("the force is given");
+        };
+        let exact = |x: f64| (scene.exact)(force, x.abs());
+        let none = error(scene, &field("half_disc", |_| 0.0, 400));
+        assert!((none - 1.0).abs() < 1e-12, "{none}");
+        let more = error(scene, &field("half_disc", |x| 1.1 * exact(x), 4000));
+        assert!((more - 0.1).abs() < 1e-3, "{more}");
+        // ∫ p² = 4/3 a p0² of a half-circle; c over the length 4 a has the norm 2 c √a
+        let peak = exact(0.0);
+        let shifted = error(scene, &field("half_disc", |x| exact(x) + 0.2 * peak, 4000));
+        assert!((shifted - 0.2 * (3.0_f64).sqrt()).abs() < 1e-3, "{shifted}");
+    }
+
+    /// Hertz's pressure on a flat disc of triangles has no error, and its force is found again.
+    #[test]
+    fn the_force_of_a_ball_is_that_of_its_pressure() {
+        let scene = &SCENES[1];
+        let (force, radius, count) = (5e5, 14.0, 60);
+        // the square (r, φ) of a quarter of a disc
+        let place = |i: usize, j: usize| {
+            let r = radius * i as f64 / count as f64;
+            let angle = 0.5 * PI * j as f64 / count as f64;
+            vec![r * angle.cos(), r * angle.sin(), 0.0]
+        };
+        let number = |i: usize, j: usize| i * (count + 1) + j;
+        let grid = (0..=count).flat_map(|i| (0..=count).map(move |j| (i, j)));
+        let nodes: Vec<Vec<f64>> = grid.map(|(i, j)| place(i, j)).collect();
+        let cells = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+        let facets = cells.flat_map(|(i, j)| {
+            let [a, b, c, d] =
+                [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| number(i, j));
+            [vec![a, b, c], vec![a, c, d]]
+        });
+        let r = |x: &Vec<f64>| x[0].hypot(x[1]);
+        let own = Field {
+            facets: facets.collect(),
+            pressure: nodes.iter().map(|x| (scene.exact)(force, r(x))).collect(),
+            nodes,
+            ..field("ball", |_| 0.0, 1)
+        };
+        let sum: f64 = samples(&own)
+            .iter()
+            .map(|own| own.weight * own.pressure)
+            .sum();
+        assert!((4.0 * sum / force - 1.0).abs() < 5e-3, "{}", 4.0 * sum);
+        assert!(error(scene, &own) < 0.02, "{}", error(scene, &own));
+    }
+
+    #[test]
+    fn the_cheapest_is_told_and_failures_are_not() {
+        let with = |program: &str, seconds: f64, error: f64| Entry {
+            program: program.into(),
+            seconds: Some(seconds),
+            error: Some(error),
+            ..entry(&field("half_disc", |_| 1.0, 3)).expect("an entry")
+        };
+        let failed = Entry {
+            failure: Some("none".into()),
+            ..with("a", 0.1, 0.001)
+        };
+        let disturbed = Entry {
+            is_disturbed: true,
+            ..with("a", 0.1, 0.001)
+        };
+        let entries = vec![
+            with(OURS, 2.0, 0.04),
+            with("a", 1.0, 0.09),
+            with("a", 5.0, 0.03),
+            with("b", 0.5, 0.5),
+            failed,
+            disturbed,
+        ];
+        let stored = Stored {
+            environment: BTreeMap::new(),
+            entries,
+        };
+        let scene = &SCENES[0];
+        assert_eq!(stored.programs(), [OURS, "a", "b"]);
+        let sentence = stored.sentence(scene, 0.05);
+        assert!(
+            sentence.starts_with("For 5 %, ipopt-contact is the cheapest: 2.00 s"),
+            "{sentence}"
+        );
+        assert!(
+            sentence.contains("a takes 2.5 times as long. b did not reach it."),
+            "{sentence}"
+        );
+        assert!(stored.sentence(scene, 0.1).starts_with("For 10 %, a is"));
+        assert_eq!(stored.sentence(scene, 0.01), "No program reached 1 % here.");
+        let own = entry(&field("half_disc", |_| 1.0, 3)).expect("an entry");
+        assert_eq!((own.seconds, own.scatter), (Some(1.0), Some(3.0)));
+    }
+
+    #[test]
+    fn what_does_not_belong_together_is_refused() {
+        assert!(entry(&field("another", |_| 1.0, 3)).is_err());
+        let mut short = field("half_disc", |_| 1.0, 3);
+        short.pressure.pop();
+        assert!(entry(&short).is_err());
+    }
+}
