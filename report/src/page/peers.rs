@@ -148,9 +148,9 @@ pub fn section(stored: &Stored) -> String {
     }
     html.push_str("</div>\n");
     for scene in &SCENES {
-        let _ = write!(
+        let _ = writeln!(
             html,
-            "<details><summary>All runs: {}</summary>\n",
+            "<details><summary>All runs: {}</summary>",
             escape(scene.title)
         );
         html.push_str(&table(&runs(stored, scene)));
