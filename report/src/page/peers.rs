@@ -10,7 +10,7 @@ use ipopt_contact_scenes::tables::{Table, digits};
 const INTRODUCTION: &str = "<p>Each chart has one scene with a known contact pressure, solved by all programs on the same meshes of Gmsh, by one machine in one \
     campaign, one run at a time with one thread. The error is that of the contact pressure in L² over the contact boundary, relative, by one function for all \
     programs. Time is processor time: of this library and CalculiX that of the whole program with its files, of GetFEM and FreeFEM that from reading the mesh to the \
-    solution. Lines join the runs of a program that none of its others beats. Where several settings are sensible, each of them ran. \
+    solution. A line joins the runs of a program that no other run of it beats in both time and error. Programs ran with several settings. \
     This library writes two pressures, a recovered one and that of the multipliers (consistent). FreeFEM has cells with straight sides.</p>\n";
 
 /// What a program looks like: its place among all of them.
