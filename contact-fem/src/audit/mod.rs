@@ -590,19 +590,30 @@ impl<const D: usize> Audit<D> {
         counts: impl Fn(&topology::Face<D>) -> bool,
     ) -> Option<(f64, usize)> {
         let mut nearest: Option<(f64, usize)> = None;
+        let look = |index: usize, nearest: &mut Option<(f64, usize)>| {
+            let face = &self.topology.faces[index];
+            if counts(face) {
+                let depth = distance(&point, &face.nodes.map(|b| x[b]));
+                if nearest.is_none_or(|(least, _)| depth < least) {
+                    *nearest = Some((depth, index));
+                }
+            }
+        };
+        // most points are close to a face: whose boxes meet a small one is found faster than which are the nearest
+        let near = Vector::repeat(self.margin);
+        let around = AABB::from_corners((point - near).into(), (point + near).into());
+        for leaf in faces.locate_in_envelope_intersecting(around) {
+            look(leaf.data, &mut nearest);
+        }
+        if nearest.is_some_and(|(depth, _)| depth <= self.margin) {
+            return nearest;
+        }
         // by the distance of their boxes, which is at most their own
         for (leaf, at_least_2) in faces.nearest_neighbor_iter_with_distance_2(point.into()) {
             if nearest.is_some_and(|(distance, _)| at_least_2 > distance * distance) {
                 break;
             }
-            let face = &self.topology.faces[leaf.data];
-            if !counts(face) {
-                continue;
-            }
-            let depth = distance(&point, &face.nodes.map(|b| x[b]));
-            if nearest.is_none_or(|(least, _)| depth < least) {
-                nearest = Some((depth, leaf.data));
-            }
+            look(leaf.data, &mut nearest);
         }
         nearest
     }

@@ -110,7 +110,7 @@ pub enum Condition {
     /// much averaged normals are inclined to the facets: the unit is Σ |v| |Cᵀλ| times the mean sine of that angle, which falls with the
     /// facets. `None` likewise, and with contact at the reference positions.
     VirtualWork,
-    /// Contact forces are the slope of the energy: |v·Cᵀλ − ∂E/∂v| divided by |v|, along random directions v. The slope is taken from
+    /// Contact forces are the slope of the energy: |v·Cᵀλ − ∂E/∂v| divided by |v|, along a random direction v of each body. The slope is taken from
     /// differences of the energy's value. `None` where displacements are too small for that.
     EnergySlope,
     /// As [`Condition::ActionReaction`], of each two bodies by themselves: the largest.

@@ -1,4 +1,4 @@
-//! Forces against the energy itself: its slope along random directions, by differences of its value.
+//! Forces against the energy itself: its slope along a random direction of each body, by differences of its value.
 
 use std::f64::consts::TAU;
 
@@ -7,8 +7,6 @@ use contact_core::{ContactProblem, LinearGaps, Reduction};
 use super::worse;
 use crate::model::Problem;
 
-/// The directions of each body.
-const DIRECTIONS: u64 = 2;
 /// The step, as a share of the smallest height of the body's cells. Differences of the fourth order leave out its fourth power.
 const STEP: f64 = 1e-3;
 /// The largest share of the largest force by which round-off, or the step, may change a slope; beyond it, the slope is not judged.
@@ -17,7 +15,7 @@ const RESOLVED: f64 = 5e-6;
 /// showed 60 times the resolution of numbers.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
-/// The largest difference of the slope of a body's energy along a random direction from the work of the contact forces and of those that hold motions
+/// The largest difference of the slope of a body's energy along its direction from the work of the contact forces and of those that hold motions
 /// which nothing resists, divided by the
 /// largest force on a node of the body and the length of the direction; `None` where displacements are so small that the value of the
 /// energy does not resolve them.
@@ -42,22 +40,20 @@ pub(super) fn apart<const D: usize>(
             false => area,
         };
         let step = STEP * height;
-        for number in 0..DIRECTIONS {
-            let v = direction(problem, body, number, reduction.as_ref(), u.len());
-            let length = v.iter().map(|v| v * v).sum::<f64>().sqrt();
-            let modulus = problem.body_energies()[body].contact_modulus();
-            let lost = ROUND_OFF * modulus * volume / step;
-            if length == 0.0 || !(lost <= RESOLVED * unit * length) {
-                continue;
-            }
-            let [slope, error] = slope(problem, (u, &v), step);
-            if !(error <= RESOLVED * unit * length) {
-                continue;
-            }
-            let work: f64 = forces.iter().zip(&v).map(|(f, v)| f * v).sum();
-            let own = (slope - work).abs() / (unit * length);
-            worst = Some(worst.map_or(own, |worst| worse(worst, own)));
+        let v = direction(problem, body, reduction.as_ref(), u.len());
+        let length = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let modulus = problem.body_energies()[body].contact_modulus();
+        let lost = ROUND_OFF * modulus * volume / step;
+        if length == 0.0 || !(lost <= RESOLVED * unit * length) {
+            continue;
         }
+        let [slope, error] = slope(problem, (u, &v), step);
+        if !(error <= RESOLVED * unit * length) {
+            continue;
+        }
+        let work: f64 = forces.iter().zip(&v).map(|(f, v)| f * v).sum();
+        let own = (slope - work).abs() / (unit * length);
+        worst = Some(worst.map_or(own, |worst| worse(worst, own)));
     }
     worst
 }
@@ -100,30 +96,31 @@ fn value<const D: usize>(problem: &Problem<D>, u: &[f64], v: &[f64]) -> f64 {
     sum
 }
 
-/// A direction of ±1 in the unknowns of a body, and what follows from them in others that are tied to it.
+/// A direction in the unknowns of a body, and what follows from them in others that are tied to it. Components have random signs and random
+/// sizes from ½ to 1, so that equal and opposite errors of two forces do not cancel.
 fn direction<const D: usize>(
     problem: &Problem<D>,
     body: usize,
-    number: u64,
     reduction: Option<&Reduction>,
     unknowns: usize,
 ) -> Vec<f64> {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64 ^ ((body as u64) << 32) ^ number;
-    let mut sign = || {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64 ^ ((body as u64) << 32);
+    let mut component = || {
         // xorshift
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
-        match (state >> 40) & 1 {
-            0 => 1.0,
-            _ => -1.0,
+        let size = 0.5 + 0.5 * (state >> 40) as f64 / (1_u64 << 24) as f64;
+        match (state >> 20) & 1 {
+            0 => size,
+            _ => -size,
         }
     };
     let mut v = vec![0.0; unknowns];
     let energies = problem.body_energies();
     let first: usize = energies[..body].iter().map(|energy| energy.dofs()).sum();
     let own = first..first + energies[body].dofs();
-    v[own].iter_mut().for_each(|v| *v = sign());
+    v[own].iter_mut().for_each(|v| *v = component());
     match reduction {
         None => v,
         Some(reduction) => {

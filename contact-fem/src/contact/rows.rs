@@ -60,6 +60,36 @@ struct NodalRow<const D: usize> {
     widening: f64,
 }
 
+/// For each scene node, one more than the place of its term in the row that is being merged; 0 elsewhere.
+#[derive(Default)]
+struct Places(Vec<u32>);
+
+impl Places {
+    /// Adds up the terms of each node, sorted by node.
+    fn merge<const D: usize>(&mut self, terms: &mut Vec<(usize, Vector<D>)>) {
+        let most = terms.iter().map(|(a, _)| *a).max();
+        let nodes = most.map_or(0, |most| most + 1);
+        if self.0.len() < nodes {
+            self.0.resize(nodes, 0);
+        }
+        let mut kept = 0;
+        for k in 0..terms.len() {
+            let (a, c) = terms[k];
+            match self.0[a] {
+                0 => {
+                    terms[kept] = (a, c);
+                    kept += 1;
+                    self.0[a] = kept as u32;
+                }
+                place => terms[place as usize - 1].1 += c,
+            }
+        }
+        terms.truncate(kept);
+        terms.iter().for_each(|(a, _)| self.0[*a] = 0);
+        terms.sort_unstable_by_key(|(a, _)| *a);
+    }
+}
+
 /// The derivatives of a row by the weight w of one of its points, whose unit is that of its area (UL in the plane, UL² in space).
 pub(super) struct Weighed<const D: usize> {
     /// The row's [`RowKey::node`].
@@ -174,9 +204,13 @@ impl<'a, const D: usize> PassRows<'a, D> {
             Sampling::Points => stencils.iter().map(Stencil::number).collect(),
         };
         let mut rows = vec![NodalRow::default(); names.len()];
+        let mut terms = Vec::new();
         for (q, stencil) in stencils.iter().enumerate() {
+            terms.clear();
+            terms.extend(stencil.frozen_gradient());
+            let constant = stencil.frozen_constant();
             for (i, w) in shares(sampling, q, stencil) {
-                rows[i].add(w, stencil.frozen_gradient(), stencil.frozen_constant());
+                rows[i].add(w, terms.iter().copied(), constant);
             }
         }
         let mut leaning = match sampling {
@@ -195,7 +229,8 @@ impl<'a, const D: usize> PassRows<'a, D> {
             }
             leaning.bare = std::mem::replace(&mut rows, leant);
         }
-        rows.iter_mut().for_each(NodalRow::normalize);
+        let mut places = Places::default();
+        rows.iter_mut().for_each(|row| row.normalize(&mut places));
         PassRows {
             sampling,
             first_corner: stencils.len(),
@@ -219,12 +254,13 @@ impl<'a, const D: usize> PassRows<'a, D> {
         corners: &[Corner<D>],
     ) -> Self {
         let against = against.into();
+        let mut places = Places::default();
         for corner in corners {
             let stencil = corner.stencil(own, against);
             let mut row = NodalRow::default();
             let terms = stencil.frozen_gradient();
             row.add(stencil.weight(), terms, stencil.frozen_constant());
-            row.normalize();
+            row.normalize(&mut places);
             row.widening = corner.slack();
             self.names.push(stencil.number());
             self.rows.push(row);
@@ -483,15 +519,8 @@ impl<const D: usize> NodalRow<D> {
     }
 
     /// Merges the terms of each node and divides by a_i: c_i is then a length and λ_i a force.
-    fn normalize(&mut self) {
-        self.terms.sort_unstable_by_key(|term| term.0);
-        self.terms.dedup_by(|term, kept| {
-            let same = term.0 == kept.0;
-            if same {
-                kept.1 += term.1;
-            }
-            same
-        });
+    fn normalize(&mut self, places: &mut Places) {
+        places.merge(&mut self.terms);
         #[cfg(planted)]
         if contact_core::planted!("rows are not divided by their area") {
             return;

@@ -79,12 +79,16 @@ impl<const D: usize> Pass<'_, D> {
     pub fn work(&self, loaded: &[Loaded<'_, D>], x: &[Vector<D>]) -> f64 {
         let slave: Vec<Vector<D>> = self.slave.nodes.iter().map(|&a| x[a]).collect();
         let master = self.master.faces;
-        let mut is_needed = vec![false; master.nodes.len()];
-        for own in loaded {
-            let nodes = master.facet(own.point.foot.facet).iter();
-            nodes.for_each(|&b| is_needed[b] = true);
-        }
-        let moved = Placed::unsorted(master, x, |b| is_needed[b]);
+        let places = master.nodes.iter().map(|&b| &x[b]);
+        let moved = (!places.eq(&self.master.x)).then(|| {
+            let mut is_needed = vec![false; master.nodes.len()];
+            for own in loaded {
+                let nodes = master.facet(own.point.foot.facet).iter();
+                nodes.for_each(|&b| is_needed[b] = true);
+            }
+            Placed::unsorted(master, x, |b| is_needed[b])
+        });
+        let moved = moved.as_ref().unwrap_or(self.master);
         let works = loaded.iter().map(|own| {
             let point = own.point;
             let place = self.slave.patch(point.facet, &slave).at(&point.lambda);
@@ -106,6 +110,7 @@ impl<const D: usize> Pass<'_, D> {
         let (around, sums) = (master.around(), master.normal_sums(there, |_| true));
         let step = STEP * slave.size().min(master.size());
         let mut normal_rates: HashMap<usize, Vec<Vector<D>>> = HashMap::new();
+        let mut changes: Vec<(usize, f64)> = Vec::new();
         let mut by_facet: BTreeMap<usize, Vec<&Loaded<'_, D>>> = BTreeMap::new();
         for own in loaded.iter().filter(|own| own.along.is_some()) {
             by_facet.entry(own.point.foot.facet).or_default().push(own);
@@ -142,24 +147,20 @@ impl<const D: usize> Pass<'_, D> {
                 let Some(rates) = Rates::new(own, &patches, [slave.order(), master.order()]) else {
                     continue;
                 };
-                let each = |change: &Change<D>, set: &mut dyn FnMut(usize, f64)| {
-                    rates.spread(change, [&on_slave, &on_master], set);
-                };
+                let places = [&on_slave[..], &on_master];
                 for i in 0..D {
-                    each(&rates.moved[i], &mut |row, change| {
-                        for (a, N) in on_slave.iter().zip(rates.N[0]) {
-                            slopes[(row, a + i)] += N * change;
-                        }
-                        for (k, (b, N)) in on_master.iter().zip(rates.N[1]).enumerate() {
-                            slopes[(row, b + i)] -= N * change;
-                            by_normals[(row, D * k + i)] -= rates.s * N * change;
-                        }
-                    });
-                    each(&rates.turned[i], &mut |row, change| {
-                        for (k, N) in (0..corners.len()).zip(rates.N[1]) {
-                            by_normals[(row, D * k + i)] += N * change;
-                        }
-                    });
+                    rates.spread(&rates.moved[i], places, &mut changes);
+                    for (a, N) in on_slave.iter().zip(rates.N[0]) {
+                        add_to_column(&mut slopes, a + i, N, &changes);
+                    }
+                    for (k, (b, N)) in on_master.iter().zip(rates.N[1]).enumerate() {
+                        add_to_column(&mut slopes, b + i, -N, &changes);
+                        add_to_column(&mut by_normals, D * k + i, -rates.s * N, &changes);
+                    }
+                    rates.spread(&rates.turned[i], places, &mut changes);
+                    for (k, N) in (0..corners.len()).zip(rates.N[1]) {
+                        add_to_column(&mut by_normals, D * k + i, N, &changes);
+                    }
                 }
             }
             let mut turns = DMatrix::<f64>::zeros(D * corners.len(), rows);
@@ -189,6 +190,15 @@ impl<const D: usize> Pass<'_, D> {
             slopes.gemm(1.0, &by_normals, &turns, 1.0);
             add(&nodes, &slopes);
         }
+    }
+}
+
+/// Adds a share of these entries to a column.
+fn add_to_column(matrix: &mut DMatrix<f64>, column: usize, share: f64, entries: &[(usize, f64)]) {
+    let rows = matrix.nrows();
+    let column = &mut matrix.as_mut_slice()[rows * column..rows * (column + 1)];
+    for (row, entry) in entries {
+        column[*row] += share * entry;
     }
 }
 
@@ -258,20 +268,21 @@ impl<const D: usize> Rates<D> {
         })
     }
 
-    /// Gives the changes of the forces on the nodes at these places, component by component.
+    /// Sets `changes` to those of the forces on the nodes at these places, component by component.
     fn spread(
         &self,
         (turn, shift): &Change<D>,
         [on_slave, on_master]: [&[usize]; 2],
-        set: &mut dyn FnMut(usize, f64),
+        changes: &mut Vec<(usize, f64)>,
     ) {
+        changes.clear();
         let turn = turn * self.push;
         for (row, N) in on_slave.iter().zip(self.N[0]) {
-            (0..D).for_each(|i| set(row + i, turn[i] * N));
+            changes.extend((0..D).map(|i| (row + i, turn[i] * N)));
         }
         for ((row, N), shift) in on_master.iter().zip(self.N[1]).zip(shift) {
             let change = turn * N + self.n * (shift * self.push);
-            (0..D).for_each(|i| set(row + i, -change[i]));
+            changes.extend((0..D).map(|i| (row + i, -change[i])));
         }
     }
 }
