@@ -1,4 +1,4 @@
-"""CalculiX: surface-to-surface penalty contact with a rigid block of one layer of cells, by input decks.
+"""CalculiX: surface-to-surface penalty contact with a rigid block of one layer of cells, or between bodies, by input decks.
 
 K is the slope of pressure against overclosure, in units of E over the size of facets in the contact zone. Small strains.
 """
@@ -9,7 +9,7 @@ import subprocess
 
 import numpy as np
 
-from scenes import LIMIT
+from scenes import CONTACT, LIMIT
 
 NAME = "CalculiX"
 SETTINGS = {"K = E/h": 1.0, "K = 10 E/h": 10.0, "K = 100 E/h": 100.0}
@@ -81,6 +81,63 @@ def deck(scene, mesh, stiffness):
     return "\n".join(out) + "\n", dimension * count - held
 
 
+def several(scene, mesh, stiffness):
+    """The same of several bodies, each in contact with the next: overlaps at the start are resolved in the first step."""
+    dimension, beams = mesh.dimension, scene.name == "beams"
+    kind = {(2, 1): "CPE3", (2, 2): "CPE6", (3, 1): "C3D4", (3, 2): "C3D10"}[dimension, mesh.degree]
+    upper, lower = (scene.bottom, scene.top) if beams else (CONTACT, CONTACT)
+    held = [(scene.left, axis) for axis in (1, 2, 3)] if beams else [(3, 1), (2, 2)]
+    out, surfaces, boundary, load = [], [], ["*BOUNDARY"], []
+    first = cells = fixed = 0
+    bodies = mesh.all()
+    for place, own in enumerate(bodies):
+        out.append("*NODE, NSET=NALL")
+        out += [f"{first + k}, " + ", ".join(f"{c:.15g}" for c in x) for k, x in enumerate(own.nodes, 1)]
+        out.append(f"*ELEMENT, TYPE={kind}, ELSET=BODY")
+        faces = {}
+        for k, cell in enumerate(own.cells, cells + 1):
+            for f, places in enumerate(FACES[dimension], 1):
+                faces[frozenset(int(cell[p]) for p in places)] = (k, f)
+            out.append(f"{k}, " + ", ".join(str(first + a + 1) for a in cell[ORDER.get(len(cell), range(len(cell)))]))
+
+        def on(label):
+            return [faces[frozenset(int(a) for a in facet[:dimension])] for facet in own.facets[label]]
+
+        for name, label, is_there in (("SLAVE", upper, place + 1 < len(bodies)), ("MASTER", lower, place > 0)):
+            if is_there:
+                surfaces += [f"*SURFACE, NAME={name}{place + (name == 'SLAVE')}, TYPE=ELEMENT"] + [f"{k}, S{f}" for k, f in on(label)]
+        if place == 0 and beams:
+            load = ["*DLOAD"] + [f"{k}, P{f}, {scene.traction}" for k, f in on(scene.top)]
+        for label, axis in held:
+            boundary += [f"{first + a + 1}, {axis}, {axis}" for a in own.on(label)]
+            fixed += len(own.on(label))
+        first, cells = first + len(own.nodes), cells + len(own.cells)
+    out += surfaces
+    out += ["*MATERIAL, NAME=SOFT", "*ELASTIC", f"{scene.young}, {scene.poisson}"]
+    out += ["*SOLID SECTION, ELSET=BODY, MATERIAL=SOFT" + ("\n1." if dimension == 2 else "")]
+    out += ["*SURFACE INTERACTION, NAME=CONTACT", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"]
+    out += [f"{stiffness:.10g}, {1e-6 * scene.young:.10g}, {1e-3 * scene.zone:.10g}"]
+    for place in range(1, len(bodies)):
+        out += ["*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE", f"SLAVE{place}, MASTER{place}"]
+    out += [*boundary, "*STEP, INC=1000", "*STATIC", "1., 1.", *load, "*NODE FILE", "U", "*CONTACT FILE", "CDIS, CSTR", "*END STEP"]
+    return "\n".join(out) + "\n", dimension * first - fixed
+
+
+def descents(path, mesh, label):
+    """How far the nodes of a boundary of the first body come down, by the last result of a file of CalculiX."""
+    values, block = np.zeros(len(mesh.nodes)), None
+    number = re.compile(r"[ -]\d\.\d+E[+-]\d+")
+    on = set(mesh.on(label).tolist())
+    for line in path.read_text().splitlines():
+        if line.startswith(" -4"):
+            block = line.split()[1]
+        elif line.startswith(" -3"):
+            block = None
+        elif line.startswith(" -1") and block == "DISP" and int(line[3:13]) - 1 in on:
+            values[int(line[3:13]) - 1] = -float(number.findall(line[13:])[2])
+    return values
+
+
 def pressures(path, mesh):
     """The contact pressure at the nodes, of the last result of a file of CalculiX."""
     places, found = {}, {}
@@ -121,11 +178,12 @@ def pressures(path, mesh):
 
 
 def solve(scene, mesh, setting):
-    """Processor time (s) of the whole program, unknowns, and the pressure at the nodes of the contact boundary."""
-    own = mesh.nodes[mesh.facets[1][:, : mesh.dimension]]
+    """Processor time (s) of the whole program, unknowns, and the pressure at the nodes of the contact boundary, or how far a face comes down."""
+    own = mesh.nodes[mesh.facets[scene.measured][:, : mesh.dimension]]
     sizes = np.linalg.norm(own[:, 1] - own[:, 0], axis=1)
-    near = np.linalg.norm(own.mean(axis=1), axis=1) < scene.zone
-    text, unknowns = deck(scene, mesh, SETTINGS[setting] * scene.young / sizes[near].mean())
+    near = np.linalg.norm(own.mean(axis=1), axis=1) < scene.zone if mesh.other is None else slice(None)
+    stiffness = SETTINGS[setting] * scene.young / sizes[near].mean()
+    text, unknowns = (several if mesh.other else deck)(scene, mesh, stiffness)
     path = mesh.path.with_name(mesh.path.stem + "_ccx")
     path.with_suffix(".inp").write_text(text)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -140,12 +198,13 @@ def solve(scene, mesh, setting):
         if "*ERROR" in line:
             failure = failure or line.strip()
     iterations = len(re.findall(r"iteration +\d+", log))
+    result = path.with_suffix(".frd")
     return {
         "cpu": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
         "unknowns": unknowns,
         "iterations": iterations,
         "failure": failure,
-        "pressure": pressures(path.with_suffix(".frd"), mesh),
+        "values": descents(result, mesh, scene.top) if scene.name == "beams" else pressures(result, mesh),
     }
 
 

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Solves two of Hertz' scenes by this library, GetFEM, CalculiX and FreeFEM, on the same meshes and on this machine, one run at a time.
+"""Solves scenes by this library, GetFEM, CalculiX and FreeFEM, on the same meshes and on this machine, one run at a time.
 
     report/peers/campaign.py [--quick] [--out out/report-peers]
 
-`make report-peers` installs the programs, runs this, and lets the report compute all errors by one function from the pressures that are
-written here, one file a run. A file that is there is not computed again.
+`make report-peers` installs the programs, runs this, and lets the report compute all errors by one function from the pressures, or the
+displacements of a loaded face, that are written here, one file a run. A file that is there is not computed again.
 """
 
 import argparse
@@ -48,7 +48,7 @@ def measured(program, scene, mesh, setting):
         try:
             result = program.solve(scene, mesh, setting)
         except Exception as error:  # a peer that stops is a result
-            result = {"cpu": None, "unknowns": None, "failure": f"{type(error).__name__}: {error}"[:300], "pressure": None}
+            result = {"cpu": None, "unknowns": None, "failure": f"{type(error).__name__}: {error}"[:300], "values": None}
         wall = time.time() - began
         own, busy = own_seconds() - own, busy_seconds() - busy
         others.append(max(0.0, busy - own) / max(wall, 0.1))
@@ -58,18 +58,18 @@ def measured(program, scene, mesh, setting):
             return result, times, others
 
 
-def written(result, mesh):
-    """The fields of a result, of the contact boundary alone."""
-    if result["pressure"] is None:
-        return {"nodes": [], "facets": [], "pressure": []}
-    facets = result.get("facets", mesh.facets[scenes.CONTACT])
+def written(result, mesh, label):
+    """The fields of a result, of the boundary alone that they are measured on."""
+    if result["values"] is None:
+        return {"nodes": [], "facets": [], "values": []}
+    facets = result.get("facets", mesh.facets[label])
     nodes = result.get("nodes", mesh.nodes)
     own = sorted({int(a) for facet in facets for a in facet})
     place = {a: k for k, a in enumerate(own)}
     return {
         "nodes": [[float(f"{x:.12g}") for x in nodes[a]] for a in own],
         "facets": [[place[int(a)] for a in facet] for facet in facets],
-        "pressure": [float(f"{result['pressure'][a]:.8g}") for a in own],
+        "values": [float(f"{result['values'][a]:.10g}") for a in own],
     }
 
 
@@ -92,7 +92,8 @@ def main():
                     for number, setting in enumerate(program.SETTINGS):
                         name = f"{scene.name}_{fineness}_P{degree}_{program.NAME}_{number}"
                         path = arguments.out / f"{name}.json"
-                        if path.exists():
+                        applies = getattr(program, "applies", lambda *_: True)
+                        if path.exists() or not applies(scene, mesh, setting):
                             continue
                         result, times, others = measured(program, scene, mesh, setting)
                         record = {
@@ -106,7 +107,7 @@ def main():
                             "seconds": [spent for spent in times if spent is not None],
                             "others": max(others),
                             "failure": result["failure"],
-                            **written(result, mesh),
+                            **written(result, mesh, scene.measured),
                         }
                         part = path.with_suffix(".part")
                         part.write_text(json.dumps(record))

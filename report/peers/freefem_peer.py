@@ -1,7 +1,8 @@
-"""FreeFEM: the energy is minimised by its Ipopt with bounds on the displacements of nodes, which is exact for a rigid plane.
+"""FreeFEM: the energy is minimised by its Ipopt with bounds on the displacements of nodes, which is exact for a rigid plane. Between two rings,
+rows are the mean gaps of both passes, weighted by shape functions, with radial normals.
 
-Cells have straight sides, since FreeFEM reads no curved ones. The forces on nodes are K u − f; pressures are their projection on the facets'
-shape functions, or forces over the integrals of these.
+Cells have straight sides, since FreeFEM reads no curved ones. The forces on nodes are K u − f, or those of the multipliers; pressures are their
+projection on the facets' shape functions, or forces over the integrals of these.
 """
 
 import subprocess
@@ -13,7 +14,19 @@ import scipy.sparse.linalg
 from scenes import LIMIT
 
 NAME = "FreeFEM"
-SETTINGS = {"projected": False, "lumped": True}
+# whether pressures are lumped, and whether the gap at the start is that of the circles in place of the polygons
+SETTINGS = {
+    "projected": (False, False),
+    "lumped": (True, False),
+    "projected, gap of the circles": (False, True),
+    "lumped, gap of the circles": (True, True),
+}
+
+
+def applies(scene, mesh, setting):
+    """Circles are known of the rings, and displacements of beams are the same with all settings."""
+    return scene.name == "press_fit" or not SETTINGS[setting][1] and (scene.name != "beams" or setting == "projected")
+
 
 COMMON = """
 load "ff-Ipopt"
@@ -86,6 +99,205 @@ Vh [across, across2, across3] = [x, x, x], [aside, aside2, aside3] = [y, y, y], 
 )
 
 
+RINGS = (
+    COMMON
+    + """
+load "gmsh"
+mesh ThI = gmshload("{mesh}"), ThO = gmshload("{other}");
+fespace VI(ThI, [P{degree}, P{degree}]);
+fespace VO(ThO, [P{degree}, P{degree}]);
+fespace SI(ThI, P{degree});
+fespace SO(ThO, P{degree});
+int nI = VI.ndof, n = nI + VO.ndof;
+macro strain(u, v) [dx(u), dy(v), (dy(u) + dx(v)) / sqrt(2.)] //
+macro div(u, v) (dx(u) + dy(v)) //
+macro elastic(u, v, p, q) ((strain(u, v)' * strain(p, q)) / (1 + nu) + nu / ((1 + nu) * (1 - 2 * nu)) * div(u, v) * div(p, q)) //
+varf inner([u, v], [p, q]) = int2d(ThI)(elastic(u, v, p, q));
+varf outer([u, v], [p, q]) = int2d(ThO)(elastic(u, v, p, q));
+matrix KI = inner(VI, VI), KO = outer(VO, VO);
+matrix K = [[KI, 0], [0, KO]];
+varf heldI([u, v], [p, q]) = on(3, u = 1) + on(2, v = 1);
+varf heldO([u, v], [p, q]) = on(3, u = 1) + on(2, v = 1);
+real[int] held(n), low(n), high(n);
+held(0:nI - 1) = heldI(0, VI, tgv = 1);
+held(nI:n - 1) = heldO(0, VO, tgv = 1);
+low = -1e19; high = 1e19;
+for (int i = 0; i < n; i++) if (held[i] > 0) {{ low[i] = 0; high[i] = 0; }}
+
+real[int] gaussAt = [-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526];
+real[int] gaussWeight = [0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538];
+// the points of a slave's facets, and where the radius through them meets the other ring's polygon, whose nodes divide the quarter evenly
+func int points(mesh & Th, mesh & Other, real[int] & px, real[int] & py, real[int] & qx, real[int] & qy, real[int] & w)
+{{
+    int count = 0, others = 0;
+    real radius = 0;
+    for (int k = 0; k < Other.nbe; k++) if (Other.be(k).label == 1) {{ others++; radius = hypot(Other(Other.be(k)[0]).x, Other(Other.be(k)[0]).y); }}
+    px.resize(4 * Th.nbe); py.resize(4 * Th.nbe); qx.resize(4 * Th.nbe); qy.resize(4 * Th.nbe); w.resize(4 * Th.nbe);
+    real step = pi / 2 / others;
+    for (int k = 0; k < Th.nbe; k++)
+        if (Th.be(k).label == 1)
+            for (int g = 0; g < 4; g++)
+            {{
+                real ax = Th(Th.be(k)[0]).x, ay = Th(Th.be(k)[0]).y, bx = Th(Th.be(k)[1]).x, by = Th(Th.be(k)[1]).y;
+                real t = (1 + gaussAt[g]) / 2;
+                px[count] = ax + t * (bx - ax); py[count] = ay + t * (by - ay);
+                w[count] = hypot(bx - ax, by - ay) / 2 * gaussWeight[g];
+                real angle = atan2(py[count], px[count]);
+                real middle = (floor(angle / step) + 0.5) * step;
+                real r = radius * cos(step / 2) / cos(angle - middle);
+                qx[count] = r * cos(angle); qy[count] = r * sin(angle);
+                count++;
+            }}
+    px.resize(count); py.resize(count); qx.resize(count); qy.resize(count); w.resize(count);
+    return count;
+}}
+real[int] pxI(1), pyI(1), qxI(1), qyI(1), wI(1), pxO(1), pyO(1), qxO(1), qyO(1), wO(1);
+points(ThI, ThO, pxI, pyI, qxI, qyI, wI);
+points(ThO, ThI, pxO, pyO, qxO, qyO, wO);
+int rows = SI.ndof + SO.ndof;
+int[int] I(0), J(0);
+real[int] V(0), c0(rows), clow(rows);
+c0 = 0; clow = -1e19;
+int entry = 0;
+// A row for each node of the slave: the mean of n.(x_outer - x_inner). The inner ring's places are (ix, iy), the outer one's (ox, oy).
+NewMacro Pass(name, Slave, ix, iy, ox, oy, w, row)
+{{
+    matrix LI = interpolate(SI, ix, iy), LO = interpolate(SO, ox, oy);
+    real[int] sx = ix, sy = iy, radius(w.n), gap(w.n), area(Slave.ndof), over(Slave.ndof), c(Slave.ndof);
+    for (int k = 0; k < w.n; k++) {{
+        radius[k] = hypot(sx[k], sy[k]); sx[k] /= radius[k]; sy[k] /= radius[k];
+        gap[k] = ({circles} ? -{interference} : hypot(ox[k], oy[k]) - radius[k]) * w[k];
+    }}
+    matrix S = interpolate(Slave, name#x, name#y);
+    area = S * w;
+    for (int i = 0; i < Slave.ndof; i++) over[i] = abs(area[i]) > 1e-12 ? 1 / area[i] : 0.;
+    c = S * gap;
+    for (int i = 0; i < Slave.ndof; i++) if (over[i] != 0) {{ c0[row + i] = c[i] * over[i]; clow[row + i] = 0; }}
+    matrix A = over;
+    for (int axis = 0; axis < 2; axis++) {{
+        real[int] own = sx;
+        if (axis) own = sy;
+        own = own .* w;
+        matrix W = own;
+        matrix T = S * W;
+        T = A * T;
+        matrix CI = T * LI', CO = T * LO';
+        int[int] a(1), b(1); real[int] v(1);
+        [a, b, v] = CI;
+        I.resize(entry + a.n); J.resize(entry + a.n); V.resize(entry + a.n);
+        for (int k = 0; k < a.n; k++) if (v[k] != 0) {{ I[entry] = row + a[k]; J[entry] = 2 * b[k] + axis; V[entry++] = -v[k]; }}
+        [a, b, v] = CO;
+        I.resize(entry + a.n); J.resize(entry + a.n); V.resize(entry + a.n);
+        for (int k = 0; k < a.n; k++) if (v[k] != 0) {{ I[entry] = row + a[k]; J[entry] = nI + 2 * b[k] + axis; V[entry++] = v[k]; }}
+    }}
+}}
+EndMacro
+real[int] firstx = pxI, firsty = pyI, secondx = pxO, secondy = pyO;
+Pass(first, SI, pxI, pyI, qxI, qyI, wI, 0)
+Pass(second, SO, qxO, qyO, pxO, pyO, wO, SI.ndof)
+// the last entry gives the matrix its size
+I.resize(entry + 1); J.resize(entry + 1); V.resize(entry + 1);
+I[entry] = rows - 1; J[entry] = n - 1; V[entry] = 0;
+matrix C = [I, J, V];
+real[int] b(n), lm(rows), u(n);
+b = 0; lm = 0; u = 0;
+int status = IPOPT([K, b], [C, c0], u, lb = low, ub = high, clb = clow, lm = lm, optfile = "{options}");
+// its multipliers of lower bounds are negative
+real[int] force = C' * lm;
+real spent = clock() - start;
+ofstream out("{out}");
+out.precision(17);
+out << status << " " << spent << " " << n - held.sum << endl;
+varf contact([u, v], [p, q]) = on(1, u = 1, v = 1);
+real[int] touches = contact(0, VI, tgv = 1);
+VI [across, across2] = [x, x], [height, height2] = [y, y];
+for (int i = 0; i < nI; i += 2) if (touches[i] > 0) {{
+    real r = hypot(across[][i], height[][i]);
+    out << across[][i] << " 0 " << height[][i] << " " << E * (force[i] * across[][i] + force[i + 1] * height[][i]) / r << endl;
+}}
+"""
+)
+
+
+BEAMS = (
+    COMMON
+    + """
+load "msh3"
+load "gmsh"
+mesh3 Th0 = gmshload3("{mesh}"), Th1 = gmshload3("{second}"), Th2 = gmshload3("{third}");
+fespace V0(Th0, [P{degree}, P{degree}, P{degree}]); fespace V1(Th1, [P{degree}, P{degree}, P{degree}]); fespace V2(Th2, [P{degree}, P{degree}, P{degree}]);
+fespace S0(Th0, P{degree}); fespace S1(Th1, P{degree}); fespace S2(Th2, P{degree});
+fespace L0(Th0, P1); fespace L1(Th1, P1); fespace L2(Th2, P1);
+int first1 = V0.ndof, first2 = first1 + V1.ndof, n = first2 + V2.ndof;
+macro strain(u, v, w) [dx(u), dy(v), dz(w), (dy(u) + dx(v)) / sqrt(2.), (dz(u) + dx(w)) / sqrt(2.), (dz(v) + dy(w)) / sqrt(2.)] //
+macro div(u, v, w) (dx(u) + dy(v) + dz(w)) //
+macro elastic(Th) int3d(Th)((strain(u, v, w)' * strain(p, q, r)) / (1 + nu) + nu / ((1 + nu) * (1 - 2 * nu)) * div(u, v, w) * div(p, q, r)) //
+varf stiff0([u, v, w], [p, q, r]) = elastic(Th0);
+varf stiff1([u, v, w], [p, q, r]) = elastic(Th1);
+varf stiff2([u, v, w], [p, q, r]) = elastic(Th2);
+varf clamp([u, v, w], [p, q, r]) = on(4, u = 1, v = 1, w = 1);
+varf pull([u, v, w], [p, q, r]) = int2d(Th0, 6)(-{force} / E * r);
+matrix K0 = stiff0(V0, V0), K1 = stiff1(V1, V1), K2 = stiff2(V2, V2);
+matrix K = [[K0, 0, 0], [0, K1, 0], [0, 0, K2]];
+real[int] held(n), low(n), high(n), f(n);
+f = 0;
+f(0:first1 - 1) = pull(0, V0);
+held(0:first1 - 1) = clamp(0, V0, tgv = 1);
+held(first1:first2 - 1) = clamp(0, V1, tgv = 1);
+held(first2:n - 1) = clamp(0, V2, tgv = 1);
+low = -1e19; high = 1e19;
+for (int i = 0; i < n; i++) if (held[i] > 0) {{ low[i] = 0; high[i] = 0; }}
+int[int] I(0), J(0);
+real[int] V(0);
+int entry = 0, rows = 0;
+// Rows of both passes between an upper and a lower beam: the mean of w_upper - w_lower by the linear functions of the slave's nodes
+func int enter(matrix & A, int column, real sign)
+{{
+    int[int] a(1), b(1); real[int] v(1);
+    [a, b, v] = A;
+    I.resize(entry + a.n); J.resize(entry + a.n); V.resize(entry + a.n);
+    for (int k = 0; k < a.n; k++) if (abs(v[k]) > 1e-14) {{ I[entry] = rows + a[k]; J[entry] = column + 3 * b[k] + 2; V[entry++] = sign * v[k]; }}
+    return 0;
+}}
+NewMacro Pass(Slave, label, SSlave, LSlave, SMaster, columnSlave, columnMaster, sign)
+{{
+    varf mass(w, r) = int2d(Slave, label, qforder = 6)(w * r);
+    matrix M = mass(SSlave, LSlave);
+    varf weight(w, r) = int2d(Slave, label, qforder = 6)(r);
+    real[int] area = weight(0, LSlave), over(LSlave.ndof);
+    for (int i = 0; i < over.n; i++) over[i] = area[i] > 1e-12 ? 1 / area[i] : 0.;
+    matrix A = over;
+    M = A * M;
+    matrix T = interpolate(SSlave, SMaster);
+    matrix MT = M * T;
+    enter(M, columnSlave, sign);
+    enter(MT, columnMaster, -1. * (sign));
+    rows += LSlave.ndof;
+}}
+EndMacro
+Pass(Th0, 2, S0, L0, S1, 0, first1, 1)
+Pass(Th1, 6, S1, L1, S0, first1, 0, -1)
+Pass(Th1, 2, S1, L1, S2, first1, first2, 1)
+Pass(Th2, 6, S2, L2, S1, first2, first1, -1)
+I.resize(entry + 1); J.resize(entry + 1); V.resize(entry + 1);
+I[entry] = rows - 1; J[entry] = n - 1; V[entry] = 0;
+matrix C = [I, J, V];
+real[int] b = -f, c0(rows), clow(rows), lm(rows), u(n);
+c0 = 0; clow = -1e19; lm = 0; u = 0;
+for (int k = 0; k < entry; k++) clow[I[k]] = 0;
+int status = IPOPT([K, b], [C, c0], u, lb = low, ub = high, clb = clow, lm = lm, optfile = "{options}");
+real spent = clock() - start;
+ofstream out("{out}");
+out.precision(17);
+out << status << " " << spent << " " << n - held.sum << endl;
+varf loaded([u, v, w], [p, q, r]) = on(6, w = 1);
+real[int] touches = loaded(0, V0, tgv = 1);
+V0 [ax, ax2, ax3] = [x, x, x], [ay, ay2, ay3] = [y, y, y], [az, az2, az3] = [z, z, z];
+for (int i = 0; i < first1; i++) if (touches[i] > 0) out << ax[][i] << " " << ay[][i] << " " << az[][i] << " " << -u[i] << endl;
+"""
+)
+
+
 def pressures(nodes, facets, forces, lumped):
     """The pressure whose products with the shape functions of flat facets are the forces on nodes, or the same with a lumped mass."""
     line = facets.shape[1] in (2, 3)
@@ -142,21 +354,24 @@ def solve(scene, mesh, setting):
     options.write_text("tol 1e-10\nprint_level 0\nsb yes\nhessian_constant yes\n")
     names = dict(
         young=scene.young, poisson=scene.poisson, mesh=straight.path, degree=mesh.degree, out=out, options=options,
-        force=getattr(scene, "force", 0.0), descent=getattr(scene, "descent", 0.0),
+        force=getattr(scene, "force", getattr(scene, "traction", 0.0)), descent=getattr(scene, "descent", 0.0), other=straight.other and straight.other.path,
+        circles=int(SETTINGS[setting][1]), interference=getattr(scene, "interference", 0.0),
     )
+    names.update(zip(("mesh", "second", "third"), (own.path for own in straight.all())))
     script = out.with_suffix(".edp")
-    script.write_text((PLANE if mesh.dimension == 2 else SPACE).format(**names))
+    text = {"half_disc": PLANE, "ball": SPACE, "press_fit": RINGS, "beams": BEAMS}[scene.name]
+    script.write_text(text.format(**names))
     out.unlink(missing_ok=True)
     run = subprocess.run(
         ["FreeFem++", "-nw", "-ne", "-v", "0", str(script)], cwd=out.parent, capture_output=True, text=True, timeout=LIMIT,
         env={"FF_LOADPATH": "/usr/lib/freefem++", "OMP_NUM_THREADS": "1", "PATH": "/usr/bin:/bin", "HOME": "/tmp"},
     )
     if not out.exists():
-        return {"cpu": None, "unknowns": None, "failure": "the script failed", "pressure": None, "log": run.stdout[-2000:]}
+        return {"cpu": None, "unknowns": None, "failure": "the script failed", "values": None, "log": run.stdout[-2000:]}
     first, *lines = out.read_text().splitlines()
     status, spent, unknowns = first.split()
     rows = np.array([[float(word) for word in line.split()] for line in lines])
-    facets, nodes = straight.facets[1], straight.nodes
+    facets, nodes = straight.facets[scene.measured], straight.nodes
     if mesh.degree == 2:
         sides = [(0, 1)] if mesh.dimension == 2 else [(0, 1), (1, 2), (2, 0)]
         middles = {}
@@ -171,16 +386,17 @@ def solve(scene, mesh, setting):
     apart = np.linalg.norm(nodes[own][:, None, :] - places[None, :, :], axis=2)
     forces = np.zeros(len(nodes))
     forces[own] = rows[apart.argmin(axis=1), 3]
-    pressure = pressures(nodes, facets, forces, SETTINGS[setting])
+    # the last column are forces, or how far nodes come down
+    pressure = forces if scene.name == "beams" else pressures(nodes, facets, forces, SETTINGS[setting][0])
     if pressure is None:
-        return {"cpu": float(spent), "unknowns": int(float(unknowns)), "failure": NOT_LUMPED, "pressure": None}
+        return {"cpu": float(spent), "unknowns": int(float(unknowns)), "failure": NOT_LUMPED, "values": None}
     return {
         "cpu": float(spent),
         "unknowns": int(float(unknowns)),
         "failure": None if int(status) == 0 else f"Ipopt's status {status}",
         "nodes": nodes,
         "facets": facets,
-        "pressure": pressure,
+        "values": pressure,
     }
 
 

@@ -1,6 +1,7 @@
 """The meshes of the comparison, by Gmsh, and what is read of them.
 
-Both scenes have a known contact zone, about which the meshes are fine: a half disc and an eighth of a ball on a rigid plane.
+The half disc and the eighth of a ball on a rigid plane have a known contact zone, about which the meshes are fine. Quarters of rings, and beams,
+have facets of one size.
 """
 
 import pathlib
@@ -36,6 +37,27 @@ Physical Surface("top", 4) = {{4}}; Physical Volume("body", 10) = {{1}};
 Field[1] = MathEval; Field[1].F = "{size} + 0.18*Max(0, Sqrt(x*x + y*y + z*z) - 1.35*{zone})";
 """
 
+RING = """
+far = {size};
+Point(1) = {{{inside}, 0, 0}}; Point(2) = {{{outside}, 0, 0}}; Point(3) = {{0, {outside}, 0}}; Point(4) = {{0, {inside}, 0}}; Point(5) = {{0, 0, 0}};
+Line(1) = {{1, 2}}; Circle(2) = {{2, 5, 3}}; Line(3) = {{3, 4}}; Circle(4) = {{4, 5, 1}};
+Line Loop(1) = {{1, 2, 3, 4}}; Plane Surface(1) = {{1}};
+Physical Line("contact", 1) = {{{contact}}}; Physical Line("y0", 2) = {{1}}; Physical Line("x0", 3) = {{3}}; Physical Surface("body", 10) = {{1}};
+Field[1] = MathEval; Field[1].F = "{size}";
+"""
+
+BEAM = """
+far = 25;
+Point(1) = {{0, 0, {low}}}; Point(2) = {{200, 0, {low}}}; Point(3) = {{200, 25, {low}}}; Point(4) = {{0, 25, {low}}};
+Line(1) = {{1, 2}}; Line(2) = {{2, 3}}; Line(3) = {{3, 4}}; Line(4) = {{4, 1}};
+Line Loop(1) = {{1, 2, 3, 4}}; Plane Surface(1) = {{1}};
+Transfinite Line {{1, 3}} = {along} + 1; Transfinite Line {{2, 4}} = {across} + 1; Transfinite Surface {{1}};
+out[] = Extrude {{0, 0, 25}} {{ Surface{{1}}; Layers{{{across}}}; }};
+Physical Surface("bottom", 2) = {{1}}; Physical Surface("left", 4) = {{out[5]}}; Physical Surface("top", 6) = {{out[0]}};
+Physical Volume("body", 10) = {{out[1]}};
+Field[1] = MathEval; Field[1].F = "{size}";
+"""
+
 OPTIONS = """
 Background Field = 1;
 Mesh.CharacteristicLengthExtendFromBoundary = 0; Mesh.CharacteristicLengthFromPoints = 0; Mesh.CharacteristicLengthMax = far;
@@ -46,19 +68,19 @@ Mesh.MshFileVersion = 2.2; Mesh.Algorithm = 6; Mesh.ElementOrder = {degree}; Mes
 TYPES = {15: (0, 1), 1: (1, 2), 8: (1, 3), 2: (2, 3), 9: (2, 6), 4: (3, 4), 11: (3, 10)}
 
 
-def write(path, geometry, dimension, zone, size, degree):
+def write(path, geometry, dimension, size, degree, **places):
     """Makes a mesh whose facets in the contact zone have the length `size`."""
     source = path.with_suffix(".geo")
-    source.write_text((geometry + OPTIONS).format(zone=zone, size=size, degree=degree))
+    source.write_text((geometry + OPTIONS).format(size=size, degree=degree, **places))
     command = ["gmsh", f"-{dimension}", "-v", "1", "-nt", "1", str(source), "-o", str(path)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
 class Mesh:
-    """Nodes (UL), cells and the facets of each label, with Gmsh's order of nodes."""
+    """Nodes (UL), cells and the facets of each label, with Gmsh's order of nodes. `other` is the mesh of the next body, if there is one."""
 
-    def __init__(self, path, fineness):
-        self.path, self.fineness = pathlib.Path(path), fineness
+    def __init__(self, path, fineness, other=None):
+        self.path, self.fineness, self.other = pathlib.Path(path), fineness, other
         lines = iter(self.path.read_text().splitlines())
         next(line for line in lines if line == "$Nodes")
         count = int(next(lines))
@@ -78,6 +100,10 @@ class Mesh:
             label: np.array(own) for (dimension, label), own in of.items() if dimension == self.dimension - 1
         }
         self.degree = 2 if len(self.cells[0]) in (6, 10) else 1
+
+    def all(self):
+        """It and those of all next bodies."""
+        return [self, *(self.other.all() if self.other else [])]
 
     def on(self, label):
         """The nodes of a label's facets, ascending."""

@@ -1,4 +1,4 @@
-"""This library, by its program and a scene file: a rigid half-space, feet and rows by default, and what the program chooses as its solver.
+"""This library, by its program and a scene file: a rigid half-space or a second body, feet and rows by default, and what the program chooses.
 
 The processor time is that of the whole program: it reads the mesh, solves, certifies, estimates the error, and writes its results.
 """
@@ -15,6 +15,13 @@ from scenes import LIMIT
 
 NAME = "ipopt-contact"
 SETTINGS = {"recovered": "contact_pressure", "consistent": "contact_pressure_consistent"}
+
+
+def applies(scene, mesh, setting):
+    """Whether a setting is another one than those before it: displacements are the same with both pressures."""
+    return scene.name != "beams" or setting == "recovered"
+
+
 PROGRAM = "target/release/ipopt-contact"
 
 PLANE = """
@@ -24,19 +31,41 @@ tractions = [{{ on = "top", force = [0, {traction!r}] }}]
 SPACE = """
 supports = [{{ on = "x0", x = 0 }}, {{ on = "y0", y = 0 }}, {{ on = "top", z = {lowered!r} }}]
 """
-SCENE = """
-increments = 1
+RING = """
+supports = [{ on = "x0", x = 0 }, { on = "y0", y = 0 }]
+"""
+BODY = """
 [[body]]
-name = "body"
+name = "{name}"
 mesh = "{mesh}"
 law = "linear-elastic"
 young = {young!r}
 poisson = {poisson!r}
 {held}
+"""
+CLAMPED = """
+supports = [{ on = "left", x = 0, y = 0, z = 0 }]
+"""
+PULLED = """
+tractions = [{{ on = "top", force = [0, 0, {traction!r}] }}]
+"""
+STACKED = """
+[[contact]]
+first = ["{lower}", "top"]
+second = ["{upper}", "bottom"]
+"""
+PLANE_BELOW = """
 [[obstacle]]
 name = "plane"
 half-space = {{ point = {origin}, normal = {normal} }}
 on = [["body", "contact"]]
+"""
+FITTED = """
+[[contact]]
+first = ["body", "contact"]
+second = ["other", "contact"]
+"""
+OUTPUT = """
 [output]
 name = "run"
 picture = ""
@@ -57,16 +86,31 @@ def arrays(path):
     return found
 
 
-def solve(scene, mesh, setting):
-    """Processor time (s) of the whole program, unknowns, and the pressure at the nodes of the contact boundary."""
-    plane = mesh.dimension == 2
-    held = (PLANE if plane else SPACE).format(
-        traction=-getattr(scene, "force", 0.0) / 2, lowered=-getattr(scene, "descent", 0.0)
-    )
+def scene_file(scene, mesh):
+    """The text of a scene file."""
+
+    def body(name, mesh, held):
+        return BODY.format(name=name, mesh=mesh.path.name, young=scene.young, poisson=scene.poisson, held=held)
+
+    if scene.name == "press_fit":
+        bodies = body("body", mesh, RING) + body("other", mesh.other, RING)
+        return 'increments = 1\ninitial-gaps = "resolve"\n' + bodies + FITTED + OUTPUT
+    if scene.name == "beams":
+        upper, middle, lower = mesh.all()
+        bodies = body("upper", upper, CLAMPED + PULLED.format(traction=-scene.traction))
+        bodies += body("middle", middle, CLAMPED) + body("lower", lower, CLAMPED)
+        pairs = STACKED.format(lower="lower", upper="middle") + STACKED.format(lower="middle", upper="upper")
+        return "increments = 1\n" + bodies + pairs + OUTPUT
+    held = PLANE.format(traction=-scene.force / 2) if mesh.dimension == 2 else SPACE.format(lowered=-scene.descent)
     zero = [0] * mesh.dimension
+    below = PLANE_BELOW.format(origin=zero, normal=[*zero[1:], 1])
+    return "increments = 1\n" + body("body", mesh, held) + below + OUTPUT
+
+
+def solve(scene, mesh, setting):
+    """Processor time (s) of the whole program, unknowns, and the pressure at the nodes of the contact boundary, or how far a face comes down."""
     path = mesh.path.with_name(mesh.path.stem + "_ours.toml")
-    names = dict(young=scene.young, poisson=scene.poisson, held=held, mesh=mesh.path.name, origin=zero, normal=[*zero[1:], 1])
-    path.write_text(SCENE.format(**names))
+    path.write_text(scene_file(scene, mesh))
     out = path.with_suffix("")
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     run = subprocess.run([PROGRAM, "run", str(path), "--out", str(out)], capture_output=True, text=True, timeout=LIMIT)
@@ -74,16 +118,16 @@ def solve(scene, mesh, setting):
     spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     files = sorted(out.glob("run_*.vtu"))
     if run.returncode not in (0, 3) or not files:
-        return {"cpu": spent, "unknowns": None, "failure": (run.stderr or run.stdout).strip()[-300:], "pressure": None}
+        return {"cpu": spent, "unknowns": None, "failure": (run.stderr or run.stdout).strip()[-300:], "values": None}
     summary = json.loads((out / "summary.json").read_text())
     found = arrays(files[-1])
     places = found["Points"][:, : mesh.dimension]
-    own = mesh.on(1)
-    pressure = np.zeros(len(mesh.nodes))
+    own = mesh.on(scene.measured)
+    values = np.zeros(len(mesh.nodes))
     same = [np.linalg.norm(places - mesh.nodes[a], axis=1).argmin() for a in own]
-    pressure[own] = found[SETTINGS[setting]][same]
+    values[own] = -found["displacement"][same, 2] if scene.name == "beams" else found[SETTINGS[setting]][same]
     failure = None if run.returncode == 0 else "not certified"
-    return {"cpu": spent, "unknowns": summary["mesh"]["free_dofs"], "failure": failure, "pressure": pressure}
+    return {"cpu": spent, "unknowns": summary["mesh"]["free_dofs"], "failure": failure, "values": values}
 
 
 def version():

@@ -41,6 +41,7 @@ use clap::Parser;
 use crate::campaign::Campaign;
 use crate::families::{Family, Scope};
 use crate::page::Page;
+use crate::page::site::{self, Sheet};
 use crate::study::Study;
 
 /// What anything here may fail with, for `main` to print.
@@ -134,7 +135,7 @@ fn report(arguments: &Arguments) -> Result<ExitCode, Failure> {
     })
 }
 
-/// The page, the same in Markdown, and the data.
+/// The pages, the same in Markdown, and the data. Pages with links that lead nowhere, or with empty plots, are an error.
 fn write(
     folder: &Path,
     studies: &[Study<'_>],
@@ -150,7 +151,24 @@ fn write(
         freefem: &freefem,
         freefem_remarks: &freefem_remarks,
     };
-    fs::write(folder.join("index.html"), page.html())?;
+    let mut sheets = page.sheets();
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    for (name, question) in site::DOCUMENTS {
+        let text = fs::read_to_string(docs.join(format!("{name}.md")))?;
+        sheets.push(Sheet {
+            name: name.into(),
+            question: question.into(),
+            body: site::document(&text),
+        });
+    }
+    let files = site::files(&sheets);
+    for (name, html) in &files {
+        fs::write(folder.join(name), html)?;
+    }
     fs::write(folder.join("report.md"), markdown::markdown(&page))?;
-    data::save(folder, studies, environment)
+    data::save(folder, studies, environment)?;
+    match site::broken(&files)[..] {
+        [] => Ok(()),
+        ref broken => Err(broken.join("\n").into()),
+    }
 }

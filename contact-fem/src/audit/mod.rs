@@ -15,6 +15,7 @@ mod bins;
 mod fits;
 mod measures;
 mod obstacles;
+mod sag;
 mod simplex;
 mod thickness;
 mod topology;
@@ -102,6 +103,8 @@ pub struct Overlap<const D: usize> {
     pub relative: f64,
     /// The depth divided by the thickness, or by twice the largest face if that is smaller.
     of_thickness: f64,
+    /// How far the nearest flat piece of the second's exterior is from a round surface of which it is a chord (UL): a depth below it shows the mesh.
+    pub(crate) sag: f64,
     /// The nodes of the nearest flat piece of the second's exterior, by their numbers in the scene; in an obstacle, of the
     /// piece of the first's that is inside.
     pub(crate) face: [usize; D],
@@ -351,6 +354,7 @@ impl<const D: usize> Audit<D> {
             depth,
             relative: depth / face.size.min(face.thickness),
             of_thickness: depth / face.thickness.min(self.topology.thick),
+            sag: 0.0,
             face: face.nodes,
         }
     }
@@ -568,6 +572,7 @@ impl<const D: usize> Audit<D> {
                 depth,
                 relative: depth / unit,
                 of_thickness: depth / thickness.min(topology.thick),
+                sag: face.sag,
                 face: face.nodes,
             };
             (overlap.relative > Self::TOUCHES).then_some(overlap)

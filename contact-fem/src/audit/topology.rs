@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::thickness;
+use super::{sag, thickness};
 use crate::element::{CELL_EDGES, Order, facet_edge};
 use crate::mesh::Mesh;
 use crate::model::Scene;
@@ -30,6 +30,8 @@ pub(super) struct Face<const D: usize> {
     pub body: usize,
     /// The longest edge in the reference configuration (UL).
     pub size: f64,
+    /// How far it is from a round surface of which it and its neighbours are chords (UL).
+    pub sag: f64,
     /// The thickness of the material behind it in the reference configuration (UL); `+∞` if it is more than twice
     /// the largest face.
     pub thickness: f64,
@@ -95,6 +97,7 @@ impl<const D: usize> Topology<D> {
                             nodes: nodes.map(|a| first + a),
                             body,
                             size: 0.0,
+                            sag: 0.0,
                             thickness: f64::INFINITY,
                             opposite: None,
                         }),
@@ -107,6 +110,7 @@ impl<const D: usize> Topology<D> {
             face.size = lengths.fold(0.0, f64::max);
         }
         thickness::measure(&mut faces, X);
+        sag::measure(&mut faces, X);
         let mut around = vec![(0.0, f64::INFINITY, 0_usize); X.len()];
         let (mut exterior_nodes, mut edges) = (BTreeSet::new(), BTreeSet::new());
         for face in &faces {

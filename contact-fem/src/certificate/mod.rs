@@ -88,10 +88,10 @@ pub enum Condition {
     /// it was not examined.
     Instability,
     /// As [`Condition::WeakPenetration`], by gaps that are measured a second time from the meshes alone: own search, feet, normals and
-    /// quadrature. To the unit is added what the gap varies by within the row, of which two rules differ by a share: all of it at
-    /// Gauss points, which both take, 10 times as much where facets are cut in the plane, 150 times with
-    /// quadratic cells there, and 250 times elsewhere. What the solver's own gaps are off by is left to [`Condition::WeakPenetration`]. At the ends of phases, as the
-    /// four that follow and [`Condition::EnergySlope`].
+    /// quadrature. To the unit is added what the gap varies by within the row, of which two rules differ by a share: with the sine s of
+    /// [`Condition::VirtualWork`] by 0.1 + 150 s², with quadratic cells by 50 + 1000 s², with closest points and exact integration in space by 250. Rows with
+    /// less than a tenth of their test function opposite the master are not judged (less than 0.99 in those last two cases). What the solver's own gaps are off by is
+    /// left to [`Condition::WeakPenetration`]. At the ends of phases, as the five that follow, [`Condition::EnergySlope`] and [`Condition::Inertia`].
     RemeasuredPenetration,
     /// As [`Condition::Complementarity`], by the difference of the same gaps from the solver's.
     RemeasuredComplementarity,
@@ -102,13 +102,13 @@ pub enum Condition {
     RemeasuredAreas,
     /// Forces act where contact is, along its normals: the largest difference on a node of the solver's Cᵀλ from the forces which the
     /// same λ mean by the second measurement. Quadratures differ on chords by about the square of the sine of the angle in
-    /// [`Condition::VirtualWork`]. The unit is half of the largest such square around the node, and 1e-4; the square and 2e-3 with quadratic
-    /// cells in the plane; the square and 0.4 with closest points and exact integration in space. `None` in method (39), whose multipliers belong to points.
+    /// [`Condition::VirtualWork`]. The unit, as a share of the largest force on the body, is 1e-4 and a twentieth of the largest such square around the node; with
+    /// quadratic cells 1e-2 and half of the square; with closest points 0.5. `None` with exact integration in space, and in method (39), whose multipliers belong to points.
     RemeasuredForces,
     /// Forces are the slope of gaps: |v·Cᵀλ − ∂/∂v Σ λ_i c_i|, the largest over rigid motions v of the first body of each pair and two waves of both. The
     /// c_i are those of the second measurement, with feet and normals that follow v. Rows hold feet and normals, and leave out by how
-    /// much averaged normals are inclined to the facets: the unit is Σ |v| |Cᵀλ| times the mean sine of that angle, which falls with the
-    /// facets. `None` likewise, and with contact at the reference positions.
+    /// much averaged normals are inclined to the facets: the unit is 1.3 Σ |v| |Cᵀλ| times the mean sine of that angle, which falls with the
+    /// facets, and 2e-3 (1e-2 with quadratic cells, 5e-2 with closest points). `None` likewise, and with contact at the reference positions.
     VirtualWork,
     /// Contact forces are the slope of the energy: |v·Cᵀλ − ∂E/∂v| divided by |v|, along a random direction v of each body. The slope is taken from
     /// differences of the energy's value. `None` where displacements are too small for that.
@@ -119,7 +119,8 @@ pub enum Condition {
     /// leave none. `None` with closest points ([`Projection::Closest`](crate::model::Projection)) and around an axis.
     PairMoment,
     /// Bodies without contact between them stay apart: the largest depth of an overlap of two that have no pair, beyond that at the
-    /// start, divided by the largest displacement or, if that is less, by the extent of the smaller body. No mesh is a part of it.
+    /// start, divided by the largest displacement or, if that is less, by the shortest side of the box around either body. What chords of round
+    /// surfaces leave at the place is taken from the depth.
     Undeclared,
     /// The equilibrium is stable, by the inertia of a tangent that the certificate assembles: the energy's Hessian, whose product is compared
     /// with differences of gradients, and the slopes of contact forces by differences of the second measurement. The tangent is factored on the

@@ -11,8 +11,8 @@ use crate::model::Problem;
 const STEP: f64 = 1e-3;
 /// The largest share of the largest force by which round-off, or the step, may change a slope; beyond it, the slope is not judged.
 const RESOLVED: f64 = 5e-6;
-/// The round-off of an energy (no unit) in units of modulus times volume, as long as deformation gradients are about 1. Stiff bodies on soft ones
-/// showed 60 times the resolution of numbers.
+/// The round-off of an energy (no unit) in units of modulus times volume, as long as deformation gradients are about 1 and displacements are not larger
+/// than the body. Stiff bodies on soft ones showed 60 times the resolution of numbers.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
 /// The largest difference of the slope of a body's energy along its direction from the work of the contact forces and of those that hold motions
@@ -43,7 +43,10 @@ pub(super) fn apart<const D: usize>(
         let v = direction(problem, body, reduction.as_ref(), u.len());
         let length = v.iter().map(|v| v * v).sum::<f64>().sqrt();
         let modulus = problem.body_energies()[body].contact_modulus();
-        let lost = ROUND_OFF * modulus * volume / step;
+        let (low, high) = mesh.bounding_box();
+        let moved = u.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+        let carried = 1.0 + moved / (high - low).max();
+        let lost = ROUND_OFF * modulus * volume * carried / step;
         if length == 0.0 || !(lost <= RESOLVED * unit * length) {
             continue;
         }
@@ -66,16 +69,18 @@ fn slope<const D: usize>(problem: &Problem<D>, (u, v): (&[f64], &[f64]), step: f
             let moved = u.iter().zip(v).map(|(u, v)| u + steps * step * v);
             value(problem, &moved.collect::<Vec<f64>>(), v)
         });
-        (on - back) / (2.0 * steps * step)
+        // loads have a large potential where they are carried far
+        let rounded = f64::EPSILON * (on.abs() + back.abs());
+        [on - back, rounded].map(|change| change / (2.0 * steps * step))
     };
-    let near = over(1.0);
+    let [near, rounded] = over(1.0);
     if problem.energy().is_quadratic() {
-        return [near, 0.0];
+        return [near, rounded];
     }
-    let far = over(2.0);
-    let [fine, coarse] = [[near, far], [far, over(4.0)]].map(|[a, b]| (4.0 * a - b) / 3.0);
+    let [far, farthest] = [2.0, 4.0].map(|steps| over(steps)[0]);
+    let [fine, coarse] = [[near, far], [far, farthest]].map(|[a, b]| (4.0 * a - b) / 3.0);
     // the error of an extrapolated difference grows with the fourth power of the step
-    [fine, (fine - coarse).abs() / 15.0]
+    [fine, (fine - coarse).abs() / 15.0 + rounded]
 }
 
 /// The energy of those bodies that a direction moves.

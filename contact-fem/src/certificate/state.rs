@@ -390,8 +390,8 @@ fn from_rigid<const D: usize>(problem: &Problem<D>, u: &[f64], v: &[f64]) -> f64
 /// Rounds over the planes of rotation; one is exact in the plane.
 const ROUNDS: usize = 20;
 
-/// The largest depth of overlaps of bodies without a pair or a tie between them, beyond that at rest, as a share of the largest displacement or
-/// of the extent of the smaller body.
+/// The largest depth of overlaps of bodies without a pair or a tie between them, beyond that at rest and beyond what chords of round surfaces leave, as a
+/// share of the largest displacement or of the extent of the smaller body.
 fn undeclared<const D: usize>(problem: &Problem<D>, u: &[f64], overlaps: &[Overlap<D>]) -> f64 {
     let bodies = problem.scene().bodies();
     let is_free = |[a, b]: [usize; 2]| {
@@ -406,7 +406,7 @@ fn undeclared<const D: usize>(problem: &Problem<D>, u: &[f64], overlaps: &[Overl
     };
     let share = |overlap: &Overlap<D>| {
         let [a, b] = overlap.bodies;
-        let depth = overlap.depth - problem.depth_at_rest(overlap.bodies);
+        let depth = overlap.depth - overlap.sag - problem.depth_at_rest(overlap.bodies);
         depth.max(0.0) / moved.min(extent(a)).min(extent(b))
     };
     let those = overlaps.iter().filter(|overlap| is_free(overlap.bodies));

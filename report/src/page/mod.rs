@@ -1,7 +1,8 @@
-//! The report as one HTML page without anything from elsewhere.
+//! The report as HTML pages without anything from elsewhere: the first one compares programs, each other answers one question.
 
 pub mod peers;
 mod plot;
+pub mod site;
 
 use std::fmt::Write;
 
@@ -14,6 +15,7 @@ use crate::pareto::front;
 use crate::peers::Stored;
 use crate::study::{Axis, Run, Series, Study};
 use ipopt_contact_scenes::tables::Table;
+use site::Sheet;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -37,34 +39,50 @@ pub const ADVICE: &str = "The cheapest run by wall time whose error was at most 
     the runs of this report.";
 
 impl Page<'_> {
-    /// The whole page.
-    pub fn html(&self) -> String {
-        let mut html = format!(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>Error against run time</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-             <h1>Error against run time</h1>\n{INTRODUCTION}"
-        );
-        self.head(&mut html);
+    /// The pages that this report computes, the first one first.
+    pub fn sheets(&self) -> Vec<Sheet> {
+        let sheet = |name: &str, question: String, body: String| Sheet {
+            name: name.into(),
+            question,
+            body,
+        };
+        let mut advice = format!("{INTRODUCTION}<p>{ADVICE}</p>\n");
+        advice.push_str(&table(&overview::advice(self.studies)));
+        let mut sheets = vec![
+            sheet(
+                "index",
+                "Which program for which accuracy?".into(),
+                peers::section(self.peers),
+            ),
+            sheet(
+                "accuracy",
+                "What does accuracy cost with this library?".into(),
+                advice,
+            ),
+            sheet(
+                "claims",
+                "Do errors fall as theory says?".into(),
+                INTRODUCTION.to_string() + &table(&overview::claims(self.studies)),
+            ),
+        ];
         for study in self.studies {
-            self.family(study, &mut html);
+            let mut body = INTRODUCTION.to_string();
+            self.family(study, &mut body);
+            let question = format!("{}: how do errors fall with time?", study.family.title);
+            sheets.push(sheet(study.family.name, question, body));
         }
-        html + "</body>\n</html>\n"
+        let mut machine = String::new();
+        self.machine(&mut machine);
+        sheets.push(sheet(
+            "machine",
+            "On which machine was this measured?".into(),
+            machine,
+        ));
+        sheets
     }
 
-    fn head(&self, html: &mut String) {
-        html.push_str("<nav><p><a href=\"#programs\">programs</a> · ");
-        for study in self.studies {
-            let (name, title) = (study.family.name, escape(study.family.title));
-            let _ = write!(html, "<a href=\"#{name}\">{title}</a> · ");
-        }
-        html.push_str("<a href=\"#machine\">machine</a></p></nav>\n");
-        html.push_str(&peers::section(self.peers));
-        html.push_str("<h2>What must hold</h2>\n");
-        html.push_str(&table(&overview::claims(self.studies)));
-        let _ = write!(html, "<h2>What accuracy costs</h2>\n<p>{ADVICE}</p>\n");
-        html.push_str(&table(&overview::advice(self.studies)));
-        html.push_str("<h2 id=\"machine\">Machine and programs</h2>\n<dl>\n");
+    fn machine(&self, html: &mut String) {
+        html.push_str("<dl>\n");
         for (name, value) in self.environment {
             let _ = writeln!(html, "<dt>{name}</dt><dd>{}</dd>", escape(value));
         }
@@ -89,10 +107,8 @@ impl Page<'_> {
         let family = study.family;
         let _ = write!(
             html,
-            "<h2 id=\"{}\">{}</h2>\n<dl>\n<dt>what</dt><dd>{}</dd>\n<dt>reference</dt><dd>{}</dd>\n\
+            "<dl>\n<dt>what</dt><dd>{}</dd>\n<dt>reference</dt><dd>{}</dd>\n\
              <dt>theory</dt><dd>{}</dd>\n<dt>h</dt><dd>{}</dd>\n</dl>\n",
-            family.name,
-            escape(family.title),
             escape(family.about),
             escape(family.reference),
             escape(family.theory),
@@ -101,13 +117,18 @@ impl Page<'_> {
         html.push_str(&legend(study, self.own_freefem(study).next().is_some()));
         for (k, quantity) in family.quantities.iter().enumerate() {
             let title = escape(quantity.title);
+            let plots = Axis::ALL.map(|axis| self.plot(study, quantity, axis));
+            if plots.iter().all(Plot::is_empty) {
+                let _ = writeln!(html, "<p>{title}: no run has such an error.</p>");
+                continue;
+            }
             let (open, close) = match k < 2 || self.has_freefem(study, quantity) {
                 true => (format!("<section><h3>{title}</h3>"), "</section>"),
                 false => (format!("<details><summary>{title}</summary>"), "</details>"),
             };
             let _ = write!(html, "{open}\n<div class=\"plots\">\n");
-            for axis in Axis::ALL {
-                html.push_str(&self.plot(study, quantity, axis).svg());
+            for plot in plots.iter().filter(|plot| !plot.is_empty()) {
+                html.push_str(&plot.svg());
             }
             let _ = writeln!(html, "</div>{close}");
         }
@@ -174,7 +195,7 @@ impl Page<'_> {
 
 const INTRODUCTION: &str = "<p>What accuracy costs with this library: benchmark families over meshes, orders, \
     integration, the paper's methods (7), (37) and (39), the library's default solver, fixed-point variants and tolerances. Every result on this \
-    page is computed anew by the command that writes it, but the comparison with other programs, which is stored; every run is a process of its own with one thread, one at a \
+    page is computed anew by the command that writes it, but those of FreeFEM, which are stored; every run is a process of its own with one thread, one at a \
     time, and time counts from building the mesh to the last converged load step. Errors are relative. The broad line \
     joins the runs that no other beats in both cost and error.</p>\n";
 

@@ -7,11 +7,11 @@ use super::{STYLE, table};
 use crate::peers::{Entry, SCENES, Scene, Stored, TARGETS};
 use ipopt_contact_scenes::tables::{Table, digits};
 
-const INTRODUCTION: &str = "<p>Each chart has one scene with a known contact pressure, solved by all programs on the same meshes of Gmsh, by one machine in one \
-    campaign, one run at a time with one thread. The error is that of the contact pressure in L² over the contact boundary, relative, by one function for all \
+const INTRODUCTION: &str = "<p>Each chart has one scene with a known solution, solved by all programs on the same meshes of Gmsh, by one machine in one \
+    campaign, one run at a time with one thread. The error is that of the contact pressure in L² over the contact boundary, or of a mean displacement, relative, by one function for all \
     programs. Time is processor time: of this library and CalculiX that of the whole program with its files, of GetFEM and FreeFEM that from reading the mesh to the \
     solution. A line joins the runs of a program that no other run of it beats in both time and error. Programs ran with several settings. \
-    This library writes two pressures, a recovered one and that of the multipliers (consistent). FreeFEM has cells with straight sides.</p>\n";
+    This library writes two pressures, a recovered one and that of the multipliers (consistent). FreeFEM has cells with straight sides. GetFEM's multiplier has the degree of the cells, or is linear.</p>\n";
 
 /// What a program looks like: its place among all of them.
 fn look(place: usize) -> Look {
@@ -60,7 +60,7 @@ fn plot(stored: &Stored, scene: &Scene) -> Plot {
     }
     Plot {
         x: "processor time (s)".into(),
-        y: "error of the pressure".into(),
+        y: format!("error of the {}", scene.quantity),
         curves,
         front: Vec::new(),
     }
@@ -120,8 +120,7 @@ pub fn sentences(stored: &Stored, scene: &Scene) -> Vec<String> {
 
 /// The section.
 pub fn section(stored: &Stored) -> String {
-    let mut html =
-        format!("<h2 id=\"programs\">Which program for which accuracy</h2>\n{INTRODUCTION}");
+    let mut html = INTRODUCTION.to_string();
     html.push_str("<div class=\"legend\">");
     for (place, program) in stored.programs().into_iter().enumerate() {
         let of_program = stored.entries.iter().find(|entry| entry.program == program);

@@ -126,6 +126,11 @@ impl Scale {
 }
 
 impl Plot {
+    /// Whether it has no point.
+    pub fn is_empty(&self) -> bool {
+        self.curves.iter().all(|curve| curve.points.is_empty())
+    }
+
     /// As an SVG element.
     pub fn svg(&self) -> String {
         let [left, top, right, bottom] = MARGINS;

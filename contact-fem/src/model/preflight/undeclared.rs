@@ -65,7 +65,8 @@ fn deepest<const D: usize>(
 ) -> Option<(f64, Vector<D>)> {
     let overlaps = setup.audit.overlaps(x).into_iter();
     let own = overlaps.filter(|overlap| overlap.bodies == [a, b] || overlap.bodies == [b, a]);
-    let depths = own.map(|overlap| (overlap.depth, overlap.at));
+    // chords of round surfaces that turn in each other overlap by their sag
+    let depths = own.map(|overlap| (overlap.depth - overlap.sag, overlap.at));
     depths.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
