@@ -9,6 +9,7 @@ displacements of a loaded face, that are written here, one file a run. A file th
 
 import argparse
 import json
+import multiprocessing
 import os
 import pathlib
 import sys
@@ -40,15 +41,40 @@ def own_seconds():
     return spent.user + spent.system + spent.children_user + spent.children_system
 
 
+def failed(why):
+    return {"cpu": None, "unknowns": None, "failure": why[:300], "values": None}
+
+
+def in_a_process(program, scene, mesh, setting):
+    """A run in a process of its own, since a peer may stop it, or not end."""
+    mine, its = multiprocessing.Pipe(duplex=False)
+
+    def run():
+        try:
+            result = program.solve(scene, mesh, setting)
+        except Exception as error:  # a peer that stops is a result
+            result = failed(f"{type(error).__name__}: {error}")
+        its.send(result)
+
+    child = multiprocessing.get_context("fork").Process(target=run)
+    child.start()
+    its.close()
+    try:
+        result = mine.recv() if mine.poll(scenes.LIMIT + 10) else failed(f"not done after {scenes.LIMIT} s")
+    except EOFError:
+        child.join()
+        result = failed(f"the program ended by signal {-child.exitcode}")
+    child.kill()
+    child.join()
+    return result
+
+
 def measured(program, scene, mesh, setting):
     """A run with its repetitions: all processor times, and how much else the machine did meanwhile, in processors."""
     times, others = [], []
     while True:
         began, own, busy = time.time(), own_seconds(), busy_seconds()
-        try:
-            result = program.solve(scene, mesh, setting)
-        except Exception as error:  # a peer that stops is a result
-            result = {"cpu": None, "unknowns": None, "failure": f"{type(error).__name__}: {error}"[:300], "values": None}
+        result = in_a_process(program, scene, mesh, setting)
         wall = time.time() - began
         own, busy = own_seconds() - own, busy_seconds() - busy
         others.append(max(0.0, busy - own) / max(wall, 0.1))

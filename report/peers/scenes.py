@@ -72,7 +72,7 @@ class Beams:
     young, poisson, zone = 2e5, 0.0, 25.0
     bottom, left, top, measured = 2, 4, 6, 6
     traction = 100.0
-    sizes = {2: "H/2", 3: "H/3", 4: "H/4", 6: "H/6"}
+    sizes = {2: "H/2", 3: "H/3", 4: "H/4"}
 
     @classmethod
     def mesh(cls, folder, fineness, degree):
