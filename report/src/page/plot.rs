@@ -146,7 +146,8 @@ impl Plot {
         let place = |&(a, b): &(f64, f64)| (x.at(a), y.at(b));
         let front: Vec<_> = self.front.iter().map(place).collect();
         line(&front, "front", &mut svg);
-        let mut notes: Vec<(f64, f64)> = Vec::new();
+        // from, to and height of what is written
+        let mut notes: Vec<[f64; 3]> = Vec::new();
         for curve in &self.curves {
             let points: Vec<_> = curve.points.iter().map(place).collect();
             let Look {
@@ -172,14 +173,20 @@ impl Plot {
                     true => (b - 8.0, -12.0),
                     false => (b + 13.0, 12.0),
                 };
-                let width = (7.0 * note.chars().count() as f64).max(40.0);
-                let is_taken = |(x, y): &(f64, f64), height: f64| {
-                    (x - a).abs() < width && (y - height).abs() < 12.0
+                let width = 7.0 * note.chars().count() as f64;
+                let from = if anchor == "end" {
+                    a + off - width
+                } else {
+                    a + off
+                };
+                let to = from + width;
+                let is_taken = |[left, right, y]: &[f64; 3], height: f64| {
+                    *left < to && from < *right && (y - height).abs() < 12.0
                 };
                 while notes.iter().any(|note| is_taken(note, height)) {
                     height += step;
                 }
-                notes.push((*a, height));
+                notes.push([from, to, height]);
                 let _ = writeln!(
                     svg,
                     "<text class=\"note f{colour}\" x=\"{:.1}\" y=\"{height:.1}\" text-anchor=\"{anchor}\">{}</text>",
