@@ -1,7 +1,7 @@
 use super::topology::Topology;
 use super::*;
 use crate::element::{Element, P1, P2};
-use crate::mesh::generators::{Diagonals, annulus, cuboid, linspace, rectangle, sphere};
+use crate::mesh::generators::{Diagonals, annulus, cuboid, extrude, linspace, rectangle, sphere};
 use crate::model::{Body, Scene};
 use crate::tensor::facet_normal;
 use crate::{LinearElastic, Mesh, NeoHookean};
@@ -252,36 +252,44 @@ fn earlier_states_do_not_matter() {
     assert!(overlapping > 20 && clear > 80, "{overlapping} {clear}");
 }
 
-/// A shaft of chords that has turned by half a chord in a hub of the same is in it by R (1 − cos π/n), which is what the chords leave of circles. A
-/// block has edges and no sag.
+/// A shaft of chords that has turned by half a chord in a hub of the same is in it by R (1 − cos π/n), which is what the chords leave of circles, in the plane
+/// and in space with facets that are long along the axis. A block has edges and no sag.
 #[test]
 fn chords_in_chords_overlap_by_their_sag() {
-    for count in [12, 16, 40] {
+    for count in [12, 16, 23, 40] {
         let ring = |inside: f64, outside: f64| {
             annulus(&[inside, outside], count, Diagonals::Rising).expect("mesh")
         };
-        let (scene, mut X) = scene(vec![ring(1.0, 1.5), ring(0.5, 1.0)]);
-        let audit = Audit::new(&scene, &X);
-        let half = std::f64::consts::PI / count as f64;
-        let first = scene.bodies()[0].mesh().nodes().len();
-        for x in &mut X[first..] {
-            let (sin, cos) = half.sin_cos();
-            *x = Vector::<2>::new(cos * x[0] - sin * x[1], sin * x[0] + cos * x[1]);
-        }
-        let found = audit.at(&X).overlaps;
-        let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
-        let deepest = deepest.expect("an overlap");
-        let sag = 1.0 - half.cos();
-        assert!(
-            (deepest.depth / sag - 1.0).abs() < 1e-9,
-            "{}",
-            deepest.depth
-        );
-        assert!((deepest.sag / sag - 1.0).abs() < 1e-9, "{}", deepest.sag);
+        let plane = vec![ring(1.0, 1.5), ring(0.5, 1.0)];
+        turned_by_half_a_chord(plane.clone(), count);
+        let long = |mesh: &Mesh<2>| extrude(mesh, &[0.0, 3.0, 6.0], ["low", "high"]).expect("mesh");
+        turned_by_half_a_chord(plane.iter().map(long).collect(), count);
     }
     let blocks = [
         block([0.0, 0.0], [2.0, 1.0], [4, 2]),
         block([0.5, 0.9], [1.0, 1.0], [3, 3]),
     ];
     assert_eq!(overlap(blocks.into()).expect("an overlap").sag, 0.0);
+}
+
+fn turned_by_half_a_chord<const D: usize>(meshes: Vec<Mesh<D>>, count: usize)
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let first = meshes[0].nodes().len();
+    let (scene, mut X) = scene(meshes);
+    let audit = Audit::new(&scene, &X);
+    let half = std::f64::consts::PI / count as f64;
+    for x in &mut X[first..] {
+        let (sin, cos) = half.sin_cos();
+        (x[0], x[1]) = (cos * x[0] - sin * x[1], sin * x[0] + cos * x[1]);
+    }
+    let found = audit.at(&X).overlaps;
+    let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
+    let deepest = deepest.expect("an overlap");
+    let sag = 1.0 - half.cos();
+    for own in [deepest.depth, deepest.sag] {
+        assert!((own / sag - 1.0).abs() < 1e-9, "{count} in {D}D: {own}");
+    }
 }

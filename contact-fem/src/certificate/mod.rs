@@ -90,7 +90,7 @@ pub enum Condition {
     /// As [`Condition::WeakPenetration`], by gaps that are measured a second time from the meshes alone: own search, feet, normals and
     /// quadrature. To the unit is added what the gap varies by within the row, of which two rules differ by a share: with the sine s of
     /// [`Condition::VirtualWork`] by 0.1 + 150 s², with quadratic cells by 50 + 1000 s², with closest points and exact integration in space by 250. Rows with
-    /// less than a tenth of their test function opposite the master are not judged (less than 0.99 in those last two cases). What the solver's own gaps are off by is
+    /// less than a tenth of their test function opposite the master are not judged (less than 0.99 with closest points and exact integration in space). What the solver's own gaps are off by is
     /// left to [`Condition::WeakPenetration`]. At the ends of phases, as the five that follow, [`Condition::EnergySlope`] and [`Condition::Inertia`].
     RemeasuredPenetration,
     /// As [`Condition::Complementarity`], by the difference of the same gaps from the solver's.

@@ -146,6 +146,15 @@ const CASES: [Case; 5] = [
     },
 ];
 
+/// The scene of which the certificate takes the largest share. No fault is planted in it.
+const DEAREST: Case = Case {
+    name: "quadratic beams",
+    run: |values| {
+        let beams = Beams::new(2, Order::Quadratic, Law::SmallStrain);
+        solve(beams.scene()?, 1, &[], values)
+    },
+};
+
 fn solve<const D: usize>(
     scene: Scene<D>,
     increments: usize,
@@ -162,13 +171,23 @@ fn solve<const D: usize>(
     let history = simulation.run(&mut problem)?;
     if let Some(solution) = history.run.solution.as_ref().filter(|_| values) {
         let run = clock.elapsed().as_secs_f64();
-        std::hint::black_box(Certificate::new(&problem, solution));
-        let share = (clock.elapsed().as_secs_f64() - run) / run;
-        println!("the whole certificate takes {share:.3} of the run");
+        let certify = |_| {
+            let clock = Instant::now();
+            std::hint::black_box(Certificate::new(&problem, solution));
+            clock.elapsed().as_secs_f64()
+        };
+        let least = (0..CERTIFIED).map(certify).fold(f64::INFINITY, f64::min);
+        println!(
+            "the whole certificate takes {:.3} of the run of {:.1} ms",
+            least / run,
+            1e3 * run
+        );
     }
     Ok(Found::of(&history, clock.elapsed().as_secs_f64(), values))
 }
 
+/// The certificate is computed so often where its cost is shown, and the least time counts.
+const CERTIFIED: usize = 20;
 /// A run that a fault leads astray is stopped after so many seconds.
 const LONGEST: f64 = 5.0;
 
@@ -193,7 +212,7 @@ fn ran(case: &Case, values: bool) -> Found {
 
 fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut sound = Vec::new();
-    for case in &CASES {
+    for case in CASES.iter().chain(arguments.values.then_some(&DEAREST)) {
         if arguments.values {
             println!("{}", case.name);
         }

@@ -268,7 +268,7 @@ impl<const D: usize> Rates<D> {
         })
     }
 
-    /// Sets `changes` to those of the forces on the nodes at these places, component by component.
+    /// Sets `changes` to the changes of the forces on the nodes at these places, component by component.
     fn spread(
         &self,
         (turn, shift): &Change<D>,
