@@ -116,11 +116,10 @@ varf inner([u, v], [p, q]) = int2d(ThI)(elastic(u, v, p, q));
 varf outer([u, v], [p, q]) = int2d(ThO)(elastic(u, v, p, q));
 matrix KI = inner(VI, VI), KO = outer(VO, VO);
 matrix K = [[KI, 0], [0, KO]];
-varf heldI([u, v], [p, q]) = on(3, u = 1) + on(2, v = 1);
-varf heldO([u, v], [p, q]) = on(3, u = 1) + on(2, v = 1);
+varf supports([u, v], [p, q]) = on(3, u = 1) + on(2, v = 1);
 real[int] held(n), low(n), high(n);
-held(0:nI - 1) = heldI(0, VI, tgv = 1);
-held(nI:n - 1) = heldO(0, VO, tgv = 1);
+held(0:nI - 1) = supports(0, VI, tgv = 1);
+held(nI:n - 1) = supports(0, VO, tgv = 1);
 low = -1e19; high = 1e19;
 for (int i = 0; i < n; i++) if (held[i] > 0) {{ low[i] = 0; high[i] = 0; }}
 
@@ -386,9 +385,9 @@ def solve(scene, mesh, setting):
     apart = np.linalg.norm(nodes[own][:, None, :] - places[None, :, :], axis=2)
     forces = np.zeros(len(nodes))
     forces[own] = rows[apart.argmin(axis=1), 3]
-    # the last column are forces, or how far nodes come down
-    pressure = forces if scene.name == "beams" else pressures(nodes, facets, forces, SETTINGS[setting][0])
-    if pressure is None:
+    # the last column has forces, or how far nodes come down
+    values = forces if scene.name == "beams" else pressures(nodes, facets, forces, SETTINGS[setting][0])
+    if values is None:
         return {"cpu": float(spent), "unknowns": int(float(unknowns)), "failure": NOT_LUMPED, "values": None}
     return {
         "cpu": float(spent),
@@ -396,7 +395,7 @@ def solve(scene, mesh, setting):
         "failure": None if int(status) == 0 else f"Ipopt's status {status}",
         "nodes": nodes,
         "facets": facets,
-        "values": pressure,
+        "values": values,
     }
 
 

@@ -16,7 +16,7 @@ SETTINGS = {"r = E/10": (0.1, 2), "r = E": (1.0, 2), "r = 10 E": (10.0, 2), "r =
 
 
 def applies(scene, mesh, setting):
-    """Whether a setting is another one than those before it."""
+    """Whether a setting differs from the settings before it."""
     return mesh.degree == 2 or SETTINGS[setting][1] == 2
 
 

@@ -102,7 +102,7 @@ class Mesh:
         self.degree = 2 if len(self.cells[0]) in (6, 10) else 1
 
     def all(self):
-        """It and those of all next bodies."""
+        """This mesh and the meshes of all next bodies."""
         return [self, *(self.other.all() if self.other else [])]
 
     def on(self, label):

@@ -62,7 +62,7 @@ struct Arguments {
     /// Seconds after which a run is given up, and the page says so
     #[arg(long, value_name = "SECONDS", default_value_t = 600)]
     limit: u64,
-    /// Compute and store the errors of the pressures that report/peers/campaign.py left here
+    /// Compute and store the errors of what report/peers/campaign.py left here
     #[arg(long, value_name = "DIR")]
     peers: Option<PathBuf>,
     /// Do one run in this process: its settings as JSON, and where the refined solution is kept
