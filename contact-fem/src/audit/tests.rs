@@ -261,9 +261,13 @@ fn chords_in_chords_overlap_by_their_sag() {
             annulus(&[inside, outside], count, Diagonals::Rising).expect("mesh")
         };
         let plane = vec![ring(1.0, 1.5), ring(0.5, 1.0)];
-        turned_by_half_a_chord(plane.clone(), count);
         let long = |mesh: &Mesh<2>| extrude(mesh, &[0.0, 3.0, 6.0], ["low", "high"]).expect("mesh");
-        turned_by_half_a_chord(plane.iter().map(long).collect(), count);
+        let space: Vec<Mesh<3>> = plane.iter().map(long).collect();
+        // cells of straight sides
+        turned_by_half_a_chord(plane.iter().cloned().map(Mesh::quadratic).collect(), count);
+        turned_by_half_a_chord(space.iter().cloned().map(Mesh::quadratic).collect(), count);
+        turned_by_half_a_chord(plane, count);
+        turned_by_half_a_chord(space, count);
     }
     let blocks = [
         block([0.0, 0.0], [2.0, 1.0], [4, 2]),

@@ -28,6 +28,8 @@ pub(super) struct Quadratic {
 pub(super) struct Face<const D: usize> {
     pub nodes: [usize; D],
     pub body: usize,
+    /// How many pieces a facet has; those of a facet follow each other.
+    pub pieces: usize,
     /// The longest edge in the reference configuration (UL).
     pub size: f64,
     /// How far it is from a round surface of which it and its neighbours are chords (UL).
@@ -90,18 +92,17 @@ impl<const D: usize> Topology<D> {
                 mesh.is_of_revolution() && nodes.all(|&a| mesh.nodes()[a][0] == 0.0)
             };
             for facet in mesh.exterior().filter(|facet| !is_axis(facet)) {
-                faces.extend(
-                    facet_pieces::<D>(mesh, facet)
-                        .into_iter()
-                        .map(|nodes| Face {
-                            nodes: nodes.map(|a| first + a),
-                            body,
-                            size: 0.0,
-                            sag: 0.0,
-                            thickness: f64::INFINITY,
-                            opposite: None,
-                        }),
-                );
+                let pieces = facet_pieces::<D>(mesh, facet);
+                let count = pieces.len();
+                faces.extend(pieces.into_iter().map(|nodes| Face {
+                    nodes: nodes.map(|a| first + a),
+                    body,
+                    pieces: count,
+                    size: 0.0,
+                    sag: 0.0,
+                    thickness: f64::INFINITY,
+                    opposite: None,
+                }));
             }
         }
         for face in &mut faces {
