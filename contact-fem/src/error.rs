@@ -431,6 +431,19 @@ pub enum Error {
         /// The names of the free ones.
         motions: String,
     },
+    /// A part of a body that can move rigidly, since its nodes lie on those of other parts and are not joined.
+    #[error(
+        "{count} nodes of body `{body}` lie on others of it and are not joined (the first are {} and {}), so that parts of it can move \
+         rigidly: merge them (`merge-nodes`, `MeshFile::merged`), or, if they are apart on purpose, support each part", nodes[0], nodes[1]
+    )]
+    Unmerged {
+        /// Which body.
+        body: String,
+        /// How many pairs of nodes.
+        count: usize,
+        /// The first pair.
+        nodes: [usize; 2],
+    },
     /// A scene without any prescribed displacement.
     #[error(
         "no displacement is prescribed anywhere: the scene as a whole can drift; support a body"

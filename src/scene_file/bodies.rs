@@ -7,8 +7,8 @@ use contact_fem::{Body, Mesh, Scene};
 
 use super::contact::Bodies;
 use super::keys::{
-    AmplitudeKeys, BodyKeys, BoundaryKeys, CurvedKeys, ForceKeys, FoundationKeys, HalfSpace, Name,
-    PressureKeys, SupportKeys, TractionKeys,
+    AmplitudeKeys, Ball, BodyKeys, BoundaryKeys, CurvedKeys, Cylinder, ForceKeys, FoundationKeys,
+    HalfSpace, Name, NormalKeys, PressureKeys, Region, SmoothKeys, SupportKeys, TractionKeys,
 };
 use super::laws;
 use super::meshes::{Found, MeshKeys};
@@ -79,14 +79,22 @@ impl SceneFile {
             let what = format!("a mesh that is made has no region {region}: leave it out");
             return Err(place.key("region").wrong(what));
         }
+        if let (None, Some(distance)) = (keys.mesh.file(), keys.merge_nodes) {
+            let what = format!(
+                "a mesh that is made has no nodes to merge within {distance}: leave it out"
+            );
+            return Err(place.key("merge-nodes").wrong(what));
+        }
         if region.is_some() && !keys.laws.is_empty() {
             let what = "its `laws` name regions of the whole mesh: leave `region` out";
             return Err(place.key("region").wrong(what));
         }
         let at = place.key("mesh");
         let found = match keys.laws.is_empty() {
-            true => keys.mesh.mesh(&at, &self.folder, region.as_deref()),
-            false => keys.mesh.with_regions(&at, &self.folder),
+            true => keys
+                .mesh
+                .mesh(&at, &self.folder, (region.as_deref(), keys.merge_nodes)),
+            false => keys.mesh.with_regions(&at, &self.folder, keys.merge_nodes),
         };
         let mut mesh = match found? {
             Found::Mesh(mesh) => mesh,
@@ -234,8 +242,10 @@ impl CurvedKeys {
 }
 
 impl BoundaryKeys {
-    /// How far off a facet may be, as a share of the mesh's diagonal.
+    /// How far a corner may be off a plane or a box, as a share of the mesh's diagonal.
     const OFF: f64 = 1e-9;
+    /// How far off a ball or a cylinder, whose radius files seldom have to all digits.
+    const OFF_ROUND: f64 = 1e-6;
 
     /// Names the boundary.
     fn add<const D: usize>(
@@ -244,35 +254,89 @@ impl BoundaryKeys {
         name: &str,
         mesh: &mut Mesh<D>,
     ) -> Result<(), Error> {
-        let (low, high) = mesh.bounding_box();
-        let off = Self::OFF * (high - low).norm();
-        match self {
+        let region = match self {
             BoundaryKeys::Of(names) => {
                 let names: Vec<String> = names.iter().map(ToString::to_string).collect();
                 return place.of(mesh.join_boundaries(name, &names));
             }
-            BoundaryKeys::Plane(HalfSpace { point, normal }) => {
+            BoundaryKeys::In(region) => region,
+        };
+        let (low, high) = mesh.bounding_box();
+        let diagonal = (high - low).norm();
+        let off = Self::OFF * diagonal;
+        let direction = |of: &[f64], what: &str| -> Result<Vector<D>, Error> {
+            let direction = Vector::<D>::from(place.vector(of)?).try_normalize(0.0);
+            direction.ok_or_else(|| place.wrong(format!("the {what} of `{name}` has no length")))
+        };
+        match region {
+            Region::Plane(HalfSpace { point, normal }) => {
                 let point = Vector::<D>::from(place.vector(point)?);
-                let normal = Vector::<D>::from(place.vector(normal)?);
-                let n = normal.try_normalize(0.0);
-                let n =
-                    n.ok_or_else(|| place.wrong(format!("the normal of `{name}` has no length")))?;
+                let n = direction(normal, "normal")?;
                 mesh.name_boundary(name, |x| n.dot(&(x - point)).abs() <= off);
             }
-            BoundaryKeys::Box(corners) => {
+            Region::Box(corners) => {
                 let low = place.vector::<D>(&corners.low)?;
                 let high = place.vector::<D>(&corners.high)?;
                 let is_in =
                     |x: &Vector<D>| (0..D).all(|i| x[i] >= low[i] - off && x[i] <= high[i] + off);
                 mesh.name_boundary(name, is_in);
             }
+            Region::Ball(Ball { centre, radius }) => {
+                let centre = Vector::<D>::from(place.vector(centre)?);
+                let off = Self::OFF_ROUND * diagonal;
+                mesh.name_boundary(name, |x| ((x - centre).norm() - radius).abs() <= off);
+            }
+            Region::Cylinder(Cylinder {
+                point,
+                axis,
+                radius,
+            }) => {
+                let point = Vector::<D>::from(place.vector(point)?);
+                let axis = match (D, &axis[..]) {
+                    (2, []) => Vector::zeros(),
+                    (2, _) => {
+                        let what = "is a direction in space: leave it out in the plane";
+                        return Err(place.key("axis").wrong(what));
+                    }
+                    _ => direction(axis, "axis")?,
+                };
+                let off = Self::OFF_ROUND * diagonal;
+                let across = |x: &Vector<D>| {
+                    let arm = x - point;
+                    (arm - axis * arm.dot(&axis)).norm()
+                };
+                mesh.name_boundary(name, |x| (across(x) - radius).abs() <= off);
+            }
+            Region::Normal(NormalKeys {
+                direction: looks,
+                within,
+            }) => {
+                let looks = direction(looks, "direction")?;
+                let least = angle(&place.key("within"), *within)?.cos();
+                mesh.name_facets(name, |_, n| n.dot(&looks) >= least);
+            }
+            Region::Smooth(SmoothKeys { from, angle: most }) => {
+                let from = Vector::<D>::from(place.vector(from)?);
+                angle(&place.key("angle"), *most)?;
+                mesh.name_smooth(name, &from, *most);
+            }
         }
         match place.of(mesh.boundary(name))?.is_empty() {
             true => Err(place.wrong(format!(
-                "no facet of the mesh is on `{name}`: it takes those with all corners there"
+                "no facet of the mesh is on `{name}`: it takes those with all corners there, or whose normals look there"
             ))),
             false => Ok(()),
         }
+    }
+}
+
+/// An angle in degrees, in radians.
+fn angle(place: &Place<'_>, degrees: f64) -> Result<f64, Error> {
+    match (0.0..=180.0).contains(&degrees) {
+        true => Ok(degrees.to_radians()),
+        false => Err(place.wrong(format!(
+            "{degrees} is no angle from 0 to 180 degrees: choose one"
+        ))),
     }
 }
 

@@ -291,6 +291,7 @@ pub(super) struct BodyKeys {
     pub(super) name: String,
     pub(super) mesh: MeshKeys,
     pub(super) region: Option<Name>,
+    pub(super) merge_nodes: Option<f64>,
     #[serde(default)]
     pub(super) quadratic: bool,
     #[serde(default)]
@@ -523,20 +524,39 @@ pub(super) struct CurvedKeys {
     pub(super) axis: Vec<f64>,
 }
 
-/// Where a boundary is: the facets of others, or those with all corners on a plane or in a box.
+/// Where a boundary is: the facets of others, or those with all corners in a place, or that look in a direction.
 #[derive(Clone, Debug)]
 pub(super) enum BoundaryKeys {
     Of(Vec<Name>),
-    Plane(HalfSpace),
-    Box(Cuboid),
+    In(Region),
 }
 
 /// As a table.
-#[derive(Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Region {
+pub(super) enum Region {
     Plane(HalfSpace),
     Box(Cuboid),
+    Ball(Ball),
+    Cylinder(Cylinder),
+    Normal(NormalKeys),
+    Smooth(SmoothKeys),
+}
+
+/// The facets that look in a direction.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NormalKeys {
+    pub(super) direction: Vec<f64>,
+    pub(super) within: f64,
+}
+
+/// The facets around a place, up to a bend.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SmoothKeys {
+    pub(super) from: Vec<f64>,
+    pub(super) angle: f64,
 }
 
 /// Takes a list or a table. Unlike an untagged enum, it keeps what is wrong within either, with its line.
@@ -554,11 +574,7 @@ impl<'de> Visitor<'de> for Anywhere {
     }
 
     fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<BoundaryKeys, M::Error> {
-        let region = only(map, "a boundary is where one table takes its facets from")?;
-        Ok(match region {
-            Region::Plane(plane) => BoundaryKeys::Plane(plane),
-            Region::Box(corners) => BoundaryKeys::Box(corners),
-        })
+        only(map, "a boundary is where one table takes its facets from").map(BoundaryKeys::In)
     }
 }
 

@@ -249,32 +249,34 @@ impl MeshKeys {
         }
     }
 
-    /// All bodies of a file as one mesh, whose regions they are; or the mesh that is made, which has none.
+    /// All bodies of a file as one mesh, whose regions they are; or the mesh that is made, which has none. Nodes at most `merge` apart (UL)
+    /// become one.
     pub(super) fn with_regions<const D: usize>(
         &self,
         place: &Place<'_>,
         folder: &Path,
+        merge: Option<f64>,
     ) -> Result<Found<D>, Error> {
         match self {
             MeshKeys::File(path) => {
-                let file = place.of(MeshFile::read(folder.join(path)))?;
+                let file = place.of(read(&folder.join(path), merge))?;
                 Ok(Found::Mesh(place.of(file.with_regions())?))
             }
-            MeshKeys::Made(_) => self.mesh(place, folder, None),
+            MeshKeys::Made(_) => self.mesh(place, folder, (None, None)),
         }
     }
 
     /// The one body of a file, or the mesh that is made; `None` if the file has several and `region` names none, or if the mesh
-    /// has another dimension.
+    /// has another dimension. Nodes at most `merge` apart (UL) become one.
     pub(super) fn mesh<const D: usize>(
         &self,
         place: &Place<'_>,
         folder: &Path,
-        region: Option<&str>,
+        (region, merge): (Option<&str>, Option<f64>),
     ) -> Result<Found<D>, Error> {
         match self {
             MeshKeys::File(path) => {
-                let file = place.of(MeshFile::read(folder.join(path)))?;
+                let file = place.of(read(&folder.join(path), merge))?;
                 if let Some(region) = region {
                     return Ok(Found::Mesh(place.of(file.body(region))?));
                 }
@@ -291,6 +293,14 @@ impl MeshKeys {
                     .map_or(Found::OtherDimension, |mesh| Found::Mesh(*mesh)))
             }
         }
+    }
+}
+
+fn read(path: &Path, merge: Option<f64>) -> Result<MeshFile, contact_fem::Error> {
+    let file = MeshFile::read(path)?;
+    match merge {
+        Some(distance) => file.merged(distance),
+        None => Ok(file),
     }
 }
 
@@ -367,7 +377,7 @@ impl Made {
             Made::Extrude(keys) => {
                 let [low, high] = &keys.caps;
                 let plane = at.key("plane");
-                match keys.plane.mesh::<2>(&plane, folder, None)? {
+                match keys.plane.mesh::<2>(&plane, folder, (None, None))? {
                     Found::Mesh(mesh) => {
                         let z = grid("z", &keys.z)?;
                         of(at, extrude(&mesh, &z, [low, high]))

@@ -158,7 +158,7 @@ fn surface<const D: usize>(
 ) -> Result<Obstacle<D>, Error> {
     match keys {
         MeshKeys::File(path) => place.of(Obstacle::read(folder.join(path))),
-        MeshKeys::Made(_) => match keys.mesh::<D>(place, folder, None)? {
+        MeshKeys::Made(_) => match keys.mesh::<D>(place, folder, (None, None))? {
             Found::Mesh(mesh) => place.of(Obstacle::of_mesh(&mesh)),
             _ => Err(place.wrong(format!("it is not in {D} dimensions, as the first body is"))),
         },

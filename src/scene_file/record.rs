@@ -43,7 +43,8 @@ impl SceneFile {
         }
     }
 
-    /// The force of the supports of some bodies, or of those on one boundary of them, along a direction.
+    /// The force of the supports of some bodies, or of their supports on one boundary, and of what holds or moves some obstacles, along a
+    /// direction.
     fn reaction<const D: usize>(
         &self,
         keys: &ReactionKeys,
@@ -51,17 +52,28 @@ impl SceneFile {
     ) -> Result<impl Fn(&StepRecord<D>) -> f64 + use<D>, Error> {
         let place = self.place().key("output").key("reaction");
         if keys.of.is_empty() {
-            let what = "is empty: name the bodies whose supports count";
+            let what = "is empty: name the bodies whose supports count, or obstacles";
             return Err(place.key("of").wrong(what));
         }
-        let names = problem.scene().names();
-        let mut of = Vec::new();
-        for body in &keys.of {
-            let Some(index) = names.iter().position(|name| name == body) else {
-                let what = format!("there is no body `{body}`: there are {names:?}");
-                return Err(place.key("of").wrong(what));
-            };
-            of.push(BodyId::from(index));
+        let scene = problem.scene();
+        let (names, obstacles) = (scene.names(), scene.obstacle_names());
+        let (mut of, mut tools) = (Vec::new(), Vec::new());
+        for asked in &keys.of {
+            let number = |names: &[String]| names.iter().position(|name| name == asked);
+            match (number(names), number(obstacles)) {
+                (Some(body), _) => of.push(BodyId::from(body)),
+                (None, Some(obstacle)) => tools.push(obstacle),
+                (None, None) => {
+                    let others = match obstacles {
+                        [] => String::new(),
+                        _ => format!(" and the obstacles {obstacles:?}"),
+                    };
+                    let what = format!(
+                        "there is no body or obstacle `{asked}`: there are the bodies {names:?}{others}"
+                    );
+                    return Err(place.key("of").wrong(what));
+                }
+            }
         }
         let at = place.key("along");
         let along = Vector::<D>::from(at.vector(&keys.along)?);
@@ -70,6 +82,12 @@ impl SceneFile {
         })?;
         let on = keys.on.as_ref().map(ToString::to_string);
         if let Some(on) = &on {
+            if let Some(&tool) = tools.first() {
+                return Err(place.key("on").wrong(format!(
+                    "obstacle `{}` has no supports on `{on}`: leave `on` or the obstacle out",
+                    obstacles[tool]
+                )));
+            }
             let bodies = self
                 .keys
                 .body
@@ -92,10 +110,12 @@ impl SceneFile {
             }
         }
         Ok(move |record: &StepRecord<D>| match &on {
-            None => of
-                .iter()
-                .map(|&body| record.reaction(body).dot(&unit))
-                .sum(),
+            None => {
+                let supports = of.iter().map(|&body| record.reaction(body));
+                // what the bodies do to an obstacle, its drive does the other way round
+                let drives = tools.iter().map(|&tool| -record.obstacle_forces[tool]);
+                supports.chain(drives).map(|force| force.dot(&unit)).sum()
+            }
             Some(on) => {
                 let all = record.support_reactions.iter();
                 let own = all.filter(|(side, _)| side.boundary == *on && of.contains(&side.body));

@@ -200,7 +200,9 @@ impl SceneFile {
                 return between.unwrap_or_else(|| self.of_body(first));
             }
             Kind::EmptyBoundary => "boundaries",
-            Kind::FreeMotion | Kind::HeldByContact | Kind::Mechanism => "supports",
+            Kind::FreeMotion | Kind::HeldByContact | Kind::HeldByNothing | Kind::Mechanism => {
+                "supports"
+            }
             Kind::OpenSeam
             | Kind::ThinBody
             | Kind::Sliver

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod compare;
+mod endings;
 #[cfg(unix)]
 mod interrupt;
 mod page;

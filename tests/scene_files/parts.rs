@@ -6,7 +6,7 @@ use std::path::Path;
 use ipopt_contact::prelude::*;
 use ipopt_contact::scene_file::SceneFile;
 
-use super::{TWO_BODIES, fresh, program, written_bodies};
+use super::{TWO_BODIES, fresh, program, results, written_bodies};
 
 /// Press, then slide and turn, from a file and by hand: the same states to the last bit.
 /// A cuboid of weight 1 on a cylinder, and the same pulled up into a bore: either carries the weight.
@@ -959,4 +959,104 @@ fn what_files_lack_is_named() {
     assert!(text.contains("would be overwritten"), "{text}");
     let (code, text) = program(&["dance"], &[]);
     assert_eq!(code, Some(2), "{text}");
+}
+
+/// A plate with a hole, whose facets a file does not name: each way of naming the hole finds the same facets.
+#[test]
+fn holes_are_named_by_their_shape() {
+    let folder = fresh("holes");
+    let path = folder.join("scene.toml");
+    let ring = r#"
+[[body]]
+name = "ring"
+mesh = { annulus = { radii = [1, 2], segments = 24 } }
+law = "linear-elastic"
+young = 100
+poisson = 0.3
+supports = [{ on = "outer", x = 0, y = 0 }]
+pressures = [{ on = "hole", pressure = 1 }]
+[body.boundaries]
+hole = "#;
+    let named = |boundary: &str| {
+        fs::write(&path, format!("{ring}{boundary}\n")).expect("written");
+        let file = SceneFile::read(&path).expect("a file");
+        file.scene::<2>().map(|scene| {
+            let mesh = scene.bodies()[0].mesh();
+            let mut nodes = mesh.boundary_nodes("hole").expect("named");
+            nodes.sort_unstable();
+            (
+                nodes,
+                mesh.boundary_nodes("inner").expect("the generator's"),
+            )
+        })
+    };
+    for same in [
+        "{ ball = { centre = [0, 0], radius = 1 } }",
+        "{ cylinder = { point = [0, 0], radius = 1.0000001 } }",
+        "{ smooth = { from = [1, 0], angle = 16 } }",
+        "{ box = { low = [-1, -1], high = [1, 1] } }",
+    ] {
+        let (mut hole, mut inner) = named(same).expect(same);
+        hole.sort_unstable();
+        inner.sort_unstable();
+        assert_eq!(hole, inner, "{same}");
+    }
+    // facets that look inwards at the right of the hole, and outwards at the left
+    let (found, _) = named("{ normal = { direction = [-1, 0], within = 8 } }").expect("named");
+    assert_eq!(found.len(), 2 * 3);
+    for (wrong, why) in [
+        ("{ ball = { centre = [0, 0], radius = 1.5 } }", "no facet"),
+        (
+            "{ cylinder = { point = [0, 0], axis = [0, 0, 1], radius = 1 } }",
+            "leave it out",
+        ),
+        (
+            "{ normal = { direction = [0, 0], within = 8 } }",
+            "has no length",
+        ),
+        (
+            "{ normal = { direction = [1, 0], within = 190 } }",
+            "no angle from 0 to 180",
+        ),
+        (
+            "{ smooth = { from = [1, 0], angle = -1 } }",
+            "no angle from 0 to 180",
+        ),
+    ] {
+        let refused = named(wrong).expect_err(wrong).to_string();
+        assert!(refused.contains(why), "{wrong}: {refused}");
+    }
+}
+
+/// Two triangles that were written with corners of their own.
+#[test]
+fn nodes_that_lie_on_each_other_are_told_and_merged() {
+    let folder = fresh("soup");
+    let (path, out) = (folder.join("scene.toml"), folder.join("out"));
+    let mesh = "6 2 2  0 0 0  1 0 0  1 1 0  0 0 0  1 1 0  0 1 0  1 2 3 7  4 5 6 7  1 2 1  5 6 2\n";
+    fs::write(folder.join("soup.msh"), mesh).expect("written");
+    let text = |merge: &str| {
+        format!(
+            "[[body]]\nname = \"soup\"\nmesh = \"soup.msh\"\n{merge}law = \"linear-elastic\"\nyoung = 100\npoisson = 0\n\
+             supports = [{{ on = 1, x = 0, y = 0 }}, {{ on = 2, x = 0 }}]\ntractions = [{{ on = 2, force = [0, -10] }}]\n"
+        )
+    };
+    let run = |merge: &str| {
+        fs::write(&path, text(merge)).expect("written");
+        program(&["run", "--out"], &[&out, &path])
+    };
+    let (code, told) = run("");
+    assert_eq!(code, Some(2), "{told}");
+    assert!(
+        told.contains("2 nodes of body `soup` lie on others") && told.contains("merge-nodes"),
+        "{told}"
+    );
+    let (code, told) = run("merge-nodes = 1e-9\n");
+    assert_eq!(code, Some(0), "{told}");
+    // E = 100 and ν = 0: a tenth
+    let force = results(&out)["support_reactions"][0]["force"][1].as_f64();
+    assert!((force.expect("a force") - 10.0).abs() < 1e-9, "{force:?}");
+    let (code, told) = run("merge-nodes = 1.5\n");
+    assert_eq!(code, Some(2), "{told}");
+    assert!(told.contains("`merge-nodes`"), "{told}");
 }

@@ -338,13 +338,13 @@ impl fmt::Display for Certificate {
             match value {
                 _ if limit == f64::INFINITY => {
                     let Some(value) = value else { continue };
-                    write!(f, "\n    {name:<18} {value:>8.1e} without limit")?;
+                    write!(f, "\n    {name:<26} {value:>8.1e} without limit")?;
                 }
                 Some(value) => {
                     let mark = if entry.holds() { "" } else { "  <- too large" };
-                    write!(f, "\n    {name:<18} {value:>8.1e} of {limit:>7.1e}{mark}")?;
+                    write!(f, "\n    {name:<26} {value:>8.1e} of {limit:>7.1e}{mark}")?;
                 }
-                None => write!(f, "\n    {name:<18} {:>8} of {limit:>7.1e}", "-")?,
+                None => write!(f, "\n    {name:<26} {:>8} of {limit:>7.1e}", "-")?,
             }
         }
         Ok(())

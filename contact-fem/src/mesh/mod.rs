@@ -2,6 +2,7 @@
 
 mod boundary;
 pub mod generators;
+mod named;
 mod places;
 mod quadratic;
 pub mod read;
@@ -146,20 +147,6 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 
-    /// Gives the boundary `name` those exterior facets whose corners all satisfy `contains`; an
-    /// existing boundary is extended. A boundary without facets is kept.
-    pub fn name_boundary(&mut self, name: &str, contains: impl Fn(&Vector<D>) -> bool) {
-        let inside = |facet: &[usize]| facet[..D].iter().all(|&a| contains(&self.nodes[a]));
-        let facets = self.exterior().enumerate();
-        let found: Vec<usize> = facets
-            .filter_map(|(f, facet)| inside(facet).then_some(f))
-            .collect();
-        let named = self.boundaries.entry(name.to_string()).or_default();
-        named.extend(found);
-        named.sort_unstable();
-        named.dedup();
-    }
-
     /// Gives the region `name` those cells whose centre, the mean of the corners, satisfies `contains`; an existing region is extended.
     /// Regions may overlap.
     pub fn name_region(&mut self, name: &str, contains: impl Fn(&Vector<D>) -> bool) {
@@ -169,22 +156,6 @@ impl<const D: usize> Mesh<D> {
         named.extend(found);
         named.sort_unstable();
         named.dedup();
-    }
-
-    /// Gives the boundary `name` all facets of the boundaries `of`; an existing boundary is extended.
-    ///
-    /// # Errors
-    /// As [`Mesh::boundary`].
-    pub fn join_boundaries(&mut self, name: &str, of: &[impl AsRef<str>]) -> Result<(), Error> {
-        let mut joined = self.boundaries.get(name).cloned().unwrap_or_default();
-        for other in of.iter().map(AsRef::as_ref) {
-            self.boundary(other)?;
-            joined.extend(self.boundaries.get(other).into_iter().flatten());
-        }
-        joined.sort_unstable();
-        joined.dedup();
-        self.boundaries.insert(name.to_string(), joined);
-        Ok(())
     }
 
     /// Moves the whole mesh by `offset` (UL).

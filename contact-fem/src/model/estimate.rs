@@ -7,6 +7,8 @@ use crate::assembly::CellError;
 use crate::error::Error;
 use crate::tensor::Vector;
 
+/// The depth of a node that is no round-off, as a share of the facets around it.
+const UNFELT: f64 = 1e-6;
 /// Energies below this share of the scene's are round-off: nothing is strained.
 const NEGLIGIBLE: f64 = 1e-13;
 
@@ -57,6 +59,9 @@ pub struct ContactFacets {
     /// Whether the contact zone ends within the surfaces, so that its size and its pressures depend on how facets resolve it. Surfaces
     /// all of whose facets touch do not need several of them.
     pub is_inside: bool,
+    /// The depth of the deepest node inside the other surface where no force acts at all (UL); else 0. Means over facets do not see what is
+    /// shallower than the facets' other ends are away.
+    pub unfelt: f64,
 }
 
 impl<const D: usize> ErrorEstimate<D> {
@@ -91,7 +96,8 @@ impl ContactFacets {
             2 => across,
             _ => 0.5 * std::f64::consts::PI * across * across,
         };
-        self.is_inside && self.touching.is_some_and(|count| (count as f64) < fewest)
+        let are_few = self.touching.is_some_and(|count| (count as f64) < fewest);
+        self.unfelt > 0.0 || self.is_inside && are_few
     }
 }
 
@@ -201,7 +207,14 @@ impl<const D: usize> Problem<D> {
             });
             let touching: Vec<(usize, usize)> = touching.filter(|(count, _)| *count > 0).collect();
             let fewest = touching.iter().map(|(count, _)| *count).min();
+            let depths = state.sides.iter().flat_map(|side| {
+                let sizes = self.surfaces()[side.surface].node_sizes();
+                let gaps = side.gaps.clone().into_iter().zip(sizes);
+                gaps.filter_map(|(gap, size)| gap.filter(|gap| *gap < -UNFELT * size))
+            });
+            let deepest = depths.fold(0.0, |most: f64, gap| most.max(-gap));
             ContactFacets {
+                unfelt: if fewest.is_none() { deepest } else { 0.0 },
                 first: state.record.first,
                 second: state.record.second,
                 touching: fewest,

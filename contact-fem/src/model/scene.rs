@@ -445,6 +445,14 @@ impl<const D: usize> Scene<D> {
         &self.switched
     }
 
+    /// The number of the first node of each body where nodes of all bodies count one after the other, and the number of all nodes.
+    pub(crate) fn first_nodes(&self) -> Vec<usize> {
+        let mut first = vec![0];
+        let counts = self.bodies.iter().map(|body| body.mesh().nodes().len());
+        counts.for_each(|count| first.push(first[first.len() - 1] + count));
+        first
+    }
+
     /// The obstacles, in the order of declaration.
     pub fn obstacles(&self) -> &[Obstacle<D>] {
         &self.obstacles
@@ -643,9 +651,11 @@ impl<const D: usize> Scene<D> {
     ///     println!("{finding}");
     /// }
     /// let found = findings.iter().map(|finding| (finding.severity, finding.kind));
+    /// let held = [FindingKind::HeldByNothing, FindingKind::HeldByContact].map(|kind| (Severity::Note, kind));
     /// let locks = (Severity::Warning, FindingKind::Locking);
-    /// assert_eq!(found.collect::<Vec<_>>(), [locks, (Severity::Note, FindingKind::HeldByContact)]);
-    /// assert_eq!(findings[1].what, "only contact holds body `upper`: translation x, translation y, rotation");
+    /// assert_eq!(found.collect::<Vec<_>>(), [locks, held[0], held[1]]);
+    /// assert_eq!(findings[1].what, "neither supports nor contact hold body `upper`: translation x");
+    /// assert_eq!(findings[2].what, "only contact holds body `upper`: translation y, rotation");
     /// # Ok(())
     /// # }
     /// ```

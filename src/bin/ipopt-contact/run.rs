@@ -24,7 +24,11 @@ pub fn command(words: &[String]) -> Result<ExitCode, String> {
         "accuracy",
         "seconds",
     ];
-    let words = Words::parse(words, &known, &["literal", "resume", "check", "path"])?;
+    let words = Words::parse(
+        words,
+        &known,
+        &["literal", "resume", "check", "path", "verbose"],
+    )?;
     let path = words.only("one scene file")?;
     let given = known
         .iter()
@@ -125,9 +129,10 @@ where
     // before a file is written
     let checked = file.check(&simulation, &mut problem);
     checked.map_err(|why| in_file(&why))?;
-    let recording = file
+    let mut recording = file
         .record(&mut simulation, &problem, out)
         .map_err(|why| in_file(&why))?;
+    recording.plan.verbose = words.option("verbose").is_some();
     if words.option("resume").is_some() {
         print(resumed(&Path::new(out).join("run.resume"))?);
     }

@@ -25,6 +25,7 @@ mod freefem;
 mod gmsh;
 mod kind;
 mod medit;
+mod merged;
 mod parts;
 mod problem;
 mod stl;

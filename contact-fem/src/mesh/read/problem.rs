@@ -104,6 +104,14 @@ pub enum Problem {
         /// The remedy.
         remedy: &'static str,
     },
+    /// Vertices that cannot be merged.
+    #[error(
+        "vertices at most {distance} apart cannot be made one: `merge-nodes` is a length that is not negative, and shorter than any side of a cell"
+    )]
+    Merge {
+        /// The distance (UL).
+        distance: f64,
+    },
     /// A mesh that is divided into partitions.
     #[error("the mesh is partitioned: write it in one part (Gmsh: Mesh > Unpartition)")]
     Partitioned,

@@ -28,6 +28,8 @@ pub enum FindingKind {
     FreeMotion,
     /// Nothing but contact holds rigid motions of a part. The value is their number.
     HeldByContact,
+    /// Neither supports nor contact hold rigid motions of a part. The value is their number.
+    HeldByNothing,
     /// Parts of a body can turn against each other. The value is the number of such motions.
     Mechanism,
     /// Bodies start inside each other. The value is the depth (UL), for bodies without a contact pair as
@@ -137,6 +139,7 @@ impl Finding {
     pub(super) fn of(error: &Error) -> Self {
         let (kind, bodies): (_, &[&String]) = match error {
             Error::Unsupported { body, .. } => (FindingKind::FreeMotion, &[body]),
+            Error::Unmerged { body, .. } => (FindingKind::OpenSeam, &[body]),
             Error::Tie { .. } => (FindingKind::TiedApart, &[]),
             Error::NoSupport => (FindingKind::FreeMotion, &[]),
             Error::Overlap { slave, master, .. } => (FindingKind::Interference, &[slave, master]),

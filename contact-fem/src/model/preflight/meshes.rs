@@ -56,12 +56,8 @@ fn nodes_of<const D: usize>(setup: &Setup<'_, D>, side: &Side) -> BTreeSet<usize
     nodes.into_iter().flatten().collect()
 }
 
-/// Finds exterior nodes of a body that lie on each other and are not declared for contact with each other.
-fn seam<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Report) {
-    let (mesh, name) = (
-        setup.scene.bodies()[body].mesh(),
-        &setup.scene.names()[body],
-    );
+/// Pairs of exterior nodes that lie on each other, the smaller number first.
+pub(super) fn coinciding<const D: usize>(mesh: &Mesh<D>) -> Vec<[usize; 2]> {
     // for each exterior node, the length of the shortest facet there
     let mut exterior = std::collections::BTreeMap::new();
     for facet in mesh.exterior() {
@@ -75,6 +71,21 @@ fn seam<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Report) 
         .keys()
         .map(|&a| GeomWithData::new(<[f64; D]>::from(mesh.nodes()[a]), a));
     let tree = RTree::bulk_load(leaves.collect());
+    let others = |(&a, length): (&usize, &f64)| {
+        let x = mesh.nodes()[a];
+        let near = tree.locate_within_distance(x.into(), (COINCIDES * length).powi(2));
+        let pairs = near.map(|leaf| [a, leaf.data]);
+        pairs.filter(|[a, b]| b > a).collect::<Vec<_>>()
+    };
+    exterior.iter().flat_map(others).collect()
+}
+
+/// Finds exterior nodes of a body that lie on each other and are not declared for contact with each other.
+fn seam<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Report) {
+    let (mesh, name) = (
+        setup.scene.bodies()[body].mesh(),
+        &setup.scene.names()[body],
+    );
     let of_body = |pair: &&Pair| {
         [&pair.first, &pair.second]
             .iter()
@@ -90,20 +101,11 @@ fn seam<const D: usize>(setup: &Setup<'_, D>, body: usize, report: &mut Report) 
         };
         declared.iter().any(has)
     };
-    let (mut count, mut place) = (0_usize, None);
-    for (&a, length) in &exterior {
-        let x = mesh.nodes()[a];
-        let near = tree.locate_within_distance(x.into(), (COINCIDES * length).powi(2));
-        let others = near
-            .map(|leaf| leaf.data)
-            .filter(|&b| b > a && !is_declared(a, b));
-        let others = others.count();
-        if others > 0 {
-            count += others;
-            place = place.or(Some(x));
-        }
-    }
-    if let Some(place) = place {
+    let pairs = coinciding(mesh).into_iter();
+    let open: Vec<[usize; 2]> = pairs.filter(|[a, b]| !is_declared(*a, *b)).collect();
+    let count = open.len();
+    if let Some([a, _]) = open.first() {
+        let place = mesh.nodes()[*a];
         let finding = Finding::new(Severity::Warning, FindingKind::OpenSeam, &[name]);
         report.add(finding.at(&place).measured(count as f64, 0.0).says(
             format!(

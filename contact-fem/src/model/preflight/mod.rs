@@ -12,6 +12,7 @@ mod obstacles;
 mod overlap;
 mod pieces;
 mod pressures;
+mod resisted;
 mod steps;
 mod supports;
 mod surfaces;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::DMatrix;
 
 use super::limits::HOLDS;
-use super::{Finding, FindingKind, Report, Severity, pieces};
+use super::{Finding, FindingKind, Report, Severity, meshes, pieces, resisted};
 use crate::error::Error;
 use crate::jacobi::orthogonal_columns;
 use crate::model::{Body, Pair, Scene};
@@ -43,31 +43,72 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
         let name = &scene.names()[*body];
         let touches = |(body, part): &(usize, Vec<usize>)| part.iter().any(|&a| touches[*body][a]);
         if !cluster.parts.iter().any(touches) {
-            report.take::<()>(Err(Error::Unsupported {
-                body: name.clone(),
-                node: part[0],
-                free,
-                modes: modes::<D>(scene.bodies()[*body].mesh().is_of_revolution()),
-                motions: motions.join(", "),
+            let mesh = scene.bodies()[*body].mesh();
+            let unmerged = meshes::coinciding(mesh);
+            let is_own = |nodes: &&[usize; 2]| nodes.iter().any(|a| part.binary_search(a).is_ok());
+            report.take::<()>(Err(match unmerged.iter().find(is_own) {
+                Some(&nodes) => Error::Unmerged {
+                    body: name.clone(),
+                    count: unmerged.len(),
+                    nodes,
+                },
+                None => Error::Unsupported {
+                    body: name.clone(),
+                    node: part[0],
+                    free,
+                    modes: modes::<D>(mesh.is_of_revolution()),
+                    motions: motions.join(", "),
+                },
             }));
             continue;
         }
-        let finding = Finding::new(Severity::Note, FindingKind::HeldByContact, &[name]);
-        let others = match cluster.parts.len() {
-            1 => "",
-            _ => " and what is tied to it",
-        };
-        report.add(finding.measured(free as f64, 0.0).says(
-            format!(
-                "only contact holds body `{name}`{others}: {}",
-                motions.join(", ")
-            ),
-            "prescribe displacements if loads or steps may part it from what holds it",
-        ));
+        note_motions(&cluster, scene, pairs, &motions, report);
     }
     for (body, name) in scene.bodies().iter().zip(scene.names()) {
         pieces::check(body, name, &body.mesh().parts(), report);
     }
+}
+
+/// Notes which of the free motions of a cluster contact alone holds, and which nothing does.
+fn note_motions<const D: usize>(
+    cluster: &Cluster,
+    scene: &Scene<D>,
+    pairs: &[Pair],
+    motions: &[String],
+    report: &mut Report,
+) {
+    let name = &scene.names()[cluster.parts[0].0];
+    let others = match cluster.parts.len() {
+        1 => "",
+        _ => " and what is tied to it",
+    };
+    let loose = resisted::unresisted(cluster, scene, pairs);
+    let held: Vec<String> = motions
+        .iter()
+        .filter(|name| !loose.contains(name))
+        .cloned()
+        .collect();
+    let mut note = |kind, motions: &[String], what: &str, remedy: &str| {
+        if !motions.is_empty() {
+            let finding = Finding::new(Severity::Note, kind, &[name]);
+            report.add(finding.measured(motions.len() as f64, 0.0).says(
+                format!("{what} body `{name}`{others}: {}", motions.join(", ")),
+                remedy,
+            ));
+        }
+    };
+    note(
+        FindingKind::HeldByNothing,
+        &loose,
+        "neither supports nor contact hold",
+        "prescribe a displacement if loads act along this motion; without them, the body stays where it is",
+    );
+    note(
+        FindingKind::HeldByContact,
+        &held,
+        "only contact holds",
+        "prescribe a displacement if the body may lose this contact",
+    );
 }
 
 /// For each body the nodes that may touch something.
@@ -98,13 +139,15 @@ pub(in crate::model) struct Cluster {
 impl Cluster {
     /// The rigid motions that supports and springs leave free.
     fn free_motions<const D: usize>(&self, scene: &Scene<D>) -> Vec<String> {
-        if let [(body, part)] = &self.parts[..] {
-            return free_motions(&scene.bodies()[*body], part);
+        match &self.parts[..] {
+            [(body, part)] => free_motions(&scene.bodies()[*body], part),
+            _ => self.unheld(scene, Vec::new()),
         }
-        // nodes of all bodies, one after the other
-        let mut first = vec![0];
-        let counts = scene.bodies().iter().map(|body| body.mesh().nodes().len());
-        counts.for_each(|count| first.push(first[first.len() - 1] + count));
+    }
+
+    /// The rigid motions that neither supports and springs nor `others` resist, by name; nodes of `others` count through all bodies.
+    pub(super) fn unheld<const D: usize>(&self, scene: &Scene<D>, others: Vec<Row>) -> Vec<String> {
+        let first = scene.first_nodes();
         let place = |node: usize| {
             let body = first.partition_point(|first| *first <= node) - 1;
             scene.bodies()[body].mesh().nodes()[node - first[body]]
@@ -119,16 +162,31 @@ impl Cluster {
             .flat_map(|(body, part)| held_rows(&scene.bodies()[*body], first[*body], part));
         let first_body = &scene.bodies()[self.parts[0].0];
         let is_revolved = first_body.mesh().is_of_revolution();
-        unheld_motions(rows, &place, &own.collect(), is_revolved)
+        unheld_motions(rows.chain(others), &place, &own.collect(), is_revolved)
+    }
+
+    /// Whether a part of this body belongs to it.
+    pub(super) fn has_body(&self, body: usize) -> bool {
+        self.parts.iter().any(|(own, _)| *own == body)
+    }
+
+    /// Whether this node of a body belongs to it.
+    pub(super) fn has(&self, body: usize, node: usize) -> bool {
+        let holds =
+            |(own, part): &(usize, Vec<usize>)| *own == body && part.binary_search(&node).is_ok();
+        self.parts.iter().any(holds)
     }
 }
 
-/// What supports and springs of a part hold, as rows of (node, component, coefficient); nodes count from `first`.
+/// A sum of displacements: node, component and coefficient.
+pub(in crate::model) type Row = Vec<(usize, usize, f64)>;
+
+/// What supports and springs of a part hold; nodes count from `first`.
 pub(in crate::model) fn held_rows<const D: usize>(
     body: &Body<D>,
     first: usize,
     part: &[usize],
-) -> Vec<Vec<(usize, usize, f64)>> {
+) -> Vec<Row> {
     let dofs = part.iter().flat_map(|node| D * node..D * (node + 1));
     let held = dofs.filter(|&dof| body.prescribed()[dof].is_some());
     let row = |own: &[(usize, f64)]| -> Vec<_> {
@@ -269,10 +327,9 @@ fn free_motions<const D: usize>(body: &Body<D>, part: &[usize]) -> Vec<String> {
     names::<D>(&free)
 }
 
-/// The names of independent rigid motions of the part with these `nodes` that all `rows` annul; a row is a list of node,
-/// component and coefficient. `place` tells the position of a node (UL), the flag whether the body is one of revolution.
+/// The names of independent rigid motions of the part with these `nodes` that all `rows` annul. `place` tells the position of a node (UL), the flag whether the body is one of revolution.
 pub(in crate::model) fn unheld_motions<const D: usize>(
-    rows: impl Iterator<Item = Vec<(usize, usize, f64)>>,
+    rows: impl Iterator<Item = Row>,
     place: &dyn Fn(usize) -> Vector<D>,
     nodes: &BTreeSet<usize>,
     is_revolved: bool,
@@ -281,7 +338,7 @@ pub(in crate::model) fn unheld_motions<const D: usize>(
     let centre = nodes.iter().map(|&a| place(a)).sum::<Vector<D>>() / count;
     let arms = nodes.iter().map(|&a| (place(a) - centre).norm());
     let extent = arms.fold(f64::MIN_POSITIVE, f64::max);
-    let in_modes = |row: Vec<(usize, usize, f64)>| {
+    let in_modes = |row: Row| {
         let of_mode = |k: usize| {
             let terms = row.iter().map(|&(node, component, c)| {
                 let arm = (place(node) - centre) / extent;

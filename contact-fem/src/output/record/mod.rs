@@ -1,5 +1,6 @@
 //! Recorded runs: they write files, show progress and stop cleanly on Ctrl-C.
 
+mod ending;
 mod folder;
 mod interrupt;
 mod observer;
@@ -23,6 +24,7 @@ use crate::certificate::Limits;
 use crate::error::Error;
 use crate::model::Problem;
 use crate::simulation::{DefaultSolver, History, Simulation, StepRecord, StepView};
+use ending::Ended;
 use folder::{Folder, Heading, check_file_name};
 use observer::Observer;
 use summary::Summary;
@@ -109,6 +111,9 @@ pub struct Plan<'a, const D: usize> {
     pub own_files: Vec<String>,
     /// Whether nothing is printed; `false` by default.
     pub quiet: bool,
+    /// Whether the end of the run prints all conditions of the certificate, what was left out, and what the time was spent on; `false` by
+    /// default, and a line for each result that matters.
+    pub verbose: bool,
     increments: usize,
     force: Force<'a, D>,
     message: Option<Message<'a, D>>,
@@ -159,8 +164,8 @@ impl<S: Equilibrium> Simulation<S> {
         let folder = folder.into();
         let name = folder.file_name().map(|name| name.to_string_lossy());
         let largest = |record: &StepRecord<D>| {
-            let reactions = record.reactions.iter().map(|r| r.norm());
-            reactions.fold(0.0, f64::max)
+            let forces = record.reactions.iter().chain(&record.obstacle_forces);
+            forces.map(|force| force.norm()).fold(0.0, f64::max)
         };
         let plan = Plan {
             name: name.map_or("run".into(), |name| plain(&name)),
@@ -171,6 +176,7 @@ impl<S: Equilibrium> Simulation<S> {
             half_way: true,
             own_files: Vec::new(),
             quiet: false,
+            verbose: false,
             increments: self.load_steps.all_increments(),
             force: Box::new(largest),
             message: None,
@@ -191,8 +197,8 @@ fn plain(name: &str) -> String {
 }
 
 impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
-    /// Sets the force (UF) that the summary reports as `reaction`; the default is the largest
-    /// reaction of a body.
+    /// Sets the force (UF) that the summary reports as `reaction`; the default is the largest one of the supports of a body, or on an
+    /// obstacle.
     pub fn force(mut self, force: impl Fn(&StepRecord<D>) -> f64 + 'a) -> Self {
         self.plan.force = Box::new(force);
         self
@@ -244,16 +250,17 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
             .zip(processor)
             .map(|(now, before)| now - before);
         let seconds = (clock.elapsed().as_secs_f64(), spent);
-        let ending = (&result, written.as_ref().err());
-        let summary = Summary::new(&plan, problem, &observer, ending, (choice, memory), seconds);
-        let (table, text) = (summary.table().to_string(), summary.json());
+        let became = (&result, written.as_ref().err());
+        let ended = Ended::new(&plan, problem, &observer, became, (choice, memory), seconds);
+        let summary = Summary::new(&ended, &observer.folder.heading);
+        let (told, text) = (ended.text(), summary.json());
         let stages = observer.stages;
         let text = text.map_err(|why| file::failed(&plan.folder, why));
         let concluded = text.and_then(|text| folder.conclude(&text));
         written.and(concluded).map_err(|why| folder.failed(why))?;
         if !plan.quiet {
             let files = plan.folder.display();
-            print(format!("{table}\n  files              {files}"));
+            print(format!("{told}\n  files              {files}"));
         }
         result.map(|history| Recorded { history, stages })
     }

@@ -2,32 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use contact_core::cost::{Cost, FactorSize};
-use contact_core::equilibrium::Choice;
-use contact_core::ipopt::{Blas, doctor, versions};
-use contact_core::{Ending, InteriorPoint, Method};
+use contact_core::Ending;
+use contact_core::cost::FactorSize;
+use contact_core::ipopt::{doctor, versions};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::ending::Ended;
 use super::folder::Heading;
-use super::observer::Observer;
-use super::{Memory, Plan, peak_memory};
-use crate::audit::LeastVolume;
+use super::peak_memory;
 use crate::certificate::{Certificate, Limits};
-use crate::error::Error;
-use crate::left_out::LeftOut;
 use crate::model::{
-    BodyError, BodyId, ErrorEstimate, Finding, InitialGaps, Opposite, PairRecord, Problem, Scene,
-    ScenePlan, Side, TieRecord, Undetermined, WorkRecord,
+    BodyId, Finding, Opposite, PairRecord, Problem, ScenePlan, Side, TieRecord, Undetermined,
+    WorkRecord,
 };
 use crate::output::history::source_name;
 use crate::simulation::{History, StepRecord};
 use crate::tensor::Vector;
-
-/// The share of the largest stored energy that work and stored energy may be apart without a warning.
-const UNSTORED: f64 = 0.1;
-/// What is round-off of energies, as a share of the scene's [`Scale::energy`](contact_core::Scale::energy).
-const NEGLIGIBLE: f64 = 1e-13;
 
 /// The keys of `summary.json`. Energies are in UF·UL, forces in UF, lengths in UL. Values that
 /// require a converged step are null if there is none, and so are values that do not apply.
@@ -109,160 +100,32 @@ pub(super) struct Summary {
     peak_memory_bytes: Option<u64>,
     factor: Option<Value>,
     versions: Value,
-    /// The summary as text.
-    #[serde(skip)]
-    table: String,
-}
-
-/// The discretisation error, where it is largest, and which contact zones it does not see.
-fn estimated<const D: usize>(estimate: &ErrorEstimate<D>, problem: &Problem<D>) -> Vec<String> {
-    let scene = problem.scene();
-    let largest = |a: &&BodyError<D>, b: &&BodyError<D>| a.energy.total_cmp(&b.energy);
-    let place = estimate.bodies.iter().max_by(largest).map(|of| {
-        let at: Vec<String> = of.place.iter().map(|x| format!("{x:.3}")).collect();
-        let name = &scene.names()[of.body.index()];
-        format!(", most in body `{name}` near ({})", at.join(", "))
-    });
-    if estimate.relative == 0.0 {
-        return vec!["estimated error    none: nothing is strained".into()];
-    }
-    let mut lines = vec![format!(
-        "estimated error    {:.2} % in the energy norm, {:.1e} UF·UL of the energy{}",
-        100.0 * estimate.relative,
-        estimate.energy,
-        place.unwrap_or_default()
-    )];
-    let unresolved = estimate
-        .contacts
-        .iter()
-        .filter(|pair| pair.is_unresolved(D));
-    lines.extend(unresolved.map(|pair| {
-        let second = name_of(&pair.second, scene);
-        format!(
-            "warning            the mesh does not resolve the contact of {} with {second}: {} facets touch, and force and pressures may be wrong \
-             by a tenth and more; take smaller facets there",
-            scene.name_of_side(&pair.first),
-            pair.touching.unwrap_or(0)
-        )
-    }));
-    lines
-}
-
-/// Says so where work and stored energy are far apart. What an interference fit stores is no work of supports and loads.
-fn unstored<const D: usize>(records: &[StepRecord<D>], problem: &Problem<D>) -> Option<String> {
-    if problem.scene().initial_gaps == InitialGaps::Resolve {
-        return None;
-    }
-    let energy = problem.scale().energy;
-    let last = records.last()?;
-    let apart = (last.work() - last.stored_energy).abs();
-    let most = records.iter().map(|record| record.stored_energy);
-    let most = most.fold(0.0, f64::max);
-    let is_far = apart > UNSTORED * most && apart > NEGLIGIBLE * energy;
-    is_far.then(|| {
-        format!(
-            "warning            work and stored energy are {:.0} % of the largest stored energy apart: take more increments; if that does \
-             not help, a body has snapped from one equilibrium to another, or contact has begun or ended at once",
-            100.0 * apart / most
-        )
-    })
 }
 
 impl Summary {
-    /// The summary of a run that `observer` has followed, with what became of it and of its files, and with its total
-    /// time and the processor's (s).
-    pub(super) fn new<const D: usize>(
-        plan: &Plan<'_, D>,
-        problem: &Problem<D>,
-        observer: &Observer<'_, D>,
-        (result, unwritten): (&Result<History<D>, Error>, Option<&Error>),
-        (choice, memory): (Choice, Memory),
-        (wall, cpu): (f64, Option<f64>),
-    ) -> Self {
-        let (records, history) = (&observer.records, result.as_ref().ok());
+    /// The summary of what became of a run; `heading` is that of its folder.
+    pub(super) fn new<const D: usize>(ended: &Ended<'_, D>, heading: &Heading) -> Self {
+        let Ended {
+            plan,
+            problem,
+            records,
+            history,
+            memory,
+            ..
+        } = *ended;
         let last = records.last();
-        let certificates = records.iter().map(|record| record.certificate);
-        let certificate = certificates.reduce(Certificate::or_worse);
-        let (status, told) = status(result, unwritten, certificate);
-        let cost = match history {
-            Some(history) => history.run.cost(),
-            None => records.iter().map(|record| record.attempt.cost).sum(),
-        };
-        let steps_by_solver = steps_by_solver(records);
-        let solution = history.and_then(|history| history.run.solution.as_ref());
-        let undetermined = solution.map_or(Vec::new(), |solution| problem.undetermined(solution));
-        let errors = solution.map_or(Vec::new(), |solution| problem.geometric_errors(solution));
-        let estimate = solution.and_then(|solution| problem.error_estimate(solution).ok());
-        let left_out = history.map(|history| LeftOut::new(problem, history));
-        let inverted = inverted(records);
-        let shares = shares(&cost, observer.seconds, wall);
-        let lists = |vectors: &[crate::tensor::Vector<D>]| {
+        let lists = |vectors: &[Vector<D>]| {
             let lists = vectors.iter().map(|v| v.iter().copied().collect());
             lists.collect::<Vec<Vec<f64>>>()
         };
-        let reaction = last.map(|record| (plan.force)(record));
-        let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.4}"));
-        let mut table = vec![
-            format!("{}: {told}", plan.name),
-            format!("solver             {}", solvers(choice, &steps_by_solver)),
-            format!(
-                "energy             {:>10} UF·UL",
-                number(last.map(|r| r.energy))
-            ),
-            format!("reaction           {:>10} UF", number(reaction)),
-        ];
-        table.extend(last.map(|record| {
-            format!(
-                "work               {:>10} UF·UL by the trapezoidal rule, {:.1e} UF·UL more than is stored",
-                number(Some(record.work())),
-                record.work() - record.stored_energy
-            )
-        }));
-        table.extend(unstored(records, problem));
-        table.extend(undetermined.iter().map(|Undetermined { body, motions }| {
-            let motions = motions.join(", ");
-            format!("undetermined       body `{body}`: {motions}")
-        }));
-        table.extend(errors.iter().map(|found| {
-            let scene = problem.scene();
-            let second = name_of(&found.second, scene);
-            let first = scene.name_of_side(&found.first);
-            format!(
-                "warning            contact of {first} with {second} is taken at the reference positions, where gaps differ from the present ones \
-                 by {:.3e}, {:.0} % of the indentation: it does not follow the bodies, and its places, areas and forces may be wrong; take contact at \
-                 the current positions",
-                found.error,
-                100.0 * found.error / found.indentation
-            )
-        }));
-        table.extend(
-            estimate
-                .iter()
-                .flat_map(|estimate| estimated(estimate, problem)),
-        );
-        table.extend(inverted.map(|(factor, least)| {
-            let at: Vec<String> = least.at.iter().map(|x| format!("{x:.3e}")).collect();
-            format!(
-                "inverted           cell {} of body `{}` at load {factor}: J from {:.3e} at ({})",
-                least.cell,
-                problem.scene().names()[least.body],
-                least.bound,
-                at.join(", ")
-            )
-        }));
-        table.extend(cost_lines(&cost));
-        table.extend(certificate.map(|found| format!("certificate of all steps {found}")));
-        table.extend(left_out.map(|left| format!("left out                   {left}")));
-        table.extend(time_lines(&shares, wall));
-        if steps_by_solver.contains_key(InteriorPoint::default().name()) {
-            table.extend(ipopt_lines());
-        }
+        let cost = &ended.cost;
+        let estimate = ended.estimate.as_ref();
         Summary {
             heading: Heading {
                 converged: history.is_some_and(|h| h.run.ending == Ending::Complete),
-                status,
-                reason: Some(told).filter(|told| told != status),
-                ..observer.folder.heading.clone()
+                status: ended.status,
+                reason: Some(ended.told.clone()).filter(|told| told != ended.status),
+                ..heading.clone()
             },
             bodies: problem.scene().names().to_vec(),
             mesh: mesh(problem),
@@ -272,11 +135,13 @@ impl Summary {
                 .map(finding)
                 .collect(),
             plan: planned(&problem.plan(), problem.scene().names()),
-            undetermined: undetermined
+            undetermined: ended
+                .undetermined
                 .iter()
                 .map(|Undetermined { body, motions }| json!({"body": body, "motions": motions}))
                 .collect(),
-            geometric_errors: errors
+            geometric_errors: ended
+                .geometric_errors
                 .iter()
                 .map(|found| {
                     let scene = problem.scene();
@@ -288,8 +153,8 @@ impl Summary {
                     })
                 })
                 .collect(),
-            estimated_error: estimate.as_ref().map(|estimate| estimate.relative),
-            estimated_energy_error: estimate.as_ref().map(|estimate| estimate.energy),
+            estimated_error: estimate.map(|estimate| estimate.relative),
+            estimated_energy_error: estimate.map(|estimate| estimate.energy),
             estimated_errors: estimate.iter().flat_map(|estimate| &estimate.bodies).map(|of| {
                 json!({
                     "body": problem.scene().names()[of.body.index()],
@@ -297,14 +162,14 @@ impl Summary {
                     "worst_cell": of.worst, "place": of.place.as_slice(),
                 })
             }).collect(),
-            contact_facets_touching: estimate.as_ref().and_then(|estimate| {
+            contact_facets_touching: estimate.and_then(|estimate| {
                 estimate.contacts.iter().filter_map(|pair| pair.touching).min()
             }),
             load_factor: last.map_or(0.0, |record| record.factor),
             steps: records.len(),
             cuts: history.map_or(0, |history| history.run.cuts()),
             leaps: history.map_or(Vec::new(), |history| history.run.leaps()),
-            steps_by_solver,
+            steps_by_solver: ended.steps_by_solver.clone(),
             repeated_attempts: history.map_or(0, repeated_attempts),
             energy: last.map(|record| record.energy),
             stored_energy: last.map(|record| record.stored_energy),
@@ -315,7 +180,7 @@ impl Summary {
                 let value = |record| worked(record, scene.names(), scene.obstacle_names());
                 record.works.iter().map(value).collect()
             }),
-            reaction,
+            reaction: ended.reaction(),
             reactions: last.map_or(Vec::new(), |record| lists(&record.reactions)),
             obstacles: problem.scene().obstacle_names().to_vec(),
             obstacle_forces: last.map_or(Vec::new(), |record| lists(&record.obstacle_forces)),
@@ -343,7 +208,7 @@ impl Summary {
             }),
             min_j: last.map(|record| record.min_j),
             min_j_bound: last.map(|record| record.min_j_bound()),
-            inverted: inverted.map(|(factor, least)| {
+            inverted: ended.inverted.map(|(factor, least)| {
                 json!({
                     "body": problem.scene().names()[least.body], "cell": least.cell, "bound": least.bound,
                     "place": least.at.as_slice(), "load_factor": factor,
@@ -351,21 +216,22 @@ impl Summary {
             }),
             penetration: last.map(|record| record.penetration),
             weak_penetration: last.map(|record| record.weak_penetration),
-            certificate: certificate.map(values),
+            certificate: ended.certificate.map(values),
             iterations: cost.outer_iterations,
             inner_iterations: cost.inner_iterations,
             factorisations: cost.factorizations,
             cold_retries: cost.cold_retries,
-            left_out: left_out.map(|left| {
+            left_out: ended.left_out.map(|left| {
                 json!({
                     "dofs": left.dofs, "cells": left.cells, "rows": left.rows,
                     "passes": left.passes, "repeating": left.repeating, "solves": left.solves,
                     "factorisations": left.factorizations, "hessians": left.hessians,
                 })
             }),
-            wall_seconds: wall,
-            cpu_seconds: cpu,
-            seconds: shares
+            wall_seconds: ended.wall,
+            cpu_seconds: ended.cpu,
+            seconds: ended
+                .shares
                 .iter()
                 .map(|&(name, seconds)| (name.to_string(), json!(seconds)))
                 .collect(),
@@ -378,17 +244,11 @@ impl Summary {
             peak_memory_bytes: peak_memory(),
             factor: cost.factor.map(factor),
             versions: program(),
-            table: table.join("\n  "),
         }
     }
 
     pub(super) fn json(&self) -> Result<String, serde_json::Error> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
-    }
-
-    /// A short table as text.
-    pub(super) fn table(&self) -> &str {
-        &self.table
     }
 }
 
@@ -420,13 +280,6 @@ fn pair<const D: usize>(pair: &PairRecord<D>, bodies: &[String], obstacles: &[St
     })
 }
 
-fn name_of<const D: usize>(opposite: &Opposite, scene: &Scene<D>) -> String {
-    match opposite {
-        Opposite::Side(side) => scene.name_of_side(side),
-        Opposite::Obstacle(id) => format!("obstacle `{}`", scene.obstacle_names()[id.index()]),
-    }
-}
-
 /// The two sides of a pair, by the names of bodies and obstacles.
 fn both(
     first: &Side,
@@ -446,76 +299,9 @@ fn tie<const D: usize>(tie: &TieRecord<D>, bodies: &[String]) -> Value {
     json!({"first": side(&tie.first), "second": side(&tie.second), "force": tie.force.as_slice()})
 }
 
-/// The smallest volume ratio of all steps and the load factor there, if J > 0 is not shown everywhere.
-fn inverted<const D: usize>(records: &[StepRecord<D>]) -> Option<(f64, LeastVolume<D>)> {
-    let least = records
-        .iter()
-        .filter_map(|record| Some((record.factor, record.least_volume?)));
-    let inverted = least.filter(|(_, least)| !(least.bound > 0.0));
-    inverted.min_by(|a, b| a.1.bound.total_cmp(&b.1.bound))
-}
-
-/// How many converged steps each solver solved.
-fn steps_by_solver<const D: usize>(records: &[StepRecord<D>]) -> BTreeMap<&'static str, usize> {
-    let mut steps = BTreeMap::new();
-    for solver in records.iter().filter_map(|record| record.attempt.solver()) {
-        *steps.entry(solver).or_default() += 1;
-    }
-    steps
-}
-
-/// The solver, why it was chosen, and what others solved.
-fn solvers(choice: Choice, steps: &BTreeMap<&'static str, usize>) -> String {
-    let all: usize = steps.values().sum();
-    let others = steps.iter().filter(|(solver, _)| **solver != choice.solver);
-    let others = others.map(|(solver, count)| format!(", {count} of {all} steps by {solver}"));
-    format!("{choice}{}", others.collect::<String>())
-}
-
 fn repeated_attempts<const D: usize>(history: &History<D>) -> usize {
     let attempts = history.run.attempts.iter();
     attempts.map(|attempt| attempt.failed.len()).sum()
-}
-
-/// How the run ended, in one word and as a text.
-fn status<const D: usize>(
-    result: &Result<History<D>, Error>,
-    unwritten: Option<&Error>,
-    certificate: Option<Certificate>,
-) -> (&'static str, String) {
-    let (status, told) = match (result, unwritten) {
-        (_, Some(error)) | (Err(error), None) => ("failed", format!("failed: {error}")),
-        (Ok(history), None) => {
-            let ending = &history.run.ending;
-            let status = match ending {
-                Ending::Complete => "complete",
-                Ending::Interrupted { .. } => "stopped",
-                _ => "failed",
-            };
-            (status, ending.to_string())
-        }
-    };
-    let leaps = result
-        .as_ref()
-        .map_or(Vec::new(), |history| history.run.leaps());
-    let leaps: Vec<String> = leaps
-        .iter()
-        .map(|[from, to]| format!("{from:.6} and {to:.6}"))
-        .collect();
-    let told = match leaps[..] {
-        [] => told,
-        _ => format!(
-            "{told}; no equilibrium was found between the load factors {}",
-            leaps.join(", ")
-        ),
-    };
-    match certificate {
-        Some(found) if !found.holds(&Limits::default()) => {
-            let told = format!("{told}, but its certificate does not hold");
-            (status, told)
-        }
-        _ => (status, told),
-    }
 }
 
 /// The size of the problem, over all bodies.
@@ -566,49 +352,6 @@ fn factor(factor: FactorSize) -> Value {
     })
 }
 
-/// Wall time by phase (s).
-fn shares(cost: &Cost, output: f64, wall: f64) -> [(&'static str, f64); 5] {
-    let known = cost.projection + cost.callbacks + cost.optimizer + output;
-    [
-        ("projection", cost.projection),
-        ("callbacks", cost.callbacks),
-        ("optimizer", cost.optimizer),
-        ("output", output),
-        ("other", wall - known),
-    ]
-}
-
-fn cost_lines(cost: &Cost) -> Vec<String> {
-    let mut lines = vec![
-        format!("iterations         {:>10}", cost.outer_iterations),
-        format!("inner iterations   {:>10}", cost.inner_iterations),
-        format!("factorisations     {:>10}", cost.factorizations),
-    ];
-    lines.extend(cost.factor.map(|factor| {
-        let megabytes = |bytes: u64| bytes as f64 / 1e6;
-        let mut line = format!("factor             {:>10.2} MB", megabytes(factor.bytes));
-        if let Some(workspace) = factor.workspace_bytes {
-            line += &format!(" of {:.2} MB allocated", megabytes(workspace));
-        }
-        line += &format!(", ordered by {}", factor.ordering);
-        match factor.reallocations {
-            0 => line,
-            count => line + &format!(", allocated anew {count} times"),
-        }
-    }));
-    lines
-}
-
-fn time_lines(shares: &[(&str, f64)], wall: f64) -> Vec<String> {
-    let share = |&(name, seconds): &(&str, f64)| {
-        let percent = 100.0 * seconds / wall;
-        format!("  {name:<16} {seconds:>10.2} s {percent:>5.1} %")
-    };
-    let mut lines = vec![format!("wall time          {wall:>10.2} s")];
-    lines.extend(shares.iter().map(share));
-    lines
-}
-
 /// The version of the program, and the linear algebra that it has loaded.
 fn program() -> Value {
     let versions = versions();
@@ -626,21 +369,4 @@ fn program() -> Value {
         "rustc": versions.rustc,
         "profile": versions.profile,
     })
-}
-
-/// The Ipopt that a run was solved by.
-fn ipopt_lines() -> Vec<String> {
-    let versions = versions();
-    let blas = versions.blas.as_ref();
-    let mut lines = vec![format!(
-        "run by             Ipopt {} with {}, {}",
-        versions.ipopt,
-        versions.linear_solver.as_deref().unwrap_or("unknown"),
-        blas.map_or("unknown BLAS".into(), ToString::to_string)
-    )];
-    if blas.is_some_and(Blas::is_reference) {
-        let slow = "slow: the reference BLAS is loaded, `apt-get install libopenblas0-serial` gives a fast one";
-        lines.push(slow.into());
-    }
-    lines
 }

@@ -1,0 +1,146 @@
+//! The rigid motions that contact can resist: those that move a contact surface along its normal.
+
+use super::supports::{Cluster, Row};
+use crate::contact::obstacle::Placed;
+use crate::model::{Pair, Scene, Side};
+use crate::tensor::{Vector, facet_normal};
+
+/// The cosine of the angle between a facet's normal and the inward one of an obstacle, from which on the two may meet.
+const MEETS: f64 = 0.5;
+
+/// The rigid motions of a cluster that neither supports nor contact resist, by name. Without friction, contact resists a motion only if it
+/// has a part along the normals of the facets, and one along those of the obstacles: a disc on a floor may slide, and turn about its
+/// centre. A surface that turns away from an obstacle does not count.
+pub(super) fn unresisted<const D: usize>(
+    cluster: &Cluster,
+    scene: &Scene<D>,
+    pairs: &[Pair],
+) -> Vec<String> {
+    let (mut own, mut opposite) = (Vec::new(), Vec::new());
+    for side in pairs.iter().flat_map(|pair| [&pair.first, &pair.second]) {
+        for facet in facets(cluster, scene, side) {
+            own.push(facet.along(&facet.normal));
+            opposite.push(facet.along(&facet.normal));
+        }
+    }
+    for (side, number) in scene.obstructed() {
+        let Some(obstacle) = scene.obstacles().get(*number) else {
+            continue;
+        };
+        for facet in facets(cluster, scene, side) {
+            let normal = Placed::new(obstacle, facet.size).normal(&facet.centre);
+            own.push(facet.along(&facet.normal));
+            if -facet.normal.dot(&normal) > MEETS {
+                opposite.push(facet.along(&normal));
+            }
+        }
+    }
+    let mut names = cluster.unheld(scene, own);
+    for name in cluster.unheld(scene, opposite) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// A facet that may touch something.
+struct Facet<const D: usize> {
+    /// Its corners, numbered through the bodies.
+    corners: [usize; D],
+    normal: Vector<D>,
+    centre: Vector<D>,
+    size: f64,
+}
+
+impl<const D: usize> Facet<D> {
+    /// Its motion along a direction.
+    fn along(&self, direction: &Vector<D>) -> Row {
+        let of_corner = |&node: &usize| (0..D).map(move |i| (node, i, direction[i] / D as f64));
+        self.corners.iter().flat_map(of_corner).collect()
+    }
+}
+
+/// The facets of a side, where it is one of the cluster.
+fn facets<const D: usize>(cluster: &Cluster, scene: &Scene<D>, side: &Side) -> Vec<Facet<D>> {
+    let index = side.body.index();
+    let (Some(body), true) = (scene.bodies().get(index), cluster.has_body(index)) else {
+        return Vec::new();
+    };
+    let (mesh, first) = (body.mesh(), scene.first_nodes()[index]);
+    // the side was checked when it was declared
+    let all = mesh.boundary(&side.boundary).unwrap_or_default();
+    let facet = |nodes: &[usize]| {
+        let x: [Vector<D>; D] = std::array::from_fn(|c| mesh.nodes()[nodes[c]]);
+        Facet {
+            corners: std::array::from_fn(|c| first + nodes[c]),
+            normal: facet_normal(&x).normalize(),
+            centre: x.iter().sum::<Vector<D>>() / D as f64,
+            size: (x[1] - x[0]).norm(),
+        }
+    };
+    let is_own = |nodes: &&[usize]| cluster.has(index, nodes[0]);
+    all.into_iter().filter(is_own).map(facet).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mesh::generators::{Diagonals, disc, linspace, rectangle};
+    use crate::model::{FindingKind, Obstacle};
+    use crate::{Body, LinearElastic, Mesh, Scene};
+
+    /// What is found of a body on a floor, with a wall beside it if asked.
+    fn found(mesh: Mesh<2>, sides: [&str; 2], has_wall: bool) -> Vec<(FindingKind, String)> {
+        let mut scene = Scene::new();
+        let law = LinearElastic::new(1.0, 0.3).expect("a law");
+        let body = scene.add("body", Body::new(mesh, law));
+        let floor = Obstacle::half_space([0.0, 0.0], [0.0, 1.0]).expect("a floor");
+        scene
+            .obstacle("floor", body.on(sides[0]), floor)
+            .expect("held");
+        if has_wall {
+            let wall = Obstacle::half_space([0.0, 0.0], [1.0, 0.0]).expect("a wall");
+            scene
+                .obstacle("wall", body.on(sides[1]), wall)
+                .expect("held");
+        }
+        let kinds = [FindingKind::HeldByContact, FindingKind::HeldByNothing];
+        let all = scene.preflight().into_iter();
+        let own = all.filter(|finding| kinds.contains(&finding.kind));
+        own.map(|finding| (finding.kind, finding.what)).collect()
+    }
+
+    #[test]
+    fn a_floor_holds_neither_sliding_nor_a_disc_that_turns() {
+        let block = || {
+            let x = linspace(0.0, 1.0, 2);
+            rectangle(&x, &x, Diagonals::Rising).expect("a mesh")
+        };
+        let disc = disc(1.0, 12, 2, 0.0).expect("a mesh");
+        let disc = disc.translated([0.0, 1.0]).expect("moved");
+        let told = |mesh, sides, has_wall| -> Vec<String> {
+            found(mesh, sides, has_wall)
+                .into_iter()
+                .map(|(_, what)| what)
+                .collect()
+        };
+        assert_eq!(
+            told(block(), ["bottom", "left"], false),
+            [
+                "neither supports nor contact hold body `body`: translation x",
+                "only contact holds body `body`: translation y, rotation",
+            ]
+        );
+        assert_eq!(
+            told(block(), ["bottom", "left"], true),
+            ["only contact holds body `body`: translation x, translation y, rotation"]
+        );
+        let found = told(disc, ["boundary", "boundary"], false);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found[0].ends_with("rotation, translation x"), "{found:?}");
+        assert!(
+            found[1].ends_with("body `body`: translation y"),
+            "{found:?}"
+        );
+    }
+}

@@ -1,0 +1,544 @@
+//! What became of a run, and the lines that it prints at its end.
+
+use std::collections::BTreeMap;
+
+use contact_core::cost::Cost;
+use contact_core::equilibrium::Choice;
+use contact_core::ipopt::{Blas, versions};
+use contact_core::{Ending, InteriorPoint, Method};
+
+use super::observer::Observer;
+use super::{Memory, Plan};
+use crate::audit::LeastVolume;
+use crate::certificate::{Certificate, Limits};
+use crate::error::Error;
+use crate::left_out::LeftOut;
+use crate::model::{
+    BodyError, ErrorEstimate, GeometricError, InitialGaps, Opposite, PairRecord, Problem, Scene,
+    Undetermined,
+};
+use crate::simulation::{History, StepRecord};
+use crate::tensor::Vector;
+
+/// The share of the largest stored energy that work and stored energy may be apart without a warning.
+const UNSTORED: f64 = 0.1;
+/// What is round-off of energies, as a share of the scene's [`Scale::energy`](contact_core::Scale::energy).
+const NEGLIGIBLE: f64 = 1e-13;
+/// How many forces, and how many contacts, are printed.
+const PRINTED: usize = 6;
+/// The significant digits of the largest value of a list; the others end at the same place.
+const DIGITS: i32 = 6;
+
+/// What became of a run.
+pub(super) struct Ended<'a, const D: usize> {
+    pub plan: &'a Plan<'a, D>,
+    pub problem: &'a Problem<D>,
+    pub records: &'a [StepRecord<D>],
+    pub history: Option<&'a History<D>>,
+    /// The ending in one word, and as a text.
+    pub status: &'static str,
+    pub told: String,
+    pub choice: Choice,
+    pub memory: Memory,
+    /// The worst of each condition over all steps.
+    pub certificate: Option<Certificate>,
+    pub cost: Cost,
+    /// Converged steps by solver.
+    pub steps_by_solver: BTreeMap<&'static str, usize>,
+    pub undetermined: Vec<Undetermined>,
+    pub geometric_errors: Vec<GeometricError>,
+    pub estimate: Option<ErrorEstimate<D>>,
+    pub left_out: Option<LeftOut>,
+    /// The load factor and the smallest volume ratio there, if J > 0 is not shown everywhere.
+    pub inverted: Option<(f64, LeastVolume<D>)>,
+    /// Wall time by phase (s).
+    pub shares: [(&'static str, f64); 5],
+    /// Wall time and processor time (s).
+    pub wall: f64,
+    pub cpu: Option<f64>,
+}
+
+impl<'a, const D: usize> Ended<'a, D> {
+    /// What became of a run that `observer` has followed, and of its files, with its total time and the processor's (s).
+    pub(super) fn new(
+        plan: &'a Plan<'a, D>,
+        problem: &'a Problem<D>,
+        observer: &'a Observer<'a, D>,
+        (result, unwritten): (&'a Result<History<D>, Error>, Option<&Error>),
+        (choice, memory): (Choice, Memory),
+        (wall, cpu): (f64, Option<f64>),
+    ) -> Self {
+        let (records, history) = (&observer.records[..], result.as_ref().ok());
+        let certificates = records.iter().map(|record| record.certificate);
+        let certificate = certificates.reduce(Certificate::or_worse);
+        let (status, told) = status(result, unwritten, certificate);
+        let cost = match history {
+            Some(history) => history.run.cost(),
+            None => records.iter().map(|record| record.attempt.cost).sum(),
+        };
+        let solution = history.and_then(|history| history.run.solution.as_ref());
+        Ended {
+            plan,
+            problem,
+            records,
+            history,
+            status,
+            told,
+            choice,
+            memory,
+            certificate,
+            cost,
+            steps_by_solver: steps_by_solver(records),
+            undetermined: solution.map_or(Vec::new(), |solution| problem.undetermined(solution)),
+            geometric_errors: solution
+                .map_or(Vec::new(), |solution| problem.geometric_errors(solution)),
+            estimate: solution.and_then(|solution| problem.error_estimate(solution).ok()),
+            left_out: history.map(|history| LeftOut::new(problem, history)),
+            inverted: inverted(records),
+            shares: shares(&cost, observer.seconds, wall),
+            wall,
+            cpu,
+        }
+    }
+
+    /// The force that the plan calls `reaction` (UF).
+    pub(super) fn reaction(&self) -> Option<f64> {
+        self.records.last().map(|record| (self.plan.force)(record))
+    }
+
+    /// A line for each result that matters, and in a [`verbose`](Plan::verbose) run all conditions of the certificate, what was left out,
+    /// and what the run cost.
+    pub(super) fn text(&self) -> String {
+        let mut lines = vec![
+            format!("{}: {}", self.plan.name, self.told),
+            line("solver", self.solvers()),
+        ];
+        if let Some(last) = self.records.last() {
+            lines.push(line("energy", format!("{:.4} UF·UL", last.energy)));
+            let [work, stored] =
+                [last.work(), last.stored_energy].map(|value| format!("{value:.4}"));
+            lines.push(line(
+                "work",
+                format!("{work} UF·UL by the trapezoidal rule, of which {stored} UF·UL are stored"),
+            ));
+            lines.extend(
+                self.reaction()
+                    .map(|force| line("reaction", format!("{force:.4} UF"))),
+            );
+            let scale = self.problem.scale();
+            let negligible = NEGLIGIBLE * scale.energy / scale.length;
+            lines.extend(forces_on_bodies(last, self.problem.scene(), negligible));
+            lines.extend(contacts(last, self.problem.scene()));
+            lines.push(line(
+                "deepest overlap",
+                format!("{:.1e} UL of a node in another surface", last.penetration),
+            ));
+        }
+        lines.extend(
+            self.estimate
+                .iter()
+                .flat_map(|of| estimated(of, self.problem)),
+        );
+        lines.extend(self.warnings());
+        lines.extend(
+            self.certificate
+                .map(|found| certified(&found, self.plan.verbose)),
+        );
+        lines.extend(self.costs());
+        lines.join("\n  ")
+    }
+
+    /// What to look at before the results are believed.
+    fn warnings(&self) -> Vec<String> {
+        let scene = self.problem.scene();
+        let unstored = unstored(self.records, self.problem);
+        let mut lines: Vec<String> = unstored.into_iter().collect();
+        let undetermined = self.undetermined.iter();
+        lines.extend(undetermined.map(|Undetermined { body, motions }| {
+            line(
+                "undetermined",
+                format!("body `{body}`: {}", motions.join(", ")),
+            )
+        }));
+        lines.extend(self.geometric_errors.iter().map(|found| {
+            let second = name_of(&found.second, scene);
+            let first = scene.name_of_side(&found.first);
+            line("warning", format!(
+                "contact of {first} with {second} is taken at the reference positions, where gaps differ from the present ones \
+                 by {:.3e}, {:.0} % of the indentation: it does not follow the bodies, and its places, areas and forces may be wrong; take contact at \
+                 the current positions",
+                found.error,
+                100.0 * found.error / found.indentation
+            ))
+        }));
+        lines.extend(self.inverted.map(|(factor, least)| {
+            let at: Vec<String> = least.at.iter().map(|x| format!("{x:.3e}")).collect();
+            line(
+                "inverted",
+                format!(
+                    "cell {} of body `{}` at load {factor}: J from {:.3e} at ({})",
+                    least.cell,
+                    scene.names()[least.body],
+                    least.bound,
+                    at.join(", ")
+                ),
+            )
+        }));
+        lines
+    }
+
+    /// The solver, why it was chosen, and what others solved.
+    fn solvers(&self) -> String {
+        let choice = self.choice;
+        let all: usize = self.steps_by_solver.values().sum();
+        let others = self
+            .steps_by_solver
+            .iter()
+            .filter(|(solver, _)| **solver != choice.solver);
+        let others = others.map(|(solver, count)| format!(", {count} of {all} steps by {solver}"));
+        format!("{choice}{}", others.collect::<String>())
+    }
+
+    /// Iterations and seconds; in a verbose run what they were spent on.
+    fn costs(&self) -> Vec<String> {
+        let cost = &self.cost;
+        let mut lines = vec![line(
+            "cost",
+            format!(
+                "iterations {}, factorisations {}, {:.2} s",
+                cost.outer_iterations, cost.factorizations, self.wall
+            ),
+        )];
+        if self.plan.verbose {
+            lines.push(line("inner iterations", cost.inner_iterations.to_string()));
+            lines.extend(factor(cost));
+            lines.extend(self.left_out.map(|left| line("left out", left.to_string())));
+            lines.extend(self.shares.iter().map(|(name, seconds)| {
+                let percent = 100.0 * seconds / self.wall;
+                line(
+                    &format!("  {name}"),
+                    format!("{seconds:.2} s, {percent:.1} %"),
+                )
+            }));
+        }
+        if self
+            .steps_by_solver
+            .contains_key(InteriorPoint::default().name())
+        {
+            lines.extend(ipopt_lines());
+        }
+        lines
+    }
+}
+
+/// A line of the text: what, and its value.
+fn line(what: &str, value: impl std::fmt::Display) -> String {
+    format!("{what:<18} {value}")
+}
+
+/// The forces of supports and obstacles on the bodies, the largest first; where all are `negligible` (UF), they are zero.
+fn forces_on_bodies<const D: usize>(
+    record: &StepRecord<D>,
+    scene: &Scene<D>,
+    negligible: f64,
+) -> Vec<String> {
+    let supports = record.support_reactions.iter();
+    let supports = supports.map(|(side, force)| {
+        (
+            *force,
+            format!("the supports at {}", scene.name_of_side(side)),
+        )
+    });
+    let obstacles = record.obstacle_forces.iter().enumerate();
+    let obstacles =
+        obstacles.map(|(k, force)| (-force, format!("obstacle `{}`", scene.obstacle_names()[k])));
+    let mut all: Vec<(Vector<D>, String)> = supports.chain(obstacles).collect();
+    all.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
+    let largest = all
+        .iter()
+        .map(|(force, _)| force.amax())
+        .fold(0.0, f64::max);
+    if largest <= negligible {
+        all.iter_mut()
+            .for_each(|(force, _)| *force = Vector::zeros());
+    }
+    let told = all.iter().map(|(force, by)| {
+        let parts: Vec<String> = force.iter().map(|x| rounded(*x, largest)).collect();
+        format!("({}) UF by {by}", parts.join(", "))
+    });
+    listed("forces on bodies", told.collect(), "summary.json")
+}
+
+/// Force, area and largest pressure of each contact, the largest force first.
+fn contacts<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<String> {
+    let mut pairs: Vec<_> = record.pairs.iter().collect();
+    let size = |pair: &PairRecord<D>| (pair.resultant.norm(), pair.pressure_max);
+    pairs.sort_by(|a, b| {
+        let (a, b) = (size(a), size(b));
+        b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1))
+    });
+    let largest = |of: fn(&PairRecord<D>) -> f64| record.pairs.iter().map(of).fold(0.0, f64::max);
+    let [force, area, pressure] = [
+        largest(|pair| pair.resultant.norm()),
+        largest(|pair| pair.area),
+        largest(|pair| pair.pressure_max),
+    ];
+    let told = pairs.into_iter().map(|pair| {
+        format!(
+            "{} UF, largest pressure {} UF/UL², area {} UL²: {} and {}",
+            rounded(pair.resultant.norm(), force),
+            rounded(pair.pressure_max, pressure),
+            rounded(pair.area, area),
+            scene.name_of_side(&pair.first),
+            name_of(&pair.second, scene)
+        )
+    });
+    listed("contact", told.collect(), "summary.json")
+}
+
+/// The first entries, one a line, and how many there are besides.
+fn listed(what: &str, mut entries: Vec<String>, file: &str) -> Vec<String> {
+    let others = entries.len().saturating_sub(PRINTED);
+    if others > 1 {
+        entries.truncate(PRINTED);
+        entries.push(format!("and {others} smaller ones, in {file}"));
+    }
+    let first = [what].into_iter().chain(std::iter::repeat(""));
+    entries
+        .into_iter()
+        .zip(first)
+        .map(|(entry, what)| line(what, entry))
+        .collect()
+}
+
+/// A value rounded to the last significant digit of the largest of its list.
+fn rounded(value: f64, largest: f64) -> String {
+    if value == 0.0 || !(value.is_finite() && largest.is_finite()) {
+        return format!("{}", value + 0.0);
+    }
+    let places = DIGITS - 1 - largest.log10().floor() as i32;
+    let unit = 10f64.powi(places);
+    let whole = (value * unit).round();
+    // a sum of round-off is no −0
+    let near = if whole == 0.0 { 0.0 } else { whole / unit };
+    match (1e-4..1e7).contains(&largest) {
+        true => {
+            let text = format!("{near:.*}", places.max(0) as usize);
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').into(),
+                false => text,
+            }
+        }
+        false => format!("{near:.*e}", DIGITS as usize - 1),
+    }
+}
+
+/// Whether the certificate holds, and the conditions that do not, or all.
+fn certified(certificate: &Certificate, verbose: bool) -> String {
+    if verbose {
+        return line("certificate", certificate);
+    }
+    let limits = Limits::default();
+    let broken = certificate.entries(&limits).filter(|entry| !entry.holds());
+    let broken: Vec<String> = broken
+        .map(|entry| {
+            let value = entry.value.unwrap_or(f64::NAN);
+            format!("{} {value:.1e} of {:.1e}", entry.name, entry.limit)
+        })
+        .collect();
+    match &broken[..] {
+        [] => line(
+            "certificate",
+            format!("holds in all steps{}", closest(certificate, &limits)),
+        ),
+        _ => line(
+            "certificate",
+            format!("DOES NOT HOLD: {} (docs/certificate.md)", broken.join(", ")),
+        ),
+    }
+}
+
+/// The condition that is closest to its limit.
+fn closest(certificate: &Certificate, limits: &Limits) -> String {
+    let shares = certificate.entries(limits).filter_map(|entry| {
+        let share = entry.value? / entry.limit;
+        (share > 0.0).then_some((share, entry.name))
+    });
+    let most = shares.max_by(|a, b| a.0.total_cmp(&b.0));
+    most.map_or(String::new(), |(share, name)| {
+        format!("; closest to its limit is {name}, at {:.2} of it", share)
+    })
+}
+
+/// The discretisation error, where it is largest, and which contact zones it does not see.
+fn estimated<const D: usize>(estimate: &ErrorEstimate<D>, problem: &Problem<D>) -> Vec<String> {
+    let scene = problem.scene();
+    let largest = |a: &&BodyError<D>, b: &&BodyError<D>| a.energy.total_cmp(&b.energy);
+    let place = estimate.bodies.iter().max_by(largest).map(|of| {
+        let at: Vec<String> = of.place.iter().map(|x| format!("{x:.3}")).collect();
+        let name = &scene.names()[of.body.index()];
+        format!(", most in body `{name}` near ({})", at.join(", "))
+    });
+    let told = match estimate.relative {
+        0.0 => "none: nothing is strained".into(),
+        relative => format!(
+            "{:.2} % in the energy norm, {:.1e} UF·UL of the energy{}",
+            100.0 * relative,
+            estimate.energy,
+            place.unwrap_or_default()
+        ),
+    };
+    let contacts = estimate.contacts.iter();
+    let unresolved = contacts.filter(|pair| pair.is_unresolved(D));
+    let warnings = unresolved.map(|pair| {
+        let (first, second) = (scene.name_of_side(&pair.first), name_of(&pair.second, scene));
+        line("warning", match pair.touching {
+            Some(facets) => format!(
+                "the mesh does not resolve the contact of {first} with {second}: {facets} facets touch, and force and pressures may be \
+                 wrong by a tenth and more; take smaller facets there"
+            ),
+            None => format!(
+                "the mesh does not resolve the contact of {first} with {second}: a node is {:.1e} UL inside, and no force acts, since means over \
+                 facets do not see so little; take smaller facets there",
+                pair.unfelt
+            ),
+        })
+    });
+    [line("estimated error", told)]
+        .into_iter()
+        .chain(warnings)
+        .collect()
+}
+
+/// Says so where work and stored energy are far apart. What an interference fit stores is no work of supports and loads.
+fn unstored<const D: usize>(records: &[StepRecord<D>], problem: &Problem<D>) -> Option<String> {
+    if problem.scene().initial_gaps == InitialGaps::Resolve {
+        return None;
+    }
+    let energy = problem.scale().energy;
+    let last = records.last()?;
+    let apart = (last.work() - last.stored_energy).abs();
+    let most = records.iter().map(|record| record.stored_energy);
+    let most = most.fold(0.0, f64::max);
+    let is_far = apart > UNSTORED * most && apart > NEGLIGIBLE * energy;
+    is_far.then(|| {
+        line("warning", format!(
+            "work and stored energy are {:.0} % of the largest stored energy apart: take more increments; if that does \
+             not help, a body has snapped from one equilibrium to another, or contact has begun or ended at once",
+            100.0 * apart / most
+        ))
+    })
+}
+
+/// The largest factor, in megabytes.
+fn factor(cost: &Cost) -> Option<String> {
+    let factor = cost.factor?;
+    let megabytes = |bytes: u64| bytes as f64 / 1e6;
+    let mut text = format!("{:.2} MB", megabytes(factor.bytes));
+    if let Some(workspace) = factor.workspace_bytes {
+        text += &format!(" of {:.2} MB allocated", megabytes(workspace));
+    }
+    text += &format!(", ordered by {}", factor.ordering);
+    if factor.reallocations > 0 {
+        text += &format!(", allocated anew {} times", factor.reallocations);
+    }
+    Some(line("factor", text))
+}
+
+/// How the run ended, in one word and as a text.
+fn status<const D: usize>(
+    result: &Result<History<D>, Error>,
+    unwritten: Option<&Error>,
+    certificate: Option<Certificate>,
+) -> (&'static str, String) {
+    let (status, told) = match (result, unwritten) {
+        (_, Some(error)) | (Err(error), None) => ("failed", format!("failed: {error}")),
+        (Ok(history), None) => {
+            let ending = &history.run.ending;
+            let status = match ending {
+                Ending::Complete => "complete",
+                Ending::Interrupted { .. } => "stopped",
+                _ => "failed",
+            };
+            (status, ending.to_string())
+        }
+    };
+    let leaps = result
+        .as_ref()
+        .map_or(Vec::new(), |history| history.run.leaps());
+    let leaps: Vec<String> = leaps
+        .iter()
+        .map(|[from, to]| format!("{from:.6} and {to:.6}"))
+        .collect();
+    let told = match leaps[..] {
+        [] => told,
+        _ => format!(
+            "{told}; no equilibrium was found between the load factors {}",
+            leaps.join(", ")
+        ),
+    };
+    match certificate {
+        Some(found) if !found.holds(&Limits::default()) => {
+            let told = format!("{told}, but its certificate does not hold");
+            (status, told)
+        }
+        _ => (status, told),
+    }
+}
+
+/// The smallest volume ratio of all steps and the load factor there, if J > 0 is not shown everywhere.
+fn inverted<const D: usize>(records: &[StepRecord<D>]) -> Option<(f64, LeastVolume<D>)> {
+    let least = records
+        .iter()
+        .filter_map(|record| Some((record.factor, record.least_volume?)));
+    let inverted = least.filter(|(_, least)| !(least.bound > 0.0));
+    inverted.min_by(|a, b| a.1.bound.total_cmp(&b.1.bound))
+}
+
+/// How many converged steps each solver solved.
+fn steps_by_solver<const D: usize>(records: &[StepRecord<D>]) -> BTreeMap<&'static str, usize> {
+    let mut steps = BTreeMap::new();
+    for solver in records.iter().filter_map(|record| record.attempt.solver()) {
+        *steps.entry(solver).or_default() += 1;
+    }
+    steps
+}
+
+/// Wall time by phase (s).
+fn shares(cost: &Cost, output: f64, wall: f64) -> [(&'static str, f64); 5] {
+    let known = cost.projection + cost.callbacks + cost.optimizer + output;
+    [
+        ("projection", cost.projection),
+        ("callbacks", cost.callbacks),
+        ("optimizer", cost.optimizer),
+        ("output", output),
+        ("other", wall - known),
+    ]
+}
+
+pub(super) fn name_of<const D: usize>(opposite: &Opposite, scene: &Scene<D>) -> String {
+    match opposite {
+        Opposite::Side(side) => scene.name_of_side(side),
+        Opposite::Obstacle(id) => format!("obstacle `{}`", scene.obstacle_names()[id.index()]),
+    }
+}
+
+/// The Ipopt that a run was solved by.
+fn ipopt_lines() -> Vec<String> {
+    let versions = versions();
+    let blas = versions.blas.as_ref();
+    let mut lines = vec![line(
+        "run by",
+        format!(
+            "Ipopt {} with {}, {}",
+            versions.ipopt,
+            versions.linear_solver.as_deref().unwrap_or("unknown"),
+            blas.map_or("unknown BLAS".into(), ToString::to_string)
+        ),
+    )];
+    if blas.is_some_and(Blas::is_reference) {
+        let slow = "slow: the reference BLAS is loaded, `apt-get install libopenblas0-serial` gives a fast one";
+        lines.push(slow.into());
+    }
+    lines
+}
