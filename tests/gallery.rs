@@ -208,9 +208,9 @@ mod truths {
         4.0 * (0.25 * 4.0)
     }
 
-    /// A quarter of the pull.
+    /// Two forces on the half of the chain.
     pub fn chain() -> f64 {
-        0.25 * 400.0
+        2.0 * 100.0
     }
 
     /// The radial force that widens the rim of a long thin tube.
