@@ -30,8 +30,8 @@ fn fresh(name: &str) -> PathBuf {
     folder
 }
 
-/// The summary of a run that is complete and certified.
-fn summary(scene: &Path, out: &Path) -> Value {
+/// The summary of a run that is complete and certified, and what it printed.
+fn summary(scene: &Path, out: &Path) -> (Value, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ipopt-contact"));
     let run = command.arg("run").arg(scene).arg("--out").arg(out);
     let output = run.output().expect("the program");
@@ -41,7 +41,15 @@ fn summary(scene: &Path, out: &Path) -> Value {
     let summary: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(summary["status"], "complete", "{told}");
     assert_eq!(summary["certificate"]["holds"], true, "{told}");
-    summary
+    (summary, told)
+}
+
+/// Whether the lines from the ending on have a number that is `value` to four digits, with either sign.
+fn is_printed(value: f64, told: &str) -> bool {
+    let ending = told.split(": complete").nth(1).unwrap_or_default();
+    let words = ending.split(|c: char| !(c.is_ascii_digit() || ".e-".contains(c)));
+    let mut numbers = words.filter_map(|word| word.parse::<f64>().ok());
+    numbers.any(|number| (number.abs() / value - 1.0).abs() < 5e-4)
 }
 
 /// The table of the gallery, an entry for each scene.
@@ -66,10 +74,11 @@ fn compare(name: &str, truth: f64) {
     let mut named = entries.iter().filter(|entry| text(entry, "scene") == name);
     let entry = named.next().expect("an entry of the table");
     let scene = root().join(FOLDER).join(name).with_extension("toml");
-    let summary = summary(&scene, &fresh(name));
+    let (summary, printed) = summary(&scene, &fresh(name));
     let value = summary.pointer(text(entry, "key")).and_then(Value::as_f64);
     // of a pair it is the force on the first surface, which may be pressed down
     let value = value.expect("a number of the summary").abs();
+    assert!(is_printed(value, &printed), "{name}: {value} {printed}");
     let off = value / truth - 1.0;
     let bound = number(entry, "bound");
     assert!(off.abs() <= bound, "{name}: {value} {truth}, {off:.1e}");
@@ -269,7 +278,7 @@ fn the_scene_of_the_readme_runs() {
     let (scene, rest) = rest.split_once("```").expect("its end");
     let folder = fresh("readme");
     fs::write(folder.join("block.toml"), scene).expect("written");
-    let summary = summary(&folder.join("block.toml"), &folder.join("out"));
+    let (summary, _) = summary(&folder.join("block.toml"), &folder.join("out"));
     let force = summary["obstacle_forces"][0][1].as_f64().expect("a force");
     // plane strain, on a width of 2
     let expected = -100.0 / (1.0 - 0.09) * 0.1 * 2.0;

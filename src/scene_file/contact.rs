@@ -91,6 +91,11 @@ impl SceneFile {
                     Some(TiedSlaveKeys::Second) => TiedSlave::Second,
                 },
                 tolerance: keys.tolerance.unwrap_or(Tie::TOLERANCE),
+                jump: match &keys.jump {
+                    None => Vec::new(),
+                    Some(jump) => place.key("jump").vector::<D>(jump)?.to_vec(),
+                },
+                amplitude: amplitude(&place.key("amplitude"), keys.amplitude.as_ref())?,
             };
             place.of(scene.tie_as(tie))?;
         }

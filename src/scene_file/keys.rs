@@ -436,6 +436,8 @@ pub(super) struct TieKeys {
     pub(super) second: SideKeys,
     pub(super) slave: Option<TiedSlaveKeys>,
     pub(super) tolerance: Option<f64>,
+    pub(super) jump: Option<Vec<f64>>,
+    pub(super) amplitude: Option<AmplitudeKeys>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]

@@ -166,7 +166,7 @@ fn recipes_run() {
         names.push(name);
     }
     let expected = [
-        "pin", "wedge", "slide", "weight", "unload", "quarter", "slope", "ball", "blocks",
+        "pin", "wedge", "slide", "weight", "unload", "quarter", "slope", "bolt", "ball", "blocks",
     ];
     assert_eq!(names, expected);
 
@@ -186,6 +186,10 @@ fn recipes_run() {
         number(&result("slope")["reaction"]),
         2.0 / 30.0_f64.to_radians().cos(),
     );
+
+    // the head bends by what a stiffness of 10⁴ times that of the others leaves
+    let bolt = number(&result("bolt")["ties"][0]["force"][1]);
+    assert!((bolt - 0.25).abs() < 1e-3, "{bolt}");
 
     // what the script reads is there; the script itself runs where Python is
     let script = blocks("docs/cookbook.md", "python").concat();

@@ -312,9 +312,10 @@ impl<const D: usize> Problem<D> {
     }
 
     /// What is left at load factor `load` of the overlap with which two bodies of a pair started: its relative depth, and its
-    /// share of the thickness. 0 if initial overlaps are refused; no bound while their pairs do not count.
+    /// share of the thickness. 0 if initial overlaps are refused; no bound while their pairs do not count, and where a tie moves them into each
+    /// other.
     pub(crate) fn granted(&self, [a, b]: [usize; 2], load: f64) -> [f64; 2] {
-        if self.contact.lets_through([a, b], load) {
+        if self.contact.lets_through([a, b], load) || self.ties.jump([a, b], &self.scene) {
             return [f64::MAX; 2];
         }
         let left = match self.are_tied([a, b]) {
@@ -496,7 +497,8 @@ impl<const D: usize> ContactProblem for Problem<D> {
     }
 
     fn reduction(&self) -> Option<Reduction> {
-        self.ties.reduction(&self.kinematics.prescribed)
+        let now = (&self.scene, self.load());
+        self.ties.reduction(&self.kinematics.prescribed, now)
     }
 
     fn watch(&mut self, stop: Option<&Stop>) {

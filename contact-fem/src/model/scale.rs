@@ -76,7 +76,9 @@ fn expected_strain<const D: usize>(
     let bodies = || scene.bodies().iter();
     let force: f64 = bodies().map(|body| body.largest().1).sum();
     let prescribed = bodies().map(|body| body.largest().0).fold(0.0, f64::max);
-    let prescribed = prescribed.max(scene.obstacle_way());
+    let prescribed = prescribed
+        .max(scene.obstacle_way())
+        .max(scene.longest_jump());
     let stretch = force / stiffness * (facet / length).powi(D as i32 - 2);
     match MARGIN * prescribed.max(overlap).max(stretch) / length {
         strain if strain > 0.0 => strain.min(1.0),

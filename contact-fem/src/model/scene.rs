@@ -280,13 +280,21 @@ impl<const D: usize> Scene<D> {
     /// As [`Scene::tie`], with a choice of the side that follows and of the distance that is accepted.
     ///
     /// # Errors
-    /// As [`Scene::tie`], and a tolerance that is negative or no number.
+    /// As [`Scene::tie`], a tolerance that is negative or no number, and a jump that is not finite or of another dimension.
     pub fn tie_as(&mut self, tie: Tie) -> Result<(), Error> {
         if !(tie.tolerance >= 0.0 && tie.tolerance.is_finite()) {
             return Err(Error::Setting {
                 name: "tie tolerance",
                 value: tie.tolerance,
                 remedy: "choose a share of the facet size, at least 0",
+            });
+        }
+        Error::check_finite("jump of a tie", &tie.jump)?;
+        if !(tie.jump.is_empty() || tie.jump.len() == D) {
+            return Err(Error::Setting {
+                name: "number of components of the jump of a tie",
+                value: tie.jump.len() as f64,
+                remedy: "give one for each direction, or none",
             });
         }
         let tie = Tie {
@@ -466,6 +474,15 @@ impl<const D: usize> Scene<D> {
     /// The sides that an obstacle may hold, with the obstacle's number.
     pub(crate) fn obstructed(&self) -> &[(Side, usize)] {
         &self.obstructed
+    }
+
+    /// The longest jump of a tie (UL).
+    pub(super) fn longest_jump(&self) -> f64 {
+        let jumps = self
+            .ties
+            .iter()
+            .map(|tie| tie.jump.iter().map(|part| part * part).sum::<f64>());
+        jumps.fold(0.0, f64::max).sqrt()
     }
 
     /// The longest way (UL) on which obstacles take the corners of the box around a body that they may hold, up to load

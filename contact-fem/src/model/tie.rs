@@ -17,6 +17,7 @@ use crate::assembly::Dof;
 use crate::contact::tie::Tied;
 use crate::contact::{Master, Projection, Surface};
 use crate::error::Error;
+use crate::program::Amplitude;
 use crate::tensor::Vector;
 
 /// The side of a tie whose displacements follow those of the other one. It must lie on the other side as a whole.
@@ -31,9 +32,9 @@ pub enum TiedSlave {
     Second,
 }
 
-/// Two boundaries of different bodies that stay together: the jump u − ū of displacements across them is zero in the weak
+/// Two boundaries of different bodies that stay together: the jump u − ū of displacements across them is zero, or a given one, in the weak
 /// sense, ∫ ψ_i (u − ū) = 0 over the reference configuration for the nodes i of one side.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Tie {
     /// One boundary.
     pub first: Side,
@@ -44,6 +45,11 @@ pub struct Tie {
     /// The largest distance between the boundaries in the reference configuration, as a share of the larger facet size.
     /// 0.05 by default: chords of curved boundaries are apart.
     pub tolerance: f64,
+    /// The displacement of the second side relative to the first (UL), one component for each direction; none by default. Where a bolt is cut
+    /// in two, it draws the halves into each other, which preloads the bolt by that shortening.
+    pub jump: Vec<f64>,
+    /// The course of the jump in time; proportional by default.
+    pub amplitude: Amplitude,
 }
 
 impl Tie {
@@ -59,6 +65,21 @@ impl Tie {
             second,
             slave: TiedSlave::default(),
             tolerance: Tie::TOLERANCE,
+            jump: Vec::new(),
+            amplitude: Amplitude::proportional(),
+        }
+    }
+
+    /// Whether its sides are moved against each other.
+    pub(super) fn jumps(&self) -> bool {
+        self.jump.iter().any(|part| *part != 0.0)
+    }
+
+    /// The factor of the jump at a load factor; before the first step nothing is displaced.
+    pub(super) fn factor(&self, load: f64) -> f64 {
+        match load == 0.0 {
+            true => 0.0,
+            false => self.amplitude.at(load),
         }
     }
 
@@ -152,6 +173,8 @@ impl fmt::Display for TieFault {
 pub(super) struct Follower {
     pub dof: usize,
     pub terms: Vec<(usize, f64)>,
+    /// What is added to them where the tie's jump has the factor 1 (UL).
+    pub jump: f64,
 }
 
 /// A tie with its interpolation.
@@ -161,6 +184,8 @@ struct Built<const D: usize> {
     /// Whether the first side follows.
     is_first_slave: bool,
     followers: Vec<Follower>,
+    /// The number of the tie in the scene.
+    number: usize,
     /// The largest distance between the sides (UL), and where.
     apart: (f64, Vector<D>),
     /// The larger facet size (UL).
@@ -188,12 +213,20 @@ pub struct TieRecord<const D: usize> {
     pub force: Vector<D>,
 }
 
+/// What a dependent unknown has besides the unknowns that it follows.
+struct Constant {
+    /// (prescribed dof, coefficient).
+    terms: Vec<(usize, f64)>,
+    tie: usize,
+    jump: f64,
+}
+
 /// All ties of a scene.
 pub(super) struct Ties<const D: usize> {
     ties: Vec<Built<D>>,
     map: Option<Arc<LinearMap>>,
-    /// (prescribed dof, coefficient) of each dependent unknown.
-    prescribed: Vec<Vec<(usize, f64)>>,
+    /// (prescribed dof, coefficient) of each dependent unknown, and its jump with the number of its tie.
+    prescribed: Vec<Constant>,
     held: Vec<bool>,
 }
 
@@ -248,7 +281,7 @@ impl<const D: usize> Ties<D> {
             let mut first = None;
             let mut found = None;
             for &is_first_slave in orders {
-                match built(tie, [a, b], is_first_slave, kinematics, &others) {
+                match built((k, tie), [a, b], is_first_slave, kinematics, &others) {
                     Ok(tie) => {
                         found = Some(tie);
                         break;
@@ -266,7 +299,10 @@ impl<const D: usize> Ties<D> {
         }
         let dofs = &kinematics.dofs;
         let (mut dependents, mut prescribed) = (Vec::new(), Vec::new());
-        for follower in ties.iter().flat_map(|tie| &tie.followers) {
+        let followers = ties
+            .iter()
+            .flat_map(|tie| tie.followers.iter().map(move |own| (tie, own)));
+        for (tie, follower) in followers {
             let Dof::Free(unknown) = dofs.get(follower.dof) else {
                 continue;
             };
@@ -278,7 +314,11 @@ impl<const D: usize> Ties<D> {
                 }
             }
             dependents.push(Dependent { unknown, terms });
-            prescribed.push(held);
+            prescribed.push(Constant {
+                terms: held,
+                tie: tie.number,
+                jump: follower.jump,
+            });
         }
         let free = |id: BodyId| {
             let nodes = kinematics.nodes(id.index());
@@ -300,11 +340,18 @@ impl<const D: usize> Ties<D> {
         })
     }
 
-    /// The reduction at these prescribed displacements (UL).
-    pub fn reduction(&self, prescribed: &[f64]) -> Option<Reduction> {
+    /// The reduction at these prescribed displacements (UL), with the jumps of the scene's ties at a load factor.
+    pub fn reduction(
+        &self,
+        prescribed: &[f64],
+        (scene, load): (&Scene<D>, f64),
+    ) -> Option<Reduction> {
         let map = Arc::clone(self.map.as_ref()?);
-        let constant =
-            |terms: &Vec<(usize, f64)>| terms.iter().map(|(j, c)| c * prescribed[*j]).sum();
+        let factors: Vec<f64> = scene.ties().iter().map(|tie| tie.factor(load)).collect();
+        let constant = |own: &Constant| {
+            let held = own.terms.iter().map(|(j, c)| c * prescribed[*j]);
+            held.sum::<f64>() + factors[own.tie] * own.jump
+        };
         Some(Reduction {
             map,
             constants: self.prescribed.iter().map(constant).collect(),
@@ -322,6 +369,15 @@ impl<const D: usize> Ties<D> {
         self.ties.iter().any(is_own)
     }
 
+    /// Whether a tie joins these bodies whose sides are moved against each other.
+    pub fn jump(&self, [a, b]: [usize; 2], scene: &Scene<D>) -> bool {
+        let is_own = |tie: &&Built<D>| tie.bodies == [a, b] || tie.bodies == [b, a];
+        self.ties
+            .iter()
+            .filter(is_own)
+            .any(|tie| scene.ties()[tie.number].jumps())
+    }
+
     /// How far the sides of each tie are apart.
     pub fn apart(&self) -> impl Iterator<Item = Apart<D>> + '_ {
         self.ties.iter().map(|tie| Apart {
@@ -333,8 +389,8 @@ impl<const D: usize> Ties<D> {
     }
 
     /// The bodies, those that follow after those that they follow where ties do not go round; and for each the dofs that
-    /// follow.
-    pub fn in_order(&self, bodies: usize) -> Vec<(usize, Vec<&Follower>)> {
+    /// follow, with the number of their tie.
+    pub fn in_order(&self, bodies: usize) -> Vec<(usize, Vec<(usize, &Follower)>)> {
         let mut masters = vec![BTreeSet::new(); bodies];
         for tie in &self.ties {
             let [master, slave] = match tie.is_first_slave {
@@ -353,7 +409,7 @@ impl<const D: usize> Ties<D> {
                 .ties
                 .iter()
                 .filter(|tie| tie.bodies[usize::from(!tie.is_first_slave)] == next);
-            let own = own.flat_map(|tie| &tie.followers);
+            let own = own.flat_map(|tie| tie.followers.iter().map(|own| (tie.number, own)));
             order.push((next, own.collect()));
         }
         order
@@ -368,6 +424,21 @@ impl<const D: usize> Ties<D> {
                 forces[dof / D][dof % D] -= c * force;
             }
         }
+    }
+
+    /// The work conjugates of the jumps: for each tie that has one the forces (UF), where `rest` tells ∂E/∂U − Cᵀλ of a dof, along the jumps at
+    /// the factor 1 (UF·UL).
+    pub fn along_jumps(&self, scene: &Scene<D>, rest: impl Fn(usize) -> f64) -> Vec<(usize, f64)> {
+        let jumping = self
+            .ties
+            .iter()
+            .filter(|tie| scene.ties()[tie.number].jumps());
+        let along = |tie: &Built<D>| {
+            let followers = tie.followers.iter();
+            let sum = followers.map(|own| own.jump * rest(own.dof)).sum();
+            (tie.number, sum)
+        };
+        jumping.map(along).collect()
     }
 
     /// The resultant of each tie on its first side (UF), likewise.
@@ -496,7 +567,7 @@ fn surface<const D: usize>(
 }
 
 fn built<const D: usize>(
-    tie: &Tie,
+    (number, tie): (usize, &Tie),
     [first, second]: [&Arc<Surface<D>>; 2],
     is_first_slave: bool,
     kinematics: &Kinematics<D>,
@@ -539,7 +610,14 @@ fn built<const D: usize>(
             let own = own.map_err(|x| TieFault::Held { x: place(&x) })?;
             known.insert(out.clone(), own);
         }
+        let part = tie.jump.get(i).copied().unwrap_or(0.0);
+        let jump = if is_first_slave { -part } else { part };
         followers.extend(known[&out].iter().map(|own| {
+            let of_master = own
+                .terms
+                .iter()
+                .filter(|(node, _)| !slave.nodes().contains(node));
+            let share: f64 = of_master.map(|(_, c)| c).sum();
             Follower {
                 dof: D * own.node + i,
                 terms: own
@@ -547,6 +625,7 @@ fn built<const D: usize>(
                     .iter()
                     .map(|&(node, c)| (D * node + i, c))
                     .collect(),
+                jump: share * jump,
             }
         }));
     }
@@ -554,6 +633,7 @@ fn built<const D: usize>(
         bodies: [first.body(), second.body()],
         is_first_slave,
         followers,
+        number,
         apart: tied.apart,
         size,
     })

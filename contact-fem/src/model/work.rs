@@ -22,10 +22,12 @@ pub enum WorkSource {
     NodalForce(BodyId),
     /// An obstacle that moves.
     Obstacle(ObstacleId),
+    /// A tie whose sides are moved against each other, by its first side.
+    Tie(Side),
 }
 
 impl WorkSource {
-    /// What users call it: `support`, `foundation`, `traction`, `pressure`, `body force`, `nodal force` or `obstacle`.
+    /// What users call it: `support`, `foundation`, `traction`, `pressure`, `body force`, `nodal force`, `obstacle` or `tie`.
     pub fn kind(&self) -> &'static str {
         match self {
             WorkSource::Support(_) => "support",
@@ -35,6 +37,7 @@ impl WorkSource {
             WorkSource::BodyForce(_) => "body force",
             WorkSource::NodalForce(_) => "nodal force",
             WorkSource::Obstacle(_) => "obstacle",
+            WorkSource::Tie(_) => "tie",
         }
     }
 
@@ -70,6 +73,17 @@ pub(crate) struct External<const D: usize> {
     /// The potential of these pressures and of supports that have let go (UF·UL).
     potential: f64,
     obstacles: Vec<Push<D>>,
+    /// Of each tie that jumps: its number, the work conjugate of the factor (UF·UL), and the factor.
+    ties: Vec<Jump>,
+}
+
+/// A tie that moves its sides against each other.
+#[derive(Clone, Debug)]
+struct Jump {
+    source: WorkSource,
+    /// The forces along the jump at the factor 1 (UF·UL), and the factor.
+    along: f64,
+    factor: f64,
 }
 
 /// Forces (UF) on some of the dofs of all bodies.
@@ -112,6 +126,7 @@ impl<const D: usize> External<D> {
             potential: 0.0,
             displacements,
             obstacles: problem.scene().obstacles().iter().map(push).collect(),
+            ties: problem.jumps(|_| 0.0, 0.0),
         }
     }
 
@@ -121,10 +136,14 @@ impl<const D: usize> External<D> {
         u: &[f64],
         (contact, of_obstacles): (&[Vector<D>], &[Vec<Vector<D>>]),
     ) -> Self {
-        let contact = problem.with_tie_forces(u, contact);
         let residuals = problem.residuals(u);
         let residuals: Vec<&[f64]> = residuals.iter().map(Vec::as_slice).collect();
         let residuals = residuals.concat();
+        let ties = problem.jumps(
+            |dof| residuals[dof] - contact[dof / D][dof % D],
+            problem.load(),
+        );
+        let contact = problem.with_tie_forces(u, contact);
         let places = match problem.geometry() {
             Geometry::Reference => problem.reference().to_vec(),
             Geometry::Current => problem.positions(u),
@@ -147,6 +166,7 @@ impl<const D: usize> External<D> {
             foundations: forces_of_foundations(problem, &displacements),
             loads: forces_of_loads(problem, problem.load()),
             obstacles: obstacles.map(push).collect(),
+            ties,
             pressures,
             potential: potential + potential_of_fading(problem, &displacements),
             displacements,
@@ -201,7 +221,28 @@ impl<const D: usize> External<D> {
             source: WorkSource::Obstacle(ObstacleId(k)),
             work: now.work_since(then),
         });
-        on_bodies.chain(of_obstacles).collect()
+        let ties = self.ties.iter().zip(&before.ties);
+        let of_ties = ties.map(|(now, then)| WorkRecord {
+            source: now.source.clone(),
+            work: 0.5 * (now.along + then.along) * (now.factor - then.factor),
+        });
+        on_bodies.chain(of_obstacles).chain(of_ties).collect()
+    }
+}
+
+impl<const D: usize> Problem<D> {
+    /// The ties that move their sides against each other, where `rest` tells ∂E/∂U − Cᵀλ of a dof.
+    fn jumps(&self, rest: impl Fn(usize) -> f64, load: f64) -> Vec<Jump> {
+        let all = self.ties.along_jumps(&self.scene, rest).into_iter();
+        let jump = |(number, along): (usize, f64)| {
+            let tie = &self.scene.ties()[number];
+            Jump {
+                source: WorkSource::Tie(tie.first.clone()),
+                along,
+                factor: tie.factor(load),
+            }
+        };
+        all.map(jump).collect()
     }
 }
 

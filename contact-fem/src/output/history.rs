@@ -247,7 +247,8 @@ pub(super) fn source_name(
         WorkSource::Support(side)
         | WorkSource::Foundation(side)
         | WorkSource::Traction(side)
-        | WorkSource::Pressure(side) => side_name(side, bodies),
+        | WorkSource::Pressure(side)
+        | WorkSource::Tie(side) => side_name(side, bodies),
         WorkSource::BodyForce(body) | WorkSource::NodalForce(body) => {
             [name(bodies, body.index()), String::new()]
         }

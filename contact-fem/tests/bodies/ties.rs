@@ -911,3 +911,73 @@ fn a_pipe_of_two_rings() {
     println!("pipe {errors:?}, order {order}");
     assert!(errors[2] < 1e-4 && order > 2.5, "{errors:?} {order}");
 }
+
+/// A bar in two halves with meshes that do not match: a tie that draws one into the other strains the bar as a displacement of its end does.
+#[test]
+fn a_jump_draws_a_bar_as_its_end_would() {
+    let delta = 0.1;
+    let half = |x: usize, y: [f64; 2], cells: usize| {
+        let (across, up) = (linspace(0.0, 1.0, x), linspace(y[0], y[1], cells));
+        rectangle(&across, &up, Diagonals::Rising).expect("a mesh")
+    };
+    let law = || NeoHookean::new(100.0, 0.0).expect("a law");
+    let held = |mesh, on: &str, by: f64| {
+        let mut body = Body::new(mesh, law());
+        body.symmetry("left").expect("held");
+        body.prescribe(on, [None, Some(by)]).expect("held");
+        body
+    };
+    for (slave, sign) in [
+        (TiedSlave::First, 1.0),
+        (TiedSlave::Second, 1.0),
+        (TiedSlave::Finer, -1.0),
+    ] {
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", held(half(3, [0.0, 1.0], 4), "bottom", 0.0));
+        let upper = scene.add("upper", held(half(4, [1.0, 2.0], 3), "top", 0.0));
+        let tie = Tie {
+            slave,
+            jump: vec![0.0, -sign * delta],
+            ..Tie::new(lower.on("top"), upper.on("bottom"))
+        };
+        scene.tie_as(tie).expect("a tie");
+        let mut problem = scene.problem().expect("a problem");
+        let history = Simulation::with_increments(4)
+            .run(&mut problem)
+            .expect("a run");
+        assert!(history.is_complete());
+        let last = history.last().expect("a step");
+        assert!(
+            last.certificate.holds(&Limits::default()),
+            "{}",
+            last.certificate
+        );
+        // one body, drawn by as much
+        let mut scene = Scene::new();
+        let mut whole = held(half(3, [0.0, 2.0], 8), "bottom", 0.0);
+        whole
+            .prescribe("top", [None, Some(sign * delta)])
+            .expect("drawn");
+        let whole = scene.add("whole", whole);
+        let mut problem = scene.problem().expect("a problem");
+        let drawn = Simulation::with_increments(4)
+            .run(&mut problem)
+            .expect("a run");
+        let drawn = drawn.last().expect("a step");
+        let force = drawn.reaction(whole)[1];
+        // the reactions of both ends cancel in the whole body: that of its top alone
+        let top = drawn
+            .support_reactions
+            .iter()
+            .find(|(side, _)| side.boundary == "top");
+        let top = top.expect("held").1[1];
+        assert!(force.abs() < 1e-9 && top * sign > 1.0);
+        assert!(
+            (last.ties[0].force[1] - top).abs() < 1e-7 * top.abs(),
+            "{:?} {top}",
+            last.ties
+        );
+        assert!((last.stored_energy - drawn.stored_energy).abs() < 1e-8 * drawn.stored_energy);
+        assert!((last.work() - drawn.work()).abs() < 1e-7 * drawn.stored_energy);
+    }
+}

@@ -12,7 +12,7 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
     let (low, high) = bounding_box(bodies);
     let size = (high - low).norm();
     let prescribed = bodies.iter().map(|body| body.largest().0);
-    let prescribed = prescribed.fold(scene.obstacle_way(), f64::max);
+    let prescribed = prescribed.fold(scene.obstacle_way().max(scene.longest_jump()), f64::max);
     let stretches: Vec<f64> = stretches(scene, size);
     let stretch = stretches.iter().copied().fold(0.0, f64::max);
     let largest = prescribed.max(stretch);

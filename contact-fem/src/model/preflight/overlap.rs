@@ -172,9 +172,12 @@ fn swallowed_node<const D: usize>(
     let facets: Vec<Vec<usize>> = mesh.exterior().map(facet).collect();
     let exterior = Surface::new(body, mesh.order(), facets.iter().map(Vec::as_slice), x);
     let boundary = Master::new(&Arc::new(exterior), x, Projection::Closest);
-    let depths = inside
-        .iter()
-        .filter_map(|&a| Some((a, -boundary.project(&x[a])?.distance)));
+    // cells count as straight: between a chord and its curve, a point of a hollow is in front of the facet
+    let depth = |&a: &usize| {
+        let foot = boundary.project(&x[a])?;
+        (foot.gap < 0.0).then_some((a, -foot.distance))
+    };
+    let depths = inside.iter().filter_map(depth);
     depths.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -336,6 +339,41 @@ fn pierce<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Twelve curved chords around a disc of .98, whose nodes are beyond the straight chords, at .966: nothing overlaps. A disc of 1.02 does, and
+    /// one in the middle of the ring, too.
+    #[test]
+    fn chords_of_a_hollow_are_no_walls() {
+        use crate::mesh::generators::{Diagonals, annulus, disc, onto_sphere};
+        use crate::{Body, LinearElastic, Scene};
+        let errors = |radius: f64, centre: [f64; 2]| {
+            let law = || LinearElastic::new(1.0, 0.3).expect("a law");
+            let ring = annulus(&[1.0, 1.5, 2.0], 12, Diagonals::Rising).expect("a mesh");
+            let ring = ring
+                .quadratic()
+                .curved("inner", onto_sphere(1.0))
+                .expect("curved");
+            let mut ring = Body::new(ring, law());
+            ring.prescribe("outer", [Some(0.0); 2]).expect("held");
+            let round = disc(radius, 12, 2, 0.2).expect("a mesh");
+            let round = round.translated(centre).expect("moved");
+            let mut scene = Scene::new();
+            let ring = scene.add("ring", ring);
+            let round = scene.add("disc", Body::new(round, law()));
+            scene
+                .contact(ring.on("inner"), round.on("boundary"))
+                .expect("a pair");
+            scene.errors()
+        };
+        assert!(
+            errors(0.98, [0.0; 2]).is_empty(),
+            "{:?}",
+            errors(0.98, [0.0; 2])
+        );
+        for (radius, centre) in [(1.08, [0.0; 2]), (0.2, [1.5, 0.0])] {
+            assert!(!errors(radius, centre).is_empty(), "{radius}");
+        }
+    }
 
     #[test]
     fn an_edge_through_a_facet() {

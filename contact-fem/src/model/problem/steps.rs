@@ -49,6 +49,12 @@ impl<const D: usize> LoadStepped for Problem<D> {
         let obstacles = self.scene.obstacles().iter();
         bodies
             .chain(obstacles.flat_map(|own| own.knots()))
+            .chain(
+                self.scene
+                    .ties()
+                    .iter()
+                    .flat_map(|tie| tie.amplitude.knots()),
+            )
             .collect()
     }
 
@@ -166,9 +172,11 @@ impl<const D: usize> Problem<D> {
                     *increment = moved(first + dof, lifted);
                 }
             }
-            for Follower { dof, terms } in followers {
+            for (tie, Follower { dof, terms, jump }) in followers {
+                let tie = &self.scene.ties()[tie];
+                let jumped = jump * (tie.factor(self.load()) - tie.factor(from));
                 let terms = terms.iter();
-                let increment = terms.map(|(j, c)| c * moved(*j, lifted)).sum();
+                let increment = terms.map(|(j, c)| c * moved(*j, lifted)).sum::<f64>() + jumped;
                 (is_prescribed[dof - first], increments[dof - first]) = (true, increment);
             }
             if increments.iter().all(|p| *p == 0.0) {
