@@ -138,6 +138,40 @@ fn a_flat_tool_is_told_by_what_it_has_left() {
     assert!((0.05..0.2).contains(&share), "{share}");
 }
 
+/// Two blocks of one width, pressed together uniformly: each becomes wider by ν(1 + ν)p/E of its width, the softer one more. What is beyond
+/// the end of the other is this share of the surface, not the whole area of the last node.
+#[test]
+fn a_uniform_patch_that_becomes_wider_is_not_told() {
+    for (cells, stiffness) in [([8, 9], 1.0), ([5, 5], 1.0), ([5, 7], 3.0)] {
+        let block = |n: usize, low: f64, young: f64| {
+            let (xs, ys) = (linspace(0.0, 1.0, n), linspace(low, low + 1.0, n));
+            let mesh = rectangle(&xs, &ys, Diagonals::Rising).expect("a mesh");
+            let mut block = Body::new(mesh, LinearElastic::new(young, 0.3).expect("a law"));
+            block
+                .prescribe("left", [Some(0.0), None])
+                .expect("a support");
+            block
+        };
+        let (mut lower, mut upper) = (
+            block(cells[0], 0.0, 100.0),
+            block(cells[1], 1.0, 100.0 * stiffness),
+        );
+        lower.prescribe("bottom", [None, Some(0.0)]).expect("held");
+        upper.prescribe("top", [None, Some(-0.02)]).expect("held");
+        let mut scene = Scene::new();
+        let lower = scene.add("lower", lower);
+        let upper = scene.add("upper", upper);
+        scene
+            .contact(lower.on("top"), upper.on("bottom"))
+            .expect("a pair");
+        let (force, told) = run(scene, Geometry::Reference);
+        // plane strain, springs in series
+        let expected = 100.0 / 0.91 * 0.02 / (1.0 + 1.0 / stiffness);
+        assert!((force.abs() / expected - 1.0).abs() < 0.01, "{force}");
+        assert!(told.is_empty(), "{cells:?}: {told:?}");
+    }
+}
+
 /// The block ends at 1: most of the tool has slid beyond, and what it presses there in the reference is not opposite any more.
 #[test]
 fn a_flat_tool_that_slides_off_is_told() {

@@ -8,6 +8,7 @@ use crate::contact::motion::Motion;
 use crate::contact::obstacle::Placed;
 use crate::contact::search::{NodalGap, nodal_gaps, nodes_inside};
 use crate::contact::{Pass, Surface};
+use crate::element::facet_shapes;
 use crate::model::Geometry;
 use crate::model::kinematics::Kinematics;
 use crate::tensor::Vector;
@@ -158,6 +159,24 @@ impl<const D: usize> ContactSet<D> {
                 nodal_gaps(surface, normals, master, &located.x, now, self.reach)
             }
         }
+    }
+
+    /// How far node `k` of the slave is beyond the rim of the master (UL), along it; `None` where it is above the master, or on the same
+    /// surface.
+    pub fn beyond_the_rim(&self, pass: Pass, located: &Located<D>, k: usize) -> Option<f64> {
+        if self.obstacle_of(pass).is_some() || pass.slave == pass.master {
+            return None;
+        }
+        let master = located.master(pass.master);
+        let x = &located.x[self.surfaces[pass.slave].nodes()[k]];
+        let p = master.project(x).filter(|p| p.off_the_end)?;
+        let surface = master.surface();
+        let inside = p.lambda.map(|part| part.max(0.0));
+        let shapes = facet_shapes(surface.order(), &(inside / inside.sum()));
+        let nodes = surface.facet(p.facet).iter().zip(shapes);
+        let rim: Vector<D> = nodes.map(|(&b, N)| located.x[surface.nodes()[b]] * N).sum();
+        let off = x - rim;
+        Some((off - p.normal * off.dot(&p.normal)).norm())
     }
 
     /// How far bodies have passed through each other (UL), or `None` if they have not. They have if

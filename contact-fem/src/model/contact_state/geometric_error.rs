@@ -20,7 +20,7 @@ pub struct GeometricError {
     /// The other one, or the obstacle.
     pub second: Opposite,
     /// By how much gaps at the present positions differ from those that the contact took: the mean over the forces in a contact zone (UL).
-    /// Where nothing is opposite any more, it is the indentation.
+    /// Where nothing is opposite any more, it is the indentation; beside a rim, the share of it that is beyond.
     pub error: f64,
     /// The indentation of that zone, Σ|f|/(A E*) times its width (UL).
     pub indentation: f64,
@@ -50,7 +50,15 @@ impl<const D: usize> Problem<D> {
                 let pass = Pass { slave, master };
                 let gaps =
                     [&searched, &present].map(|at| self.contact.gaps_between(pass, at, &now));
-                self.errors_of(&share, gaps)
+                let surface = &self.surfaces()[slave];
+                let spacings = surface.node_spacings(surface.reference_nodes());
+                // half a spacing from the rim, nothing of a node's area is opposite
+                let lost = spacings.iter().enumerate().map(|(k, spacing)| {
+                    let off = self.contact.beyond_the_rim(pass, &present, k);
+                    off.map_or(1.0, |off| (2.0 * off / spacing).min(1.0))
+                });
+                let lost: Vec<f64> = lost.collect();
+                self.errors_of(&share, gaps, &lost)
             });
             let worst = errors.max_by(|[a, b], [c, d]| (a / b).total_cmp(&(c / d)));
             if let Some([error, indentation]) = worst.filter(|[e, of]| *e > TOLD * of) {
@@ -65,11 +73,13 @@ impl<const D: usize> Problem<D> {
         found
     }
 
-    /// Error and indentation of each contact zone of a surface, whose gaps are those that the contact took and the present ones.
+    /// Error and indentation of each contact zone of a surface, whose gaps are those that the contact took and the present ones; `lost` is
+    /// the share of a node's area that has nothing opposite where it has no present gap.
     fn errors_of(
         &self,
         share: &Share<D>,
         [taken, present]: [Vec<Option<NodalGap>>; 2],
+        lost: &[f64],
     ) -> Vec<[f64; 2]> {
         let surface = &self.surfaces()[share.side.surface];
         let areas = surface.node_areas(surface.reference_nodes());
@@ -86,7 +96,7 @@ impl<const D: usize> Problem<D> {
                 (Some(taken), Some(present)) => {
                     share.own[a].norm() * (present.smooth() - taken.smooth()).abs()
                 }
-                (Some(_), None) => forces[a].norm() * indentation,
+                (Some(_), None) => forces[a].norm() * indentation * lost[a],
                 _ => 0.0,
             }) / force;
             [error, indentation]
