@@ -67,6 +67,9 @@ const LINEAR_SOLVERS: [&str; 10] = [
     "wsmp",
 ];
 
+/// The options that tell which linear solver is taken, and where it is.
+const CHOICE: [&str; 3] = ["linear_solver", "hsllib", "pardisolib"];
+
 /// Points along an edge of the cube whose matrix is factorised in a [`Trial`]; three unknowns each.
 const TRIAL_POINTS: usize = 16;
 
@@ -112,6 +115,41 @@ pub fn diagnose() -> Result<Diagnosis, Error> {
         }
     }
     Ok(diagnosis)
+}
+
+/// Checks that Ipopt can solve with the linear solver that `options` name, if they name one: it solves a problem of one variable.
+///
+/// ```
+/// use contact_core::ipopt::{Options, doctor};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// doctor::check_linear_solver(&Options::new())?;
+/// let there = doctor::inspect()?;
+/// let ma27 = Options::new().with("linear_solver", "ma27");
+/// assert_eq!(doctor::check_linear_solver(&ma27).is_ok(), there.works("ma27"));
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// [`OptionError::MissingSolver`] names those that are there; options that Ipopt refuses; [`Error::Reentrant`] inside a callback.
+pub fn check_linear_solver(options: &Options) -> Result<(), Error> {
+    let name = "linear_solver";
+    let Some(value) = options.get(name) else {
+        return Ok(());
+    };
+    let own = options.iter().filter(|(name, _)| CHOICE.contains(name));
+    let own = own.fold(Options::new(), |own, (name, value)| {
+        own.with(name, value.clone())
+    });
+    match solve(&Quadratic::spring(), &own)?.0 {
+        Status::Solved => Ok(()),
+        _ => Err(Error::Option(OptionError::MissingSolver {
+            name: name.to_owned(),
+            value: value.clone(),
+            there: inspect()?.working_linear_solvers().collect(),
+        })),
+    }
 }
 
 impl Diagnosis {

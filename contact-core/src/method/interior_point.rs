@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::scaled::{Scaled, attainable, check_memory, check_tolerance, memory, settings};
 use super::{Method, Minimum, Subproblem, check_bounds};
-use crate::ipopt::{Options, Sequence, SequenceSettings};
+use crate::ipopt::{Options, Sequence, SequenceSettings, doctor};
 use crate::nlp::{Bounds, Iterate, Nlp, Pattern, Structure};
 use crate::{Energy, Error, MemoryNeed, Scale, Solved, State};
 
@@ -87,6 +87,13 @@ impl InteriorPoint {
     }
 }
 
+impl InteriorPoint {
+    fn check_tolerances(&self) -> Result<(), Error> {
+        check_tolerance("tolerance", self.tolerance)?;
+        check_tolerance("complementarity", self.complementarity)
+    }
+}
+
 impl Method for InteriorPoint {
     fn name(&self) -> &'static str {
         "ipopt"
@@ -97,12 +104,12 @@ impl Method for InteriorPoint {
     }
 
     fn validate(&self) -> Result<(), Error> {
-        check_tolerance("tolerance", self.tolerance)?;
-        check_tolerance("complementarity", self.complementarity)
+        self.check_tolerances()?;
+        Ok(doctor::check_linear_solver(&self.options)?)
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
-        self.validate()?;
+        self.check_tolerances()?;
         let settings = self.settings(subproblem);
         if !self.is_quadratic_program(subproblem, start) {
             return self.solve(settings, subproblem, start);

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use super::scaled::{Scaled, attainable, check_memory, check_tolerance, settings};
 use super::{Continuation, Minimum, Subproblem, check_bounds};
-use crate::ipopt::{Options, Run, Sequence, SequenceSettings};
+use crate::ipopt::{Options, Run, Sequence, SequenceSettings, doctor};
 use crate::nlp::{Bounds, Iterate, Multipliers, Nlp, Pattern, Structure};
 use crate::{Cost, Energy, Error, Scale, Solved, State};
 
@@ -117,8 +117,13 @@ impl Penalization {
     /// A bound counts as active from this share of it on.
     const AT_BOUND: f64 = 0.999;
 
-    /// Checks the settings.
+    /// Checks the settings, and the linear solver of the options.
     pub(super) fn validate(&self) -> Result<(), Error> {
+        self.check_numbers()?;
+        Ok(doctor::check_linear_solver(&self.options)?)
+    }
+
+    fn check_numbers(&self) -> Result<(), Error> {
         self.continuation.validate()?;
         check_tolerance("tolerance", self.tolerance)
     }
@@ -129,7 +134,7 @@ impl Penalization {
         problem: &Penalized<'_>,
         start: &State,
     ) -> Result<Minimum, Error> {
-        self.validate()?;
+        self.check_numbers()?;
         let Continuation {
             start: first,
             limit,

@@ -36,6 +36,13 @@ impl PenalizedSlack {
     }
 }
 
+impl PenalizedSlack {
+    fn check_bound(&self) -> Result<(), Error> {
+        let remedy = "choose a positive multiple of the length scale, such as 1";
+        Error::check_setting(self.bound > 0.0, "bound", self.bound, remedy)
+    }
+}
+
 impl Method for PenalizedSlack {
     fn name(&self) -> &'static str {
         "ipopt"
@@ -46,13 +53,12 @@ impl Method for PenalizedSlack {
     }
 
     fn validate(&self) -> Result<(), Error> {
-        let remedy = "choose a positive multiple of the length scale, such as 1";
-        Error::check_setting(self.bound > 0.0, "bound", self.bound, remedy)?;
+        self.check_bound()?;
         self.penalization.validate()
     }
 
     fn minimize(&mut self, subproblem: &Subproblem<'_>, start: &State) -> Result<Minimum, Error> {
-        self.validate()?;
+        self.check_bound()?;
         let problem = Penalized {
             subproblem,
             weights: vec![1.0; subproblem.gaps.len()],

@@ -116,6 +116,19 @@ pub enum OptionError {
         /// What to do instead.
         remedy: &'static str,
     },
+    /// A linear solver that Ipopt knows and cannot solve with: it is in none of the libraries that are loaded.
+    #[error(
+        "Ipopt's option `{name}` was set to {value}, and there is no such solver here: {}",
+        instead(there)
+    )]
+    MissingSolver {
+        /// The name.
+        name: String,
+        /// The value refused.
+        value: OptionValue,
+        /// The linear solvers that are there.
+        there: Vec<&'static str>,
+    },
     /// A file of options that cannot be read.
     #[error(
         "the file of options {file} cannot be read: {why}; check its name, and that it is text"
@@ -139,6 +152,18 @@ pub enum OptionError {
         /// What is there, or its beginning.
         line: String,
     },
+}
+
+fn instead(there: &[&str]) -> String {
+    match there {
+        [] => {
+            "no linear solver works, install one that Ipopt is linked to, such as MUMPS".to_owned()
+        }
+        _ => format!(
+            "take {}, or set `hsllib` or `pardisolib` to the library that has it",
+            there.join(" or ")
+        ),
+    }
 }
 
 fn version() -> String {
