@@ -487,3 +487,59 @@ fn results_without_places_are_compared_by_number() {
         "{refused:?}"
     );
 }
+
+/// A block of E = 100 and area 1 that is pressed on a floor by 0.1 and let go: what is left is round-off of E ε²/2 and E ε.
+#[test]
+fn a_run_that_ends_at_rest_is_scaled_by_its_peak() {
+    let folder = fresh("relieved");
+    let path = folder.join("scene.toml");
+    let text = r#"
+[[phase]]
+name = "press"
+until = 1
+increments = 2
+[[phase]]
+name = "let go"
+until = 2
+increments = 2
+[[body]]
+name = "block"
+mesh = { rectangle = { x = [0, 0.5, 1], y = [0, 0.5, 1] } }
+law = "linear-elastic"
+young = 100
+poisson = 0
+supports = [{ on = "top", x = 0, y = -0.1, amplitude = [[0, 0], [1, 1], [2, 0]] }]
+[[obstacle]]
+name = "floor"
+half-space = { point = [0, 0], normal = [0, 1] }
+on = [["block", "bottom"]]
+"#;
+    fs::write(&path, text).expect("written");
+    let run = |solver: &str| {
+        let out = folder.join(solver);
+        let words = ["run", "--solver", solver, "--out"];
+        let (code, told) = crate::program(&words, &[&out, &path]);
+        assert_eq!(code, Some(0), "{told}");
+        out
+    };
+    let comparison = compare(&run("condensed"), &run("ipopt")).expect("a comparison");
+    let sides = [Side::A, Side::B].map(|side| Note::Relieved { side, factor: 1.0 });
+    for note in sides {
+        assert!(comparison.notes.contains(&note), "{comparison}");
+    }
+    for (quantity, scale) in [
+        (Quantity::Energy, 0.5),
+        (Quantity::Reaction, 10.0),
+        (Quantity::Displacement, 0.1),
+        // of the node in the middle
+        (Quantity::ContactForce, 5.0),
+        (Quantity::Pressure, 10.0),
+    ] {
+        let row = row(&comparison, quantity);
+        assert!((row.scale / scale - 1.0).abs() < 1e-6, "{comparison}");
+        assert!(row.relative < Some(1e-6), "{comparison}");
+    }
+    let told = comparison.to_string();
+    let note = "note: B ends less strained than it was at time 1: relative differences are over the largest values of its run";
+    assert!(told.contains(note), "{told}");
+}

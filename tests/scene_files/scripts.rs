@@ -83,6 +83,37 @@ fn points_are_found_to_be_the_cause() {
         "{text}"
     );
     assert_eq!(text.matches("which leaves").count(), 1, "{text}");
+    let own = "not tried: the script's own tolerance of Ipopt, `tol` and `compl_inf_tol`";
+    assert!(text.contains(own), "{text}");
+}
+
+/// Where the two agree, there is no cause: to the last bit nothing is tried, and within the tolerance of `compare` that is told.
+#[test]
+fn results_that_agree_have_no_cause() {
+    let folder = fresh("agree");
+    let scene = written_bodies(&folder, TWO_BODIES);
+    let (own, out) = (folder.join("own"), folder.join("out"));
+    let (code, text) = program(&["run", "--out"], &[&own, &scene]);
+    assert_eq!(code, Some(0), "{text}");
+    let (code, text) = program(&["causes", "--out"], &[&out, &scene, &own]);
+    assert_eq!(code, Some(0), "{text}");
+    let verdict = "the two agree to 0.0e0, which is round-off: there is no cause to look for";
+    assert_eq!(text.lines().last(), Some(verdict), "{text}");
+    assert!(
+        !text.contains("passes") && !text.contains("own tolerance"),
+        "{text}"
+    );
+    let (code, text) = program(&["causes", "--out"], &[&out, &scene, &stored()]);
+    assert_eq!(code, Some(0), "{text}");
+    let verdict = text.lines().last().unwrap_or_default();
+    assert!(
+        verdict.starts_with("the two agree to 1.5e-7, within the tolerance of `compare`, 1e-6"),
+        "{text}"
+    );
+    assert!(
+        text.contains("passes") && text.contains("own tolerance"),
+        "{text}"
+    );
 }
 
 /// The paper's algorithm to the letter, and with each departure, ends where the others do.

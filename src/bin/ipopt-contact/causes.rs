@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use ipopt_contact::contact_fem::element::{Element, P1, P2};
 use ipopt_contact::contact_fem::model::{Geometry, Passes};
-use ipopt_contact::contact_fem::output::compare::{Comparison, Note, Quantity, compare};
+use ipopt_contact::contact_fem::output::compare::{Comparison, Note, Program, Quantity, compare};
 use ipopt_contact::contact_fem::output::record::print;
 use ipopt_contact::scene_file::{Change, SceneFile};
 
-use crate::Words;
+use crate::{Words, help};
 
 /// A change is a likely cause if it leaves less than this share of the difference.
 const LEAVES: f64 = 0.1;
@@ -33,15 +33,24 @@ const CHANGES: [Change; 15] = [
     Change::Increments(20),
 ];
 
+/// Results that differ by less than the first agree to round-off; below the second, `compare` calls them equal.
+const EQUAL: [f64; 2] = [1e-11, 1e-6];
+
 /// What the library has no switch for.
-const NOT_TRIED: &str =
+const NORMALS: &str =
     "not tried: normals of facets, since those of the library are averaged at the nodes";
+/// What a script alone can change.
+const TOLERANCE: &str = "not tried: the script's own tolerance of Ipopt, `tol` and `compl_inf_tol` of its option file; if it is the cause, a \
+                         tenth of it leaves a tenth of the difference";
 
 /// Prints a row a change, and the changes that bring the two together.
 pub fn command(words: &[String]) -> Result<ExitCode, String> {
-    let words = Words::parse(words, &["out"], &[])?;
+    let words = Words::parse("causes", words, &["out"], &[])?;
     let [scene, result] = &words.plain[..] else {
-        return Err("causes needs a scene file and the folder of a result".into());
+        let see = help::see("causes");
+        return Err(format!(
+            "causes needs a scene file and the folder of a result: {see}"
+        ));
     };
     let out = Path::new(words.needed("out")?);
     let in_file = |why: ipopt_contact::scene_file::Error| format!("{scene}: {why}");
@@ -69,53 +78,79 @@ pub fn command(words: &[String]) -> Result<ExitCode, String> {
         asked = tried(&file, "straight");
         needs_straight = asked.is_ok();
     }
-    let (asked, notes) = asked?;
+    let asked = asked?;
     let name = match needs_straight {
         true => Change::Straight.to_string(),
         false => "as it is".into(),
     };
-    print(row(&name, &asked));
+    print(row(&name, &asked.differences));
+    let off = largest(&asked.differences);
     let mut causes = Vec::new();
-    // scripts project to closest points: all other changes are tried with closest points
-    file = file.changed(Change::Closest);
-    let closest = Change::Closest.to_string();
-    match tried(&file, "closest") {
-        Ok((found, _)) => {
-            print(row(&closest, &found));
-            if largest(&found) < LEAVES * largest(&asked) {
-                causes.push((closest.clone(), largest(&found)));
-            }
-        }
-        Err(why) => print(format!("{closest:<28} {why}")),
+    if off > EQUAL[0] {
+        let straight = is_curved && !needs_straight;
+        causes = found(&file, &tried, changes(&asked.notes, straight), off);
     }
-    print(format!("with {closest}, and"));
-    for (k, change) in changes(&notes, is_curved && !needs_straight).enumerate() {
-        let name = change.to_string();
-        match tried(&file.changed(change), &format!("change_{k}")) {
-            Ok((found, _)) => {
-                print(row(&name, &found));
-                if largest(&found) < LEAVES * largest(&asked) {
-                    causes.push((name, largest(&found)));
-                }
+    if needs_straight {
+        causes.insert(0, (name, off));
+    }
+    print(NORMALS);
+    if asked.is_of_script {
+        print(TOLERANCE);
+    }
+    print(format!("\n{}", verdict(&causes, off)));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The changes that leave less than a tenth of what is `off`, with what they leave, the least first.
+fn found(
+    file: &SceneFile,
+    tried: &impl Fn(&SceneFile, &str) -> Result<Tried, String>,
+    changes: impl Iterator<Item = Change>,
+    off: f64,
+) -> Vec<(String, f64)> {
+    let mut causes = Vec::new();
+    let mut one = |file: &SceneFile, name: String, folder: &str| match tried(file, folder) {
+        Ok(Tried { differences, .. }) => {
+            print(row(&name, &differences));
+            let left = largest(&differences);
+            if left < LEAVES * off {
+                causes.push((name, left));
             }
-            Err(why) => print(format!("{name:<28} {why}")),
         }
+        Err(why) => print(format!("{name:<28} {why}")),
+    };
+    // scripts project to closest points: all other changes are tried with closest points
+    let file = file.changed(Change::Closest);
+    let closest = Change::Closest.to_string();
+    one(&file, closest.clone(), "closest");
+    print(format!("with {closest}, and"));
+    for (k, change) in changes.enumerate() {
+        let folder = format!("change_{k}");
+        one(&file.changed(change), change.to_string(), &folder);
     }
     causes.sort_by(|a, b| a.1.total_cmp(&b.1));
-    if needs_straight {
-        causes.insert(0, (name, largest(&asked)));
-    }
+    causes
+}
+
+/// The causes, or why there are none.
+fn verdict(causes: &[(String, f64)], off: f64) -> String {
+    let [round_off, tolerance] = EQUAL;
     let told = causes
         .iter()
         .map(|(name, left)| format!("{name}, which leaves {left:.1e}"));
     let told: Vec<String> = told.collect();
-    print(NOT_TRIED);
-    print(match told[..] {
-        [] => "\nno change leaves less than a tenth of the difference: see the table of knobs in docs/freefem.md"
-            .to_string(),
-        _ => format!("\nlikely: {}", told.join("; ")),
-    });
-    Ok(ExitCode::SUCCESS)
+    match told[..] {
+        [] if off <= round_off => {
+            format!("the two agree to {off:.1e}, which is round-off: there is no cause to look for")
+        }
+        [] if off <= tolerance => format!(
+            "the two agree to {off:.1e}, within the tolerance of `compare`, {tolerance:e}: no change leaves less than a tenth of that"
+        ),
+        [] => {
+            "no change leaves less than a tenth of the difference: see the table of knobs in docs/freefem.md".into()
+        }
+        _ => format!("likely: {}", told.join("; ")),
+    }
 }
 
 /// All that is tried: what the two results say of themselves first.
@@ -150,12 +185,16 @@ fn row(name: &str, [energy, displacement, force]: &Differences) -> String {
     format!("{name:<28} {energy:>10} {displacement:>12} {force:>10}")
 }
 
-/// The differences of a run from the result, and what the two say of themselves.
-fn tried<const D: usize>(
-    file: &SceneFile,
-    folder: &Path,
-    result: &Path,
-) -> Result<(Differences, Vec<Note>), String>
+/// A run, compared with the result.
+struct Tried {
+    differences: Differences,
+    /// What the two say of themselves.
+    notes: Vec<Note>,
+    is_of_script: bool,
+}
+
+/// The differences of a run from the result.
+fn tried<const D: usize>(file: &SceneFile, folder: &Path, result: &Path) -> Result<Tried, String>
 where
     P1: Element<D>,
     P2: Element<D>,
@@ -181,5 +220,9 @@ where
         Quantity::ContactForce,
     ]
     .map(|quantity| of(&comparison, quantity));
-    Ok((differences, comparison.notes))
+    Ok(Tried {
+        differences,
+        notes: comparison.notes,
+        is_of_script: comparison.b.program == Program::Script,
+    })
 }

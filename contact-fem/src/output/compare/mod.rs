@@ -45,7 +45,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 pub use error::Error;
-use outcome::{Fields, Outcome, Point, finite};
+use outcome::{Fields, Outcome, Peak, Point, finite};
 
 /// Contact forces whose sum is below this share of the largest are opposite.
 const OPPOSITE: f64 = 0.1;
@@ -112,9 +112,11 @@ pub struct Row {
     pub b: Option<f64>,
     /// The size of the difference, if both have it: of a field's difference, not of the sizes.
     pub absolute: Option<f64>,
-    /// The difference over the larger size; of a reaction, over the largest reaction of a body, or over energy by largest
-    /// displacement if that is more. 0 if both are 0.
+    /// The difference over `scale`. 0 if there is no difference.
     pub relative: Option<f64>,
+    /// The larger size; of a reaction, the largest reaction of a body, or energy by largest displacement if that is more. Where a
+    /// recorded run ends less strained than it was before ([`Note::Relieved`]), the largest of the run, if that is more.
+    pub scale: f64,
 }
 
 /// How the nodes were matched.
@@ -152,6 +154,14 @@ pub enum Note {
         a: f64,
         /// B's.
         b: f64,
+    },
+    /// A recorded run ends less strained than it was before. Sizes of that state count as scales of relative differences, and so do the
+    /// largest energy and reaction of all increments.
+    Relieved {
+        /// Whose.
+        side: Side,
+        /// The load factor at which it was strained most.
+        factor: f64,
     },
     /// The contact forces of one are those of the other with the opposite sign.
     OppositeForces,
@@ -293,6 +303,10 @@ pub fn compare(a: &Path, b: &Path) -> Result<Comparison, Error> {
         scalar(&a, &b, Quantity::Seconds, "seconds_total"),
     ]);
     rows.retain(|row| row.a.is_some() || row.b.is_some());
+    for peak in [&a, &b].into_iter().filter_map(|own| own.peak.as_ref()) {
+        let sizes = peak_sizes(peak, a.dimension);
+        rows.iter_mut().for_each(|row| row.scaled(&sizes));
+    }
     let mut notes = notes(&a, &b);
     if are_opposite(&pairs) {
         notes.push(Note::OppositeForces);
@@ -460,6 +474,19 @@ fn reactions(a: &Outcome, b: &Outcome, scale: f64) -> Vec<Row> {
     pairs.into_iter().map(row).collect()
 }
 
+/// The sizes of what a run went through before its end.
+fn peak_sizes(peak: &Peak, dimension: usize) -> BTreeMap<Quantity, f64> {
+    let bodies = peak.bodies.iter();
+    let itself: Vec<(&Fields, Fields)> = bodies.map(|own| (own, own.clone())).collect();
+    let fields = fields(&itself, dimension).into_iter();
+    let sizes = fields.filter_map(|row| Some((row.quantity, row.a?)));
+    let of_all = [
+        (Quantity::Energy, peak.energy),
+        (Quantity::Reaction, peak.reaction),
+    ];
+    sizes.chain(of_all).collect()
+}
+
 /// Energy over displacement, a force: the reactions of a body that is held on two sides may cancel.
 fn force_scale(energy: &Row, fields: &[Row]) -> f64 {
     let size = |row: &Row| row.a.unwrap_or(0.0).abs().max(row.b.unwrap_or(0.0).abs());
@@ -530,21 +557,33 @@ impl Row {
         absolute: Option<f64>,
         size: f64,
     ) -> Self {
-        let relative = |off: f64| if off == 0.0 { 0.0 } else { off / size };
         Row {
             quantity,
             body,
             a,
             b,
             absolute,
-            relative: absolute.map(relative),
+            relative: absolute.map(|off| share(off, size)),
+            scale: size,
         }
+    }
+
+    /// Scales by the size of its quantity among these, if that is larger.
+    fn scaled(&mut self, sizes: &BTreeMap<Quantity, f64>) {
+        let size = sizes.get(&self.quantity).copied().unwrap_or(0.0);
+        self.scale = self.scale.max(size);
+        self.relative = self.absolute.map(|off| share(off, self.scale));
     }
 
     fn of_field(quantity: Quantity, sizes: [Option<f64>; 2], off: Option<f64>) -> Self {
         let size = sizes.iter().flatten().copied().fold(0.0, f64::max);
         Row::new(quantity, None, sizes, off, size)
     }
+}
+
+/// 0 of no difference, whatever its scale is.
+fn share(off: f64, size: f64) -> f64 {
+    if off == 0.0 { 0.0 } else { off / size }
 }
 
 /// What the results say of themselves, as far as it differs.
@@ -572,7 +611,13 @@ fn notes(a: &Outcome, b: &Outcome) -> Vec<Note> {
     };
     let unknown = unknown(Side::A, a).into_iter().chain(unknown(Side::B, b));
     let statuses = status(Side::A, a).into_iter().chain(status(Side::B, b));
-    let all = statuses.chain(increments).chain(tolerances).chain(unknown);
+    let relieved = [(Side::A, a), (Side::B, b)];
+    let relieved = relieved.into_iter().filter_map(|(side, own)| {
+        let factor = own.peak.as_ref()?.factor;
+        Some(Note::Relieved { side, factor })
+    });
+    let all = statuses.chain(increments).chain(tolerances).chain(relieved);
+    let all = all.chain(unknown);
     all.collect()
 }
 

@@ -18,6 +18,19 @@ pub(super) struct Outcome {
     /// How a recorded run ended, if not as it should.
     pub status: Option<String>,
     pub bodies: Vec<Fields>,
+    /// The increment of a recorded run that strains the bodies most, if the last one strains them less.
+    pub peak: Option<Peak>,
+}
+
+/// What a run went through before its end.
+pub(super) struct Peak {
+    /// The load factor at which the bodies are strained most.
+    pub factor: f64,
+    /// The largest |E| and the largest reaction on a body (UF·UL, UF), of all increments.
+    pub energy: f64,
+    pub reaction: f64,
+    /// The fields of the increment.
+    pub bodies: Vec<Fields>,
 }
 
 /// The fields of a body, by its nodes.

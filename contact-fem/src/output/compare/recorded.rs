@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::outcome::{AXES, Fields, Outcome, Point, finite, malformed, text};
+use super::outcome::{AXES, Fields, Outcome, Peak, Point, finite, malformed, text};
 use super::{Error, Program};
 use crate::mesh::read::vtu_arrays::{Piece, Section, pieces};
 
@@ -46,7 +46,8 @@ pub(super) fn read(folder: &Path) -> Result<Outcome, Error> {
         return Err(malformed(&path, why));
     };
     let dimension = first.len();
-    let grid = last_state(folder, &summary)?;
+    let listing = Listing::read(folder, &summary)?;
+    let grid = last_state(&listing, &summary)?;
     Ok(Outcome {
         folder: folder.into(),
         program: Program::Recorded {
@@ -55,11 +56,66 @@ pub(super) fn read(folder: &Path) -> Result<Outcome, Error> {
         dimension,
         bodies: bodies(&grid.0, &grid.1, &summary.bodies)?,
         values: values(&summary),
+        // older runs may lack files, and scale by their last states alone
+        peak: peak(folder, &listing, &summary, dimension),
         status: match summary.status == "complete" {
             true => summary.reason,
             false => Some(summary.reason.unwrap_or(summary.status)),
         },
     })
+}
+
+/// The end strains the bodies by less than this share of the largest stored energy, where an increment before is looked at, too.
+const LESS: f64 = 0.99;
+
+/// The increment with the largest stored energy among those whose fields are there, if the run ends with less.
+fn peak(folder: &Path, listing: &Listing, summary: &Summary, dimension: usize) -> Option<Peak> {
+    let path = folder.join(format!("{}.csv", summary.scene));
+    let steps = steps(&path)?;
+    let value = |step: &BTreeMap<String, f64>, key: &str| step.get(key).copied();
+    let stored = |step: &BTreeMap<String, f64>| value(step, "stored_energy").unwrap_or(0.0);
+    let file = |step: &BTreeMap<String, f64>| {
+        let factor = value(step, "factor")?;
+        let mut all = listing.states.iter();
+        all.find(|(time, _)| (time - factor).abs() <= SAME_TIME)
+    };
+    let with_fields = steps.iter().filter(|step| file(step).is_some());
+    let most = with_fields.max_by(|a, b| stored(a).total_cmp(&stored(b)))?;
+    if stored(steps.last()?) >= LESS * stored(most) {
+        return None;
+    }
+    let reaction = |step: &BTreeMap<String, f64>, body: &String| {
+        let axes = AXES.iter().take(dimension);
+        let components = axes.filter_map(|axis| value(step, &format!("reaction_{body}_{axis}")));
+        components.map(|r| r * r).sum::<f64>().sqrt()
+    };
+    let reactions = steps
+        .iter()
+        .flat_map(|step| summary.bodies.iter().map(move |body| reaction(step, body)));
+    let energies = steps.iter().filter_map(|step| value(step, "energy"));
+    let (factor, file) = file(most)?;
+    let path = folder.join(file);
+    Some(Peak {
+        factor: *factor,
+        energy: energies.map(f64::abs).fold(0.0, f64::max),
+        reaction: reactions.fold(0.0, f64::max),
+        bodies: bodies(&path, &state(&path).ok()?, &summary.bodies).ok()?,
+    })
+}
+
+/// The numbers of the converged increments, by the names of their columns.
+fn steps(path: &Path) -> Option<Vec<BTreeMap<String, f64>>> {
+    let mut table = csv::Reader::from_path(path).ok()?;
+    let names = table.headers().ok()?.clone();
+    let numbers = |line: csv::StringRecord| {
+        let words = names.iter().zip(line.iter());
+        let numbers = words.filter_map(|(name, word)| Some((name.to_string(), word.parse().ok()?)));
+        numbers.collect::<BTreeMap<String, f64>>()
+    };
+    let lines: Option<Vec<_>> = table.records().map(|line| line.ok().map(numbers)).collect();
+    let mut lines = lines?;
+    lines.retain(|line| line.contains_key("increment") && line.contains_key("factor"));
+    Some(lines)
 }
 
 /// The summary under the keys of a script.
@@ -80,41 +136,65 @@ fn values(summary: &Summary) -> BTreeMap<String, f64> {
     values
 }
 
+/// Load factors of one state, written by two programs, differ by less.
+const SAME_TIME: f64 = 1e-12;
+
+/// The states of a series: load factors and files.
+struct Listing {
+    path: PathBuf,
+    states: Vec<(f64, String)>,
+}
+
+impl Listing {
+    fn read(folder: &Path, summary: &Summary) -> Result<Self, Error> {
+        let path = folder.join(format!("{}.pvd", summary.scene));
+        let all = text(&path)?;
+        let state = |line: &str| {
+            let attribute = |name: &str| {
+                let (_, rest) = line.split_once(&format!("{name}=\""))?;
+                rest.split('"').next()
+            };
+            let time = attribute("timestep")?.parse().ok()?;
+            Some((time, attribute("file")?.to_string()))
+        };
+        let lines = all.lines().filter(|line| line.contains("<DataSet"));
+        let states = lines.filter_map(state).collect();
+        Ok(Listing { path, states })
+    }
+}
+
 /// The last file of the series, which must be the state that the summary tells of.
-fn last_state(folder: &Path, summary: &Summary) -> Result<(PathBuf, Piece), Error> {
-    let listing = folder.join(format!("{}.pvd", summary.scene));
-    let all = text(&listing)?;
-    let last = all.lines().rfind(|line| line.contains("<DataSet"));
-    let attribute = |name: &str| {
-        let (_, rest) = last?.split_once(&format!("{name}=\""))?;
-        rest.split('"').next()
-    };
-    let time = attribute("timestep").and_then(|time| time.parse::<f64>().ok());
-    let (Some(file), Some(time)) = (attribute("file"), time) else {
+fn last_state(listing: &Listing, summary: &Summary) -> Result<(PathBuf, Piece), Error> {
+    let Listing { path, states } = listing;
+    let Some((time, file)) = states.last() else {
         return Err(malformed(
-            &listing,
+            path,
             "it lists no state: do the run again with files for ParaView, `vtu-every = 1` in a scene file",
         ));
     };
-    // the two are the same number, written by two programs
-    if (time - summary.load_factor).abs() > 1e-12 {
+    if (time - summary.load_factor).abs() > SAME_TIME {
         let why = format!(
             "the last state is at the load factor {time}, the result at {}: do the run again, which writes its last state",
             summary.load_factor
         );
-        return Err(malformed(&listing, why));
+        return Err(malformed(path, why));
     }
-    let path = folder.join(file);
-    let bytes = std::fs::read(&path).map_err(|source| Error::Unreadable {
-        path: path.clone(),
+    let path = path.with_file_name(file);
+    let state = state(&path)?;
+    Ok((path, state))
+}
+
+/// What a file of the series holds.
+fn state(path: &Path) -> Result<Piece, Error> {
+    let bytes = std::fs::read(path).map_err(|source| Error::Unreadable {
+        path: path.into(),
         source,
     })?;
     let all = pieces(&bytes, |_, _| true)
-        .map_err(|fault| malformed(&path, format!("{}{}", fault.problem, fault.place)))?;
-    match all.into_iter().next() {
-        Some(piece) => Ok((path, piece)),
-        None => Err(malformed(&path, "it has no data")),
-    }
+        .map_err(|fault| malformed(path, format!("{}{}", fault.problem, fault.place)))?;
+    all.into_iter()
+        .next()
+        .ok_or_else(|| malformed(path, "it has no data"))
 }
 
 /// The fields of the bodies, whose nodes follow each other.

@@ -37,6 +37,7 @@ pub(super) fn read(folder: &Path) -> Result<Outcome, Error> {
         values,
         status: None,
         bodies: bodies?,
+        peak: None,
     })
 }
 

@@ -85,6 +85,10 @@ impl Display for Note {
             Note::Unfinished { side, status } => write!(f, "{side}: {status}"),
             Note::Increments { a, b } => write!(f, "{a} increments in A, {b} in B"),
             Note::Tolerances { a, b } => write!(f, "the tolerance is {a:e} in A, {b:e} in B"),
+            Note::Relieved { side, factor } => write!(
+                f,
+                "{side} ends less strained than it was at time {factor}: relative differences are over the largest values of its run"
+            ),
             Note::OppositeForces => f.write_str(
                 "the contact forces of A and B have opposite signs: they are Cᵀλ, that is -C'*lm of ff-Ipopt",
             ),
