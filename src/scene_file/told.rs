@@ -68,7 +68,7 @@ impl SceneFile {
                         "{}: the motion is not along the axis alone: around the axis, it widens, narrows or turns inside out what it moves",
                         place.named()
                     ),
-                    "nothing, if that is meant; otherwise move it along z, the axis, alone",
+                    "leave it as it is if that is meant; otherwise move it along z, the axis, alone",
                 ));
             }
         }

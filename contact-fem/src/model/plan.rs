@@ -98,14 +98,16 @@ impl fmt::Display for ScenePlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bodies: usize = self.groups.iter().map(Vec::len).sum();
         let largest = self.groups.iter().map(Vec::len).max().unwrap_or(0);
-        write!(
-            f,
-            "{}: {} with a law for small strains, {} prescribed as a whole, {} held by supports alone",
-            counted(bodies + self.prescribed.len()),
-            self.linear.len(),
-            self.prescribed.len(),
-            self.held.len(),
-        )?;
+        f.write_str(&counted(bodies + self.prescribed.len()))?;
+        let kinds = [
+            (self.linear.len(), "with a law for small strains"),
+            (self.prescribed.len(), "prescribed at all nodes"),
+            (self.held.len(), "held without contact"),
+        ];
+        let kinds = kinds.into_iter().filter(|(count, _)| *count > 0);
+        kinds
+            .zip([": ", ", ", ", "])
+            .try_for_each(|((count, kind), before)| write!(f, "{before}{count} {kind}"))?;
         match (self.groups.len(), largest) {
             (_, 0 | 1) => f.write_str("; each is solved by itself")?,
             (1, _) => write!(f, "; contact or ties may join {}", counted(largest))?,
@@ -182,7 +184,7 @@ mod tests {
         assert_eq!(plan.held, [base, tool, beside]);
         assert_eq!(plan.linear, [base]);
         assert_eq!(plan.prescribed, [tool]);
-        let told = "4 bodies: 1 with a law for small strains, 1 prescribed as a whole, 3 held by supports alone; contact or ties may \
+        let told = "4 bodies: 1 with a law for small strains, 1 prescribed at all nodes, 3 held without contact; contact or ties may \
                     join 3 bodies to 2 groups, of 2 bodies at most";
         assert_eq!(plan.to_string(), told);
     }

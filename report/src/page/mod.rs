@@ -197,7 +197,7 @@ const INTRODUCTION: &str = "<p>What accuracy costs with this library: benchmark 
     integration, the paper's methods (7), (37) and (39), the library's default solver, fixed-point variants and tolerances. Every result on this \
     page is computed anew by the command that writes it, except FreeFEM's results, which are stored; every run is a process of its own with one thread, one at a \
     time, and time counts from building the mesh to the last converged load step. Errors are relative. The broad line \
-    joins the runs that no other beats in both cost and error.</p>\n";
+    joins the best runs: every other run costs more than one of them or has a larger error.</p>\n";
 
 const FREEFEM: Look = Look {
     colour: 8,

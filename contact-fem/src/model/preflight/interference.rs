@@ -26,20 +26,20 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
             let note = note.at(&found.x).measured(found.depth, tolerance);
             let (becomes, remedy) = match setup.scene.initial_gaps {
                 _ if setup.contact.lets_through([a, b], 0.0) => (
-                    "where their contact begins to count, what is left of it is pushed out if it is within a fifth of the facets",
-                    "nothing, if they are apart by then; otherwise move the bodies apart",
+                    "where their contact begins to count, the load pushes the bodies apart if the rest of the overlap is within a fifth of the facets",
+                    "leave the bodies there if they are apart by then; otherwise move them apart",
                 ),
                 InitialGaps::Refuse => (
-                    "the first load step pushes it out",
-                    "nothing, if chords of curved surfaces overlap so; otherwise move the bodies apart",
+                    "the first load step pushes the bodies apart",
+                    "leave the bodies there if only chords of curved surfaces overlap; otherwise move them apart",
                 ),
                 InitialGaps::Resolve => (
-                    "the load pushes it out",
-                    "nothing, for an interference fit; otherwise move the bodies apart",
+                    "the load pushes the bodies apart step by step",
+                    "leave the bodies there if an interference fit is meant; otherwise move them apart",
                 ),
                 InitialGaps::Adjust => (
-                    "it stays, and causes no force",
-                    "nothing, if the bodies are to touch there; otherwise move them apart",
+                    "the overlap stays and causes no force",
+                    "leave the bodies there if they are to touch; otherwise move them apart",
                 ),
             };
             report.add(note.says(

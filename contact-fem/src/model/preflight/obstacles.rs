@@ -46,7 +46,7 @@ fn rings<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
                 format!(
                     "the centre of obstacle `{name}` is beside the axis, at r = {radius:.3e}: around the axis it is a ring, and no ball"
                 ),
-                "nothing, if a ring is meant; otherwise put the centre on the axis, r = 0",
+                "leave it there if a ring is meant; otherwise put the centre on the axis, r = 0",
             ));
         }
         if obstacle.leaves_axis() {
@@ -55,7 +55,7 @@ fn rings<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
                     "obstacle `{name}` does not move along the axis alone: around the axis it widens, narrows or turns inside out, as no \
                      rigid tool does"
                 ),
-                "nothing, if that is meant; otherwise move it along z, the axis, alone",
+                "leave it as it is if that is meant; otherwise move it along z, the axis, alone",
             ));
         }
     }
@@ -156,10 +156,10 @@ fn started_inside<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         let note = Finding::new(Severity::Note, kind, &[body, obstacle]).at(&overlap.at);
         let is_later = setup.contact.lets_through(overlap.bodies, 0.0);
         let becomes = match setup.scene.initial_gaps {
-            _ if is_later => "what is left of it is pushed out where the obstacle begins to count",
-            InitialGaps::Refuse => "the first load step pushes it out",
-            InitialGaps::Resolve => "the load pushes it out",
-            InitialGaps::Adjust => "it stays, and causes no force",
+            _ if is_later => "where the obstacle begins to count, it pushes the body out",
+            InitialGaps::Refuse => "the first load step pushes the body out",
+            InitialGaps::Resolve => "the load pushes the body out step by step",
+            InitialGaps::Adjust => "the overlap stays and causes no force",
         };
         let note = note.measured(overlap.depth, tolerance(setup, &overlap));
         report.add(note.says(
@@ -167,7 +167,7 @@ fn started_inside<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
                 "body `{body}` starts {:.3e} inside obstacle `{obstacle}`; {becomes}",
                 overlap.depth
             ),
-            "nothing, if chords of curved surfaces overlap so or if it is meant; otherwise move one of them",
+            "leave the two there if an interference fit is meant, or if only chords of curved surfaces overlap; otherwise move one of them",
         ));
     }
 }

@@ -82,6 +82,8 @@ fn note_motions<const D: usize>(
         1 => "",
         _ => " and what is tied to it",
     };
+    let mut parts = cluster.parts.iter();
+    let has_forces = parts.any(|(body, _)| scene.bodies()[*body].largest().1 > 0.0);
     let loose = resisted::unresisted(cluster, scene, pairs);
     let held: Vec<String> = motions
         .iter()
@@ -107,7 +109,12 @@ fn note_motions<const D: usize>(
         FindingKind::HeldByContact,
         &held,
         "only contact holds",
-        "prescribe a displacement if the body may lose this contact",
+        match has_forces {
+            true => {
+                "leave it so if its forces press it against what it touches; otherwise prescribe displacements in place of forces"
+            }
+            false => "leave it so if it stays in contact; otherwise support these motions, too",
+        },
     );
 }
 

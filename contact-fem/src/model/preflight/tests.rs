@@ -155,6 +155,27 @@ fn motions_that_are_free_or_held_by_contact() {
             .ends_with("`upper`: translation x, translation y, rotation"),
         "{found}"
     );
+    assert!(
+        found
+            .remedy
+            .contains("prescribe displacements in place of forces"),
+        "{found}"
+    );
+    // between two bodies whose displacements are prescribed
+    let mut between = Scene::new();
+    let lower = between.add("lower", held(unit(0.0), linear()));
+    let middle = between.add("middle", Body::new(unit(1.0), linear()));
+    let tool = between.add("tool", pushed(unit(2.0), linear(), [0.0, -0.01]));
+    for (below, above) in [(&lower, &middle), (&middle, &tool)] {
+        between
+            .contact(below.on("top"), above.on("bottom"))
+            .expect("a pair");
+    }
+    let found = of(&between, FindingKind::HeldByContact);
+    assert_eq!(
+        found[0].remedy,
+        "leave it so if it stays in contact; otherwise support these motions, too"
+    );
 
     let roller = |held_at: &[usize]| {
         let mut body = Body::new(unit(0.0), linear());

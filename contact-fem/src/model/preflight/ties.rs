@@ -28,7 +28,7 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
                  gap, so that a rotation stretches what is tied by about the gap times its angle",
                 tied.distance
             ),
-            "nothing, if chords of curved surfaces are apart so and rotations are small; otherwise move the bodies to each \
+            "leave the bodies there if only chords of curved surfaces are apart and rotations are small; otherwise move the bodies to each \
              other, or refine the surfaces",
         ));
     }
