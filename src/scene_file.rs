@@ -36,6 +36,7 @@
 mod bodies;
 mod changes;
 mod contact;
+mod hints;
 mod keys;
 mod laws;
 mod meshes;
@@ -45,6 +46,7 @@ mod program;
 mod record;
 mod rounds;
 mod run;
+mod tables;
 mod told;
 mod words;
 
@@ -78,8 +80,13 @@ pub enum Error {
         source: std::io::Error,
     },
     /// No TOML, or keys and values that a scene does not have.
-    #[error("the scene file: {}", words::of_keys(&.0.to_string()))]
-    Text(#[from] toml::de::Error),
+    #[error("the scene file: {told}")]
+    Text {
+        /// The place, what is wrong there, and what may be meant.
+        told: String,
+        /// What the parser says.
+        source: toml::de::Error,
+    },
     /// A part of the scene whose values do not fit together.
     #[error("{part}: {what}")]
     Part {
@@ -96,6 +103,16 @@ pub enum Error {
         /// Why.
         source: Box<contact_fem::Error>,
     },
+}
+
+impl Error {
+    /// A text that is no TOML or no scene.
+    fn no_scene(text: &str, source: toml::de::Error) -> Self {
+        Error::Text {
+            told: hints::told_with_hint(text, &source),
+            source,
+        }
+    }
 }
 
 /// More bytes than this are no scene: meshes are files of their own.
@@ -153,7 +170,7 @@ impl SceneFile {
     /// # Errors
     /// No TOML, an unknown key, a key that is missing, a value of the wrong kind, a number that is not finite.
     pub fn parse(text: &str, folder: impl Into<PathBuf>) -> Result<Self, Error> {
-        let keys = toml::from_str(text)?;
+        let keys = toml::from_str(text).map_err(|why| Error::no_scene(text, why))?;
         place::check_numbers(text)?;
         Ok(SceneFile {
             folder: folder.into(),
@@ -173,17 +190,25 @@ impl SceneFile {
         }
     }
 
-    /// The dimension of the first body's mesh.
+    /// The dimension of the first body's mesh, 2 or 3.
     ///
     /// # Errors
-    /// A file without a body, or whose mesh cannot be read.
+    /// A file without a body, or whose mesh cannot be read, or has neither triangles nor tetrahedra.
     pub fn dimension(&self) -> Result<usize, Error> {
         let Some(first) = self.keys.body.first() else {
             let what = "it has no body: add `[[body]]`";
             return Err(self.place().wrong(what));
         };
         let at = self.body_place(0).key("mesh");
-        first.mesh.dimension(&at, &self.folder)
+        match first.mesh.dimension(&at, &self.folder)? {
+            dimension @ (2 | 3) => Ok(dimension),
+            dimension => {
+                let file = first.mesh.file().unwrap_or(Path::new("")).display();
+                Err(at.wrong(format!(
+                    "`{file}` has no cells of a dimension above {dimension}: give a mesh of triangles or tetrahedra"
+                )))
+            }
+        }
     }
 
     fn place(&self) -> Place<'_> {

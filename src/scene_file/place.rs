@@ -1,11 +1,12 @@
 //! Places in a scene file, which errors name by part, line and key.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{Error, in_keys};
+use super::{Error, hints, in_keys};
 
 /// A part of a scene file, or a key in it.
 #[derive(Clone, Debug)]
@@ -89,9 +90,13 @@ impl<'a> Place<'a> {
 
     /// As many components as the space has dimensions.
     pub(super) fn vector<const D: usize>(&self, values: &[f64]) -> Result<[f64; D], Error> {
-        values
-            .try_into()
-            .map_err(|_| self.wrong(format!("has {} components and needs {D}", values.len())))
+        values.try_into().map_err(|_| {
+            let what = format!("has {} components and needs {D}", values.len());
+            self.wrong(match hints::decimal_comma_in_list(self.source()) {
+                Some(hint) if values.len() > D => format!("{what}: {hint}"),
+                _ => what,
+            })
+        })
     }
 
     /// The part, the line, and the key with those that lead to it; of the file as a whole its name alone.
@@ -113,7 +118,12 @@ impl<'a> Place<'a> {
 
     /// The line on which it begins, or what it would be in.
     pub(super) fn line(&self) -> usize {
-        self.found().0
+        line_of(self.text, self.found().0.start)
+    }
+
+    /// Its text, or that of what it would be in.
+    fn source(&self) -> &str {
+        self.text.get(self.found().0).unwrap_or_default()
     }
 
     /// Whether the file has it.
@@ -121,9 +131,9 @@ impl<'a> Place<'a> {
         self.found().1
     }
 
-    /// The line on which it begins, or what it would be in, and whether it is there.
-    fn found(&self) -> (usize, bool) {
-        let (mut at, mut is_there) = (0, false);
+    /// The bytes of it, or of what it would be in, and whether it is there.
+    fn found(&self) -> (Range<usize>, bool) {
+        let (mut at, mut is_there) = (0..0, false);
         // the text was parsed before
         if let Ok(table) = DeTable::parse(self.text) {
             let top = DeValue::Table(table.into_inner());
@@ -141,12 +151,12 @@ impl<'a> Place<'a> {
                 };
                 // arrays of tables have no place of their own
                 if next.span().end > 0 {
-                    at = next.span().start;
+                    at = next.span();
                 }
                 value = next.get_ref();
             }
         }
-        (line_of(self.text, at), is_there)
+        (at, is_there)
     }
 }
 
@@ -206,6 +216,6 @@ pub(super) fn check_numbers(text: &str) -> Result<(), Error> {
     }
     match DeTable::parse(text) {
         Ok(table) => inner(text, &mut Vec::new(), table.get_ref()),
-        Err(why) => Err(why.into()),
+        Err(why) => Err(Error::no_scene(text, why)),
     }
 }

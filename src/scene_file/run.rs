@@ -17,7 +17,7 @@ use serde::Deserialize;
 
 use super::keys::{Combine, Formulation, Keys, OptionKeys, OutputKeys};
 use super::meshes::MeshKeys;
-use super::{Error, SceneFile};
+use super::{Error, SceneFile, hints};
 
 /// How a load is solved.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
@@ -361,15 +361,22 @@ impl SceneFile {
         let made = any.map_err(|why| why.to_string());
         let made = made.and_then(|any| {
             let solver = ipopt::Solver::new(any, &options);
-            solver.map(drop).map_err(|why| why.to_string())
+            let solver = solver.and_then(|_| ipopt::doctor::check_linear_solver(&options));
+            solver.map_err(|why| why.to_string())
         });
         made.map_err(|why| {
             let at = self.place().key("ipopt");
             // the option that it names
             let own = self.keys.ipopt.keys();
             let own = own.filter(|name| why.contains(&format!("`{name}`"))).max();
-            own.map_or(at.clone(), |name| at.key(name.clone()))
-                .wrong(why)
+            let Some(name) = own else {
+                return at.wrong(why);
+            };
+            let elsewhere = hints::elsewhere(&self.text, name, &["ipopt".into()]);
+            at.key(name.clone()).wrong(match elsewhere {
+                Some(hint) if why.contains("has no option") => format!("{why}\n{hint}"),
+                _ => why,
+            })
         })?;
         Ok(options)
     }

@@ -4,6 +4,7 @@
 mod accuracy;
 mod compare;
 mod endings;
+mod hints;
 #[cfg(unix)]
 mod interrupt;
 mod page;

@@ -8,6 +8,8 @@ use ipopt_contact::contact_fem::output::compare::{
 };
 use ipopt_contact::contact_fem::output::record::print;
 
+use crate::help;
+
 /// What the command line asks for.
 #[derive(Debug, PartialEq)]
 struct Request {
@@ -37,13 +39,17 @@ fn request(arguments: &[String]) -> Result<Request, String> {
                 asked.extend(tolerate(&mut tolerances, &value.unwrap_or_default())?);
             }
             _ if name.starts_with('-') => {
-                return Err(format!("compare has no option {name}"));
+                let see = help::see("compare");
+                return Err(format!("compare has no option {name}: {see}"));
             }
             _ => folders.push(word.clone()),
         }
     }
     let folders = folders.try_into();
-    let folders = folders.map_err(|_| "compare needs two folders")?;
+    let folders = folders.map_err(|given: Vec<String>| {
+        let (count, see) = (given.len(), help::see("compare"));
+        format!("compare needs two folders, and {count} are given: {see}")
+    })?;
     Ok(Request {
         folders,
         tolerances,

@@ -11,7 +11,7 @@ use crate::{Words, solve::write};
 
 /// Writes `u_BODY.txt` and `f_BODY.txt`.
 pub fn command(words: &[String]) -> Result<ExitCode, String> {
-    let words = Words::parse(words, &["nodes", "out"], &[])?;
+    let words = Words::parse("fields", words, &["nodes", "out"], &[])?;
     let result = Path::new(words.only("one folder of a result")?);
     let out = Path::new(words.needed("out")?);
     let order = nodes_of(Path::new(words.needed("nodes")?));

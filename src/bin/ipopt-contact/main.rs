@@ -5,44 +5,13 @@ mod accuracy;
 mod causes;
 mod compare;
 mod fields;
+mod help;
 mod run;
 mod solve;
 
 use std::process::ExitCode;
 
 use ipopt_contact::contact_fem::output::record::{exit, print};
-
-const USAGE: &str = "\
-Contact problems from files, without a line of Rust (docs/scene_files.md, docs/freefem.md)
-
-usage:
-  ipopt-contact run SCENE.toml --out DIR [--solver NAME] [--literal] [--increments N] [--start DIR]
-                    [--resume]
-  ipopt-contact run SCENE.toml --out DIR --accuracy 1% [--seconds S] [--path] [--solver NAME] [--increments N]
-  ipopt-contact run SCENE.toml --check [--solver NAME]
-      Solves the scene in a file and records the run in a folder. It starts from rest, or from the result in a folder.
-      --accuracy refines the meshes until the estimated error is at most this share of the energy norm, or until another mesh would take
-      more than S seconds in all (600). All increments are walked on the first mesh; finer ones begin at its end, unless --path is given. DIR has a folder for each mesh, and the error against the time (docs/error.md).
-      --resume keeps the solver's answers in DIR/run.resume, and goes on where an earlier run with it ended.
-      --check prints what is wrong with the scene, or may not be meant, and solves nothing.
-      --literal does what the paper's script does: its points, stopping rule and settings of Ipopt, and nothing else.
-  ipopt-contact solve DIR --out DIR
-      Solves the matrices that a script of FreeFEM has left in a folder.
-  ipopt-contact compare A B [--tolerance [QUANTITY=]VALUE]...
-      Compares two results: folders of recorded runs, of `solve`, or of scripts of FreeFEM. A tolerance is the largest
-      relative difference, 1e-6 by default, of all quantities or of one: energy, reaction, displacement, force or
-      pressure. Iterations and seconds are shown only.
-  ipopt-contact causes SCENE.toml RESULT --out DIR
-      Solves the scene as it is and with one thing otherwise at a time (points, passes, geometry, tolerance, increments,
-      straight sides), compares each with a result, and tells which change brings them together.
-  ipopt-contact fields RESULT --nodes DIR --out DIR
-      Writes the displacements and contact forces of a result for `file >> u[]` in FreeFEM, in the order of the files
-      `nodes_BODY.txt` of a folder.
-  ipopt-contact --version
-      Prints the version.
-
-exit codes: 0 done, of compare all within the tolerances; 1 not converged, of compare some beyond or a result not complete, of --check warnings; 2 error;
-3 of run a certificate that does not hold; 130 stopped";
 
 fn main() -> ExitCode {
     let arguments = std::env::args_os().skip(1);
@@ -55,7 +24,7 @@ fn main() -> ExitCode {
     };
     let asks = |word: &String| word == "--help" || word == "-h";
     if arguments.iter().any(asks) {
-        print(USAGE);
+        print(help::of(arguments.first().map(String::as_str)));
         return ExitCode::SUCCESS;
     }
     if matches!(
@@ -66,7 +35,8 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let Some((command, words)) = arguments.split_first() else {
-        return exit::<ExitCode>(Err(format!("a command is missing\n\n{USAGE}")));
+        let why = format!("a command is missing: take {}", help::commands());
+        return exit::<ExitCode>(Err(why));
     };
     exit(match command.as_str() {
         "causes" => causes::command(words),
@@ -74,19 +44,28 @@ fn main() -> ExitCode {
         "run" => run::command(words),
         "solve" => solve::command(words),
         "fields" => fields::command(words),
-        _ => Err(format!("there is no command {command}\n\n{USAGE}")),
+        _ => Err(format!(
+            "there is no command {command}: take {}",
+            help::commands()
+        )),
     })
 }
 
 /// The words of a command: those without a name, and the values of options, each of which is given once at most.
 struct Words {
+    command: &'static str,
     plain: Vec<String>,
     options: Vec<(String, String)>,
 }
 
 impl Words {
     /// `known` have a value each, `flags` have none.
-    fn parse(words: &[String], known: &[&str], flags: &[&str]) -> Result<Self, String> {
+    fn parse(
+        command: &'static str,
+        words: &[String],
+        known: &[&str],
+        flags: &[&str],
+    ) -> Result<Self, String> {
         let (mut plain, mut options) = (Vec::new(), Vec::<(String, String)>::new());
         let mut words = words.iter();
         while let Some(word) = words.next() {
@@ -100,7 +79,8 @@ impl Words {
             };
             let is_flag = flags.contains(&name);
             if !known.contains(&name) && !is_flag {
-                return Err(format!("there is no option --{name}\n\n{USAGE}"));
+                let see = help::see(command);
+                return Err(format!("{command} has no option --{name}: {see}"));
             }
             if options.iter().any(|(other, _)| other == name) {
                 return Err(format!("--{name} is given twice"));
@@ -115,14 +95,23 @@ impl Words {
             let value = value.ok_or_else(|| format!("--{name} needs a value"))?;
             options.push((name.to_string(), value));
         }
-        Ok(Words { plain, options })
+        Ok(Words {
+            command,
+            plain,
+            options,
+        })
     }
 
     /// The one word without a name.
     fn only(&self, what: &str) -> Result<&str, String> {
         match &self.plain[..] {
             [word] => Ok(word),
-            _ => Err(format!("give {what}\n\n{USAGE}")),
+            given => {
+                let (command, count, see) = (self.command, given.len(), help::see(self.command));
+                Err(format!(
+                    "{command} needs {what}, and {count} are given: {see}"
+                ))
+            }
         }
     }
 
@@ -134,7 +123,7 @@ impl Words {
 
     fn needed(&self, name: &str) -> Result<&str, String> {
         let value = self.option(name);
-        value.ok_or_else(|| format!("--{name} is missing\n\n{USAGE}"))
+        value.ok_or_else(|| format!("--{name} is missing: {}", help::see(self.command)))
     }
 }
 
@@ -144,7 +133,7 @@ mod tests {
 
     fn parsed(line: &str) -> Result<Words, String> {
         let words: Vec<String> = line.split_whitespace().map(String::from).collect();
-        Words::parse(&words, &["out", "start"], &["literal"])
+        Words::parse("run", &words, &["out", "start"], &["literal"])
     }
 
     #[test]

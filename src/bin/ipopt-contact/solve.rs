@@ -14,7 +14,7 @@ use crate::Words;
 
 /// Solves the problem in a folder and writes its result as a script would.
 pub fn command(words: &[String]) -> Result<ExitCode, String> {
-    let words = Words::parse(words, &["out"], &[])?;
+    let words = Words::parse("solve", words, &["out"], &[])?;
     let folder = Path::new(words.only("one folder of matrices")?);
     let out = Path::new(words.needed("out")?);
     if same(folder, out) {
