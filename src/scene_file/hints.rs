@@ -184,7 +184,7 @@ fn syntax(text: &str, span: &Range<usize>) -> Option<String> {
     }
     let column = at - text[..at].rfind('\n').map_or(0, |k| k + 1);
     let (before, behind) = line.split_at_checked(column)?;
-    if behind.starts_with(':') {
+    if behind.starts_with(':') || before.trim_end().ends_with(':') {
         return Some("`:` is no sign of TOML: write `=` between a key and its value".into());
     }
     let is_around = |c: char| c.is_whitespace() || "=,[]{}#".contains(c);

@@ -537,7 +537,8 @@ on = [["block", "bottom"]]
     ] {
         let row = row(&comparison, quantity);
         assert!((row.scale / scale - 1.0).abs() < 1e-6, "{comparison}");
-        assert!(row.relative < Some(1e-6), "{comparison}");
+        // of the sizes at rest it would be 1
+        assert!(row.relative < Some(1e-3), "{comparison}");
     }
     let told = comparison.to_string();
     let note = "note: B ends less strained than it was at time 1: relative differences are over the largest values of its run";

@@ -169,8 +169,8 @@ const SLIPS: [(&str, &str, &str); 40] = [
         "`obstacle` is a list: write `[[obstacle]]` for each entry",
     ),
     (
-        "[[obstacle]]",
-        "[obstacle.ball]\ncentre = [0, 0]\n[body]",
+        "[[obstacle]]\nname = \"floor\"\nhalf-space = { point = [0, 0], normal = [0, 1] }\non = [[\"block\", \"bottom\"]]\n",
+        "[obstacle.ball]\ncentre = [0, 0]\n",
         "`obstacle` is a list: write `[[obstacle]]` above `[obstacle.ball]`",
     ),
     (
