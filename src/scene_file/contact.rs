@@ -5,6 +5,7 @@ use contact_fem::model::{BodyId, Passes, Side, Tie, TiedSlave};
 
 use super::keys::{ContactKeys, PassKeys, SideKeys, TiedSlaveKeys};
 use super::place::Place;
+use super::program::amplitude;
 use super::{Error, SceneFile};
 
 /// The bodies of a scene by name.

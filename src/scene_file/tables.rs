@@ -8,8 +8,8 @@ use serde::forward_to_deserialize_any;
 
 use super::keys::{
     Ball, BodyKeys, ContactKeys, Cuboid, CurvedKeys, Cylinder, ForceKeys, FoundationKeys,
-    HalfSpace, Keys, MotionKeys, NormalKeys, ObstacleKeys, OutputKeys, PhaseKeys, PressureKeys,
-    ReactionKeys, RegionKeys, SmoothKeys, SupportKeys, TieKeys, TractionKeys,
+    HalfSpace, Keys, MotionKeys, ObstacleKeys, OutputKeys, PhaseKeys, PressureKeys, ReactionKeys,
+    RegionKeys, SupportKeys, TieKeys, TractionKeys,
 };
 use super::meshes::{
     AnnulusKeys, CuboidGradedKeys, CuboidKeys, CylinderKeys, DiscKeys, EquilateralDiscKeys,
@@ -67,8 +67,6 @@ pub(super) fn tables() -> Vec<Table> {
         of::<Ball>("ball", "obstacle"),
         of::<Cylinder>("cylinder", "obstacle"),
         of::<Cuboid>("cuboid", "obstacle"),
-        of::<NormalKeys>("normal", "boundaries"),
-        of::<SmoothKeys>("smooth", "boundaries"),
         of::<RectangleKeys>("rectangle", "mesh"),
         of::<AnnulusKeys>("annulus", "mesh"),
         of::<DiscKeys>("disc", "mesh"),
