@@ -79,6 +79,7 @@ fn run(arguments: &Arguments) -> Result<Recorded<2>, Failure> {
     let mut simulation = arguments.options.simulation(100)?;
     let mut recording = arguments.options.record(&mut simulation, "disc_in_disc");
     recording.plan.own_files = vec!["force.svg".into()];
+    recording.plan.force_picture = String::new();
     let picture = recording.plan.folder.join("force.svg");
     let recorded = recording.force(force).run(&mut problem)?;
 

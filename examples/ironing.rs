@@ -86,6 +86,7 @@ fn run(arguments: &Arguments) -> Result<Recorded<2>, Failure> {
     simulation.load_steps.phases = ironing::phases(slide.div_ceil(5), slide).to_vec();
     let mut recording = arguments.options.record(&mut simulation, "ironing");
     recording.plan.own_files = vec!["force.svg".into()];
+    recording.plan.force_picture = String::new();
     let picture = recording.plan.folder.join("force.svg");
     let recorded = recording
         .force(|record| ironing::force(record).norm())

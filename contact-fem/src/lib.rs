@@ -3,7 +3,7 @@
 //!
 //! The space dimension `D` (2: plane strain, plane stress or bodies of revolution; 3) is a const generic throughout; a scene in the
 //! plane instantiates no code for space. Any consistent units work: UF for force, UL for length;
-//! plane energies and forces are per unit thickness, those of bodies of revolution of the whole circumference.
+//! plane energies and forces are those of a slice of thickness 1 UL, those of bodies of revolution of the whole circumference.
 //!
 //! The names follow the paper: `X` reference and `x = X + u` current position, `F = I + ∇u`,
 //! `J = det F`, `P = ∂ψ/∂F`. *Slave* and *master* are roles within one pass only, since every pair

@@ -41,7 +41,7 @@ pub struct StepRecord<const D: usize> {
     pub pairs: Vec<PairRecord<D>>,
     /// What each tie transmits, in the order of declaration.
     pub ties: Vec<TieRecord<D>>,
-    /// The smallest and the largest contact pressure at the nodes of all contact surfaces (UF/UL or UF/UL²); zero without such
+    /// The smallest and the largest contact pressure at the nodes of all contact surfaces (UF/UL²); zero without such
     /// surfaces.
     pub pressures: [f64; 2],
     /// The smallest volume ratio at the quadrature points of all assembled cells; `+∞` for small-strain laws.

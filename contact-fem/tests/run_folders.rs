@@ -178,6 +178,33 @@ fn the_pressure_is_drawn_where_bodies_meet() {
     }
 }
 
+/// Three steps and a force make a picture of it, under the name that the plan gives.
+#[test]
+fn the_force_is_drawn_where_there_is_one() {
+    let folder = fresh("force");
+    for (increments, name, is_drawn) in [
+        (2, "force.svg", false),
+        (3, "force.svg", true),
+        (3, "reaction.svg", true),
+        (3, "", false),
+    ] {
+        let mut simulation = Simulation::with_increments(increments);
+        let mut recording = quiet(simulation.record(&folder));
+        recording.plan.force_picture = name.into();
+        recording.run(&mut block(0.1)).expect("a run");
+        check_ended(&folder, "complete", increments + 1);
+        let files = files(&folder);
+        let pictures = ["meshes.svg"].into_iter().chain(is_drawn.then_some(name));
+        let mut pictures: Vec<&str> = pictures.collect();
+        pictures.sort_unstable();
+        assert_eq!(ending(&files, ".svg"), pictures, "{increments} {name}");
+        if is_drawn {
+            let text = String::from_utf8_lossy(&files[name]);
+            assert!(text.contains("reaction (UF)") && text.contains("time (load factor)"));
+        }
+    }
+}
+
 #[test]
 fn a_second_run_is_refused_and_disturbs_nothing() {
     let folder = fresh("in_use");
@@ -348,6 +375,8 @@ fn names_that_leave_the_folder_are_refused_before_anything_is_touched() {
         set(&|plan| plan.own_files = vec![name.into()]);
     }
     set(&|plan| plan.picture = "pressure.svg".into());
+    set(&|plan| plan.force_picture = "pressure.svg".into());
+    set(&|plan| plan.own_files = vec!["force.svg".into()]);
     set(&|plan| plan.own_files = vec!["meshes.svg".into()]);
     assert!(before == files(&folder));
 }

@@ -117,7 +117,7 @@ def solve(scene, mesh, setting):
     run = subprocess.run([PROGRAM, "run", str(path), "--out", str(out)], capture_output=True, text=True, timeout=LIMIT)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    files = sorted(out.glob("run_*.vtu"))
+    files = sorted(out.glob("run_[0-9]*.vtu"))
     if run.returncode not in (0, 3) or not files:
         return {"cpu": spent, "unknowns": None, "failure": (run.stderr or run.stdout).strip()[-300:], "values": None}
     summary = json.loads((out / "summary.json").read_text())

@@ -168,6 +168,13 @@ impl<const D: usize> ClosedSurface<D> {
         Self::new(nodes, facets.collect())
     }
 
+    /// The corners of each facet.
+    #[cfg(any(feature = "plot", feature = "vtk"))]
+    pub fn facets(&self) -> impl Iterator<Item = [Vector<D>; D]> {
+        let corners = |facet: &[usize; D]| facet.map(|a| self.nodes[a]);
+        self.facets.iter().map(corners)
+    }
+
     /// The number of facets.
     pub fn len(&self) -> usize {
         self.facets.len()

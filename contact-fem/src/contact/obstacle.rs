@@ -3,6 +3,9 @@
 //! The gap of a point is the signed distance d there, its normal n = ∇d, and ∇²d tells how the normal turns as the
 //! point moves. Rows on an obstacle are those of a pass whose master has no nodes.
 
+#[cfg(any(feature = "plot", feature = "vtk"))]
+pub(crate) mod outline;
+
 use std::fmt;
 use std::path::Path;
 use std::sync::Arc;

@@ -66,7 +66,7 @@ type Motion = SVector<f64, 6>;
 type Motions = SMatrix<f64, 6, 6>;
 
 impl<const D: usize> Pressed<'_, D> {
-    /// The pressure at the nodes (UF/UL or UF/UL², of the area where contact is searched). It is nowhere negative there, zero at
+    /// The pressure at the nodes (UF/UL², of the area where contact is searched). It is nowhere negative there, zero at
     /// nodes without a contact force, and grows from zero where a force begins. If the forces are those of a constant pressure on a
     /// smooth surface and the surfaces touch, it is that one. Its
     /// own nodal forces, p_a ∫ N_a n ds, have the resultant and the moment of the forces' components along the normals, and of what

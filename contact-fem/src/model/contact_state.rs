@@ -54,7 +54,7 @@ pub struct PairSide<const D: usize> {
     /// The gaps to the other surface (UL), positive = open, less what [`InitialGaps`](super::InitialGaps) grants; `None` where no
     /// point of the other surface counts, and on surfaces further apart than displacements could close.
     pub gaps: Vec<Option<f64>>,
-    /// The pressure of the pair (UF/UL or UF/UL²), see [`Problem::pressures`]; where other pairs press on the same facets, the part of
+    /// The pressure of the pair (UF/UL²), see [`Problem::pressures`]; where other pairs press on the same facets, the part of
     /// it that the pair has of the forces.
     pub pressures: Vec<f64>,
 }
@@ -204,7 +204,7 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    /// The contact pressure at the nodes of each surface (UF/UL or UF/UL², ≥ 0), of all pairs of the surface. It is a force per area
+    /// The contact pressure at the nodes of each surface (UF/UL², ≥ 0), of all pairs of the surface. It is a force per area
     /// where contact is searched: the current one, or for [`Geometry::Reference`](super::Geometry::Reference) the undeformed one. It is
     /// the field of [`Pressed::pressures`](pressure::Pressed::pressures), which pulls at no node and keeps the resultant of the nodal
     /// forces as far as pressures can: an arc bears no moment about its centre.
@@ -247,7 +247,7 @@ impl<const D: usize> Problem<D> {
             .collect()
     }
 
-    /// The consistent contact pressure at the nodes of each surface (UF/UL or UF/UL² of the undeformed area, compression positive):
+    /// The consistent contact pressure at the nodes of each surface (UF/UL² of the undeformed area, compression positive):
     /// the field of test functions whose nodal forces are those of all passes of the surface, and its component along the
     /// normals. It may be negative where the forces of the two passes do not belong to such a field.
     ///

@@ -22,6 +22,8 @@ use super::{BodyId, Finding, Geometry, InitialGaps, Scene, scale};
 use crate::assembly::{BodyEnergy, Dof, DofMap};
 use crate::audit::Audit;
 use crate::contact::{Pass, Surface};
+#[cfg(any(feature = "plot", feature = "vtk"))]
+use crate::program::Pose;
 use crate::tensor::Vector;
 
 /// The contact problem of a scene at one load: energy over the free dofs of all bodies, and the
@@ -231,6 +233,17 @@ impl<const D: usize> Problem<D> {
     /// The obstacle of a pass, by its number; `None` of a pass between surfaces.
     pub fn obstacle_of(&self, pass: Pass) -> Option<usize> {
         self.contact.obstacle_of(pass).map(|(index, _)| index)
+    }
+
+    /// The obstacles that count at a load factor, with their numbers and where their motion has taken them.
+    #[cfg(any(feature = "plot", feature = "vtk"))]
+    pub(crate) fn obstacles_at(
+        &self,
+        load: f64,
+    ) -> impl Iterator<Item = (usize, &crate::Obstacle<D>, Pose<D>)> {
+        let all = self.scene.obstacles().iter().enumerate();
+        let present = all.filter(move |(index, _)| self.scene.obstacle_counts_at(*index, load));
+        present.map(move |(index, obstacle)| (index, obstacle, obstacle.pose(load)))
     }
 
     /// The bodies of slave and master, by their numbers; obstacles are numbered after the bodies.

@@ -461,6 +461,14 @@ impl<const D: usize> Scene<D> {
         first
     }
 
+    /// Whether contact with an obstacle counts at a load factor.
+    #[cfg(any(feature = "plot", feature = "vtk"))]
+    pub(crate) fn obstacle_counts_at(&self, obstacle: usize, load: f64) -> bool {
+        let of_it = |what: &Switched| *what == Switched::Obstacle(obstacle);
+        let mut own = self.switched.iter().filter(|(what, _)| of_it(what));
+        own.all(|(_, during)| during.has(load))
+    }
+
     /// The obstacles, in the order of declaration.
     pub fn obstacles(&self) -> &[Obstacle<D>] {
         &self.obstacles

@@ -7,7 +7,7 @@ use crate::assembly::CellState;
 use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::model::{CellErrors, Problem, Status};
+use crate::model::{CellErrors, Opposite, PairRecord, PairSide, PairState, Problem, Side, Status};
 use crate::simulation::StepView;
 use crate::tensor::Vector;
 
@@ -45,13 +45,17 @@ use crate::tensor::Vector;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Snapshot<const D: usize> {
+    /// The load factor, at which obstacles are where they are.
+    pub load_factor: f64,
     /// u at every node (UL).
     pub displacements: Vec<Vector<D>>,
-    /// The recovered contact pressure at every node (UF/UL in the plane, UF/UL² in space, ≥ 0), see [`Problem::pressures`]:
+    /// The recovered contact pressure at every node (UF/UL², ≥ 0), see [`Problem::pressures`]:
     /// 0 outside the contact surfaces, the largest where several meet in a corner.
     pub pressures: Vec<f64>,
     /// The consistent contact pressure, see [`Problem::consistent_pressures`], likewise.
     pub consistent_pressures: Vec<f64>,
+    /// The pressures at each place of contact by itself.
+    pub places: Vec<Place>,
     /// The smallest gap of every node to the surfaces that it may touch (UL), positive = open; `+∞` where none is in reach, and
     /// outside the contact surfaces.
     pub gaps: Vec<f64>,
@@ -73,6 +77,49 @@ pub struct Snapshot<const D: usize> {
     pub certificate: Option<Certificate>,
 }
 
+/// A surface of a pair, or one on an obstacle, with the pressures there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Its boundary and what that meets, by their names: `block bottom on floor`.
+    pub name: String,
+    /// The surface, as its position in [`Problem::surfaces`].
+    pub surface: usize,
+    /// The recovered pressures of the pair at the surface's nodes (UF/UL², ≥ 0), see [`PairSide::pressures`](crate::model::PairSide::pressures).
+    pub pressures: Vec<f64>,
+}
+
+impl Place {
+    /// Both sides of each pair.
+    fn all<const D: usize>(problem: &Problem<D>, states: Vec<PairState<D>>) -> Vec<Self> {
+        let scene = problem.scene();
+        let body = |side: &Side| scene.names()[side.body.index()].clone();
+        let boundary = |side: &Side| format!("{} {}", body(side), side.boundary);
+        let names = |record: &PairRecord<D>| match &record.second {
+            Opposite::Obstacle(id) => {
+                let obstacle = &scene.obstacle_names()[id.index()];
+                [
+                    format!("{} on {obstacle}", boundary(&record.first)),
+                    String::new(),
+                ]
+            }
+            Opposite::Side(second) if *second == record.first => {
+                [format!("{} on itself", boundary(second)), String::new()]
+            }
+            Opposite::Side(second) => [(&record.first, second), (second, &record.first)]
+                .map(|(own, other)| format!("{} on {}", boundary(own), body(other))),
+        };
+        let sides = states
+            .into_iter()
+            .flat_map(|state| names(&state.record).into_iter().zip(state.sides));
+        let place = |(name, side): (String, PairSide<D>)| Place {
+            name,
+            surface: side.surface,
+            pressures: side.pressures,
+        };
+        sides.map(place).collect()
+    }
+}
+
 impl<const D: usize> Snapshot<D> {
     /// The state `solution`; `problem` must be at the load of the solution.
     ///
@@ -80,7 +127,7 @@ impl<const D: usize> Snapshot<D> {
     /// If the solution is not of this problem, or has values that are not finite; as [`Problem::pressures`].
     pub fn new(problem: &Problem<D>, solution: &Solution) -> Result<Self, Error> {
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
-        Self::with_contact(problem, &solution.state.u, gaps, lambda)
+        Self::with_contact(problem, problem.load(), &solution.state.u, (gaps, lambda))
     }
 
     /// A converged step, with its certificate.
@@ -100,7 +147,7 @@ impl<const D: usize> Snapshot<D> {
     /// As [`Problem::pressures`].
     pub fn at_rest(problem: &Problem<D>) -> Result<Self, Error> {
         let u = vec![0.0; problem.dofs().free()];
-        Self::with_contact(problem, &u, &LinearGaps::new(true), &[])
+        Self::with_contact(problem, 0.0, &u, (&LinearGaps::new(true), &[]))
     }
 
     /// Checks that there is a value for each node and each cell of `problem`.
@@ -130,14 +177,23 @@ impl<const D: usize> Snapshot<D> {
         ] {
             contact_core::Error::check_length_of(what, found, expected)?;
         }
-        Ok(())
+        self.places.iter().try_for_each(|place| {
+            let surface = problem.surfaces().get(place.surface);
+            let nodes = surface.map_or(0, |surface| surface.nodes().len());
+            let what = "Place::pressures";
+            Ok(contact_core::Error::check_length_of(
+                what,
+                place.pressures.len(),
+                nodes,
+            )?)
+        })
     }
 
     fn with_contact(
         problem: &Problem<D>,
+        load_factor: f64,
         u: &[f64],
-        gaps: &LinearGaps,
-        lambda: &[f64],
+        (gaps, lambda): (&LinearGaps, &[f64]),
     ) -> Result<Self, Error> {
         contact_core::Error::check_vector("u", u, problem.dofs().free())?;
         let displacements = problem.displacements(u);
@@ -190,9 +246,11 @@ impl<const D: usize> Snapshot<D> {
             cells.extend(energy.cell_states(body.mesh(), own));
         }
         Ok(Snapshot {
+            load_factor,
             displacements,
             pressures,
             consistent_pressures,
+            places: Place::all(problem, states),
             gaps: nodal_gaps,
             statuses,
             contact_normals,
@@ -287,7 +345,7 @@ pub(super) mod tests {
         let u = vec![0.1; problem.dofs().free()];
         let gaps = problem.rows(&u, Sampling::Nodes).expect("a state");
         let lambda = vec![3.0; gaps.len()];
-        Snapshot::with_contact(problem, &u, &gaps, &lambda).expect("a snapshot")
+        Snapshot::with_contact(problem, problem.load(), &u, (&gaps, &lambda)).expect("a snapshot")
     }
 
     #[test]

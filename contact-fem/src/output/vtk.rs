@@ -9,12 +9,15 @@ use super::file;
 use super::snapshot::{self, Snapshot};
 use crate::assembly::CellState;
 use crate::certificate::{Certificate, Limits};
+use crate::contact::obstacle::outline::Frame;
 use crate::error::Error;
 use crate::model::Problem;
 use crate::tensor::Vector;
 
 /// A run in ParaView's format: one file for each step, `NAME_0000.vtu`, `NAME_0001.vtu`, …, and
-/// `NAME.pvd`, which lists them with their times.
+/// `NAME.pvd`, which lists them with their times. A scene with obstacles has `NAME_obstacles_0000.vtu`, … beside them, as another
+/// part: what of the obstacles' surfaces is around the bodies, where they are at that time, without those that do not count. Its
+/// cells have the number of the `obstacle`, and the field `obstacle_NAME` of the file has the number of that name.
 ///
 /// Points are the reference positions X; *Warp By Vector* with `displacement` shows the deformed
 /// bodies. Every file is renamed to its final name when it is complete, and `NAME.pvd` lists
@@ -23,13 +26,13 @@ use crate::tensor::Vector;
 /// | field | on | components | units |
 /// |---|---|---|---|
 /// | `displacement` | points | 3 | UL |
-/// | `contact_pressure` | points | 1 | UF/UL (plane), UF/UL² (space), ≥ 0 |
-/// | `contact_pressure_consistent` | points | 1 | the same, see [`Problem::consistent_pressures`] |
+/// | `contact_pressure` | points | 1 | UF/UL², ≥ 0: the one to look at, and the file's active scalars |
 /// | `contact_force` | points | 3 | UF |
 /// | `contact_normal` | points | 3 | 1; outward, zero off the contact surfaces |
 /// | `gap` | points | 1 | UL, positive = open; where there is none, the largest one |
 /// | `status` | points | 1 | 0 open, 1 touching, 2 pressing |
 /// | `nodal_von_mises`, `nodal_cauchy_stress` | points | 1, 6 | UF/UL², the mean stress of the cells around, in quadratic ones extrapolated to the node, and von Mises' of that mean |
+/// | `contact_pressure_consistent` | points | 1 | UF/UL², an auxiliary field for comparisons, see [`Problem::consistent_pressures`] |
 /// | `body` | points, cells | 1 | number of the body |
 /// | `von_mises` | cells | 1 | UF/UL² |
 /// | `error_indicator` | cells | 1 | the estimated error of the cell as a share of the energy norm, see [`ErrorEstimate`](crate::model::ErrorEstimate) |
@@ -70,6 +73,8 @@ pub struct Series {
     folder: PathBuf,
     name: String,
     times: Vec<f64>,
+    /// Whether there is a file of obstacles, for each time.
+    has_obstacles: Vec<bool>,
 }
 
 impl Series {
@@ -87,6 +92,7 @@ impl Series {
             folder,
             name: name.to_string(),
             times: Vec::new(),
+            has_obstacles: Vec::new(),
         })
     }
 
@@ -101,14 +107,21 @@ impl Series {
         snapshot: &Snapshot<D>,
     ) -> Result<(), Error> {
         snapshot.check(problem)?;
-        let path = self.folder.join(self.file_name(self.times.len()));
-        let grid = Grid::new(problem, snapshot);
-        let text = grid.text(&metadata(
-            problem.scene().names(),
-            snapshot.certificate.as_ref(),
-        ));
+        let index = self.times.len();
+        let scene = problem.scene();
+        let has_obstacles = !scene.obstacles().is_empty();
+        if has_obstacles {
+            let names = numbers("obstacle", scene.obstacle_names());
+            let text = Grid::of_obstacles(problem, snapshot).text(&in_file(&names));
+            let path = self.folder.join(self.obstacles_name(index));
+            file::replace(&path, text.as_bytes())?;
+        }
+        let certificate = snapshot.certificate.as_ref();
+        let text = Grid::new(problem, snapshot).text(&metadata(scene.names(), certificate));
+        let path = self.folder.join(self.file_name(index));
         file::replace(&path, text.as_bytes())?;
         self.times.push(time);
+        self.has_obstacles.push(has_obstacles);
         file::replace(&self.collection(), self.listing().as_bytes())
     }
 
@@ -129,13 +142,21 @@ impl Series {
 
     /// The names of the files that the next state is written to, the one that lists the others first.
     #[cfg(feature = "record")]
-    pub(super) fn next_files(&self) -> [String; 2] {
-        let state = self.file_name(self.times.len());
-        [format!("{}.pvd", self.name), state]
+    pub(super) fn next_files<const D: usize>(&self, problem: &Problem<D>) -> Vec<String> {
+        let index = self.times.len();
+        let mut files = vec![format!("{}.pvd", self.name), self.file_name(index)];
+        if !problem.scene().obstacles().is_empty() {
+            files.push(self.obstacles_name(index));
+        }
+        files
     }
 
     fn file_name(&self, index: usize) -> String {
         format!("{}_{index:04}.vtu", self.name)
+    }
+
+    fn obstacles_name(&self, index: usize) -> String {
+        format!("{}_obstacles_{index:04}.vtu", self.name)
     }
 
     /// The text of the `.pvd` file.
@@ -145,27 +166,46 @@ impl Series {
              <VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  \
              <Collection>\n",
         );
-        for (index, time) in self.times.iter().enumerate() {
-            let file = self.file_name(index);
-            text += &format!("    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n");
+        let states = self.times.iter().zip(&self.has_obstacles).enumerate();
+        for (index, (time, has_obstacles)) in states {
+            let mut add = |part: usize, file: String| {
+                text += &format!(
+                    "    <DataSet timestep=\"{time}\" part=\"{part}\" file=\"{file}\"/>\n"
+                );
+            };
+            // the bodies last: whoever looks for the last state takes the last line
+            if *has_obstacles {
+                add(1, self.obstacles_name(index));
+            }
+            add(0, self.file_name(index));
         }
         text + "  </Collection>\n</VTKFile>\n"
     }
 }
 
-/// A certificate as field data of the file.
-fn metadata(names: &[String], certificate: Option<&Certificate>) -> String {
-    let limits = Limits::default();
-    let mut text = String::from("\n<FieldData>");
-    for (number, name) in names.iter().enumerate() {
-        text += &format!(
-            "\n<DataArray type=\"Int32\" Name=\"body_{}\" NumberOfTuples=\"1\" \
+/// Field data of the file.
+fn in_file(data: &str) -> String {
+    format!("\n<FieldData>{data}\n</FieldData>")
+}
+
+/// The number of each name as field data.
+fn numbers(what: &str, names: &[String]) -> String {
+    let number = |(number, name): (usize, &String)| {
+        format!(
+            "\n<DataArray type=\"Int32\" Name=\"{what}_{}\" NumberOfTuples=\"1\" \
              format=\"ascii\">{number}</DataArray>",
             escaped(name)
-        );
-    }
+        )
+    };
+    names.iter().enumerate().map(number).collect()
+}
+
+/// The numbers of bodies and the certificate, if there is one, as field data of the file.
+fn metadata(names: &[String], certificate: Option<&Certificate>) -> String {
+    let limits = Limits::default();
+    let mut text = numbers("body", names);
     let Some(certificate) = certificate else {
-        return text + "\n</FieldData>";
+        return in_file(&text);
     };
     let mut array = |name: &str, value: f64| {
         text += &format!(
@@ -180,7 +220,7 @@ fn metadata(names: &[String], certificate: Option<&Certificate>) -> String {
     }
     array("roundoff", certificate.roundoff());
     array("holds", f64::from(u8::from(certificate.holds(&limits))));
-    text + "\n</FieldData>"
+    in_file(&text)
 }
 
 /// A name as the value of an XML attribute.
@@ -249,6 +289,8 @@ impl Array {
 
 /// Mesh and fields.
 struct Grid {
+    /// What the file says of its fields, and which of them are shown first.
+    about: [&'static str; 2],
     points: Array,
     cells: [Array; 3],
     of_points: Vec<Array>,
@@ -267,6 +309,7 @@ impl Grid {
             body_of_cell.push(body as i32);
         }
         Grid {
+            about: [ABOUT, SHOWN],
             points: floats("Points", 3, in_space(problem.reference())),
             cells: [
                 array("connectivity", 1, Numbers::Int64(connectivity)),
@@ -275,6 +318,38 @@ impl Grid {
             ],
             of_points: point_fields(problem, snapshot),
             of_cells: cell_fields(snapshot, body_of_cell),
+        }
+    }
+
+    /// The obstacles around the bodies, where they are at the snapshot's load factor.
+    fn of_obstacles<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Self {
+        let rest = problem.reference();
+        let moved = rest.iter().zip(&snapshot.displacements);
+        let around = rest.iter().copied().chain(moved.map(|(X, u)| X + u));
+        let frame = Frame::around(around);
+        let (mut points, mut offsets, mut obstacles) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, obstacle, pose) in problem.obstacles_at(snapshot.load_factor) {
+            for piece in frame
+                .iter()
+                .flat_map(|frame| obstacle.outline(&pose, frame))
+            {
+                points.extend(piece);
+                offsets.push(points.len() as i64);
+                obstacles.push(index as i32);
+            }
+        }
+        let types = vec![outline_type(D); offsets.len()];
+        let connectivity = (0..points.len() as i64).collect();
+        Grid {
+            about: ["", ""],
+            points: floats("Points", 3, in_space(&points)),
+            cells: [
+                array("connectivity", 1, Numbers::Int64(connectivity)),
+                array("offsets", 1, Numbers::Int64(offsets)),
+                array("types", 1, Numbers::UInt8(types)),
+            ],
+            of_points: Vec::new(),
+            of_cells: vec![array("obstacle", 1, Numbers::Int32(obstacles))],
         }
     }
 
@@ -287,12 +362,13 @@ impl Grid {
             Numbers::Int32(all) => all.len(),
             Numbers::Int64(all) => all.len(),
         };
+        let [about, shown] = self.about;
         format!(
             "<?xml version=\"1.0\"?>\n\
              <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
              <UnstructuredGrid>{metadata}\n\
              <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n\
-             <PointData>\n{}</PointData>\n<CellData>\n{}</CellData>\n\
+             {about}<PointData{shown}>\n{}</PointData>\n<CellData>\n{}</CellData>\n\
              <Points>\n{}</Points>\n<Cells>\n{}</Cells>\n\
              </Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
             count(&self.points),
@@ -302,6 +378,20 @@ impl Grid {
             self.points.text(),
             all(&self.cells),
         )
+    }
+}
+
+/// What a reader of the file should know of its fields.
+const ABOUT: &str = "<!-- contact_pressure is the contact pressure. contact_pressure_consistent is an auxiliary \
+    field for comparisons with other programs: it oscillates and may be negative. -->\n";
+/// The fields that programs show first.
+const SHOWN: &str = " Scalars=\"contact_pressure\" Vectors=\"displacement\"";
+
+/// VTK's type of a piece of an obstacle: a line or a polygon.
+fn outline_type(dimension: usize) -> u8 {
+    match dimension {
+        2 => 3,
+        _ => 7,
     }
 }
 
@@ -332,17 +422,17 @@ fn point_fields<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) ->
     vec![
         floats("displacement", 3, in_space(&snapshot.displacements)),
         floats("contact_pressure", 1, snapshot.pressures.clone()),
-        floats(
-            "contact_pressure_consistent",
-            1,
-            snapshot.consistent_pressures.clone(),
-        ),
         floats("contact_force", 3, in_space(&snapshot.contact_forces)),
         floats("contact_normal", 3, in_space(&snapshot.contact_normals)),
         floats("gap", 1, gaps.collect()),
         array("status", 1, Numbers::Int32(statuses.collect())),
         floats("nodal_von_mises", 1, von_mises.collect()),
         floats("nodal_cauchy_stress", 6, stress.collect()),
+        floats(
+            "contact_pressure_consistent",
+            1,
+            snapshot.consistent_pressures.clone(),
+        ),
         array("body", 1, Numbers::Int32(body_of_node.collect())),
     ]
 }
@@ -394,6 +484,8 @@ mod tests {
     use super::super::snapshot::tests::{displaced, squares, tetrahedron};
     use super::*;
     use crate::certificate::Condition;
+    use crate::mesh::generators::{Diagonals, rectangle};
+    use crate::{Body, Motion, NeoHookean, Obstacle, Scene};
 
     fn folder(name: &str) -> PathBuf {
         std::env::temp_dir().join(format!("contact-fem-{name}-{}", std::process::id()))
@@ -481,13 +573,13 @@ mod tests {
         let known = [
             "displacement",
             "contact_pressure",
-            "contact_pressure_consistent",
             "contact_force",
             "contact_normal",
             "gap",
             "status",
             "nodal_von_mises",
             "nodal_cauchy_stress",
+            "contact_pressure_consistent",
             "body",
         ];
         assert_eq!(points, known);
@@ -503,6 +595,89 @@ mod tests {
             [cell.sigma[(0, 0)], cell.sigma[(1, 1)], cell.sigma_zz]
         );
         assert_eq!(stress[3..], [cell.sigma[(0, 1)], 0.0, 0.0]);
+    }
+
+    /// A square on a floor, with a disc that comes down by 2 and turns up for the second half alone: the disc's points are a radius away
+    /// from where it is by hand, those of the floor at y = 0, and no point is far from the square.
+    #[test]
+    fn obstacles_are_a_part_of_their_own() {
+        let mesh = rectangle(&[0.0, 1.0], &[0.0, 1.0], Diagonals::Rising).expect("a square");
+        let mut body = Body::new(mesh, NeoHookean::new(10.0, 0.3).expect("a law"));
+        body.prescribe("bottom", [Some(0.0); 2]).expect("held");
+        let mut scene = Scene::new();
+        let square = scene.add("square", body);
+        let floor = Obstacle::half_space([0.0; 2], [0.0, 1.0]).expect("a floor");
+        scene
+            .obstacle("floor", square.on("bottom"), floor)
+            .expect("an obstacle");
+        let down = Motion::translation([0.0, -2.0]).expect("a motion");
+        let disc = Obstacle::ball([0.5, 3.2], 0.2)
+            .expect("a disc")
+            .moving(down);
+        let disc = scene
+            .obstacle("a <disc>", square.on("top"), disc)
+            .expect("an obstacle");
+        scene.obstacle_during(disc, &[[0.5, 2.0]]).expect("times");
+        let problem = scene.problem().expect("a problem");
+        let folder = folder("obstacles");
+        let mut series = Series::create(&folder, "run").expect("a series");
+        let mut snapshot = Snapshot::at_rest(&problem).expect("a snapshot");
+        for (time, numbers) in [(0.0, vec![0.0]), (1.0, vec![0.0, 1.0])] {
+            snapshot.load_factor = time;
+            let name = format!("run_obstacles_{:04}.vtu", series.len());
+            series.write(time, &problem, &snapshot).expect("written");
+            let text = std::fs::read_to_string(folder.join(&name)).expect("a file");
+            assert!(text.contains("Name=\"obstacle_a &lt;disc&gt;\""), "{text}");
+            let grid = Vtk::import(folder.join(&name)).expect("a grid");
+            let DataSet::UnstructuredGrid { mut pieces, .. } = grid.data else {
+                panic!("not an unstructured grid");
+            };
+            let Some(Piece::Inline(read)) = pieces.pop() else {
+                panic!("no data in the file");
+            };
+            let points: Vec<f64> = read.points.cast_into().expect("numbers");
+            let Attribute::DataArray(array) = &read.data.cell[0] else {
+                panic!("no array");
+            };
+            let obstacles: Vec<f64> = array.data.cast_into().expect("numbers");
+            let mut found = obstacles.clone();
+            found.dedup();
+            assert_eq!((array.name.as_str(), found), ("obstacle", numbers));
+            assert!(read.cells.types.iter().all(|kind| *kind as u8 == 3));
+            // lines do not share points
+            for (x, obstacle) in points.chunks(3).zip(obstacles.iter().flat_map(|k| [k, k])) {
+                let off = match *obstacle {
+                    0.0 => x[1],
+                    _ => (x[0] - 0.5).hypot(x[1] - 1.2) - 0.2,
+                };
+                // the frame cuts chords
+                assert!(off.abs() < 1e-3 && x[2] == 0.0, "{x:?} of {obstacle}");
+                assert!(x[..2].iter().all(|c| (-0.1..1.1).contains(c)), "{x:?}");
+            }
+        }
+        let listing = std::fs::read_to_string(series.collection()).expect("a listing");
+        let parts: Vec<&str> = listing.split("part=\"").skip(1).collect();
+        let expected = ["1\" file=\"run_obstacles_0000", "0\" file=\"run_0000"];
+        assert_eq!(parts.len(), 4);
+        assert!(
+            parts
+                .iter()
+                .zip(expected)
+                .all(|(part, begin)| part.starts_with(begin))
+        );
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+
+    /// The recovered pressure is what a program shows first, and the file says what the other one is.
+    #[test]
+    fn the_file_tells_which_pressure_to_read() {
+        let problem = squares();
+        let text = Grid::new(&problem, &displaced(&problem)).text("");
+        let has = |part| text.matches(part).count() == 1;
+        assert!(has(
+            "<PointData Scalars=\"contact_pressure\" Vectors=\"displacement\">"
+        ));
+        assert!(has("<!-- contact_pressure is the contact pressure."));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::element::{FacetRule, facet_edge};
 use crate::error::Error;
 use crate::tensor::Vector;
 
-/// The nodal tractions t (reference area, UF/UL or UF/UL²) of a surface, in the order of its nodes,
+/// The nodal tractions t (reference area, UF/UL²) of a surface, in the order of its nodes,
 /// from the nodal contact forces f = Cᵀλ at those nodes: Σ_j ∫ φ_i φ_j ds t_j = Σ_a φ_i(X_a) f_a
 /// with the test functions φ of the constraints, which are in the span of the shape functions.
 ///

@@ -126,7 +126,7 @@ impl<const D: usize> Body<D> {
         Ok(self)
     }
 
-    /// Presses a boundary by a pressure (UF/UL² in space, UF/UL per unit thickness in the plane) against its outward normal.
+    /// Presses a boundary by a pressure (UF/UL²) against its outward normal.
     ///
     /// It follows the boundary: it acts on the present area along the present normal, −p n da. Under a law for small strains
     /// areas and normals are those of the reference configuration, as everything else.

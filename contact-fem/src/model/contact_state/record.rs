@@ -22,7 +22,7 @@ pub struct PairRecord<const D: usize> {
     pub first: Side,
     /// The other one, or the obstacle.
     pub second: Opposite,
-    /// The area of the contact zone where contact is searched (UL in the plane, UL² in space): that around the nodes within it, on
+    /// The area of the contact zone where contact is searched (UL²; in the plane of a slice of thickness 1): that around the nodes within it, on
     /// the surface where it is smaller; in self-contact, of both sides. Its border is known to within a facet.
     pub area: f64,
     /// The contact force on the first surface (UF); zero in self-contact.
@@ -31,7 +31,7 @@ pub struct PairRecord<const D: usize> {
     /// contact forces along the resultant, so that it has no moment about it where forces are parallel; of two surfaces halfway between
     /// the two. Where forces cancel, as around a pin, the weights are the components against the normals. `None` without a force.
     pub centre: Option<Vector<D>>,
-    /// The largest pressure on the two surfaces (UF/UL or UF/UL²).
+    /// The largest pressure on the two surfaces (UF/UL²).
     pub pressure_max: f64,
 }
 

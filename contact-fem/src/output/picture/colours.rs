@@ -10,13 +10,26 @@ use super::short;
 pub(super) struct Colours {
     pub low: f64,
     pub high: f64,
-    /// Whether there are values above `high`.
-    pub is_cut: bool,
+    /// The largest value, which may be above `high`.
+    pub highest: f64,
 }
 
 impl Colours {
     /// Of values that are no numbers, or of which the range is none.
     const NONE: RGBColor = RGBColor(190, 190, 190);
+
+    /// Whether there are values above `high`.
+    fn is_cut(&self) -> bool {
+        self.highest > self.high
+    }
+
+    /// The largest value, if it is beyond the scale.
+    pub fn beyond(&self) -> Option<String> {
+        let rounded = format!("{:.4e}", self.highest)
+            .parse()
+            .unwrap_or(self.highest);
+        self.is_cut().then(|| format!("max {}", short(rounded)))
+    }
 
     /// The colour of a value.
     pub fn of(&self, value: f64) -> RGBColor {
@@ -29,8 +42,8 @@ impl Colours {
     }
 
     /// Round numbers within the range, about five, with their labels; and the upper end if values
-    /// exceed it.
-    pub fn ticks(&self) -> Vec<(f64, String)> {
+    /// exceed it, with the share `clear` of the range below it for its label.
+    pub fn ticks(&self, clear: f64) -> Vec<(f64, String)> {
         let span = self.high - self.low;
         if !(span > 0.0) {
             return vec![(self.low, short(self.low))];
@@ -45,11 +58,11 @@ impl Colours {
         let first = (self.low / step).ceil() as i64;
         let last = (self.high / step).floor() as i64;
         let round = (first..=last).map(|k| k as f64 * step);
-        if !self.is_cut {
+        if !self.is_cut() {
             return round.map(|tick| (tick, short(tick))).collect();
         }
-        let clear = round.filter(|tick| self.high - tick > 0.04 * span);
-        let ticks = clear.map(|tick| (tick, short(tick)));
+        let others = round.filter(|tick| self.high - tick > clear * span);
+        let ticks = others.map(|tick| (tick, short(tick)));
         let rounded = format!("{:.2e}", self.high).parse().unwrap_or(self.high);
         let end = (self.high, format!("≥ {}", short(rounded)));
         ticks.chain([end]).collect()

@@ -34,13 +34,18 @@ pub struct Curves {
 
 impl Curves {
     const SIZE: (u32, u32) = (900, 600);
+    /// The height of the axes, and that of a line of the legend with its share of the border (pixels).
+    const HEIGHT: f64 = 460.0;
+    const ROW: f64 = 30.0;
     /// Colours that people with colour vision deficiency can distinguish.
-    const COLOURS: [RGBColor; 5] = [
+    const COLOURS: [RGBColor; 7] = [
         RGBColor(0, 114, 178),
         RGBColor(213, 94, 0),
         RGBColor(0, 158, 115),
         RGBColor(204, 121, 167),
         RGBColor(86, 180, 233),
+        RGBColor(230, 159, 0),
+        RGBColor(0, 0, 0),
     ];
 
     /// The largest number of points of a curve that is drawn with a marker at each: a single point
@@ -53,17 +58,22 @@ impl Curves {
     /// [`Error::Write`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let nothing = (f64::INFINITY, f64::NEG_INFINITY);
-        self.save_with(path.as_ref(), nothing, SeriesLabelPosition::UpperLeft)
+        let legend = SeriesLabelPosition::UpperLeft;
+        save(path.as_ref(), Self::SIZE, |canvas| {
+            self.draw(canvas, nothing, legend)
+        })
     }
 
-    /// As [`Curves::save`], with a y axis on which `shown`, a lowest and a highest value, have room, too, and with the legend
-    /// in another place.
-    pub(super) fn save_with(
-        &self,
-        path: &Path,
-        shown: (f64, f64),
-        legend: SeriesLabelPosition,
-    ) -> Result<(), Error> {
+    /// As [`Curves::save`], with a y axis that begins at 0 and has room for the legend above the curves.
+    pub(super) fn save_from_zero(&self, path: &Path) -> Result<(), Error> {
+        let points = self.curves.iter().flat_map(finite);
+        let highest = points.map(|(_, y)| y).fold(0.0, f64::max);
+        let rows = match self.curves.len() {
+            1 => 0.0,
+            count => Self::ROW * count.min(12) as f64,
+        };
+        let shown = (0.0, highest * Self::HEIGHT / (Self::HEIGHT - rows));
+        let legend = SeriesLabelPosition::UpperRight;
         save(path, Self::SIZE, |canvas| self.draw(canvas, shown, legend))
     }
 

@@ -2,8 +2,10 @@
 
 mod colours;
 mod curves;
+mod depth;
 mod layout;
 mod meshes;
+mod obstacles;
 mod pressures;
 mod trails;
 mod view;
@@ -68,7 +70,7 @@ mod tests {
     use crate::output::Snapshot;
     use crate::output::snapshot::tests::{displaced, squares};
     use crate::tensor::Vector;
-    use crate::{Body, Mesh, NeoHookean, Scene};
+    use crate::{Body, Mesh, Motion, NeoHookean, Obstacle, Scene};
 
     fn written(name: &str, save: impl FnOnce(&Path) -> Result<(), Error>) -> String {
         let file = format!("contact-fem-{name}-{}.svg", std::process::id());
@@ -99,6 +101,194 @@ mod tests {
         assert!(text.contains("a &lt; b") && text.contains("von Mises stress (UF/UL²)"));
         let none = MeshPicture::von_mises(Vec::new());
         written("none", |path| none.save(path, &problem));
+    }
+
+    /// A square of side 1 on a floor, under a disc that has come down by ½ to y = 1: the frame is from −0.08 to 1.08, 760 pixels wide, so
+    /// that the floor is a line of that width. The frame's upper end is that of the picture.
+    #[test]
+    fn obstacles_are_drawn_where_they_are() {
+        let square = rectangle(&[0.0, 1.0], &[0.0, 1.0], Diagonals::Rising).expect("a square");
+        let mut body = Body::new(square, NeoHookean::new(10.0, 0.3).expect("a law"));
+        body.prescribe("bottom", [Some(0.0); 2]).expect("held");
+        let mut scene = Scene::new();
+        let square = scene.add("square", body);
+        let floor = Obstacle::half_space([0.0; 2], [0.0, 1.0]).expect("a floor");
+        scene
+            .obstacle("floor", square.on("bottom"), floor)
+            .expect("an obstacle");
+        let down = Motion::translation([0.0, -0.5]).expect("a motion");
+        let disc = Obstacle::ball([0.5, 1.55], 0.05)
+            .expect("a disc")
+            .moving(down);
+        scene
+            .obstacle("disc", square.on("top"), disc)
+            .expect("an obstacle");
+        let problem = scene.problem().expect("a problem");
+        let mut snapshot = Snapshot::at_rest(&problem).expect("a snapshot");
+        for (time, names) in [(0.0, vec!["floor"]), (1.0, vec!["floor", "disc"])] {
+            snapshot.load_factor = time;
+            let panel = Panel {
+                title: "one".into(),
+                snapshot: &snapshot,
+            };
+            let picture = MeshPicture::von_mises(vec![panel]);
+            let text = written("obstacles", |path| picture.save(path, &problem));
+            let lines = text
+                .lines()
+                .filter(|line| line.contains("stroke=\"#6E6E6E\" stroke-width=\"3\""));
+            let places: Vec<(f64, f64)> = lines.flat_map(places).collect();
+            for name in ["square", "floor", "disc", "x", "y", "0.2 UL"] {
+                let is_named = text.contains(&format!("\n{name}\n"));
+                assert_eq!(
+                    is_named,
+                    name != "disc" || names.contains(&name),
+                    "{name}: {text}"
+                );
+            }
+            let floor = 80.0 + 760.0 / 1.16 * 1.08;
+            let bottom = places.iter().filter(|(_, y)| (*y - floor).abs() < 1.0);
+            let mut ends: Vec<f64> = bottom.map(|(x, _)| *x).collect();
+            ends.sort_by(f64::total_cmp);
+            assert_eq!(ends, [30.0, 790.0], "{places:?}");
+            let middle = (30.0 + 760.0 * 0.58 / 1.16, 80.0 + 760.0 * 0.03 / 1.16);
+            let (near, others): (Vec<_>, Vec<_>) = places.iter().copied().partition(|(x, y)| {
+                ((x - middle.0).hypot(y - middle.1) - 760.0 * 0.05 / 1.16).abs() < 1.5
+            });
+            assert_eq!(others.len(), 2, "{others:?}");
+            assert_eq!(near.is_empty(), time == 0.0);
+        }
+    }
+
+    /// A small cube on a large one: nothing is before it, so that it is seen in the middle of all of its faces. The front half of
+    /// the large one's top has a centre that is nearer than those.
+    #[test]
+    fn nothing_behind_is_painted_over_what_is_before_it() {
+        let mut scene = Scene::new();
+        for (name, low, size) in [
+            ("large", [-1.0, -1.0, 0.0], [2.0, 2.0, 1.0]),
+            ("small", [-0.2, -0.2, 1.0], [0.4; 3]),
+        ] {
+            let mesh = cuboid(low, size, [1; 3]).expect("a mesh");
+            let mut body = Body::new(mesh, NeoHookean::new(10.0, 0.3).expect("a law"));
+            body.prescribe("bottom", [Some(0.0); 3]).expect("held");
+            scene.add(name, body);
+        }
+        let problem = scene.problem().expect("a problem");
+        let mut snapshot = Snapshot::at_rest(&problem).expect("a snapshot");
+        let of_large = problem.scene().bodies()[0].mesh().len();
+        for cell in &mut snapshot.cells[of_large..] {
+            cell.sigma.fill_diagonal(0.0);
+            cell.sigma[(0, 1)] = 1.0;
+            cell.sigma[(1, 0)] = 1.0;
+        }
+        let panel = Panel {
+            title: "one".into(),
+            snapshot: &snapshot,
+        };
+        let picture = MeshPicture::von_mises(vec![panel]);
+        let text = written("depth", |path| picture.save(path, &problem));
+        let polygons: Vec<&str> = text
+            .lines()
+            .filter(|line| line.contains("<polygon"))
+            .collect();
+        // ViridisRGB at its end
+        let is_small = |line: &&str| line.contains("#FDE725");
+        let small = polygons.iter().filter(|line| is_small(line));
+        let middles: Vec<(f64, f64)> = small.map(|line| middle(&places(line))).collect();
+        assert_eq!((middles.len(), polygons.len()), (6, 12));
+        for at in middles {
+            let covers = |line: &&&str| is_inside(&places(line), at);
+            let seen = polygons.iter().rev().find(covers).expect("itself");
+            assert!(is_small(seen), "{at:?}");
+        }
+    }
+
+    fn middle(corners: &[(f64, f64)]) -> (f64, f64) {
+        let count = corners.len() as f64;
+        let sum = corners
+            .iter()
+            .fold((0.0, 0.0), |sum, x| (sum.0 + x.0, sum.1 + x.1));
+        (sum.0 / count, sum.1 / count)
+    }
+
+    fn is_inside(corners: &[(f64, f64)], at: (f64, f64)) -> bool {
+        let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+        let turn = |(a, b): (&(f64, f64), &(f64, f64))| {
+            (b.0 - a.0) * (at.1 - a.1) - (b.1 - a.1) * (at.0 - a.0)
+        };
+        let turns: Vec<f64> = sides.map(turn).collect();
+        turns.iter().all(|t| *t >= 0.0) || turns.iter().all(|t| *t <= 0.0)
+    }
+
+    /// One boundary on two obstacles: two curves, each with the name of its place and 0 in its own middle.
+    #[test]
+    fn each_place_of_contact_has_a_curve() {
+        let xs = linspace(0.0, 12.0, 12);
+        let block = rectangle(&xs, &[0.0, 1.0], Diagonals::Rising).expect("a mesh");
+        let mut body = Body::new(block, NeoHookean::new(10.0, 0.3).expect("a law"));
+        body.prescribe("top", [Some(0.0); 2]).expect("held");
+        let mut scene = Scene::new();
+        let block = scene.add("block", body);
+        for (name, x) in [("left pin", 2.0), ("right pin", 9.0)] {
+            let pin = Obstacle::ball([x, -1.0], 1.0).expect("a pin");
+            scene
+                .obstacle(name, block.on("bottom"), pin)
+                .expect("an obstacle");
+        }
+        let problem = scene.problem().expect("a problem");
+        let mut snapshot = Snapshot::at_rest(&problem).expect("a snapshot");
+        assert!(
+            PressurePicture::new(&problem, &snapshot)
+                .expect("a snapshot")
+                .is_none()
+        );
+        for (place, (x, p)) in snapshot.places.iter_mut().zip([(2.0, 5.0), (9.0, 4.0)]) {
+            let nodes = problem.surfaces()[place.surface].nodes().iter();
+            for (own, &node) in place.pressures.iter_mut().zip(nodes) {
+                let is_near = (problem.reference()[node][0] - x).abs() < 0.5;
+                *own = if is_near { p } else { 0.0 };
+            }
+        }
+        let picture = PressurePicture::new(&problem, &snapshot);
+        let picture = picture.expect("a snapshot").expect("a pressure");
+        let text = written("places", |path| picture.save(path));
+        for name in [
+            "block bottom on left pin",
+            "block bottom on right pin",
+            "(UF/UL²)",
+        ] {
+            assert!(text.contains(name), "{name}: {text}");
+        }
+        let peaks = ["#0072B2", "#D55E00"].map(|colour| {
+            let curves = drawn(&text, "<polyline", colour);
+            assert_eq!((curves.len(), curves[0].len()), (1, 5), "{colour}");
+            let higher = |a: &&(f64, f64), b: &&(f64, f64)| b.1.total_cmp(&a.1);
+            *curves[0].iter().max_by(higher).expect("a peak")
+        });
+        assert!(
+            peaks[0].0 == peaks[1].0 && peaks[0].1 < peaks[1].1,
+            "{peaks:?}"
+        );
+    }
+
+    /// Beyond the values that the colours resolve, the bar tells the largest one: 100 cells of equal area, one of which has 11 796.
+    #[test]
+    fn the_largest_value_is_told() {
+        let colours = colours::Colours {
+            low: 0.0,
+            high: 3580.0,
+            highest: 11796.34,
+        };
+        assert_eq!(colours.beyond().as_deref(), Some("max 11796"));
+        assert_eq!(
+            colours.ticks(0.1).last().map(|(_, label)| label.clone()),
+            Some("≥ 3580".into())
+        );
+        let whole = colours::Colours {
+            highest: 3580.0,
+            ..colours
+        };
+        assert_eq!(whole.beyond(), None);
     }
 
     /// Values that are no numbers, or too large to draw, leave a picture all the same.
@@ -151,28 +341,30 @@ mod tests {
         scene.contact(lower, upper).expect("a pair");
         let problem = scene.problem().expect("a problem");
         let mut snapshot = Snapshot::at_rest(&problem).expect("a snapshot");
-        for surface in problem.surfaces() {
-            for &node in surface.nodes() {
-                let p = of(names[surface.body()], &problem.reference()[node]);
-                snapshot.pressures[node] = p;
+        for place in &mut snapshot.places {
+            let surface = &problem.surfaces()[place.surface];
+            for (p, &node) in place.pressures.iter_mut().zip(surface.nodes()) {
+                *p = of(names[surface.body()], &problem.reference()[node]);
             }
         }
         (problem, snapshot)
     }
 
-    /// The places of all polylines of more than two points with this colour, or of all polygons.
-    fn drawn<'a>(text: &'a str, element: &str, with: &str) -> Vec<Vec<(f64, f64)>> {
-        let lines = text.lines().filter(|line| line.contains(element));
-        let places = |line: &'a str| -> Vec<(f64, f64)> {
-            let list = line.split("points=\"").nth(1).expect("places");
-            let list = list.split('"').next().unwrap_or_default();
-            let place = |place: &str| {
-                let (x, y) = place.split_once(',').expect("two");
-                let number = |text: &str| text.parse().expect("a number");
-                (number(x), number(y))
-            };
-            list.split_whitespace().map(place).collect()
+    /// The corners of a polygon or a polyline.
+    fn places(line: &str) -> Vec<(f64, f64)> {
+        let list = line.split("points=\"").nth(1).expect("places");
+        let list = list.split('"').next().unwrap_or_default();
+        let place = |place: &str| {
+            let (x, y) = place.split_once(',').expect("two");
+            let number = |text: &str| text.parse().expect("a number");
+            (number(x), number(y))
         };
+        list.split_whitespace().map(place).collect()
+    }
+
+    /// The places of all polylines of more than two points with this colour, or of all polygons.
+    fn drawn(text: &str, element: &str, with: &str) -> Vec<Vec<(f64, f64)>> {
+        let lines = text.lines().filter(|line| line.contains(element));
         let places = lines.filter(|line| line.contains(with)).map(places);
         places.filter(|places| places.len() > 2).collect()
     }
@@ -197,7 +389,9 @@ mod tests {
         let picture = PressurePicture::new(&problem, &snapshot);
         let picture = picture.expect("a snapshot").expect("a pressure");
         let text = written("pressure-2d", |path| picture.save(path));
-        assert!(text.contains("lower") && text.contains("upper"), "{text}");
+        for name in ["lower top on upper", "upper bottom on lower"] {
+            assert!(text.contains(name), "{text}");
+        }
         let expected = [
             ("#0072B2", [-1.25, -0.25, 0.75, 1.75, 2.75]),
             ("#D55E00", [-1.0, -0.2, 0.6, 1.4, 2.2]),
@@ -255,7 +449,10 @@ mod tests {
         let picture = PressurePicture::new(&problem, &snapshot);
         let picture = picture.expect("a snapshot").expect("a pressure");
         let text = written("pressure-3d", |path| picture.save(path));
-        assert!(text.contains("lower") && !text.contains("upper"), "{text}");
+        assert!(
+            text.contains("lower top on upper") && !text.contains("upper bottom"),
+            "{text}"
+        );
         assert!(text.contains("contact pressure (UF/UL²)"));
         let colours = colours::Colours {
             high: 6.0,

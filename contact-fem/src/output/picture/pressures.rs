@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use plotters::chart::SeriesLabelPosition;
 use plotters::element::{PathElement, Polygon};
 use plotters::style::{Color, RGBColor, ShapeStyle};
 
@@ -13,14 +12,15 @@ use super::save;
 use crate::contact::Surface;
 use crate::error::Error;
 use crate::model::{Geometry, Problem};
-use crate::output::snapshot::Snapshot;
+use crate::output::snapshot::{Place, Snapshot};
 use crate::tensor::Vector;
 
 /// The contact pressure of one state.
 ///
-/// In the plane, pressures are curves over the length along each surface, where contact is searched. The length is 0 in the centre of pressure, and grows to the
-/// right there, so that the curves of two surfaces that press each other lie on top of each other. In space, the loaded part of
-/// each surface has a panel, seen from outside of its body, against the mean normal.
+/// In the plane, pressures are curves over the length along the surface, where contact is searched: one for each place of contact,
+/// which is a side of a pair or a boundary on an obstacle, and for each zone of it by itself. The length is 0 in the centre of
+/// pressure of the zone, and grows to the right there, so that the curves of two surfaces that press each other lie on top of each
+/// other. In space, the loaded part of each place has a panel, seen from outside of its body, against the mean normal.
 #[derive(Clone, Copy)]
 pub struct PressurePicture<'a, const D: usize> {
     problem: &'a Problem<D>,
@@ -34,7 +34,8 @@ impl<'a, const D: usize> PressurePicture<'a, D> {
     /// A snapshot of another problem.
     pub fn new(problem: &'a Problem<D>, snapshot: &'a Snapshot<D>) -> Result<Option<Self>, Error> {
         snapshot.check(problem)?;
-        let presses = snapshot.pressures.iter().any(|p| *p > 0.0);
+        let mut pressures = snapshot.places.iter().flat_map(|place| &place.pressures);
+        let presses = pressures.any(|p| *p > 0.0);
         Ok(presses.then_some(PressurePicture { problem, snapshot }))
     }
 
@@ -44,25 +45,17 @@ impl<'a, const D: usize> PressurePicture<'a, D> {
     /// [`Error::Write`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         match D {
-            // from zero, so that a constant pressure is a level line, with the legend below the curves
-            2 => {
-                let legend = SeriesLabelPosition::LowerMiddle;
-                (self.curves()).save_with(path.as_ref(), (0.0, 0.0), legend)
-            }
+            // from zero, so that a constant pressure is a level line
+            2 => self.curves().save_from_zero(path.as_ref()),
             _ => self.save_panels(path.as_ref()),
         }
     }
 
-    /// The surfaces that are pressed, each with the name of its body and the pressures at its nodes.
-    fn loaded(&self) -> impl Iterator<Item = (String, &'a Surface<D>, Vec<f64>)> {
-        let surfaces = self.problem.surfaces().iter().map(|surface| &**surface);
-        let with_pressures = surfaces.map(|surface| {
-            let nodes = surface.nodes().iter();
-            let pressures: Vec<f64> = nodes.map(|&a| self.snapshot.pressures[a]).collect();
-            let name = self.problem.scene().names()[surface.body()].clone();
-            (name, surface, pressures)
-        });
-        with_pressures.filter(|(_, _, pressures)| pressures.iter().any(|p| *p > 0.0))
+    /// The places of contact that are pressed, with their surfaces.
+    fn loaded(&self) -> impl Iterator<Item = (&'a Place, &'a Surface<D>)> {
+        let places = self.snapshot.places.iter();
+        let pressed = places.filter(|place| place.pressures.iter().any(|p| *p > 0.0));
+        pressed.map(|place| (place, &*self.problem.surfaces()[place.surface]))
     }
 
     /// Where contact is searched.
@@ -78,41 +71,47 @@ impl<'a, const D: usize> PressurePicture<'a, D> {
     }
 
     fn curves(&self) -> Curves {
-        let (geometry, scene) = (self.problem.geometry(), self.problem.scene());
-        let curves = self.loaded().flat_map(|(name, surface, pressures)| {
+        let mut curves = Vec::new();
+        for (place, surface) in self.loaded() {
             let x = self.positions(surface);
-            let lines = chains(surface).into_iter();
-            let lines = lines.filter_map(move |chain| along(&x, &chain, &pressures));
-            lines.map(move |points| Curve {
-                name: name.clone(),
+            let chains = chains(surface);
+            let zones = chains
+                .iter()
+                .flat_map(|chain| zones(chain, &place.pressures));
+            let zones: Vec<_> = zones
+                .filter_map(|zone| along(&x, &zone, &place.pressures))
+                .collect();
+            let count = zones.len();
+            curves.extend(zones.into_iter().enumerate().map(|(k, points)| Curve {
+                name: match count {
+                    1 => place.name.clone(),
+                    _ => format!("{} ({})", place.name, k + 1),
+                },
                 points,
-            })
-        });
-        let is_revolved = scene
-            .bodies()
-            .iter()
-            .any(|body| body.mesh().is_of_revolution());
-        let of = match (geometry, is_revolved) {
-            (Geometry::Reference, false) => "undeformed length (UF/UL)",
-            (Geometry::Current, false) => "current length (UF/UL)",
-            (Geometry::Reference, true) => "undeformed area (UF/UL²)",
-            (Geometry::Current, true) => "current area (UF/UL²)",
+            }));
+        }
+        let of = match self.problem.geometry() {
+            Geometry::Reference => "undeformed",
+            Geometry::Current => "current",
         };
         Curves {
-            title: "Contact pressure".into(),
+            title: match &curves[..] {
+                [only] => format!("Contact pressure: {}", only.name),
+                _ => "Contact pressure".into(),
+            },
             x_label: "length along the surface from the centre of pressure (UL)".into(),
-            y_label: format!("pressure, per {of}"),
-            curves: curves.collect(),
+            y_label: format!("pressure, per {of} area (UF/UL²)"),
+            curves,
         }
     }
 
     fn save_panels(&self, path: &Path) -> Result<(), Error> {
         let panels: Vec<(String, Vec<Tile>)> = (self.loaded())
-            .map(|(name, surface, pressures)| (name, tiles(surface, &pressures)))
+            .map(|(place, surface)| (place.name.clone(), tiles(surface, &place.pressures)))
             .collect();
         let all = || panels.iter().flat_map(|(_, tiles)| tiles);
         let points = all().flat_map(|tile| tile.corners.iter().copied());
-        let layout = Layout::new(panels.len(), points);
+        let layout = Layout::new(panels.len(), points, 0);
         let colours = Colours {
             high: all().map(|tile| tile.pressure).fold(0.0, f64::max),
             ..Colours::default()
@@ -162,29 +161,46 @@ fn chains<const D: usize>(surface: &Surface<D>) -> Vec<Vec<usize>> {
     chains
 }
 
-/// The pressures along a chain over the length from the centre of pressure, to the second unloaded node on either side.
-fn along<const D: usize>(
-    x: &[Vector<D>],
-    chain: &[usize],
-    pressures: &[f64],
-) -> Option<Vec<(f64, f64)>> {
-    let is_closed = chain[0] == chain[chain.len() - 1];
+/// The parts of a chain that are loaded, each with two unloaded nodes on either side where there are some. A part ends where more
+/// than [`APART`] nodes in a row have no pressure. A closed chain is cut where nothing presses.
+fn zones(chain: &[usize], pressures: &[f64]) -> Vec<Vec<usize>> {
     let mut chain = chain.to_vec();
-    if is_closed {
+    if chain.len() > 1 && chain[0] == chain[chain.len() - 1] {
         chain.pop();
         let seam = seam(&chain, pressures);
         chain.rotate_left(seam);
         chain.push(chain[0]);
     }
+    let loaded = (0..chain.len()).filter(|&k| pressures[chain[k]] > 0.0);
+    let mut zones: Vec<[usize; 2]> = Vec::new();
+    for k in loaded {
+        match zones.last_mut() {
+            Some([_, last]) if k - *last <= APART + 1 => *last = k,
+            _ => zones.push([k, k]),
+        }
+    }
+    let part = |[first, last]: [usize; 2]| {
+        let end = (last + 2).min(chain.len() - 1);
+        chain[first.saturating_sub(2)..=end].to_vec()
+    };
+    zones.into_iter().map(part).collect()
+}
+
+/// The most unloaded nodes in a row within a zone of contact.
+const APART: usize = 4;
+
+/// The pressures along a chain over the length from the centre of pressure.
+fn along<const D: usize>(
+    x: &[Vector<D>],
+    chain: &[usize],
+    pressures: &[f64],
+) -> Option<Vec<(f64, f64)>> {
     let mut length = 0.0;
     let mut points = vec![(0.0, pressures[chain[0]])];
     for pair in chain.windows(2) {
         length += (x[pair[1]] - x[pair[0]]).norm();
         points.push((length, pressures[pair[1]]));
     }
-    let first = points.iter().position(|(_, p)| *p > 0.0)?;
-    let last = points.iter().rposition(|(_, p)| *p > 0.0)?;
-    let (first, last) = (first.saturating_sub(2), (last + 2).min(points.len() - 1));
     // of the pressure that is linear between the nodes
     let [mut force, mut moment] = [0.0; 2];
     for pair in points.windows(2) {
@@ -192,12 +208,15 @@ fn along<const D: usize>(
         force += 0.5 * (t - s) * (p + q);
         moment += (t - s) / 6.0 * (p * (2.0 * s + t) + q * (s + 2.0 * t));
     }
+    if !(force > 0.0) {
+        return None;
+    }
     let centre = moment / force;
-    let towards = x[chain[last]] - x[chain[first]];
+    let towards = x[chain[chain.len() - 1]] - x[chain[0]];
     let is_leftward = towards[0] < 0.0 || (towards[0] == 0.0 && towards[1] < 0.0);
     let sign = if is_leftward { -1.0 } else { 1.0 };
-    let shown = points[first..=last].iter();
-    Some(shown.map(|&(s, p)| (sign * (s - centre), p)).collect())
+    let from_centre = points.into_iter().map(|(s, p)| (sign * (s - centre), p));
+    Some(from_centre.collect())
 }
 
 /// Where a closed chain is cut: in the middle of the most unloaded nodes in a row.
@@ -323,16 +342,44 @@ mod tests {
         for corner in [[0.0, 0.0], [4.0, 4.0]] {
             let mut pressures = vec![0.0; 8];
             pressures[at(corner)] = 3.0;
-            let points = along(surface.reference_nodes(), &chains[0], &pressures).expect("a load");
-            let mut points = points;
+            let zones = zones(&chains[0], &pressures);
+            assert_eq!(zones.len(), 1);
+            let mut points =
+                along(surface.reference_nodes(), &zones[0], &pressures).expect("a load");
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let expected = [(-4.0, 0.0), (-2.0, 0.0), (0.0, 3.0), (2.0, 0.0), (4.0, 0.0)];
             assert_eq!(points, expected, "{corner:?}");
         }
+        assert!(zones(&chains[0], &[0.0; 8]).is_empty());
         assert_eq!(
             along(surface.reference_nodes(), &chains[0], &[0.0; 8]),
             None
         );
+    }
+
+    /// Pressures at nodes 2, 3 and 5 are one zone, those at 11 and 12 another one: five nodes between them have none. Each has its own
+    /// centre: by hand, with p = 3, 1, 2 at s = 2, 3, 5 and unit spacing at (6 + 3 + 10)/6, and in the middle of 11 and 12.
+    #[test]
+    fn zones_apart_have_centres_of_their_own() {
+        let x: Vec<Vector<2>> = (0..14)
+            .map(|k| Vector::<2>::new(f64::from(k), 0.0))
+            .collect();
+        let chain: Vec<usize> = (0..14).collect();
+        let mut pressures = [0.0; 14];
+        for (node, p) in [(2, 3.0), (3, 1.0), (5, 2.0), (11, 1.0), (12, 1.0)] {
+            pressures[node] = p;
+        }
+        let zones = zones(&chain, &pressures);
+        assert_eq!(zones, [(0..=7).collect::<Vec<_>>(), (9..=13).collect()]);
+        for (zone, centre) in zones.iter().zip([19.0 / 6.0, 11.5]) {
+            let points = along(&x, zone, &pressures).expect("a load");
+            for ((s, _), &node) in points.iter().zip(zone) {
+                assert!((s - (node as f64 - centre)).abs() < 1e-13, "{s} at {node}");
+            }
+        }
+        // one node nearer, and they are one
+        pressures[10] = 1.0;
+        assert_eq!(super::zones(&chain, &pressures).len(), 1);
     }
 
     /// A constant pressure on a line from 0 to 4 has its centre at 2, wherever the nodes are.

@@ -14,7 +14,7 @@ pub(super) struct Patch {
 
 /// The directions towards the viewer, to the right and up, for scenes in space; the view is from
 /// the front, the right and above.
-fn axes<const D: usize>() -> [Vector<D>; 3] {
+pub(super) fn axes<const D: usize>() -> [Vector<D>; 3] {
     let axis = |x: [f64; 3]| Vector::<D>::from_fn(|i, _| x[i]).normalize();
     [
         axis([0.5, -0.8, 0.4]),
@@ -32,7 +32,13 @@ pub(super) fn project<const D: usize>(x: &Vector<D>) -> [f64; 2] {
     }
 }
 
-/// The visible patches of a state, the farthest first.
+/// The place of `x` in the picture, and how near it is to the viewer (UL), in space.
+pub(super) fn seen<const D: usize>(x: &Vector<D>) -> Vector<3> {
+    let [towards, right, up] = axes::<D>();
+    Vector::from([x.dot(&right), x.dot(&up), x.dot(&towards)])
+}
+
+/// The cells in the plane, the patches in space that face the viewer.
 pub(super) fn patches<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<D>) -> Vec<Patch> {
     if D == 2 {
         let patch = |(cell, (_, nodes))| Patch {
@@ -43,7 +49,7 @@ pub(super) fn patches<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<
     }
     let [towards, ..] = axes::<D>();
     let position = |a: usize| problem.reference()[a] + snapshot.displacements[a];
-    let mut seen = Vec::new();
+    let mut facing = Vec::new();
     let mut first_cell = 0;
     for (k, body) in problem.scene().bodies().iter().enumerate() {
         let (mesh, first) = (body.mesh(), problem.first_node(k));
@@ -51,18 +57,15 @@ pub(super) fn patches<const D: usize>(problem: &Problem<D>, snapshot: &Snapshot<
             let corners: [Vector<D>; D] = std::array::from_fn(|c| position(first + facet[c]));
             if facet_normal(&corners).dot(&towards) > 0.0 {
                 let nodes: Vec<usize> = facet.iter().map(|a| first + a).collect();
-                let patch = Patch {
+                facing.push(Patch {
                     nodes: around(&nodes, D),
                     cell: first_cell + cell,
-                };
-                let depth = corners.iter().sum::<Vector<D>>().dot(&towards);
-                seen.push((depth, patch));
+                });
             }
         }
         first_cell += mesh.len();
     }
-    seen.sort_by(|a, b| a.0.total_cmp(&b.0));
-    seen.into_iter().map(|(_, patch)| patch).collect()
+    facing
 }
 
 /// Corners and middle nodes, if there are any, in the order around the patch: 0, 3, 1, 4, 2, 5 of a

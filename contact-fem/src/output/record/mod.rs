@@ -18,7 +18,7 @@ use contact_core::memory::MemoryLeft;
 use contact_core::{Ending, Equilibrium, MemoryNeed};
 
 use super::file;
-use super::picture::{MeshPicture, Panel, PressurePicture};
+use super::picture::{Curve, Curves, MeshPicture, Panel, PressurePicture};
 use super::snapshot::Snapshot;
 use crate::certificate::Limits;
 use crate::error::Error;
@@ -49,6 +49,7 @@ type Message<'a, const D: usize> = Box<dyn Fn(&StepView<'_, D>) -> String + 'a>;
 /// | `NAME.pvd`, `NAME_0000.vtu`, … | the states for ParaView, see [`Series`](super::vtk::Series) |
 /// | `meshes.svg` | the deformed bodies at rest, half way and at the end |
 /// | `pressure.svg` | the contact pressure at the end, see [`PressurePicture`]; none where nothing presses |
+/// | `force.svg` | the force of [`Recording::force`] over time, which is the load factor; none of fewer than three steps or without a force |
 /// | `summary.json` | what ran on what, the findings before the run, how it ended, the results and what they cost |
 /// | `run.lock` | the names of all these files; locked during the run |
 ///
@@ -104,6 +105,9 @@ pub struct Plan<'a, const D: usize> {
     /// The file name of the picture of the contact pressure at the last converged step, `pressure.svg` by default. An empty name
     /// draws none; neither is there one where nothing presses.
     pub pressure_picture: String,
+    /// The file name of the picture of the force over time, `force.svg` by default. An empty name draws none; neither is there one of
+    /// fewer than three converged steps, or without a force.
+    pub force_picture: String,
     /// Whether the state half way to full load is kept for the picture; `true` by default.
     pub half_way: bool,
     /// The names of files that the caller adds to the folder after the run, such as pictures. The next run removes them
@@ -131,7 +135,7 @@ pub struct Recorded<const D: usize> {
 /// A state for a picture.
 #[derive(Clone, Debug)]
 pub struct Stage<const D: usize> {
-    /// A title: the increment that the state completes, or the load factor.
+    /// A title: the increment that the state completes, and its time.
     pub title: String,
     is_half_way: bool,
     /// The fields of the state.
@@ -173,6 +177,7 @@ impl<S: Equilibrium> Simulation<S> {
             vtu_every: 1,
             picture: "meshes.svg".into(),
             pressure_picture: "pressure.svg".into(),
+            force_picture: "force.svg".into(),
             half_way: true,
             own_files: Vec::new(),
             quiet: false,
@@ -244,7 +249,11 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
         };
         let result = simulation.run_observed(problem, |step| observer.observe(step));
         let written = observer.finish(problem, result.as_ref().ok());
-        let drawn = plan.draw(problem, &observer.stages, observer.folder);
+        let drawn = plan.draw(
+            problem,
+            (&observer.stages, &observer.records),
+            observer.folder,
+        );
         let written = written.and(drawn);
         let spent = cpu_seconds()
             .zip(processor)
@@ -287,13 +296,15 @@ impl<const D: usize> Plan<'_, D> {
     /// [`Error::Write`] with a name that none of its files may have.
     pub fn check(&self) -> Result<(), Error> {
         file::check_name(&self.folder, &self.name)?;
-        let pictures = [&self.picture, &self.pressure_picture].into_iter();
-        let mut pictures = pictures.filter(|name| !name.is_empty());
+        let all = [&self.picture, &self.pressure_picture, &self.force_picture];
+        let mut pictures = all.into_iter().filter(|name| !name.is_empty());
         let mut names = self.own_files.iter().chain(pictures.clone());
         names.try_for_each(|name| check_file_name(&self.folder, name))?;
-        let is_own = |name: &String| self.own_files.contains(name);
-        let is_both = self.picture == self.pressure_picture;
-        if let Some(name) = pictures.clone().find(|name| is_both || is_own(name)) {
+        let is_taken = |name: &&String| {
+            let same = pictures.clone().filter(|other| other == name);
+            self.own_files.contains(name) || same.count() > 1
+        };
+        if let Some(name) = pictures.clone().find(is_taken) {
             let why = format!(
                 "{name:?} is the name of another file of the run: give the picture another one"
             );
@@ -309,16 +320,39 @@ impl<const D: usize> Plan<'_, D> {
         }
     }
 
+    /// The force over time; `None` of few steps, and without a force.
+    fn force_curve(&self, records: &[StepRecord<D>]) -> Option<Curves> {
+        let steps = records.iter();
+        let points: Vec<(f64, f64)> = steps
+            .map(|step| (step.factor, (self.force)(step)))
+            .collect();
+        let has_force = points.iter().any(|(_, force)| *force != 0.0);
+        (points.len() >= 3 && has_force).then(|| Curves {
+            title: "Reaction".into(),
+            x_label: "time (load factor)".into(),
+            y_label: "reaction (UF)".into(),
+            curves: vec![Curve {
+                name: "reaction".into(),
+                // nothing is loaded at rest
+                points: [vec![(0.0, 0.0)], points].concat(),
+            }],
+        })
+    }
+
     /// Draws the pictures, and lists the files that the caller adds.
     fn draw(
         &self,
         problem: &Problem<D>,
-        stages: &[Stage<D>],
+        (stages, records): (&[Stage<D>], &[StepRecord<D>]),
         folder: &mut Folder,
     ) -> Result<(), Error> {
         self.own_files
             .iter()
             .try_for_each(|name| folder.add(name))?;
+        if let (Some(picture), false) = (self.force_curve(records), self.force_picture.is_empty()) {
+            folder.add(&self.force_picture)?;
+            picture.save(self.folder.join(&self.force_picture))?;
+        }
         if let (Some(last), false) = (stages.last(), self.pressure_picture.is_empty()) {
             if let Some(picture) = PressurePicture::new(problem, &last.snapshot)? {
                 folder.add(&self.pressure_picture)?;

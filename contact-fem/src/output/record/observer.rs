@@ -60,7 +60,7 @@ impl<'a, const D: usize> Observer<'a, D> {
             progress: Progress::new(recording.increments, recording.quiet),
             records: Vec::new(),
             stages: vec![Stage {
-                title: "step 0".into(),
+                title: "at rest".into(),
                 is_half_way: false,
                 snapshot: rest,
             }],
@@ -105,8 +105,10 @@ impl<'a, const D: usize> Observer<'a, D> {
         let half_way = recording.increments / 2;
         self.stages.push(Stage {
             title: match record.increment {
-                Some(increment) => format!("step {increment}"),
-                None => format!("t = {:.4}", record.factor),
+                Some(increment) => {
+                    format!("increment {increment}, time {}", rounded(record.factor))
+                }
+                None => format!("time {}", rounded(record.factor)),
             },
             is_half_way: recording.half_way && record.increment == Some(half_way),
             snapshot,
@@ -139,6 +141,11 @@ impl<'a, const D: usize> Observer<'a, D> {
     }
 }
 
+/// A time with at most four decimals.
+fn rounded(time: f64) -> f64 {
+    (time * 1e4).round() / 1e4
+}
+
 /// Lists the next files of a series and writes them.
 fn write<const D: usize>(
     folder: &mut Folder,
@@ -147,7 +154,7 @@ fn write<const D: usize>(
     problem: &Problem<D>,
     snapshot: &Snapshot<D>,
 ) -> Result<(), Error> {
-    for name in series.next_files() {
+    for name in series.next_files(problem) {
         folder.add(&name)?;
     }
     series.write(time, problem, snapshot)

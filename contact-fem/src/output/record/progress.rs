@@ -41,7 +41,7 @@ impl Progress {
                 }
                 bar.set_message(message);
             }
-            Progress::Lines => print(format!("t = {factor:.4}: {message}")),
+            Progress::Lines => print(format!("time {factor:.4}: {message}")),
             Progress::Quiet => {}
         }
     }
