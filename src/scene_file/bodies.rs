@@ -217,10 +217,7 @@ impl CurvedKeys {
             on, centre, radius, ..
         } = self;
         let radius = *radius;
-        if !(radius > 0.0 && radius.is_finite()) {
-            let what = format!("the radius {radius} must be positive and finite");
-            return Err(place.key("radius").wrong(what));
-        }
+        positive(&place.key("radius"), radius)?;
         let centre = Vector::<D>::from(match centre {
             Some(centre) => place.key("centre").vector(centre)?,
             None => [0.0; D],
@@ -283,6 +280,7 @@ impl BoundaryKeys {
             }
             Region::Ball(Ball { centre, radius }) => {
                 let centre = Vector::<D>::from(place.vector(centre)?);
+                positive(&place.key("radius"), *radius)?;
                 let off = Self::OFF_ROUND * diagonal;
                 mesh.name_boundary(name, |x| ((x - centre).norm() - radius).abs() <= off);
             }
@@ -300,6 +298,7 @@ impl BoundaryKeys {
                     }
                     _ => direction(axis, "axis")?,
                 };
+                positive(&place.key("radius"), *radius)?;
                 let off = Self::OFF_ROUND * diagonal;
                 let across = |x: &Vector<D>| {
                     let arm = x - point;
@@ -327,6 +326,13 @@ impl BoundaryKeys {
             ))),
             false => Ok(()),
         }
+    }
+}
+
+fn positive(place: &Place<'_>, radius: f64) -> Result<(), Error> {
+    match radius > 0.0 && radius.is_finite() {
+        true => Ok(()),
+        false => Err(place.wrong(format!("the radius {radius} must be positive and finite"))),
     }
 }
 

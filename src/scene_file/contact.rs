@@ -83,6 +83,10 @@ impl SceneFile {
     ) -> Result<(), Error> {
         for (k, keys) in self.keys.tie.iter().enumerate() {
             let place = self.tie_place(k);
+            if keys.amplitude.is_some() && keys.jump.is_none() {
+                let what = "is the course of a `jump`, and there is none: leave it out";
+                return Err(place.key("amplitude").wrong(what));
+            }
             let tie = Tie {
                 first: bodies.side(scene, &place.key("first"), &keys.first)?,
                 second: bodies.side(scene, &place.key("second"), &keys.second)?,

@@ -30,6 +30,18 @@ pub(super) fn told_with_hint(text: &str, why: &toml::de::Error) -> String {
     }
 }
 
+/// What others call a key.
+const OTHER_WORDS: [(&str, &str); 8] = [
+    ("plane", "half-space"),
+    ("sphere", "ball"),
+    ("circle", "ball"),
+    ("box", "cuboid"),
+    ("nu", "poisson"),
+    ("e", "young"),
+    ("modulus", "young"),
+    ("material", "law"),
+];
+
 /// A name that a table does not have: a misspelt one of its own, or one of another table.
 fn unknown(text: &str, span: &Range<usize>, message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
@@ -39,6 +51,16 @@ fn unknown(text: &str, span: &Range<usize>, message: &str) -> Option<String> {
     let name = quoted.next().filter(|_| is_name)?;
     let own: Vec<&str> = quoted.collect();
     let meant = |own: &str| format!("did you mean `{own}`?");
+    if plain(name) == "planestrain" {
+        return Some(
+            "meshes in the plane are in plane strain without any key: leave it out".into(),
+        );
+    }
+    let is_known =
+        |(word, own_name): &&(&str, &str)| *word == plain(name) && own.contains(own_name);
+    if let Some((_, own)) = OTHER_WORDS.iter().find(is_known) {
+        return Some(meant(own));
+    }
     if let Some(own) = own.iter().find(|own| singular(own) == singular(name)) {
         return Some(meant(own));
     }
@@ -187,6 +209,9 @@ fn syntax(text: &str, span: &Range<usize>) -> Option<String> {
     if behind.starts_with(':') || before.trim_end().ends_with(':') {
         return Some("`:` is no sign of TOML: write `=` between a key and its value".into());
     }
+    if let Some(hint) = of_value(line) {
+        return Some(hint.into());
+    }
     let is_around = |c: char| c.is_whitespace() || "=,[]{}#".contains(c);
     let begin = before.rfind(is_around).map_or(0, |k| k + 1);
     let value = line[begin..].split(is_around).next().unwrap_or_default();
@@ -194,6 +219,29 @@ fn syntax(text: &str, span: &Range<usize>) -> Option<String> {
     (is_value && !value.is_empty())
         .then(|| written(value))
         .flatten()
+}
+
+/// What is wrong with the value of a line: its brackets, commas, quotes, a unit, or a remark.
+fn of_value(line: &str) -> Option<&'static str> {
+    let (_, value) = line.split_once('=')?;
+    let value = value.trim();
+    let words: Vec<&str> = value.trim_matches(['[', ']']).split_whitespace().collect();
+    let are_numbers = |words: &[&str]| words.iter().all(|word| word.parse::<f64>().is_ok());
+    let is_unit = |word: &str| word.chars().all(char::is_alphabetic);
+    match &words[..] {
+        _ if value.contains(['“', '”', '„', '‘', '’']) => {
+            Some("quotes are straight in TOML: write `\"`")
+        }
+        _ if value.starts_with('(') => Some("a list has square brackets: write `[…]`"),
+        _ if value.contains("//") => Some("a remark begins with `#`, not with `//`"),
+        [_, _, ..] if value.starts_with('[') && are_numbers(&words) => {
+            Some("the entries of a list have commas between them")
+        }
+        [number, unit] if are_numbers(&[*number]) && is_unit(unit) => {
+            Some("a number has no unit: write the number alone, in the units of the scene")
+        }
+        _ => None,
+    }
 }
 
 /// How a value is written that has no digit beside its point, or no quotes.

@@ -58,7 +58,11 @@ impl SceneFile {
         let scene = problem.scene();
         let (names, obstacles) = (scene.names(), scene.obstacle_names());
         let (mut of, mut tools) = (Vec::new(), Vec::new());
-        for asked in &keys.of {
+        for (k, asked) in keys.of.iter().enumerate() {
+            if keys.of[..k].contains(asked) {
+                let what = format!("names `{asked}` twice: leave one of them out");
+                return Err(place.key("of").wrong(what));
+            }
             let number = |names: &[String]| names.iter().position(|name| name == asked);
             match (number(names), number(obstacles)) {
                 (Some(body), _) => of.push(BodyId::from(body)),
@@ -77,7 +81,8 @@ impl SceneFile {
         }
         let at = place.key("along");
         let along = Vector::<D>::from(at.vector(&keys.along)?);
-        let unit = along.try_normalize(0.0).ok_or_else(|| {
+        // of any length: its square may overflow, or vanish
+        let unit = (along / along.amax()).try_normalize(0.0).ok_or_else(|| {
             at.wrong("has no length: give the direction along which the force is measured")
         })?;
         let on = keys.on.as_ref().map(ToString::to_string);

@@ -57,6 +57,8 @@ fn obstacles_have_reactions() {
     for (of, along, expected) in [
         ("\"lid\"", "[0, 1]", -10.0),
         ("\"floor\"", "[0, 3]", 10.0),
+        ("\"floor\"", "[0, 1e300]", 10.0),
+        ("\"floor\"", "[0, 1e-300]", 10.0),
         ("\"floor\", \"lid\"", "[0, 1]", 0.0),
         ("\"floor\", \"block\"", "[1, 1]", 10.0 / 2.0_f64.sqrt()),
     ] {
@@ -67,6 +69,10 @@ fn obstacles_have_reactions() {
         (
             "of = [\"tool\"], along = [0, 1]",
             "there is no body or obstacle `tool`: there are the bodies [\"block\"] and the obstacles [\"floor\", \"lid\"]",
+        ),
+        (
+            "of = [\"lid\", \"lid\"], along = [0, 1]",
+            "names `lid` twice: leave one of them out",
         ),
         (
             "of = [\"lid\"], on = \"top\", along = [0, 1]",

@@ -159,10 +159,11 @@ fn instead(there: &[&str]) -> String {
         [] => {
             "no linear solver works, install one that Ipopt is linked to, such as MUMPS".to_owned()
         }
-        _ => format!(
+        _ if VERSION >= (3, 14, 0) => format!(
             "take {}, or set `hsllib` or `pardisolib` to the library that has it",
             there.join(" or ")
         ),
+        _ => format!("take {}", there.join(" or ")),
     }
 }
 

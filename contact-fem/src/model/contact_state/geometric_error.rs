@@ -12,6 +12,9 @@ use crate::model::{Geometry, Problem, Side};
 /// passes, and below 0.5 % with one. On meshes with a facet as wide as the contact zone, bodies that have not moved have nearly as much.
 const TOLD: f64 = 0.03;
 
+/// A difference of gaps that is none, as a share of the scene's displacements.
+const ROUNDOFF: f64 = 1e-9;
+
 /// A pair whose contact at the reference positions is far from that at the present ones, as [`Problem::geometric_errors`] finds it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeometricError {
@@ -43,6 +46,7 @@ impl<const D: usize> Problem<D> {
         let present = self.contact.located_at(&now);
         let searched = self.contact.located(&self.kinematics, u);
         let moved = self.kinematics.largest(u);
+        let least = ROUNDOFF * self.scale().length;
         let mut found = Vec::new();
         for (pair, ([a, b], first, second)) in self.declared_pairs().into_iter().enumerate() {
             let errors = self.directions([a, b], moved).flat_map(|[slave, master]| {
@@ -61,7 +65,8 @@ impl<const D: usize> Problem<D> {
                 self.errors_of(&share, gaps, &lost)
             });
             let worst = errors.max_by(|[a, b], [c, d]| (a / b).total_cmp(&(c / d)));
-            if let Some([error, indentation]) = worst.filter(|[e, of]| *e > TOLD * of) {
+            if let Some([error, indentation]) = worst.filter(|[e, of]| *e > (TOLD * of).max(least))
+            {
                 found.push(GeometricError {
                     first,
                     second,

@@ -85,7 +85,7 @@ fn facets<const D: usize>(cluster: &Cluster, scene: &Scene<D>, side: &Side) -> V
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::generators::{Diagonals, disc, linspace, rectangle};
+    use crate::mesh::generators::{Diagonals, disc, linspace, rectangle, sphere};
     use crate::model::{FindingKind, Obstacle};
     use crate::{Body, LinearElastic, Mesh, Scene};
 
@@ -135,6 +135,35 @@ mod tests {
             told(block(), ["bottom", "left"], true),
             ["only contact holds body `body`: translation x, translation y, rotation"]
         );
+        let ball = sphere(1.0, 3).expect("a mesh");
+        let ball = ball.translated([0.0, 0.0, 1.0]).expect("moved");
+        let mut scene = Scene::new();
+        let law = LinearElastic::new(1.0, 0.3).expect("a law");
+        let body = scene.add("ball", Body::new(ball, law));
+        let floor = Obstacle::half_space([0.0; 3], [0.0, 0.0, 1.0]).expect("a floor");
+        scene
+            .obstacle("floor", body.on("surface"), floor)
+            .expect("held");
+        let notes = scene.preflight();
+        let kind = |kind| {
+            notes
+                .iter()
+                .find(|note| note.kind == kind)
+                .expect("a note")
+                .what
+                .clone()
+        };
+        let loose = kind(FindingKind::HeldByNothing);
+        for motion in [
+            "translation x",
+            "translation y",
+            "rotation about x",
+            "rotation about y",
+            "rotation about z",
+        ] {
+            assert!(loose.contains(motion), "{loose}");
+        }
+        assert!(kind(FindingKind::HeldByContact).ends_with("`ball`: translation z"));
         let found = told(disc, ["boundary", "boundary"], false);
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found[0].ends_with("rotation, translation x"), "{found:?}");

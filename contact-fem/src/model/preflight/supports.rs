@@ -13,6 +13,8 @@ use crate::tensor::Vector;
 
 /// The smallest part of a unit vector along a coordinate axis that is outside the motions it belongs to (no unit).
 const ALONG: f64 = 1e-6;
+/// How much of a motion contact resists, as a share of what it resists most: less is that facets of a ball are flat.
+const RESISTS: f64 = 0.05;
 
 /// Checks that every part of every body is supported, has a foundation or may touch another body or an obstacle, and that at least
 /// one displacement is prescribed if there is no obstacle; names the motions that contact alone holds.
@@ -33,6 +35,7 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
         report.take::<()>(Err(Error::NothingFree));
     }
     let touches = touched(scene, pairs);
+    let mut unmerged_bodies = BTreeSet::new();
     for cluster in clusters(scene) {
         let motions = cluster.free_motions(scene);
         if motions.is_empty() {
@@ -43,15 +46,22 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
         let name = &scene.names()[*body];
         let touches = |(body, part): &(usize, Vec<usize>)| part.iter().any(|&a| touches[*body][a]);
         if !cluster.parts.iter().any(touches) {
+            // of a body whose cells are all apart, once for all
+            if unmerged_bodies.contains(body) {
+                continue;
+            }
             let mesh = scene.bodies()[*body].mesh();
             let unmerged = meshes::coinciding(mesh);
             let is_own = |nodes: &&[usize; 2]| nodes.iter().any(|a| part.binary_search(a).is_ok());
             report.take::<()>(Err(match unmerged.iter().find(is_own) {
-                Some(&nodes) => Error::Unmerged {
-                    body: name.clone(),
-                    count: unmerged.len(),
-                    nodes,
-                },
+                Some(&nodes) => {
+                    unmerged_bodies.insert(*body);
+                    Error::Unmerged {
+                        body: name.clone(),
+                        count: unmerged.len(),
+                        nodes,
+                    }
+                }
                 None => Error::Unsupported {
                     body: name.clone(),
                     node: part[0],
@@ -169,7 +179,17 @@ impl Cluster {
             .flat_map(|(body, part)| held_rows(&scene.bodies()[*body], first[*body], part));
         let first_body = &scene.bodies()[self.parts[0].0];
         let is_revolved = first_body.mesh().is_of_revolution();
-        unheld_motions(rows.chain(others), &place, &own.collect(), is_revolved)
+        let modes = Modes::new(&place, &own.collect(), is_revolved);
+        let free = null_space(rows.map(|row| modes.of(&row)), modes.width(), HOLDS);
+        if others.is_empty() || free.ncols() == 0 {
+            return names::<D>(&free);
+        }
+        let along_free = others.iter().map(|row| {
+            let row = DMatrix::from_row_slice(1, modes.width(), &modes.of(row));
+            (row * &free).iter().copied().collect()
+        });
+        let left = null_space(along_free, free.ncols(), RESISTS);
+        names::<D>(&(&free * left))
     }
 
     /// Whether a part of this body belongs to it.
@@ -341,22 +361,54 @@ pub(in crate::model) fn unheld_motions<const D: usize>(
     nodes: &BTreeSet<usize>,
     is_revolved: bool,
 ) -> Vec<String> {
-    let count = nodes.len().max(1) as f64;
-    let centre = nodes.iter().map(|&a| place(a)).sum::<Vector<D>>() / count;
-    let arms = nodes.iter().map(|&a| (place(a) - centre).norm());
-    let extent = arms.fold(f64::MIN_POSITIVE, f64::max);
-    let in_modes = |row: Row| {
+    let modes = Modes::new(place, nodes, is_revolved);
+    names::<D>(&null_space(
+        rows.map(|row| modes.of(&row)),
+        modes.width(),
+        HOLDS,
+    ))
+}
+
+/// Rigid motions about the centre of some nodes, in units of their extent.
+struct Modes<'a, const D: usize> {
+    place: &'a dyn Fn(usize) -> Vector<D>,
+    centre: Vector<D>,
+    extent: f64,
+    is_revolved: bool,
+}
+
+impl<'a, const D: usize> Modes<'a, D> {
+    fn new(
+        place: &'a dyn Fn(usize) -> Vector<D>,
+        nodes: &BTreeSet<usize>,
+        is_revolved: bool,
+    ) -> Self {
+        let count = nodes.len().max(1) as f64;
+        let centre = nodes.iter().map(|&a| place(a)).sum::<Vector<D>>() / count;
+        let arms = nodes.iter().map(|&a| (place(a) - centre).norm());
+        Modes {
+            place,
+            centre,
+            extent: arms.fold(f64::MIN_POSITIVE, f64::max),
+            is_revolved,
+        }
+    }
+
+    fn width(&self) -> usize {
+        modes::<D>(self.is_revolved)
+    }
+
+    /// What each motion does to a row.
+    fn of(&self, row: &Row) -> Vec<f64> {
         let of_mode = |k: usize| {
             let terms = row.iter().map(|&(node, component, c)| {
-                let arm = (place(node) - centre) / extent;
-                c * mode_of(is_revolved, k, &arm, component)
+                let arm = ((self.place)(node) - self.centre) / self.extent;
+                c * mode_of(self.is_revolved, k, &arm, component)
             });
             terms.sum()
         };
-        (0..modes::<D>(is_revolved)).map(of_mode).collect()
-    };
-    let width = modes::<D>(is_revolved);
-    names::<D>(&null_space(rows.map(in_modes), width, HOLDS))
+        (0..self.width()).map(of_mode).collect()
+    }
 }
 
 /// An orthonormal basis, column by column, of the vectors that all `rows` of `width` numbers annul. Singular

@@ -8,7 +8,7 @@ use contact_core::ipopt::{Blas, versions};
 use contact_core::{Ending, InteriorPoint, Method};
 
 use super::observer::Observer;
-use super::{Memory, Plan};
+use super::{Memory, Plan, fixed};
 use crate::audit::LeastVolume;
 use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
@@ -22,8 +22,10 @@ use crate::tensor::Vector;
 
 /// The share of the largest stored energy that work and stored energy may be apart without a warning.
 const UNSTORED: f64 = 0.1;
-/// What is round-off of energies, as a share of the scene's [`Scale::energy`](contact_core::Scale::energy).
-const NEGLIGIBLE: f64 = 1e-13;
+/// What is round-off of energies and of forces, as a share of the scene's [`Scale`](contact_core::Scale).
+const NEGLIGIBLE: f64 = 1e-10;
+/// Forces whose resultant is below this share of the largest pressure times the area cancel.
+const CANCELS: f64 = 1e-6;
 /// How many forces, and how many contacts, are printed.
 const PRINTED: usize = 6;
 /// The significant digits of the largest value of a list; the others end at the same place.
@@ -103,7 +105,8 @@ impl<'a, const D: usize> Ended<'a, D> {
 
     /// The force that the plan calls `reaction` (UF).
     pub(super) fn reaction(&self) -> Option<f64> {
-        self.records.last().map(|record| (self.plan.force)(record))
+        let last = self.records.last()?;
+        Some(self.plan.force_of(last, self.problem))
     }
 
     /// A line for each result that matters, and in a [`verbose`](Plan::verbose) run all conditions of the certificate, what was left out,
@@ -114,21 +117,19 @@ impl<'a, const D: usize> Ended<'a, D> {
             line("solver", self.solvers()),
         ];
         if let Some(last) = self.records.last() {
-            lines.push(line("energy", format!("{:.4} UF·UL", last.energy)));
-            let [work, stored] =
-                [last.work(), last.stored_energy].map(|value| format!("{value:.4}"));
+            lines.push(line("energy", format!("{} UF·UL", fixed(last.energy, 4))));
+            let [work, stored] = [last.work(), last.stored_energy].map(|value| fixed(value, 4));
             lines.push(line(
                 "work",
                 format!("{work} UF·UL by the trapezoidal rule, of which {stored} UF·UL are stored"),
             ));
             lines.extend(
                 self.reaction()
-                    .map(|force| line("reaction", format!("{force:.4} UF"))),
+                    .map(|force| line("reaction", format!("{} UF", fixed(force, 4)))),
             );
-            let scale = self.problem.scale();
-            let negligible = NEGLIGIBLE * scale.energy / scale.length;
-            lines.extend(forces_on_bodies(last, self.problem.scene(), negligible));
+            lines.extend(self.forces_on_bodies(last));
             lines.extend(contacts(last, self.problem.scene()));
+            lines.extend(ties(last, self.problem.scene()));
             lines.push(line(
                 "deepest overlap",
                 format!("{:.1e} UL of a node in another surface", last.penetration),
@@ -236,72 +237,118 @@ fn line(what: &str, value: impl std::fmt::Display) -> String {
     format!("{what:<18} {value}")
 }
 
-/// The forces of supports and obstacles on the bodies, the largest first; where all are `negligible` (UF), they are zero.
-fn forces_on_bodies<const D: usize>(
-    record: &StepRecord<D>,
-    scene: &Scene<D>,
-    negligible: f64,
-) -> Vec<String> {
-    let supports = record.support_reactions.iter();
-    let supports = supports.map(|(side, force)| {
-        (
-            *force,
-            format!("the supports at {}", scene.name_of_side(side)),
-        )
-    });
-    let obstacles = record.obstacle_forces.iter().enumerate();
-    let obstacles =
-        obstacles.map(|(k, force)| (-force, format!("obstacle `{}`", scene.obstacle_names()[k])));
-    let mut all: Vec<(Vector<D>, String)> = supports.chain(obstacles).collect();
-    all.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
-    let largest = all
-        .iter()
-        .map(|(force, _)| force.amax())
-        .fold(0.0, f64::max);
-    if largest <= negligible {
-        all.iter_mut()
-            .for_each(|(force, _)| *force = Vector::zeros());
+/// How large a force is (UF); of a scene of revolution its part along the axis, since sums around the axis have no resultant.
+pub(super) fn size<const D: usize>(force: &Vector<D>, scene: &Scene<D>) -> f64 {
+    match is_revolved(scene) {
+        true => force[D - 1].abs(),
+        false => force.norm(),
     }
-    let told = all.iter().map(|(force, by)| {
-        let parts: Vec<String> = force.iter().map(|x| rounded(*x, largest)).collect();
-        format!("({}) UF by {by}", parts.join(", "))
-    });
-    listed("forces on bodies", told.collect(), "summary.json")
 }
 
-/// Force, area and largest pressure of each contact, the largest force first.
-fn contacts<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<String> {
-    let mut pairs: Vec<_> = record.pairs.iter().collect();
-    let size = |pair: &PairRecord<D>| (pair.resultant.norm(), pair.pressure_max);
-    pairs.sort_by(|a, b| {
-        let (a, b) = (size(a), size(b));
-        b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1))
+fn is_revolved<const D: usize>(scene: &Scene<D>) -> bool {
+    let mut bodies = scene.bodies().iter();
+    bodies.any(|body| body.mesh().is_of_revolution())
+}
+
+impl<const D: usize> Ended<'_, D> {
+    /// The forces of supports and obstacles on the bodies, the largest first. What is round-off beside the largest force of the run is zero.
+    fn forces_on_bodies(&self, record: &StepRecord<D>) -> Vec<String> {
+        let scene = self.problem.scene();
+        let all = forces_by(record, scene);
+        let scale = self.problem.scale();
+        let of_run = self.records.iter().flat_map(|record| {
+            let supports = record.support_reactions.iter().map(|(_, force)| force);
+            supports.chain(&record.obstacle_forces)
+        });
+        let of_run = of_run.map(|force| force.amax()).fold(0.0, f64::max);
+        let negligible = NEGLIGIBLE * (scale.energy / scale.length).max(of_run);
+        let largest = all
+            .iter()
+            .map(|(force, _)| force.amax())
+            .fold(0.0, f64::max);
+        let shown = |x: f64| match largest <= negligible {
+            true => rounded(0.0, 0.0),
+            false => rounded(x, largest),
+        };
+        let told = all.iter().map(|(force, by)| match is_revolved(scene) {
+            true => format!("{} UF along the axis by {by}", shown(force[D - 1])),
+            false => {
+                let parts: Vec<String> = force.iter().map(|x| shown(*x)).collect();
+                format!("({}) UF by {by}", parts.join(", "))
+            }
+        });
+        listed("forces on bodies", told.collect())
+    }
+}
+
+/// The force of each support and each obstacle on the bodies (UF), the largest first.
+fn forces_by<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<(Vector<D>, String)> {
+    let supports = record.support_reactions.iter();
+    let supports = supports.map(|(side, force)| {
+        let name = scene.name_of_side(side);
+        (*force, format!("the supports at {name}"))
     });
-    let largest = |of: fn(&PairRecord<D>) -> f64| record.pairs.iter().map(of).fold(0.0, f64::max);
-    let [force, area, pressure] = [
-        largest(|pair| pair.resultant.norm()),
-        largest(|pair| pair.area),
-        largest(|pair| pair.pressure_max),
+    let obstacles = record.obstacle_forces.iter().zip(scene.obstacle_names());
+    let obstacles = obstacles.map(|(force, name)| (-force, format!("obstacle `{name}`")));
+    let mut all: Vec<(Vector<D>, String)> = supports.chain(obstacles).collect();
+    all.sort_by(|a, b| size(&b.0, scene).total_cmp(&size(&a.0, scene)));
+    all
+}
+
+/// Force, largest pressure and area of each contact, the largest force first.
+fn contacts<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<String> {
+    let force = |pair: &PairRecord<D>| size(&pair.resultant, scene);
+    let mut pairs: Vec<_> = record.pairs.iter().collect();
+    pairs.sort_by(|a, b| {
+        let own = force(b).total_cmp(&force(a));
+        own.then(b.pressure_max.total_cmp(&a.pressure_max))
+    });
+    let largest =
+        |of: &dyn Fn(&PairRecord<D>) -> f64| record.pairs.iter().map(of).fold(0.0, f64::max);
+    let all = [
+        largest(&force),
+        largest(&|pair| pair.pressure_max),
+        largest(&|pair| pair.area),
     ];
     let told = pairs.into_iter().map(|pair| {
+        // as around a pin, or where a body touches itself
+        let cancel = force(pair) < CANCELS * pair.pressure_max * pair.area;
+        let force = match cancel {
+            true => "forces that cancel".into(),
+            false => format!("{} UF", rounded(force(pair), all[0])),
+        };
         format!(
-            "{} UF, largest pressure {} UF/UL², area {} UL²: {} and {}",
-            rounded(pair.resultant.norm(), force),
-            rounded(pair.pressure_max, pressure),
-            rounded(pair.area, area),
+            "{force}, largest pressure {} UF/UL², area {} UL²: {} and {}",
+            rounded(pair.pressure_max, all[1]),
+            rounded(pair.area, all[2]),
             scene.name_of_side(&pair.first),
             name_of(&pair.second, scene)
         )
     });
-    listed("contact", told.collect(), "summary.json")
+    listed("contact", told.collect())
+}
+
+/// What each tie transmits.
+fn ties<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<String> {
+    let largest = record
+        .ties
+        .iter()
+        .map(|tie| tie.force.amax())
+        .fold(0.0, f64::max);
+    let told = record.ties.iter().map(|tie| {
+        let parts: Vec<String> = tie.force.iter().map(|x| rounded(*x, largest)).collect();
+        let [first, second] = [&tie.first, &tie.second].map(|side| scene.name_of_side(side));
+        format!("({}) UF on {first} by {second}", parts.join(", "))
+    });
+    listed("ties", told.collect())
 }
 
 /// The first entries, one a line, and how many there are besides.
-fn listed(what: &str, mut entries: Vec<String>, file: &str) -> Vec<String> {
+fn listed(what: &str, mut entries: Vec<String>) -> Vec<String> {
     let others = entries.len().saturating_sub(PRINTED);
     if others > 1 {
         entries.truncate(PRINTED);
-        entries.push(format!("and {others} smaller ones, in {file}"));
+        entries.push(format!("and {others} others, in summary.json"));
     }
     let first = [what].into_iter().chain(std::iter::repeat(""));
     entries
@@ -362,7 +409,7 @@ fn certified(certificate: &Certificate, verbose: bool) -> String {
 fn closest(certificate: &Certificate, limits: &Limits) -> String {
     let shares = certificate.entries(limits).filter_map(|entry| {
         let share = entry.value? / entry.limit;
-        (share > 0.0).then_some((share, entry.name))
+        (share >= 0.005).then_some((share, entry.name))
     });
     let most = shares.max_by(|a, b| a.0.total_cmp(&b.0));
     most.map_or(String::new(), |(share, name)| {

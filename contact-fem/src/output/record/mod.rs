@@ -24,7 +24,7 @@ use crate::certificate::Limits;
 use crate::error::Error;
 use crate::model::Problem;
 use crate::simulation::{DefaultSolver, History, Simulation, StepRecord, StepView};
-use ending::Ended;
+use ending::{Ended, size};
 use folder::{Folder, Heading, check_file_name};
 use observer::Observer;
 use summary::Summary;
@@ -119,7 +119,8 @@ pub struct Plan<'a, const D: usize> {
     /// default, and a line for each result that matters.
     pub verbose: bool,
     increments: usize,
-    force: Force<'a, D>,
+    /// The force that is called `reaction`, if it is not the largest one.
+    force: Option<Force<'a, D>>,
     message: Option<Message<'a, D>>,
 }
 
@@ -167,10 +168,6 @@ impl<S: Equilibrium> Simulation<S> {
     pub fn record<const D: usize>(&mut self, folder: impl Into<PathBuf>) -> Recording<'_, D, S> {
         let folder = folder.into();
         let name = folder.file_name().map(|name| name.to_string_lossy());
-        let largest = |record: &StepRecord<D>| {
-            let forces = record.reactions.iter().chain(&record.obstacle_forces);
-            forces.map(|force| force.norm()).fold(0.0, f64::max)
-        };
         let plan = Plan {
             name: name.map_or("run".into(), |name| plain(&name)),
             folder,
@@ -183,7 +180,7 @@ impl<S: Equilibrium> Simulation<S> {
             quiet: false,
             verbose: false,
             increments: self.load_steps.all_increments(),
-            force: Box::new(largest),
+            force: None,
             message: None,
         };
         Recording {
@@ -205,7 +202,7 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
     /// Sets the force (UF) that the summary reports as `reaction`; the default is the largest one of the supports of a body, or on an
     /// obstacle.
     pub fn force(mut self, force: impl Fn(&StepRecord<D>) -> f64 + 'a) -> Self {
-        self.plan.force = Box::new(force);
+        self.plan.force = Some(Box::new(force));
         self
     }
 
@@ -275,16 +272,36 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
     }
 }
 
+/// A value with so many decimals, or with digits that count where these would not.
+fn fixed(value: f64, decimals: usize) -> String {
+    let least = 10f64.powi(1 - decimals as i32);
+    match value == 0.0 || (least..1e7).contains(&value.abs()) {
+        true => format!("{:.decimals$}", value + 0.0),
+        false => format!("{value:.4e}"),
+    }
+}
+
 impl<const D: usize> Plan<'_, D> {
+    /// The force that is called `reaction` (UF): by default the largest one of the supports of a body, or on an obstacle.
+    fn force_of(&self, record: &StepRecord<D>, problem: &Problem<D>) -> f64 {
+        if let Some(force) = &self.force {
+            return force(record);
+        }
+        let forces = record.reactions.iter().chain(&record.obstacle_forces);
+        forces
+            .map(|force| size(force, problem.scene()))
+            .fold(0.0, f64::max)
+    }
+
     fn message_of(&self, step: &StepView<'_, D>) -> String {
         if let Some(message) = &self.message {
             return message(step);
         }
         let record = step.record;
         format!(
-            "energy {:.4}  reaction {:.2}  iterations {} ({} inner)",
-            record.energy,
-            (self.force)(record),
+            "energy {}  reaction {}  iterations {} ({} inner)",
+            fixed(record.energy, 4),
+            fixed(self.force_of(record, step.problem), 2),
             record.attempt.iterations.len(),
             record.attempt.cost.inner_iterations
         )
@@ -321,10 +338,10 @@ impl<const D: usize> Plan<'_, D> {
     }
 
     /// The force over time; `None` of few steps, and without a force.
-    fn force_curve(&self, records: &[StepRecord<D>]) -> Option<Curves> {
+    fn force_curve(&self, problem: &Problem<D>, records: &[StepRecord<D>]) -> Option<Curves> {
         let steps = records.iter();
         let points: Vec<(f64, f64)> = steps
-            .map(|step| (step.factor, (self.force)(step)))
+            .map(|step| (step.factor, self.force_of(step, problem)))
             .collect();
         let has_force = points.iter().any(|(_, force)| *force != 0.0);
         (points.len() >= 3 && has_force).then(|| Curves {
@@ -349,7 +366,10 @@ impl<const D: usize> Plan<'_, D> {
         self.own_files
             .iter()
             .try_for_each(|name| folder.add(name))?;
-        if let (Some(picture), false) = (self.force_curve(records), self.force_picture.is_empty()) {
+        if let (Some(picture), false) = (
+            self.force_curve(problem, records),
+            self.force_picture.is_empty(),
+        ) {
             folder.add(&self.force_picture)?;
             picture.save(self.folder.join(&self.force_picture))?;
         }
