@@ -82,7 +82,9 @@ impl SceneFile {
         let at = place.key("along");
         let along = Vector::<D>::from(at.vector(&keys.along)?);
         // of any length: its square may overflow, or vanish
-        let unit = (along / along.amax()).try_normalize(0.0).ok_or_else(|| {
+        let largest = along.amax();
+        let unit = (largest > 0.0).then(|| (along / largest).normalize());
+        let unit = unit.ok_or_else(|| {
             at.wrong("has no length: give the direction along which the force is measured")
         })?;
         let on = keys.on.as_ref().map(ToString::to_string);

@@ -140,7 +140,7 @@ on = [["half", "arc"]]
         )
     };
     let (_, told, force) = run("shallow", &text(false, 5e-4), &[]);
-    assert_eq!(force, Some(0.0), "{told}");
+    assert!(force.expect("a force").abs() < 1e-9, "{told}");
     assert!(told.contains("does not resolve the contact"), "{told}");
     assert!(
         told.contains("a node is 5.0e-4 UL inside, and no force acts"),

@@ -166,7 +166,8 @@ fn recipes_run() {
         names.push(name);
     }
     let expected = [
-        "pin", "wedge", "slide", "weight", "unload", "quarter", "slope", "bolt", "ball", "blocks",
+        "pin", "wedge", "punch", "slide", "weight", "unload", "quarter", "slope", "bolt", "ball",
+        "blocks",
     ];
     assert_eq!(names, expected);
 
@@ -187,6 +188,12 @@ fn recipes_run() {
         2.0 / 30.0_f64.to_radians().cos(),
     );
 
+    // Hertz, of two elastic bodies
+    let stiffness = |young: f64| (1.0 - 0.09) / young;
+    let together = 1.0 / (stiffness(1e4) + stiffness(100.0));
+    let hertz = (together / std::f64::consts::PI).sqrt();
+    let punch = number(&result("punch")["pressure_max"]);
+    assert!((punch / hertz - 1.0).abs() < 0.01, "{punch} {hertz}");
     // the head bends by what a stiffness of 10⁴ times that of the others leaves
     let bolt = number(&result("bolt")["ties"][0]["force"][1]);
     assert!((bolt - 0.25).abs() < 1e-3, "{bolt}");

@@ -157,7 +157,9 @@ impl Listing {
             let time = attribute("timestep")?.parse().ok()?;
             Some((time, attribute("file")?.to_string()))
         };
-        let lines = all.lines().filter(|line| line.contains("<DataSet"));
+        // the other part of a step is that of its obstacles
+        let is_of_bodies = |line: &&str| line.contains("<DataSet") && !line.contains("part=\"1\"");
+        let lines = all.lines().filter(is_of_bodies);
         let states = lines.filter_map(state).collect();
         Ok(Listing { path, states })
     }

@@ -237,11 +237,13 @@ fn line(what: &str, value: impl std::fmt::Display) -> String {
     format!("{what:<18} {value}")
 }
 
-/// How large a force is (UF); of a scene of revolution its part along the axis, since sums around the axis have no resultant.
+/// How large a force is (UF); of a scene of revolution its part along the axis, since sums around the axis have no resultant, or that sum where
+/// nothing is along the axis.
 pub(super) fn size<const D: usize>(force: &Vector<D>, scene: &Scene<D>) -> f64 {
-    match is_revolved(scene) {
-        true => force[D - 1].abs(),
-        false => force.norm(),
+    let (along, all) = (force[D - 1].abs(), force.norm());
+    match is_revolved(scene) && along > CANCELS * all {
+        true => along,
+        false => all,
     }
 }
 
@@ -271,7 +273,10 @@ impl<const D: usize> Ended<'_, D> {
             false => rounded(x, largest),
         };
         let told = all.iter().map(|(force, by)| match is_revolved(scene) {
-            true => format!("{} UF along the axis by {by}", shown(force[D - 1])),
+            true => {
+                let [around, along] = [force[0], force[D - 1]].map(shown);
+                format!("{along} UF along the axis, {around} UF as a sum around it, by {by}")
+            }
             false => {
                 let parts: Vec<String> = force.iter().map(|x| shown(*x)).collect();
                 format!("({}) UF by {by}", parts.join(", "))
