@@ -46,8 +46,10 @@ pub(super) fn unresisted<const D: usize>(
 
 /// A facet that may touch something.
 struct Facet<const D: usize> {
-    /// Its corners, numbered through the bodies.
+    /// Its corners, numbered through the bodies, and the barycentric coordinates of its circumcentre: of a facet in a ball, the normal there
+    /// leads to the ball's centre, so that no rotation about that moves it along the normal.
     corners: [usize; D],
+    weights: [f64; D],
     normal: Vector<D>,
     centre: Vector<D>,
     size: f64,
@@ -56,8 +58,10 @@ struct Facet<const D: usize> {
 impl<const D: usize> Facet<D> {
     /// Its motion along a direction.
     fn along(&self, direction: &Vector<D>) -> Row {
-        let of_corner = |&node: &usize| (0..D).map(move |i| (node, i, direction[i] / D as f64));
-        self.corners.iter().flat_map(of_corner).collect()
+        let corners = self.corners.iter().zip(&self.weights);
+        let of_corner =
+            |(&node, &w): (&usize, &f64)| (0..D).map(move |i| (node, i, w * direction[i]));
+        corners.flat_map(of_corner).collect()
     }
 }
 
@@ -74,6 +78,7 @@ fn facets<const D: usize>(cluster: &Cluster, scene: &Scene<D>, side: &Side) -> V
         let x: [Vector<D>; D] = std::array::from_fn(|c| mesh.nodes()[nodes[c]]);
         Facet {
             corners: std::array::from_fn(|c| first + nodes[c]),
+            weights: circumcentre(&x),
             normal: facet_normal(&x).normalize(),
             centre: x.iter().sum::<Vector<D>>() / D as f64,
             size: (x[1] - x[0]).norm(),
@@ -81,6 +86,20 @@ fn facets<const D: usize>(cluster: &Cluster, scene: &Scene<D>, side: &Side) -> V
     };
     let is_own = |nodes: &&[usize]| cluster.has(index, nodes[0]);
     all.into_iter().filter(is_own).map(facet).collect()
+}
+
+/// The barycentric coordinates of the point that is as far from all corners: the middle of a segment; of a triangle, in proportion to
+/// a²(b² + c² − a²), with the side a opposite the corner.
+fn circumcentre<const D: usize>(x: &[Vector<D>; D]) -> [f64; D] {
+    let squares: [f64; D] =
+        std::array::from_fn(|c| (x[(c + 1) % D] - x[(c + 2) % D]).norm_squared());
+    let all: f64 = squares.iter().sum();
+    let parts: [f64; D] = match D {
+        3 => squares.map(|square| square * (all - 2.0 * square)),
+        _ => [1.0; D],
+    };
+    let sum: f64 = parts.iter().sum();
+    parts.map(|part| part / sum)
 }
 
 #[cfg(test)]

@@ -13,8 +13,8 @@ use crate::tensor::Vector;
 
 /// The smallest part of a unit vector along a coordinate axis that is outside the motions it belongs to (no unit).
 const ALONG: f64 = 1e-6;
-/// How much of a motion contact resists, as a share of what it resists most: less is that facets of a ball are flat.
-const RESISTS: f64 = 0.05;
+/// How much of a motion contact resists, as a share of what it resists most. Meshes of discs and balls are a little off them.
+const RESISTS: f64 = 0.02;
 
 /// Checks that every part of every body is supported, has a foundation or may touch another body or an obstacle, and that at least
 /// one displacement is prescribed if there is no obstacle; names the motions that contact alone holds.
