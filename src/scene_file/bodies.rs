@@ -322,7 +322,7 @@ impl BoundaryKeys {
         }
         match place.of(mesh.boundary(name))?.is_empty() {
             true => Err(place.wrong(format!(
-                "no facet of the mesh is on `{name}`: it takes those with all corners there, or whose normals look there"
+                "no facet of the mesh is on `{name}`: it takes facets that have all corners there, or normals that look there"
             ))),
             false => Ok(()),
         }

@@ -1,9 +1,10 @@
-//! Scene files and the program that runs them: the twins of the examples, the checks of `--check`, the page that lists all keys, runs
+//! Scene files and the program that runs them: the twins of the examples, the checks of `--check`, the page that lists all keys, the gallery, runs
 //! that are interrupted or killed, and results that are compared. One program, which shares what it compiles.
 
 mod accuracy;
 mod compare;
 mod endings;
+mod gallery;
 mod hints;
 #[cfg(unix)]
 mod interrupt;

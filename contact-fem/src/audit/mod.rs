@@ -147,7 +147,7 @@ impl<const D: usize> Audit<D> {
             inverses: topology.cells.iter().map(inverse).collect(),
             topology,
             reference: X.to_vec(),
-            is_revolved: scene.bodies().iter().any(|b| b.mesh().is_of_revolution()),
+            is_revolved: scene.is_of_revolution(),
             is_linear: scene.bodies().iter().map(|b| b.is_small_strain()).collect(),
             orders: scene.bodies().iter().map(|b| b.mesh().order()).collect(),
             is_held,

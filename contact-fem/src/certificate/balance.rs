@@ -2,7 +2,7 @@
 
 use contact_core::LinearGaps;
 
-use super::state::{is_revolved, moment_about, over};
+use super::state::{moment_about, over};
 use super::worse;
 use crate::model::{Problem, Projection};
 use crate::tensor::Vector;
@@ -31,8 +31,8 @@ pub(super) fn of_pairs<const D: usize>(
     let mut pairs: Vec<[usize; 2]> = between.map(bodies).collect();
     pairs.sort_unstable();
     pairs.dedup();
-    let has_moment =
-        problem.scene().projection == Projection::AlongNormals && !is_revolved(problem);
+    let has_moment = problem.scene().projection == Projection::AlongNormals
+        && !problem.scene().is_of_revolution();
     let mut balance = Balance {
         sum: 0.0,
         moment: has_moment.then_some(0.0),

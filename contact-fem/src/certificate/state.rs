@@ -139,7 +139,9 @@ impl Certificate {
             Condition::Overlap => Some(deepest_of(problem, &audit.overlaps, &|_| true)),
             Condition::Unopposed => Some(deepest_of(problem, &audit.overlaps, &is_unopposed)),
             Condition::SmallStrain => has_small_strain.then(|| audit.strain.max(audit.rotation)),
-            Condition::Moment => (!is_revolved(problem)).then(|| moment(&positions, mutual)),
+            Condition::Moment => {
+                (!problem.scene().is_of_revolution()).then(|| moment(&positions, mutual))
+            }
             Condition::Closed => Some(closed as f64),
             Condition::OtherSide => units.other_side(problem, u),
             Condition::Dropped => Some(dropped as f64),
@@ -190,7 +192,11 @@ struct Units {
 impl Units {
     fn new<const D: usize>(problem: &Problem<D>) -> Self {
         let scale = problem.scale();
-        let dimension = if is_revolved(problem) { 3.0 } else { D as f64 };
+        let dimension = if problem.scene().is_of_revolution() {
+            3.0
+        } else {
+            D as f64
+        };
         let strain = scale.resolution / scale.area.powf(1.0 / (dimension - 1.0));
         let surfaces = problem.surfaces().iter();
         let noticed = NOTICED * scale.energy / scale.length;
@@ -248,12 +254,6 @@ impl Units {
         let rows = problem.rows_at(&others, u, Sampling::Nodes);
         (!others.is_empty()).then(|| deepest(&self.relative(&rows, u, &others)))
     }
-}
-
-/// Whether the bodies are ones of revolution.
-pub(super) fn is_revolved<const D: usize>(problem: &Problem<D>) -> bool {
-    let mut bodies = problem.scene().bodies().iter();
-    bodies.any(|body| body.mesh().is_of_revolution())
 }
 
 /// The forces of the rows between bodies on all nodes (UF); `None` if there are no others.
@@ -572,7 +572,7 @@ impl Residual {
                 held_of.push([sum(holds), sum(&contact).max(units.balanced)]);
             }
         }
-        if is_revolved(problem) {
+        if problem.scene().is_of_revolution() {
             // around the axis, what points away from it cancels
             sum[0] = 0.0;
         }

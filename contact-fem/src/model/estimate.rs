@@ -2,15 +2,13 @@
 
 use contact_core::equilibrium::Solution;
 
-use super::{Body, BodyId, Opposite, PairSide, PairState, Problem, Side};
+use super::{Body, BodyId, Opposite, PairSide, PairState, Problem, Side, negligible};
 use crate::assembly::CellError;
 use crate::error::Error;
 use crate::tensor::Vector;
 
 /// The depth of a node that is no round-off, as a share of the facets around it.
 const UNFELT: f64 = 1e-6;
-/// Forces below this share of the scene's are round-off.
-const NO_FORCE: f64 = 1e-10;
 /// Energies below this share of the scene's are round-off: nothing is strained.
 const NEGLIGIBLE: f64 = 1e-13;
 
@@ -193,20 +191,18 @@ impl<const D: usize> Problem<D> {
     fn contact_facets(&self, solution: &Solution) -> Result<Vec<ContactFacets>, Error> {
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
         let states = self.pair_states(&solution.state.u, gaps, lambda)?;
-        let scale = self.scale();
-        let negligible = NO_FORCE * scale.energy / scale.length;
+        let [_, roundoff, _] = negligible(&self.scale());
         let of_pair = |state: PairState<D>| {
             let deforms = |surface: usize| {
                 let body = self.surfaces()[surface].body();
                 self.body_energies()[body].assembled_cells() > 0
             };
             // after a load is let go, forces may be round-off
-            let presses = |side: &&PairSide<D>| {
-                side.forces.iter().map(|force| force.norm()).sum::<f64>() > negligible
+            let carries = |side: &&PairSide<D>| {
+                side.forces.iter().map(|force| force.norm()).sum::<f64>() > roundoff
             };
             let sides = state.sides.iter().filter(|side| deforms(side.surface));
-            let sides = sides.filter(presses);
-            let touching = sides.map(|side| {
+            let touching = sides.filter(carries).map(|side| {
                 let surface = &self.surfaces()[side.surface];
                 let presses = |nodes: &&[usize]| nodes.iter().any(|&a| side.pressures[a] > 0.0);
                 (
@@ -218,7 +214,7 @@ impl<const D: usize> Problem<D> {
             let fewest = touching.iter().map(|(count, _)| *count).min();
             let depths = state.sides.iter().flat_map(|side| {
                 let sizes = self.surfaces()[side.surface].node_sizes();
-                let gaps = side.gaps.clone().into_iter().zip(sizes);
+                let gaps = side.gaps.iter().zip(sizes);
                 gaps.filter_map(|(gap, size)| gap.filter(|gap| *gap < -UNFELT * size))
             });
             let deepest = depths.fold(0.0, |most: f64, gap| most.max(-gap));

@@ -33,6 +33,7 @@ pub use initial_gaps::InitialGaps;
 pub use plan::ScenePlan;
 pub use preflight::{Finding, FindingKind, Severity};
 pub use problem::Problem;
+pub(crate) use scale::negligible;
 pub use scene::{Geometry, Overlaps, Pair, Passes, Scene};
 pub use tie::{Tie, TieFault, TieRecord, TiedSlave};
 pub use work::{WorkRecord, WorkSource};

@@ -40,7 +40,7 @@ pub(super) fn estimate<const D: usize>(
     Scale {
         length: strain * length,
         resolution: strain * facet * finer,
-        area: facet.powi(match is_revolved(scene) {
+        area: facet.powi(match scene.is_of_revolution() {
             true => 2,
             false => D as i32 - 1,
         }),
@@ -49,10 +49,13 @@ pub(super) fn estimate<const D: usize>(
     }
 }
 
-/// Whether the bodies are ones of revolution.
-fn is_revolved<const D: usize>(scene: &Scene<D>) -> bool {
-    let mut bodies = scene.bodies().iter();
-    bodies.any(|body| body.mesh().is_of_revolution())
+/// What is round-off of a scene with this scale: a length (UL), a force (UF) and an energy (UF·UL). Gradients are known up to
+/// [`Scale::roundoff`], and sums of many of them to some digits less.
+pub(crate) fn negligible(scale: &Scale) -> [f64; 3] {
+    /// By how much sums exceed the round-off of their terms.
+    const SUMS: f64 = 100.0;
+    let share = SUMS * scale.roundoff;
+    [scale.length, scale.energy / scale.length, scale.energy].map(|of| share * of)
 }
 
 /// The typical stiffness (UF/UL) of the softest body that has free unknowns. With the scale of a

@@ -453,6 +453,12 @@ impl<const D: usize> Scene<D> {
         &self.switched
     }
 
+    /// Whether the bodies are ones of revolution.
+    pub(crate) fn is_of_revolution(&self) -> bool {
+        let mut bodies = self.bodies.iter();
+        bodies.any(|body| body.mesh().is_of_revolution())
+    }
+
     /// The number of the first node of each body where nodes of all bodies count one after the other, and the number of all nodes.
     pub(crate) fn first_nodes(&self) -> Vec<usize> {
         let mut first = vec![0];

@@ -32,8 +32,8 @@ pub enum TiedSlave {
     Second,
 }
 
-/// Two boundaries of different bodies that stay together: the jump u − ū of displacements across them is zero, or a given one, in the weak
-/// sense, ∫ ψ_i (u − ū) = 0 over the reference configuration for the nodes i of one side.
+/// Two boundaries of different bodies that stay together, but for a given jump j of displacements from the first to the second: in the weak
+/// sense, ∫ ψ_i (u₂ − u₁ − j) = 0 over the reference configuration for the nodes i of one side.
 #[derive(Clone, Debug)]
 pub struct Tie {
     /// One boundary.

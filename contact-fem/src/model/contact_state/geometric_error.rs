@@ -6,14 +6,11 @@ use super::Opposite;
 use super::shares::{Share, loaded};
 use crate::contact::Pass;
 use crate::contact::search::NodalGap;
-use crate::model::{Geometry, Problem, Side};
+use crate::model::{Geometry, Problem, Side, negligible};
 
 /// The error that is told, as a share of the indentation. On a cylinder that is moved sideways, the force is 6 % too large then with both
 /// passes, and below 0.5 % with one. On meshes with a facet as wide as the contact zone, bodies that have not moved have nearly as much.
 const TOLD: f64 = 0.03;
-
-/// A difference of gaps that is none, as a share of the scene's displacements.
-const ROUNDOFF: f64 = 1e-9;
 
 /// A pair whose contact at the reference positions is far from that at the present ones, as [`Problem::geometric_errors`] finds it.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +43,7 @@ impl<const D: usize> Problem<D> {
         let present = self.contact.located_at(&now);
         let searched = self.contact.located(&self.kinematics, u);
         let moved = self.kinematics.largest(u);
-        let least = ROUNDOFF * self.scale().length;
+        let [least, ..] = negligible(&self.scale());
         let mut found = Vec::new();
         for (pair, ([a, b], first, second)) in self.declared_pairs().into_iter().enumerate() {
             let errors = self.directions([a, b], moved).flat_map(|[slave, master]| {

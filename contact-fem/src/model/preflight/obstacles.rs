@@ -33,8 +33,7 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
 /// Notes what obstacles are around the axis of a scene of revolution, if that is not what their keys say of the plane: a ball beside
 /// the axis is a ring, and what moves along r widens.
 fn rings<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
-    let mut bodies = setup.scene.bodies().iter();
-    if !bodies.any(|body| body.mesh().is_of_revolution()) {
+    if !setup.scene.is_of_revolution() {
         return;
     }
     let obstacles = setup.scene.obstacles().iter();

@@ -146,8 +146,7 @@ fn positions<const D: usize>(problem: &Problem<D>, panel: &Panel<'_, D>) -> Vec<
 fn axis_names<const D: usize>(
     problem: &Problem<D>,
 ) -> impl Iterator<Item = (&'static str, [f64; 2])> {
-    let mut bodies = problem.scene().bodies().iter();
-    let names = match bodies.any(|body| body.mesh().is_of_revolution()) {
+    let names = match problem.scene().is_of_revolution() {
         true => ["r", "z", ""],
         false => ["x", "y", "z"],
     };

@@ -15,15 +15,15 @@ use crate::error::Error;
 use crate::left_out::LeftOut;
 use crate::model::{
     BodyError, ErrorEstimate, GeometricError, InitialGaps, Opposite, PairRecord, Problem, Scene,
-    Undetermined,
+    Undetermined, negligible,
 };
 use crate::simulation::{History, StepRecord};
 use crate::tensor::Vector;
 
 /// The share of the largest stored energy that work and stored energy may be apart without a warning.
 const UNSTORED: f64 = 0.1;
-/// What is round-off of energies and of forces, as a share of the scene's [`Scale`](contact_core::Scale).
-const NEGLIGIBLE: f64 = 1e-10;
+/// Forces below this share of the largest one of the run are printed as zero.
+const PRINTED_AS_ZERO: f64 = 1e-10;
 /// Forces whose resultant is below this share of the largest pressure times the area cancel.
 const CANCELS: f64 = 1e-6;
 /// How many forces, and how many contacts, are printed.
@@ -241,15 +241,10 @@ fn line(what: &str, value: impl std::fmt::Display) -> String {
 /// nothing is along the axis.
 pub(super) fn size<const D: usize>(force: &Vector<D>, scene: &Scene<D>) -> f64 {
     let (along, all) = (force[D - 1].abs(), force.norm());
-    match is_revolved(scene) && along > CANCELS * all {
+    match scene.is_of_revolution() && along > CANCELS * all {
         true => along,
         false => all,
     }
-}
-
-fn is_revolved<const D: usize>(scene: &Scene<D>) -> bool {
-    let mut bodies = scene.bodies().iter();
-    bodies.any(|body| body.mesh().is_of_revolution())
 }
 
 impl<const D: usize> Ended<'_, D> {
@@ -257,31 +252,33 @@ impl<const D: usize> Ended<'_, D> {
     fn forces_on_bodies(&self, record: &StepRecord<D>) -> Vec<String> {
         let scene = self.problem.scene();
         let all = forces_by(record, scene);
-        let scale = self.problem.scale();
         let of_run = self.records.iter().flat_map(|record| {
             let supports = record.support_reactions.iter().map(|(_, force)| force);
             supports.chain(&record.obstacle_forces)
         });
         let of_run = of_run.map(|force| force.amax()).fold(0.0, f64::max);
-        let negligible = NEGLIGIBLE * (scale.energy / scale.length).max(of_run);
+        let [_, roundoff, _] = negligible(&self.problem.scale());
+        let least = roundoff.max(PRINTED_AS_ZERO * of_run);
         let largest = all
             .iter()
             .map(|(force, _)| force.amax())
             .fold(0.0, f64::max);
-        let shown = |x: f64| match largest <= negligible {
+        let shown = |x: f64| match largest <= least {
             true => rounded(0.0, 0.0),
             false => rounded(x, largest),
         };
-        let told = all.iter().map(|(force, by)| match is_revolved(scene) {
-            true => {
-                let [around, along] = [force[0], force[D - 1]].map(shown);
-                format!("{along} UF along the axis, {around} UF as a sum around it, by {by}")
-            }
-            false => {
-                let parts: Vec<String> = force.iter().map(|x| shown(*x)).collect();
-                format!("({}) UF by {by}", parts.join(", "))
-            }
-        });
+        let told = all
+            .iter()
+            .map(|(force, by)| match scene.is_of_revolution() {
+                true => {
+                    let [around, along] = [force[0], force[D - 1]].map(shown);
+                    format!("{along} UF along the axis, {around} UF as a sum around it, by {by}")
+                }
+                false => {
+                    let parts: Vec<String> = force.iter().map(|x| shown(*x)).collect();
+                    format!("({}) UF by {by}", parts.join(", "))
+                }
+            });
         listed("forces on bodies", told.collect())
     }
 }
@@ -450,8 +447,8 @@ fn estimated<const D: usize>(estimate: &ErrorEstimate<D>, problem: &Problem<D>) 
                  wrong by a tenth and more; take smaller facets there"
             ),
             None => format!(
-                "the mesh does not resolve the contact of {first} with {second}: a node is {:.1e} UL inside, and no force acts, since means over \
-                 facets do not see so little; take smaller facets there",
+                "the mesh does not resolve the contact of {first} with {second}: a node is {:.1e} UL inside, and no force acts: \
+                 constraints are means over whole facets, whose other ends are apart; take smaller facets there",
                 pair.unfelt
             ),
         })
@@ -467,12 +464,12 @@ fn unstored<const D: usize>(records: &[StepRecord<D>], problem: &Problem<D>) -> 
     if problem.scene().initial_gaps == InitialGaps::Resolve {
         return None;
     }
-    let energy = problem.scale().energy;
+    let [.., roundoff] = negligible(&problem.scale());
     let last = records.last()?;
     let apart = (last.work() - last.stored_energy).abs();
     let most = records.iter().map(|record| record.stored_energy);
     let most = most.fold(0.0, f64::max);
-    let is_far = apart > UNSTORED * most && apart > NEGLIGIBLE * energy;
+    let is_far = apart > UNSTORED * most && apart > roundoff;
     is_far.then(|| {
         line("warning", format!(
             "work and stored energy are {:.0} % of the largest stored energy apart: take more increments; if that does \

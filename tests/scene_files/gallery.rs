@@ -1,44 +1,21 @@
 //! The scenes of the gallery: each is complete and certified, and its number is that of a formula, which is computed here from the
 //! measures of the scene. Its table and its page tell both.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
 use serde_json::{Map, Value};
 
+use super::{fresh, program, read, results, root};
+
 const FOLDER: &str = "examples/gallery";
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn read(path: impl AsRef<Path>) -> String {
-    let path = root().join(path);
-    fs::read_to_string(&path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
-}
-
-/// An empty folder of a test.
-fn fresh(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gallery");
-    let folder = folder.join(name);
-    if folder.exists() {
-        fs::remove_dir_all(&folder).expect("removed");
-    }
-    fs::create_dir_all(&folder).expect("a folder");
-    folder
-}
-
 /// The summary of a run that is complete and certified, and what it printed.
-fn summary(scene: &Path, out: &Path) -> (Value, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ipopt-contact"));
-    let run = command.arg("run").arg(scene).arg("--out").arg(out);
-    let output = run.output().expect("the program");
-    let told = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).to_string();
-    assert_eq!(output.status.code(), Some(0), "{told}");
-    let text = fs::read_to_string(out.join("summary.json")).expect("a summary");
-    let summary: Value = serde_json::from_str(&text).expect("JSON");
+fn summary(scene: &Path, out: &Path) -> (BTreeMap<String, Value>, String) {
+    let (code, told) = program(&["run", "--out"], &[out, scene]);
+    assert_eq!(code, Some(0), "{told}");
+    let summary = results(out);
     assert_eq!(summary["status"], "complete", "{told}");
     assert_eq!(summary["certificate"]["holds"], true, "{told}");
     (summary, told)
@@ -68,14 +45,23 @@ fn number(entry: &Map<String, Value>, key: &str) -> f64 {
     value.unwrap_or_else(|| panic!("no number `{key}` in {entry:?}"))
 }
 
+/// The first key of a JSON pointer, and the pointer from there.
+fn split(pointer: &str) -> (&str, &str) {
+    let pointer = pointer.strip_prefix('/').unwrap_or(pointer);
+    pointer.split_at(pointer.find('/').unwrap_or(pointer.len()))
+}
+
 /// A scene's number is that of the formula, within the table's bound; the table has the formula's value and the scene's.
 fn compare(name: &str, truth: f64) {
     let entries = entries();
     let mut named = entries.iter().filter(|entry| text(entry, "scene") == name);
     let entry = named.next().expect("an entry of the table");
     let scene = root().join(FOLDER).join(name).with_extension("toml");
-    let (summary, printed) = summary(&scene, &fresh(name));
-    let value = summary.pointer(text(entry, "key")).and_then(Value::as_f64);
+    let (summary, printed) = summary(&scene, &fresh(&format!("gallery_{name}")));
+    // the pointer's first word is a key of the summary
+    let (key, rest) = split(text(entry, "key"));
+    let value = summary.get(key).and_then(|of| of.pointer(rest));
+    let value = value.and_then(Value::as_f64);
     // of a pair it is the force on the first surface, which may be pressed down
     let value = value.expect("a number of the summary").abs();
     assert!(is_printed(value, &printed), "{name}: {value} {printed}");
@@ -276,7 +262,7 @@ fn the_scene_of_the_readme_runs() {
     let readme = read("README.md");
     let (_, rest) = readme.split_once("```toml\n").expect("a scene");
     let (scene, rest) = rest.split_once("```").expect("its end");
-    let folder = fresh("readme");
+    let folder = fresh("gallery_readme");
     fs::write(folder.join("block.toml"), scene).expect("written");
     let (summary, _) = summary(&folder.join("block.toml"), &folder.join("out"));
     let force = summary["obstacle_forces"][0][1].as_f64().expect("a force");
