@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// What a scene file calls the names of Rust that texts of the library have. Longer texts come before those that they begin with.
-const KEYS: [(&str, &str); 29] = [
+const KEYS: [(&str, &str); 30] = [
     (
         "`Condensed` does not treat `Energy::is_quadratic` = false",
         "the solver condensed takes laws for small strains alone, without pressures that follow",
@@ -43,6 +43,7 @@ const KEYS: [(&str, &str); 29] = [
     ("make it `quadratic()` first", "give it `quadratic = true`"),
     ("`Mesh::curved`", "`curved`"),
     ("`MeshFile::body`", "`region`"),
+    (" (`merge-nodes`, `MeshFile::merged`)", " (`merge-nodes`)"),
     ("`NeoHookean`", "`neo-hookean`"),
     (", or None for the default", ", or leave the key out"),
 ];
