@@ -414,6 +414,7 @@ pub(super) struct ContactKeys {
     pub(super) first: Option<SideKeys>,
     pub(super) second: Option<SideKeys>,
     pub(super) passes: Option<PassKeys>,
+    pub(super) offset: Option<f64>,
     pub(super) during: Option<DuringKeys>,
     #[serde(rename = "self")]
     pub(super) itself: Option<SideKeys>,
@@ -437,6 +438,7 @@ pub(super) struct TieKeys {
     pub(super) slave: Option<TiedSlaveKeys>,
     pub(super) tolerance: Option<f64>,
     pub(super) jump: Option<Vec<f64>>,
+    pub(super) preload: Option<Vec<f64>>,
     pub(super) amplitude: Option<AmplitudeKeys>,
 }
 

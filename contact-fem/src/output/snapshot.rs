@@ -180,7 +180,7 @@ impl<const D: usize> Snapshot<D> {
         self.places.iter().try_for_each(|place| {
             let surface = problem.surfaces().get(place.surface);
             let nodes = surface.map_or(0, |surface| surface.nodes().len());
-            let what = "Place::pressures";
+            let what = "Snapshot::places, the pressures of one";
             Ok(contact_core::Error::check_length_of(
                 what,
                 place.pressures.len(),

@@ -187,7 +187,7 @@ impl<const D: usize> Body<D> {
     }
 
     /// Adds the nodal forces of a load if all of them are finite.
-    pub(super) fn add_forces(
+    pub(in crate::model) fn add_forces(
         &mut self,
         origin: Origin,
         forces: Vec<f64>,
