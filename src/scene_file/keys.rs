@@ -319,6 +319,8 @@ pub(super) struct BodyKeys {
     #[serde(default)]
     pub(super) tractions: Vec<TractionKeys>,
     #[serde(default)]
+    pub(super) torques: Vec<TorqueKeys>,
+    #[serde(default)]
     pub(super) pressures: Vec<PressureKeys>,
     #[serde(default)]
     pub(super) forces: Vec<ForceKeys>,
@@ -381,6 +383,22 @@ pub(super) struct TractionKeys {
     pub(super) on: Name,
     pub(super) force: Vec<f64>,
     pub(super) amplitude: Option<AmplitudeKeys>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TorqueKeys {
+    pub(super) on: Name,
+    pub(super) torque: TorqueValue,
+    pub(super) amplitude: Option<AmplitudeKeys>,
+}
+
+/// A number in the plane, a vector in space.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub(super) enum TorqueValue {
+    InPlane(f64),
+    InSpace(Vec<f64>),
 }
 
 #[derive(Clone, Debug, Deserialize)]

@@ -166,8 +166,8 @@ fn recipes_run() {
         names.push(name);
     }
     let expected = [
-        "pin", "wedge", "punch", "slide", "weight", "unload", "quarter", "slope", "bolt", "ball",
-        "blocks",
+        "pin", "wedge", "punch", "slide", "weight", "unload", "quarter", "slope", "bolt", "sheet",
+        "ball", "blocks",
     ];
     assert_eq!(names, expected);
 
@@ -197,6 +197,8 @@ fn recipes_run() {
     // the head bends by what a stiffness of 10⁴ times that of the others leaves
     let bolt = number(&result("bolt")["ties"][0]["force"][1]);
     assert!((bolt - 0.25).abs() < 1e-3, "{bolt}");
+
+    is(number(&result("sheet")["pressure_max"]), 2.0);
 
     // what the script reads is there; the script itself runs where Python is
     let script = blocks("docs/cookbook.md", "python").concat();

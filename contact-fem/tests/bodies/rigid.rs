@@ -285,6 +285,37 @@ fn a_table_that_tilts_in_space() {
     );
 }
 
+/// A torque and a force tilt a plate as the force alone does beside its middle.
+#[test]
+fn torques_are_forces_with_an_arm() {
+    let run = |place: f64, torque: f64| {
+        let law = LinearElastic::new(100.0, 0.3).expect("a law");
+        let mut below = Body::new(block([0.0, 0.0], [2.0, 1.0], [12, 6]), law);
+        below.prescribe("bottom", [Some(0.0); 2]).expect("held");
+        let mut plate = Body::rigid_turning(block([0.0, 1.0], [2.0, 0.3], [10, 1]));
+        let held = plate.mesh().nodes_at(&[[0.0, 1.0]]).expect("a corner");
+        plate
+            .prescribe_nodes(&held, [Some(0.0), None])
+            .expect("a guide");
+        let loaded = plate.mesh().nodes_at(&[[place, 1.3]]).expect("a node");
+        plate.nodal_force(&loaded, [0.0, -5.0]).expect("a load");
+        // of whatever boundary
+        plate.torque("right", &[torque]).expect("a load");
+        let mut scene = Scene::new();
+        let (below, plate) = (scene.add("below", below), scene.add("plate", plate));
+        scene
+            .contact(below.on("top"), plate.on("bottom"))
+            .expect("a pair");
+        let history = ended(&mut scene.problem().expect("a problem"), 1);
+        let motion = last(&history).rigid_motions[0].clone();
+        (motion.displacement, motion.rotation[0])
+    };
+    let (beside, twisted) = (run(1.4, 0.0), run(1.0, -2.0));
+    assert!(beside.1 < -1e-3);
+    assert!((beside.1 - twisted.1).abs() < 1e-10 * beside.1.abs().max(1e-3));
+    assert!((beside.0 - twisted.0).norm() < 1e-10);
+}
+
 /// Two feet of one rigid body, without a cell in common, go down alike on blocks of different stiffness.
 #[test]
 fn a_group_moves_as_one() {

@@ -366,7 +366,7 @@ fn ties<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<String>
         let [first, second] = [&tie.first, &tie.second].map(|side| scene.name_of_side(side));
         let moved = match tie.jump.amax() {
             0.0 => String::new(),
-            most => format!(", which it has moved by ({}) UL", parts(&tie.jump, most)),
+            most => format!(", moved against it by ({}) UL", parts(&tie.jump, most)),
         };
         format!("({force}) UF on {first} by {second}{moved}")
     });

@@ -270,7 +270,7 @@ fn planned(plan: &ScenePlan, bodies: &[String]) -> Value {
     };
     json!({
         "groups": plan.groups.iter().map(names).collect::<Vec<_>>(), "held": names(&plan.held),
-        "linear": names(&plan.linear), "prescribed": names(&plan.prescribed), "at_rest": names(&plan.at_rest),
+        "linear": names(&plan.linear), "rigid": names(&plan.rigid), "prescribed": names(&plan.prescribed), "at_rest": names(&plan.at_rest),
         "apart": plan.apart.iter().map(apart).collect::<Vec<_>>(),
     })
 }
