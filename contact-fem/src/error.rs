@@ -410,6 +410,25 @@ pub enum Error {
         /// The cause and the remedy.
         why: crate::model::TieFault,
     },
+    /// What a body that does not deform cannot have.
+    #[error("a rigid body does not take {what}: {remedy}")]
+    NotRigid {
+        /// What was declared.
+        what: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A rigid body that turns, where contact is looked for at the present positions.
+    #[error(
+        "body `{body}` is rigid and turns by small angles, but contact is looked for at the present positions: let it not turn          (`Body::rigid`), take `Geometry::Reference`, or give it a stiff law"
+    )]
+    TurnsTooFar {
+        /// Which body.
+        body: String,
+    },
+    /// A scene all of whose free bodies are rigid.
+    #[error("no body deforms: give one that is free a law")]
+    NothingDeforms,
     /// A scene without free displacements.
     #[error("every displacement of every body is prescribed: leave something free to solve for")]
     NothingFree,

@@ -10,7 +10,9 @@ use crate::audit::LeastVolume;
 use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::model::work::External;
-use crate::model::{BodyId, ObstacleId, PairRecord, Problem, Side, TieRecord, WorkRecord};
+use crate::model::{
+    BodyId, ObstacleId, PairRecord, Problem, RigidMotion, Side, TieRecord, WorkRecord,
+};
 use crate::tensor::Vector;
 
 /// The record of one converged load step.
@@ -41,6 +43,8 @@ pub struct StepRecord<const D: usize> {
     pub pairs: Vec<PairRecord<D>>,
     /// What each tie transmits, in the order of declaration.
     pub ties: Vec<TieRecord<D>>,
+    /// How far each rigid body has moved.
+    pub rigid_motions: Vec<RigidMotion<D>>,
     /// The smallest and the largest contact pressure at the nodes of all contact surfaces (UF/UL²); zero without such
     /// surfaces.
     pub pressures: [f64; 2],
@@ -299,6 +303,7 @@ impl<const D: usize> StepRecord<D> {
             support_reactions,
             pairs: states.into_iter().map(|state| state.record).collect(),
             ties: problem.tie_records(u, &forces),
+            rigid_motions: problem.rigid_motions(u),
             #[cfg(not(planted))]
             pressures: range,
             #[cfg(planted)]

@@ -8,7 +8,8 @@ use contact_fem::{Body, Mesh, Scene};
 use super::contact::Bodies;
 use super::keys::{
     AmplitudeKeys, Ball, BodyKeys, BoundaryKeys, CurvedKeys, Cylinder, ForceKeys, FoundationKeys,
-    HalfSpace, Name, NormalKeys, PressureKeys, Region, SmoothKeys, SupportKeys, TractionKeys,
+    HalfSpace, Name, NormalKeys, PressureKeys, Region, SmoothKeys, SupportKeys, TorqueKeys,
+    TorqueValue, TractionKeys,
 };
 use super::laws;
 use super::meshes::{Found, MeshKeys};
@@ -178,6 +179,9 @@ impl SceneFile {
         }
         for (k, traction) in keys.tractions.iter().enumerate() {
             traction.load(&place.entry("tractions", k), &mut body)?;
+        }
+        for (k, torque) in keys.torques.iter().enumerate() {
+            torque.load(&place.entry("torques", k), &mut body)?;
         }
         for (k, force) in keys.forces.iter().enumerate() {
             force.load(&place.entry("forces", k), &mut body)?;
@@ -409,6 +413,21 @@ impl TractionKeys {
         let loaded = body.traction_in_time(&on, force, course);
         place.key("on").of(loaded)?;
         Ok(())
+    }
+}
+
+impl TorqueKeys {
+    fn load<const D: usize>(&self, place: &Place<'_>, body: &mut Body<D>) -> Result<(), Error> {
+        let torque = match &self.torque {
+            TorqueValue::InPlane(torque) => std::slice::from_ref(torque),
+            TorqueValue::InSpace(torque) => torque,
+        };
+        let course = amplitude(&place.key("amplitude"), self.amplitude.as_ref())?;
+        let on = self.on.to_string();
+        match body.torque_in_time(&on, torque, course) {
+            Err(why @ contact_fem::Error::Setting { .. }) => place.key("torque").of(Err(why)),
+            other => place.key("on").of(other.map(|_| ())),
+        }
     }
 }
 

@@ -83,8 +83,9 @@ impl SceneFile {
     ) -> Result<(), Error> {
         for (k, keys) in self.keys.tie.iter().enumerate() {
             let place = self.tie_place(k);
-            if keys.amplitude.is_some() && keys.jump.is_none() {
-                let what = "is the course of a `jump`, and there is none: leave it out";
+            if keys.amplitude.is_some() && keys.jump.is_none() && keys.preload.is_none() {
+                let what =
+                    "is the course of a `jump` or a `preload`, and there is none: leave it out";
                 return Err(place.key("amplitude").wrong(what));
             }
             let tie = Tie {
@@ -99,6 +100,10 @@ impl SceneFile {
                 jump: match &keys.jump {
                     None => Vec::new(),
                     Some(jump) => place.key("jump").vector::<D>(jump)?.to_vec(),
+                },
+                preload: match &keys.preload {
+                    None => Vec::new(),
+                    Some(force) => place.key("preload").vector::<D>(force)?.to_vec(),
                 },
                 amplitude: amplitude(&place.key("amplitude"), keys.amplitude.as_ref())?,
             };
@@ -142,6 +147,10 @@ impl ContactKeys {
             let what = "`passes` is for `first` and `second`: leave it out";
             return Err(place.key("passes").wrong(what));
         }
+        if let (Some(_), true) = (self.offset, self.first.is_none()) {
+            let what = "`offset` is for `first` and `second`: leave it out";
+            return Err(place.key("offset").wrong(what));
+        }
         if let (Some(_), true) = (&self.during, self.first.is_none()) {
             let what = "`during` is for `first` and `second`: leave it out";
             return Err(place.key("during").wrong(what));
@@ -165,6 +174,10 @@ impl ContactKeys {
                 };
                 let sides = [first.clone(), second.clone()];
                 place.of(scene.contact_in_passes(first, second, passes))?;
+                if let Some(offset) = self.offset {
+                    let at = place.key("offset");
+                    at.of(scene.contact_offset(&sides[0], &sides[1], offset))?;
+                }
                 if let Some(during) = &self.during {
                     let at = place.key("during");
                     at.of(scene.contact_during(&sides[0], &sides[1], &during.0))?;

@@ -42,6 +42,26 @@ const OTHER_WORDS: [(&str, &str); 8] = [
     ("material", "law"),
 ];
 
+/// What moves a body, and no obstacle.
+const LOADS: [&str; 16] = [
+    "force",
+    "forces",
+    "load",
+    "loads",
+    "weight",
+    "mass",
+    "spring",
+    "springs",
+    "stiffness",
+    "foundations",
+    "torque",
+    "moment",
+    "traction",
+    "tractions",
+    "pressures",
+    "bodyforce",
+];
+
 /// A name that a table does not have: a misspelt one of its own, or one of another table.
 fn unknown(text: &str, span: &Range<usize>, message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
@@ -65,6 +85,12 @@ fn unknown(text: &str, span: &Range<usize>, message: &str) -> Option<String> {
         return Some(meant(own));
     }
     let way = way(text, span);
+    let is_driven = LOADS.contains(&plain(name).as_str());
+    if is_driven && way.iter().flatten().any(|table| table == "obstacle") {
+        return Some(
+            "an obstacle goes where its `motion` takes it: a tool that a force or a spring moves is a body with `law = \"rigid\"`".into(),
+        );
+    }
     let elsewhere = way.and_then(|way| elsewhere(text, name, &way[..way.len() - 1]));
     elsewhere.or_else(|| nearest(name, own.iter().copied()).map(meant))
 }

@@ -319,6 +319,8 @@ pub(super) struct BodyKeys {
     #[serde(default)]
     pub(super) tractions: Vec<TractionKeys>,
     #[serde(default)]
+    pub(super) torques: Vec<TorqueKeys>,
+    #[serde(default)]
     pub(super) pressures: Vec<PressureKeys>,
     #[serde(default)]
     pub(super) forces: Vec<ForceKeys>,
@@ -385,6 +387,22 @@ pub(super) struct TractionKeys {
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+pub(super) struct TorqueKeys {
+    pub(super) on: Name,
+    pub(super) torque: TorqueValue,
+    pub(super) amplitude: Option<AmplitudeKeys>,
+}
+
+/// A number in the plane, a vector in space.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub(super) enum TorqueValue {
+    InPlane(f64),
+    InSpace(Vec<f64>),
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct ForceKeys {
     pub(super) at: Vec<Vec<f64>>,
     pub(super) force: Vec<f64>,
@@ -414,6 +432,7 @@ pub(super) struct ContactKeys {
     pub(super) first: Option<SideKeys>,
     pub(super) second: Option<SideKeys>,
     pub(super) passes: Option<PassKeys>,
+    pub(super) offset: Option<f64>,
     pub(super) during: Option<DuringKeys>,
     #[serde(rename = "self")]
     pub(super) itself: Option<SideKeys>,
@@ -437,6 +456,7 @@ pub(super) struct TieKeys {
     pub(super) slave: Option<TiedSlaveKeys>,
     pub(super) tolerance: Option<f64>,
     pub(super) jump: Option<Vec<f64>>,
+    pub(super) preload: Option<Vec<f64>>,
     pub(super) amplitude: Option<AmplitudeKeys>,
 }
 

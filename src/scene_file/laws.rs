@@ -22,6 +22,8 @@ pub(super) enum Law {
     StVenantKirchhoff,
     MooneyRivlin,
     Ogden,
+    Rigid,
+    RigidTurning,
 }
 
 impl Law {
@@ -33,6 +35,8 @@ impl Law {
             Law::StVenantKirchhoff => "st-venant-kirchhoff",
             Law::MooneyRivlin => "mooney-rivlin",
             Law::Ogden => "ogden",
+            Law::Rigid => "rigid",
+            Law::RigidTurning => "rigid-turning",
         }
     }
 }
@@ -124,6 +128,7 @@ where
             let poisson = c.given("poisson", c.poisson)?;
             c.law_of(Ogden::new(terms, poisson))
         }),
+        Law::Rigid | Law::RigidTurning => rigid(place, keys, mesh),
         Law::StVenantKirchhoff if keys.averaged_volumes => Err(place.key("averaged-volumes").wrong(
             "`averaged-volumes` is not for st-venant-kirchhoff, whose energy has no part of the volume alone: leave it \
              out, or take another law",
@@ -133,6 +138,45 @@ where
             c.law_of(StVenantKirchhoff::new(young, poisson))
         }),
     }
+}
+
+/// A body that does not deform.
+fn rigid<const D: usize>(
+    place: &Place<'_>,
+    keys: &BodyKeys,
+    mesh: Mesh<D>,
+) -> Result<Body<D>, Error>
+where
+    P1: Element<D>,
+    P2: Element<D>,
+{
+    let given = [
+        ("young", keys.young.is_some()),
+        ("poisson", keys.poisson.is_some()),
+        ("share", keys.share.is_some()),
+        ("terms", keys.terms.is_some()),
+        ("laws", !keys.laws.is_empty()),
+        ("averaged-volumes", keys.averaged_volumes),
+        ("plane-stress", keys.plane_stress),
+    ];
+    if let Some((key, _)) = given.iter().find(|(_, is_given)| *is_given) {
+        let what = format!("`{key}` is not of a rigid body, which does not deform: leave it out");
+        return Err(place.key(*key).wrong(what));
+    }
+    let turns = keys.law == Law::RigidTurning;
+    if keys.revolution {
+        if turns {
+            let what = "a body of revolution does not turn: take the law rigid";
+            return Err(place.key("law").wrong(what));
+        }
+        return of_plane(place, "revolution", mesh, |mesh| {
+            place.key("revolution").of(Body::rigid_of_revolution(mesh))
+        });
+    }
+    Ok(match turns {
+        true => Body::rigid_turning(mesh),
+        false => Body::rigid(mesh),
+    })
 }
 
 /// A body, with averaged changes of volume or without.
@@ -184,31 +228,44 @@ where
     P1: Element<D>,
     P2: Element<D>,
 {
-    let (key, what) = match (keys.plane_stress, keys.revolution) {
-        (false, false) => return plain(place, keys, mesh, law),
+    match (keys.plane_stress, keys.revolution) {
+        (false, false) => plain(place, keys, mesh, law),
         (true, true) => {
             let what = "a body of revolution is no sheet: leave `plane-stress` or `revolution` out";
-            return Err(place.key("revolution").wrong(what));
+            Err(place.key("revolution").wrong(what))
         }
-        (true, false) => (
-            "plane-stress",
-            "`plane-stress` is for meshes of the plane: leave it out",
-        ),
-        (false, true) => (
-            "revolution",
-            "`revolution` is for meshes of the half-plane r ≥ 0: leave it out",
-        ),
-    };
+        (true, false) => of_plane(place, "plane-stress", mesh, |mesh| {
+            sheet(place, keys, mesh, law)
+        }),
+        (false, true) => of_plane(place, "revolution", mesh, |mesh| {
+            revolved(place, keys, mesh, law)
+        }),
+    }
+}
+
+/// A body of a mesh of the plane, which `key` asks for.
+fn of_plane<const D: usize>(
+    place: &Place<'_>,
+    key: &'static str,
+    mesh: Mesh<D>,
+    body: impl FnOnce(Mesh<2>) -> Result<Body<2>, Error>,
+) -> Result<Body<D>, Error> {
     // D is known to be 2 where the mesh is one of the plane
     let mesh: Box<dyn Any> = Box::new(mesh);
-    let body: Option<Box<dyn Any>> = match mesh.downcast::<Mesh<2>>() {
-        Ok(mesh) if keys.revolution => Some(Box::new(revolved(place, keys, *mesh, law)?)),
-        Ok(mesh) => Some(Box::new(sheet(place, keys, *mesh, law)?)),
+    let found: Option<Box<dyn Any>> = match mesh.downcast::<Mesh<2>>() {
+        Ok(mesh) => Some(Box::new(body(*mesh)?)),
         Err(_) => None,
     };
-    let body = body.and_then(|body| body.downcast::<Body<D>>().ok());
-    body.map(|body| *body)
-        .ok_or_else(|| place.key(key).wrong(what))
+    let found = found.and_then(|body| body.downcast::<Body<D>>().ok());
+    found.map(|body| *body).ok_or_else(|| {
+        let of = match key {
+            "revolution" => "the half-plane r ≥ 0",
+            _ => "the plane",
+        };
+        place
+            .key(key)
+            .wrong(format!("`{key}` is for meshes of {of}: leave it out"))
+    })
 }
 
 /// A body in plane stress.

@@ -9,7 +9,7 @@ use serde::forward_to_deserialize_any;
 use super::keys::{
     Ball, BodyKeys, ContactKeys, Cuboid, CurvedKeys, Cylinder, ForceKeys, FoundationKeys,
     HalfSpace, Keys, MotionKeys, ObstacleKeys, OutputKeys, PhaseKeys, PressureKeys, ReactionKeys,
-    RegionKeys, SupportKeys, TieKeys, TractionKeys,
+    RegionKeys, SupportKeys, TieKeys, TorqueKeys, TractionKeys,
 };
 use super::meshes::{
     AnnulusKeys, CuboidGradedKeys, CuboidKeys, CylinderKeys, DiscKeys, EquilateralDiscKeys,
@@ -56,6 +56,7 @@ pub(super) fn tables() -> Vec<Table> {
         of::<ReactionKeys>("reaction", "output"),
         of::<SupportKeys>("supports", "body"),
         of::<TractionKeys>("tractions", "body"),
+        of::<TorqueKeys>("torques", "body"),
         of::<PressureKeys>("pressures", "body"),
         of::<ForceKeys>("forces", "body"),
         of::<FoundationKeys>("foundations", "body"),

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// What a scene file calls the names of Rust that texts of the library have. Longer texts come before those that they begin with.
-const KEYS: [(&str, &str); 30] = [
+const KEYS: [(&str, &str); 31] = [
     (
         "`Condensed` does not treat `Energy::is_quadratic` = false",
         "the solver condensed takes laws for small strains alone, without pressures that follow",
@@ -42,6 +42,7 @@ const KEYS: [(&str, &str); 30] = [
     ("`Mesh::quadratic`", "`quadratic = true`"),
     ("make it `quadratic()` first", "give it `quadratic = true`"),
     ("`Mesh::curved`", "`curved`"),
+    ("let it not turn (`Body::rigid`)", "take `law = \"rigid\"`"),
     ("`MeshFile::body`", "`region`"),
     (" (`merge-nodes`, `MeshFile::merged`)", " (`merge-nodes`)"),
     ("`NeoHookean`", "`neo-hookean`"),

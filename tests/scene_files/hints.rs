@@ -23,7 +23,7 @@ on = [["block", "bottom"]]
 "#;
 
 /// What is changed, and the last line of the error.
-const SLIPS: [(&str, &str, &str); 40] = [
+const SLIPS: [(&str, &str, &str); 43] = [
     // keys of another table
     (
         "on = [[\"block\", \"bottom\"]]",
@@ -196,6 +196,22 @@ const SLIPS: [(&str, &str, &str); 40] = [
         "did you mean `linear-elastic`?",
     ),
     ("[[body]]", "[[bodies]]", "did you mean `body`?"),
+    // what moves bodies
+    (
+        "half-space",
+        "force = [0, -10]\nhalf-space",
+        "an obstacle goes where its `motion` takes it: a tool that a force or a spring moves is a body with `law = \"rigid\"`",
+    ),
+    (
+        "half-space",
+        "weight = 2\nhalf-space",
+        "an obstacle goes where its `motion` takes it: a tool that a force or a spring moves is a body with `law = \"rigid\"`",
+    ),
+    (
+        "half-space",
+        "foundations = []\nhalf-space",
+        "an obstacle goes where its `motion` takes it: a tool that a force or a spring moves is a body with `law = \"rigid\"`",
+    ),
 ];
 
 fn refused(text: &str) -> String {

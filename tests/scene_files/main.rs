@@ -13,6 +13,7 @@ mod parts;
 mod refused;
 mod resume;
 mod scripts;
+mod tools;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

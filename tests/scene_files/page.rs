@@ -166,8 +166,8 @@ fn recipes_run() {
         names.push(name);
     }
     let expected = [
-        "pin", "wedge", "punch", "slide", "weight", "unload", "quarter", "slope", "bolt", "ball",
-        "blocks",
+        "pin", "wedge", "punch", "slide", "weight", "unload", "quarter", "slope", "bolt", "sheet",
+        "ball", "blocks",
     ];
     assert_eq!(names, expected);
 
@@ -188,15 +188,17 @@ fn recipes_run() {
         2.0 / 30.0_f64.to_radians().cos(),
     );
 
-    // Hertz, of two elastic bodies
-    let stiffness = |young: f64| (1.0 - 0.09) / young;
-    let together = 1.0 / (stiffness(1e4) + stiffness(100.0));
-    let hertz = (together / std::f64::consts::PI).sqrt();
+    // Hertz, of a rigid and an elastic body
+    let hertz = (100.0 / (1.0 - 0.09) / std::f64::consts::PI).sqrt();
     let punch = number(&result("punch")["pressure_max"]);
     assert!((punch / hertz - 1.0).abs() < 0.01, "{punch} {hertz}");
+    let way = &result("punch")["rigid_motions"][0]["displacement"];
+    assert!(number(&way[0]) == 0.0 && number(&way[1]) < -0.01, "{way}");
     // the head bends by what a stiffness of 10⁴ times that of the others leaves
     let bolt = number(&result("bolt")["ties"][0]["force"][1]);
     assert!((bolt - 0.25).abs() < 1e-3, "{bolt}");
+
+    is(number(&result("sheet")["pressure_max"]), 2.0);
 
     // what the script reads is there; the script itself runs where Python is
     let script = blocks("docs/cookbook.md", "python").concat();

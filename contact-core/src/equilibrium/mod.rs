@@ -8,6 +8,7 @@
 //! | `accuracy` | the accuracy asked of the next subproblem |
 //! | `anderson` | the next iterate |
 //! | `cycles` | detection of periodic iterates |
+//! | `diagonal` | the diagonal in units of which shifts and springs are chosen, with the feature `linear` |
 //! | `literal` | the fixed point as a straightforward script has it, with the feature `ipopt` |
 //! | `automatic` | the solver that fits a problem, with the feature `linear` |
 //! | `retry` | further attempts where the fixed point does not converge |
@@ -22,6 +23,8 @@ mod automatic;
 #[cfg(feature = "linear")]
 mod condensed;
 mod cycles;
+#[cfg(feature = "linear")]
+mod diagonal;
 pub mod fixed_point;
 mod journal;
 #[cfg(feature = "ipopt")]

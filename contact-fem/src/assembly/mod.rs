@@ -9,6 +9,7 @@ mod laws;
 mod loads;
 mod quadratic;
 mod recovery;
+mod rigid;
 mod scatter;
 mod strain_energy;
 #[cfg(test)]
@@ -24,6 +25,7 @@ pub use laws::Laws;
 pub use loads::{add_body_force, add_traction};
 pub use quadratic::QuadraticEnergy;
 pub use recovery::CellError;
+pub(crate) use rigid::RigidEnergy;
 pub use strain_energy::StrainEnergy;
 pub(crate) use tied::Tied;
 

@@ -285,6 +285,12 @@ impl<'a, const D: usize> PassRows<'a, D> {
         }
     }
 
+    /// Takes a distance that the surfaces keep (UL) from the gaps of all rows.
+    pub fn keep_off(&mut self, distance: f64) {
+        let rows = self.rows.iter_mut();
+        rows.for_each(|row| row.widening -= distance);
+    }
+
     /// The integration points that count. Each comes with its rows as (the row's [`RowKey::node`],
     /// its share w_q φ_i(q)/a_i in the row): c_i = Σ_q share_iq g_q. φ_i is the test function that a leaning row has; such a row
     /// may come twice. Rows without support are left out.

@@ -5,6 +5,7 @@ mod held;
 mod law;
 mod loads;
 mod revolution;
+mod rigid;
 mod rollers;
 mod supports;
 
@@ -22,6 +23,7 @@ use law::{AveragedLaw, ElasticLaw, Law};
 
 pub(super) use boundary::{Foundation, Pressure};
 pub(super) use held::Holding;
+pub use rigid::RigidMotion;
 pub use supports::{ALL_NODES, name_of_nodes};
 
 /// An elastic body: a mesh, a material law, prescribed displacements and loads.
@@ -61,6 +63,8 @@ pub struct Body<const D: usize> {
     declared: held::Declarations,
     /// Nodes that slide along planes of any direction.
     rollers: rollers::Rollers<D>,
+    /// How it moves if it does not deform.
+    rigid: Option<rigid::Rigid>,
     /// All loads with their origin, and the sum of the proportional ones at load factor 1 (UF).
     loads: Vec<(Origin, Load<D>)>,
     proportional: Vec<f64>,
@@ -176,6 +180,7 @@ impl<const D: usize> Body<D> {
             support_of: vec![None; dofs],
             declared: held::Declarations::default(),
             rollers: rollers::Rollers::default(),
+            rigid: None,
             loads: Vec::new(),
             proportional: vec![0.0; dofs],
             forces: vec![0.0; dofs],

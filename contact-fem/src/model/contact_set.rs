@@ -47,6 +47,8 @@ pub(super) struct ContactSet<const D: usize> {
     pub passes: Vec<Pass>,
     /// For each pass, whether it exchanges the roles that its pair was declared with.
     reversed: Vec<bool>,
+    /// The distances that the surfaces of passes keep, by slave and master in ascending order (UL); most have none.
+    offsets: BTreeMap<[usize; 2], f64>,
     /// When passes count.
     switches: Switches,
     pub geometry: Geometry,
@@ -120,6 +122,11 @@ impl<const D: usize> ContactSet<D> {
         audit: &Audit<D>,
     ) -> Self {
         let (mut sides, passes) = sides_and_passes(pairs);
+        let offset = pairs.iter().filter(|pair| pair.offset != 0.0).map(|pair| {
+            let places = [&pair.first, &pair.second].map(|side| place_of(side, &mut sides));
+            (ascending(places), pair.offset)
+        });
+        let offsets = offset.collect();
         let on_obstacles: Vec<_> = scene
             .obstructed()
             .iter()
@@ -179,6 +186,7 @@ impl<const D: usize> ContactSet<D> {
             is_reach_free: scene.reach.is_none(),
             passes,
             reversed,
+            offsets,
             switches,
             geometry,
             integration: scene.integration(),
@@ -235,7 +243,7 @@ impl<const D: usize> ContactSet<D> {
                 let rows = self.pass_rows(&located, (k, *pass), Sampling::Nodes, None);
                 let rows = rows.iter().flat_map(PassRows::stencils);
                 for (stencil, shares) in rows {
-                    let gap = stencil.projection().gap;
+                    let gap = stencil.projection().gap - self.offset(*pass);
                     for (name, share) in shares {
                         let place = places[&name];
                         gaps[place] += share * gap;
@@ -318,6 +326,12 @@ impl<const D: usize> ContactSet<D> {
         [pass.slave, pass.master].map(of)
     }
 
+    /// The distance that the surfaces of a pass keep (UL).
+    pub fn offset(&self, pass: Pass) -> f64 {
+        let sides = ascending([pass.slave, pass.master]);
+        self.offsets.get(&sides).copied().unwrap_or(0.0)
+    }
+
     /// The pass with exchanged roles, if there can be one.
     pub fn turned(&self, pass: Pass) -> Option<Pass> {
         self.obstacle_of(pass).is_none().then_some(Pass {
@@ -379,7 +393,7 @@ impl<const D: usize> ContactSet<D> {
             return 0.0;
         }
         let apart = self.extents[pass.slave].apart(&self.extents[pass.master]);
-        (apart / self.way).max(0.0)
+        ((apart - self.offset(pass)) / self.way).max(0.0)
     }
 
     /// A pass with a closed row at `u` that was left out by plan: it is then left out no more, and neither is any other. What
@@ -401,7 +415,7 @@ impl<const D: usize> ContactSet<D> {
         let ways: Vec<_> = self.surfaces.iter().map(ways).collect();
         let may_meet = |(_, pass): &(usize, Pass)| {
             let [a, b] = [pass.slave, pass.master];
-            let apart = self.extents[a].apart(&self.extents[b]);
+            let apart = self.extents[a].apart(&self.extents[b]) - self.offset(*pass);
             !(apart > BEYOND * (ways[a] + ways[b]).norm())
         };
         let doubtful = left_out.into_iter().filter(may_meet);
@@ -528,6 +542,7 @@ impl<const D: usize> ContactSet<D> {
                 let left = self.initial_gaps.share_left(kinematics.factor);
                 rows.widen(|k| left * depths.rows[k], |k| left * depths.nodes[k]);
             }
+            rows.keep_off(self.offset(pass));
             rows.append(k as u32, &kinematics.X, &unknowns, &mut gaps);
         }
         Some(gaps)
@@ -648,6 +663,10 @@ impl<const D: usize> ContactSet<D> {
         }
         Ok(Some(variation.finish(&kinematics.dofs)))
     }
+}
+
+fn ascending([a, b]: [usize; 2]) -> [usize; 2] {
+    [a.min(b), a.max(b)]
 }
 
 fn is_requested(stop: Option<&Stop>) -> bool {

@@ -153,6 +153,8 @@ pub(crate) enum Origin {
     BodyForce,
     /// Forces on nodes.
     NodalForce,
+    /// What draws tied sides together, on a boundary.
+    Preload(String),
 }
 
 impl Origin {
@@ -163,6 +165,7 @@ impl Origin {
             Origin::Pressure(_) => "pressure",
             Origin::BodyForce => "body force",
             Origin::NodalForce => "nodal force",
+            Origin::Preload(_) => "preload",
         }
     }
 }
@@ -171,7 +174,7 @@ impl Origin {
     /// The boundary that it is on.
     pub fn boundary(&self) -> Option<&str> {
         match self {
-            Origin::Traction(boundary) => Some(boundary),
+            Origin::Traction(boundary) | Origin::Preload(boundary) => Some(boundary),
             _ => None,
         }
     }

@@ -23,7 +23,7 @@ mod tie;
 pub(crate) mod work;
 
 pub use crate::contact::{Corners, Integration, Obstacle, Projection};
-pub use body::{ALL_NODES, Body, name_of_nodes};
+pub use body::{ALL_NODES, Body, RigidMotion, name_of_nodes};
 pub use contact_state::{GeometricError, Opposite, PairRecord, PairSide, PairState, Status};
 pub use diagnosis::Undetermined;
 pub(crate) use estimate::CellErrors;

@@ -15,6 +15,7 @@ use super::{BodyId, Problem};
 /// | `apart` | no contact is searched between them while displacements are smaller | the ways of their surfaces after each load step, and rows where these may meet; the step is solved again if one is closed |
 /// | `held` | within a group, such bodies are solved by themselves as long as no common row acts on them | rows between them after each solve, which is repeated for both together where one overlaps |
 /// | `linear` | their stiffness is assembled and factored once | the values are compared before they are factored |
+/// | `rigid` | no cell is assembled, and all nodes follow a few unknowns | – |
 /// | `prescribed` | they have no unknowns | – |
 /// | `at_rest` | they take no solve: nothing moves or loads them, and nothing can touch them | their forces, in each load step |
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,6 +29,8 @@ pub struct ScenePlan {
     pub held: Vec<BodyId>,
     /// The bodies with a law for small strains.
     pub linear: Vec<BodyId>,
+    /// The bodies that do not deform, whose unknowns are their rigid motions.
+    pub rigid: Vec<BodyId>,
     /// The bodies whose nodes are all prescribed.
     pub prescribed: Vec<BodyId>,
     /// The bodies that stay as they are: supports hold them in place, and neither loads nor contact nor ties act on them.
@@ -79,7 +82,8 @@ impl<const D: usize> Problem<D> {
                 .map(|(bodies, below)| (bodies.map(BodyId::from), below))
                 .collect(),
             held: of(&|b| self.is_held(b)),
-            linear: of(&|b| energies[b].is_quadratic()),
+            linear: of(&|b| energies[b].is_quadratic() && !self.scene.bodies()[b].is_rigid()),
+            rigid: of(&|b| moves(b) && self.scene.bodies()[b].is_rigid()),
             prescribed: of(&|b| !moves(b)),
             at_rest: of(&is_at_rest),
         }
@@ -101,12 +105,13 @@ impl fmt::Display for ScenePlan {
         f.write_str(&counted(bodies + self.prescribed.len()))?;
         let kinds = [
             (self.linear.len(), "with a law for small strains"),
+            (self.rigid.len(), "rigid"),
             (self.prescribed.len(), "prescribed at all nodes"),
             (self.held.len(), "held without contact"),
         ];
         let kinds = kinds.into_iter().filter(|(count, _)| *count > 0);
         kinds
-            .zip([": ", ", ", ", "])
+            .zip([": ", ", ", ", ", ", "])
             .try_for_each(|((count, kind), before)| write!(f, "{before}{count} {kind}"))?;
         match (self.groups.len(), largest) {
             (_, 0 | 1) => f.write_str("; each is solved by itself")?,

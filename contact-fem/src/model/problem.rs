@@ -62,10 +62,11 @@ pub(super) struct Residuals {
 impl<const D: usize> Problem<D> {
     /// # Errors
     /// Boundaries that cannot be tied.
-    pub(super) fn new(scene: Scene<D>, geometry: Geometry) -> Result<Self, crate::Error> {
-        let energies: Vec<_> = scene.bodies().iter().map(|body| body.energy()).collect();
+    pub(super) fn new(mut scene: Scene<D>, geometry: Geometry) -> Result<Self, crate::Error> {
         let kinematics = Kinematics::new(scene.bodies());
         let ties = Ties::new(&scene, &kinematics)?;
+        ties.preload(&mut scene, &kinematics)?;
+        let energies: Vec<_> = scene.bodies().iter().map(|body| body.energy()).collect();
         let audit = Audit::new(&scene, &kinematics.X);
         let contact = ContactSet::new(&scene, scene.pairs(), geometry, &kinematics, &audit);
         let length = kinematics.diagonal();

@@ -62,6 +62,8 @@ pub struct Pair {
     pub second: Side,
     /// The roles.
     pub passes: Passes,
+    /// The distance that the surfaces keep, such as the thickness of a coating or a sheet between them (UL).
+    pub offset: f64,
 }
 
 /// Bodies, contact pairs and obstacles; [`Scene::problem`] checks them and builds the contact problem.
@@ -202,6 +204,13 @@ impl<const D: usize> Scene<D> {
         &self.names
     }
 
+    /// The names of the bodies that do not deform, likewise.
+    pub fn rigid_names(&self) -> Vec<String> {
+        let named = self.bodies.iter().zip(&self.names);
+        let rigid = named.filter(|(body, _)| body.is_rigid());
+        rigid.map(|(_, name)| name.clone()).collect()
+    }
+
     /// The pairs declared so far.
     pub fn pairs(&self) -> &[Pair] {
         &self.pairs
@@ -230,6 +239,7 @@ impl<const D: usize> Scene<D> {
             first: self.checked(first)?,
             second: self.checked(second)?,
             passes,
+            offset: 0.0,
         };
         self.pairs.push(pair);
         Ok(())
@@ -280,7 +290,7 @@ impl<const D: usize> Scene<D> {
     /// As [`Scene::tie`], with a choice of the side that follows and of the distance that is accepted.
     ///
     /// # Errors
-    /// As [`Scene::tie`], a tolerance that is negative or no number, and a jump that is not finite or of another dimension.
+    /// As [`Scene::tie`], a tolerance that is negative or no number, a jump or a preload that is not finite or of another dimension, and both of them.
     pub fn tie_as(&mut self, tie: Tie) -> Result<(), Error> {
         if !(tie.tolerance >= 0.0 && tie.tolerance.is_finite()) {
             return Err(Error::Setting {
@@ -295,6 +305,24 @@ impl<const D: usize> Scene<D> {
                 name: "number of components of the jump of a tie",
                 value: tie.jump.len() as f64,
                 remedy: "give one for each direction, or none",
+            });
+        }
+        Error::check_finite("preload of a tie", &tie.preload)?;
+        if !(tie.preload.is_empty() || tie.preload.len() == D) {
+            return Err(Error::Setting {
+                name: "number of components of the preload of a tie",
+                value: tie.preload.len() as f64,
+                remedy: "give one for each direction, or none",
+            });
+        }
+        if tie.jumps() && tie.drawn::<D>().is_some() {
+            return Err(Error::Setting {
+                name: "preload of a tie beside its jump",
+                value: tie
+                    .preload
+                    .iter()
+                    .fold(0.0, |most: f64, f| most.max(f.abs())),
+                remedy: "give the force or the way, and the run tells the other one",
             });
         }
         let tie = Tie {
@@ -407,6 +435,67 @@ impl<const D: usize> Scene<D> {
         }
         let pair = Switched::Pair(first.clone(), second.clone());
         self.switch(pair, intervals)
+    }
+
+    /// Lets the surfaces of a pair keep a distance (UL): gaps are measured from there. A coating or a sheet of that thickness between the bodies,
+    /// which has no mesh and does not give way, as one on each side, half as thick.
+    ///
+    /// Two blocks with a sheet of 0.1 between them, pressed by what makes the gap of 0.1 one of 0.08:
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Body, LinearElastic, Scene, Simulation};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let block = |y| rectangle(&linspace(0.0, 1.0, 4), &linspace(y, y + 1.0, 4), Diagonals::Rising);
+    /// let law = LinearElastic::new(200.0, 0.0)?;
+    /// let (mut lower, mut upper) = (Body::new(block(0.0)?, law), Body::new(block(1.1)?, law));
+    /// lower.symmetry("bottom")?.symmetry("left")?;
+    /// upper.symmetry("left")?.prescribe("top", [None, Some(-0.02)])?;
+    ///
+    /// let mut scene = Scene::new();
+    /// let (lower, upper) = (scene.add("lower", lower), scene.add("upper", upper));
+    /// let sides = [lower.on("top"), upper.on("bottom")];
+    /// scene.contact(sides[0].clone(), sides[1].clone())?;
+    /// scene.contact_offset(&sides[0], &sides[1], 0.1)?;
+    /// let history = Simulation::with_increments(1).run(&mut scene.problem()?)?;
+    /// // both are shortened by 0.01
+    /// assert!((history.steps[0].reaction(lower)[1] - 200.0 * 0.01).abs() < 1e-6);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Boundaries that are no pair declared by name, one boundary with itself, and a distance that is negative or no number. [`Scene::problem`] refuses
+    /// distances of more than a quarter of the search radius, and bodies that start closer than they keep, unless [`Scene::initial_gaps`]
+    /// takes that.
+    pub fn contact_offset(
+        &mut self,
+        first: &Side,
+        second: &Side,
+        offset: f64,
+    ) -> Result<(), Error> {
+        if !(offset >= 0.0 && offset.is_finite()) {
+            return Err(Error::Setting {
+                name: "offset of a pair",
+                value: offset,
+                remedy: "choose a distance, at least 0",
+            });
+        }
+        let both = [first, second];
+        let is_named = |pair: &&mut Pair| {
+            [&pair.first, &pair.second] == both || [&pair.second, &pair.first] == both
+        };
+        let mut pairs = self.pairs.iter_mut().filter(|_| first != second);
+        match pairs.find(is_named) {
+            Some(pair) => pair.offset = offset,
+            None => {
+                return Err(Error::NoPair {
+                    first: self.name_of_side(first),
+                    second: self.name_of_side(second),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// As [`Scene::contact_during`], for all contact with an obstacle.
@@ -567,6 +656,7 @@ impl<const D: usize> Scene<D> {
                         first: first.clone(),
                         second: second.clone(),
                         passes: Passes::Both,
+                        offset: 0.0,
                     });
                 }
             }
@@ -641,7 +731,7 @@ impl<const D: usize> Scene<D> {
     fn geometry(&self, pairs: &[Pair]) -> Result<Geometry, Error> {
         let body_of = |small: bool| {
             let mut bodies = self.bodies.iter().zip(&self.names);
-            bodies.find(|(body, _)| body.is_small_strain() == small)
+            bodies.find(|(body, _)| !body.is_rigid() && body.is_small_strain() == small)
         };
         match (self.geometry, body_of(true), body_of(false)) {
             (Some(chosen), _, _) => Ok(chosen),

@@ -17,6 +17,7 @@ use crate::assembly::Dof;
 use crate::contact::tie::Tied;
 use crate::contact::{Master, Projection, Surface};
 use crate::error::Error;
+use crate::model::courses::Origin;
 use crate::program::Amplitude;
 use crate::tensor::Vector;
 
@@ -48,7 +49,11 @@ pub struct Tie {
     /// The displacement of the second side relative to the first (UL), one component for each direction; none by default. Where a bolt is cut
     /// in two, it draws the halves into each other, which preloads the bolt by that shortening.
     pub jump: Vec<f64>,
-    /// The course of the jump in time; proportional by default.
+    /// A force of the second side's body on the first's (UF), one component for each direction, in place of a jump; none by default. Along it the
+    /// sides move against each other, as a whole, by whatever the force takes ([`TieRecord::jump`]); across it they stay together. Where a bolt is
+    /// cut in two, it preloads the bolt by that force, whatever else acts on it.
+    pub preload: Vec<f64>,
+    /// The course of the jump, or of the preload, in time; proportional by default.
     pub amplitude: Amplitude,
 }
 
@@ -66,13 +71,28 @@ impl Tie {
             slave: TiedSlave::default(),
             tolerance: Tie::TOLERANCE,
             jump: Vec::new(),
+            preload: Vec::new(),
             amplitude: Amplitude::proportional(),
         }
     }
 
-    /// Whether its sides are moved against each other.
+    /// Whether its sides are moved against each other by a given way.
     pub(super) fn jumps(&self) -> bool {
         self.jump.iter().any(|part| *part != 0.0)
+    }
+
+    /// Its preload: how large it is (UF), and a vector of length 1 along it; `None` without one.
+    pub(super) fn drawn<const D: usize>(&self) -> Option<(f64, Vector<D>)> {
+        let force = Vector::<D>::from_fn(|i, _| self.preload.get(i).copied().unwrap_or(0.0));
+        // without the squares of large or small numbers
+        let largest = force.amax();
+        let norm = largest * (force / largest).norm();
+        (norm > 0.0).then(|| (norm, force / norm))
+    }
+
+    /// Whether its sides move against each other.
+    fn moves(&self) -> bool {
+        self.jumps() || self.preload.iter().any(|part| *part != 0.0)
     }
 
     /// The factor of the jump at a load factor; before the first step nothing is displaced.
@@ -102,6 +122,10 @@ pub enum TieFault {
     Twice,
     /// A support along a direction holds one of their bodies.
     Inclined,
+    /// One of their bodies is rigid.
+    Rigid,
+    /// Nothing of the slave can move along a preload.
+    Immovable,
     /// Their bodies are of revolution.
     Revolution,
     /// A support of one of their bodies does not hold in all phases.
@@ -143,6 +167,12 @@ impl fmt::Display for TieFault {
                 "a support along a direction holds one of the bodies, which ties do not know: turn the scene so that it is along \
                  an axis, or let contact take the place of the tie",
             ),
+            TieFault::Immovable => f.write_str(
+                "all that could move along the preload is prescribed or belongs to other ties: leave out what prescribes it, or take a jump",
+            ),
+            TieFault::Rigid => f.write_str(
+                "one of the bodies is rigid, which ties do not know: prescribe the other body's boundary, or give both one mesh with two laws",
+            ),
             TieFault::Revolution => f.write_str(
                 "their bodies are of revolution, whose rings have no ties: mesh them as one body with `of_revolution_with_laws`",
             ),
@@ -177,6 +207,52 @@ pub(super) struct Follower {
     pub jump: f64,
 }
 
+/// The dof of a slave that does not follow, so that its side may move along a preload. Its motion tells how far the side has moved: the jump is
+/// (u − Σ c u)/share.
+struct Released {
+    dof: usize,
+    /// What it would follow, and how much it would move by itself with a jump of 1.
+    terms: Vec<(usize, f64)>,
+    share: f64,
+}
+
+impl Released {
+    /// The dofs by which the jump is measured, with their coefficients.
+    fn measure(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let own = std::iter::once((self.dof, 1.0 / self.share));
+        own.chain(self.terms.iter().map(|(dof, c)| (*dof, -c / self.share)))
+    }
+
+    /// The jump for displacements of all dofs (UL).
+    fn jump(&self, u: impl Fn(usize) -> f64) -> f64 {
+        self.measure().map(|(dof, c)| c * u(dof)).sum()
+    }
+}
+
+/// Lets all followers whose jump is not 0 follow one of them instead, the one that moves most with the jump.
+fn release(followers: &mut Vec<Follower>) -> Option<Released> {
+    let moves = followers.iter().map(|own| own.jump.abs());
+    let most = moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    let (place, _) = most.filter(|(_, share)| *share > 0.0)?;
+    let Follower { dof, terms, jump } = followers.remove(place);
+    let released = Released {
+        dof,
+        terms,
+        share: jump,
+    };
+    for own in followers.iter_mut().filter(|own| own.jump != 0.0) {
+        let share = own.jump / released.share;
+        let mut terms: BTreeMap<usize, f64> = BTreeMap::from([(dof, share)]);
+        let less = released.terms.iter().map(|(other, c)| (other, -share * c));
+        for (other, c) in own.terms.iter().map(|(other, c)| (other, *c)).chain(less) {
+            *terms.entry(*other).or_insert(0.0) += c;
+        }
+        terms.retain(|_, c| *c != 0.0);
+        (own.terms, own.jump) = (terms.into_iter().collect(), 0.0);
+    }
+    Some(released)
+}
+
 /// A tie with its interpolation.
 struct Built<const D: usize> {
     /// The bodies of its first and its second side.
@@ -184,6 +260,8 @@ struct Built<const D: usize> {
     /// Whether the first side follows.
     is_first_slave: bool,
     followers: Vec<Follower>,
+    /// Of a tie with a preload.
+    released: Option<Released>,
     /// The number of the tie in the scene.
     number: usize,
     /// The largest distance between the sides (UL), and where.
@@ -211,6 +289,8 @@ pub struct TieRecord<const D: usize> {
     pub second: Side,
     /// The resultant of the forces of the second side's body on the first side's (UF).
     pub force: Vector<D>,
+    /// How far the second side has moved relative to the first (UL): by the given jump, or by the preload.
+    pub jump: Vector<D>,
 }
 
 /// What a dependent unknown has besides the unknowns that it follows.
@@ -262,6 +342,9 @@ impl<const D: usize> Ties<D> {
                 }
                 if body.mesh().is_of_revolution() {
                     return Err(fault_of(scene, tie, TieFault::Revolution));
+                }
+                if body.is_rigid() {
+                    return Err(fault_of(scene, tie, TieFault::Rigid));
                 }
                 if !body.ties().is_empty() {
                     return Err(fault_of(scene, tie, TieFault::Inclined));
@@ -329,10 +412,15 @@ impl<const D: usize> Ties<D> {
         let parts: Vec<usize> = scene.ids().map(free).collect();
         let map = LinearMap::new(&parts, &dependents)?;
         let held = preflight::held(scene);
+        // along a preload, one half of a bolt is held by the other no more
+        let is_drawn = |b: usize| {
+            let drawn = ties.iter().filter(|tie| tie.released.is_some());
+            drawn.flat_map(|tie| tie.bodies).any(|body| body == b)
+        };
         Ok(Ties {
             held: map
                 .groups()
-                .map(|bodies| bodies.iter().all(|&b| held[b]))
+                .map(|bodies| bodies.iter().all(|&b| held[b] && !is_drawn(b)))
                 .collect(),
             ties,
             prescribed,
@@ -369,13 +457,52 @@ impl<const D: usize> Ties<D> {
         self.ties.iter().any(is_own)
     }
 
+    /// Adds the preloads of all ties to the loads of their bodies: forces on the dofs by which their jumps are measured.
+    pub fn preload(&self, scene: &mut Scene<D>, kinematics: &Kinematics<D>) -> Result<(), Error> {
+        for tie in &self.ties {
+            let own = scene.ties()[tie.number].clone();
+            let (Some(released), Some((force, _))) = (&tie.released, own.drawn::<D>()) else {
+                continue;
+            };
+            let sides = [&own.first, &own.second];
+            let mut of_sides =
+                sides.map(|side| vec![0.0; D * kinematics.nodes(side.body.index()).len()]);
+            for (dof, c) in released.measure() {
+                let is_second = usize::from(kinematics.nodes(tie.bodies[1]).contains(&(dof / D)));
+                let first = D * kinematics.nodes(tie.bodies[is_second]).start;
+                of_sides[is_second][dof - first] -= force * c;
+            }
+            for (side, forces) in sides.into_iter().zip(of_sides) {
+                let body = &mut scene.bodies_mut()[side.body.index()];
+                let origin = Origin::Preload(side.boundary.clone());
+                body.add_forces(origin, forces, own.amplitude.clone())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// How far the second side of each tie has moved relative to the first, for displacements of all dofs (UL).
+    fn jumps(&self, (scene, load): (&Scene<D>, f64), u: impl Fn(usize) -> f64) -> Vec<Vector<D>> {
+        let of_tie = |tie: &Built<D>| {
+            let own = &scene.ties()[tie.number];
+            match (&tie.released, own.drawn::<D>()) {
+                (Some(released), Some((_, along))) => along * released.jump(&u),
+                _ => {
+                    let given = |i: usize| own.jump.get(i).copied().unwrap_or(0.0);
+                    Vector::from_fn(|i, _| given(i) * own.factor(load))
+                }
+            }
+        };
+        self.ties.iter().map(of_tie).collect()
+    }
+
     /// Whether a tie joins these bodies whose sides are moved against each other.
     pub fn jump(&self, [a, b]: [usize; 2], scene: &Scene<D>) -> bool {
         let is_own = |tie: &&Built<D>| tie.bodies == [a, b] || tie.bodies == [b, a];
         self.ties
             .iter()
             .filter(is_own)
-            .any(|tie| scene.ties()[tie.number].jumps())
+            .any(|tie| scene.ties()[tie.number].moves())
     }
 
     /// How far the sides of each tie are apart.
@@ -441,14 +568,26 @@ impl<const D: usize> Ties<D> {
         jumping.map(along).collect()
     }
 
-    /// The resultant of each tie on its first side (UF), likewise.
+    /// The resultant of each tie on its first side (UF), likewise, with its preload at the load factor.
     fn resultants(
         &self,
+        (scene, load): (&Scene<D>, f64),
         rest: impl Fn(usize) -> f64,
         nodes: impl Fn(usize) -> std::ops::Range<usize>,
     ) -> Vec<Vector<D>> {
         let of_tie = |tie: &Built<D>| {
+            let declared = &scene.ties()[tie.number];
+            let drawn = declared.drawn::<D>();
             let mut sum = Vector::<D>::zeros();
+            if let (Some(released), Some((force, _))) = (&tie.released, drawn) {
+                let first = nodes(tie.bodies[0]);
+                let of_first = released
+                    .measure()
+                    .filter(|(dof, _)| first.contains(&(dof / D)));
+                for (dof, c) in of_first {
+                    sum[dof % D] -= force * declared.factor(load) * c;
+                }
+            }
             let (slave, sign) = match tie.is_first_slave {
                 true => (tie.bodies[0], 1.0),
                 false => (tie.bodies[1], -1.0),
@@ -456,12 +595,10 @@ impl<const D: usize> Ties<D> {
             let own = nodes(slave);
             for follower in &tie.followers {
                 let force = rest(follower.dof);
-                let master = follower
-                    .terms
-                    .iter()
-                    .filter(|(dof, _)| !own.contains(&(dof / D)));
-                let share: f64 = master.map(|(_, c)| c).sum();
-                sum[follower.dof % D] += sign * share * force;
+                let terms = follower.terms.iter();
+                for (dof, c) in terms.filter(|(dof, _)| !own.contains(&(dof / D))) {
+                    sum[dof % D] += sign * c * force;
+                }
             }
             sum
         };
@@ -505,15 +642,19 @@ impl<const D: usize> Problem<D> {
         }
         let residuals = self.residuals(u).concat();
         let rest = |dof: usize| residuals[dof] - contact_forces[dof / D][dof % D];
+        let at = (&self.scene, self.load());
         let forces = self
             .ties
-            .resultants(rest, |body| self.kinematics.nodes(body));
-        let named = self.scene.ties().iter().zip(forces);
+            .resultants(at, rest, |body| self.kinematics.nodes(body));
+        let U = self.displacements(u);
+        let jumps = self.ties.jumps(at, |dof| U[dof / D][dof % D]);
+        let named = self.scene.ties().iter().zip(forces.into_iter().zip(jumps));
         named
-            .map(|(tie, force)| TieRecord {
+            .map(|(tie, (force, jump))| TieRecord {
                 first: tie.first.clone(),
                 second: tie.second.clone(),
                 force,
+                jump,
             })
             .collect()
     }
@@ -598,6 +739,7 @@ fn built<const D: usize>(
         });
     }
     let dofs = &kinematics.dofs;
+    let drawn = tie.drawn::<D>();
     let mut followers = Vec::new();
     let mut known: BTreeMap<Vec<bool>, Vec<crate::contact::tie::Interpolated>> = BTreeMap::new();
     for i in 0..D {
@@ -610,7 +752,10 @@ fn built<const D: usize>(
             let own = own.map_err(|x| TieFault::Held { x: place(&x) })?;
             known.insert(out.clone(), own);
         }
-        let part = tie.jump.get(i).copied().unwrap_or(0.0);
+        let part = match &drawn {
+            Some((_, along)) => along[i],
+            None => tie.jump.get(i).copied().unwrap_or(0.0),
+        };
         let jump = if is_first_slave { -part } else { part };
         followers.extend(known[&out].iter().map(|own| {
             let of_master = own
@@ -629,10 +774,15 @@ fn built<const D: usize>(
             }
         }));
     }
+    let released = match drawn {
+        Some(_) => Some(release(&mut followers).ok_or(TieFault::Immovable)?),
+        None => None,
+    };
     Ok(Built {
         bodies: [first.body(), second.body()],
         is_first_slave,
         followers,
+        released,
         number,
         apart: tied.apart,
         size,

@@ -47,6 +47,7 @@ impl WorkSource {
             Origin::Pressure(boundary) => WorkSource::Pressure(body.on(boundary)),
             Origin::BodyForce => WorkSource::BodyForce(body),
             Origin::NodalForce => WorkSource::NodalForce(body),
+            Origin::Preload(boundary) => WorkSource::Tie(body.on(boundary)),
         }
     }
 }

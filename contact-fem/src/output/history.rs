@@ -33,11 +33,12 @@ pub struct Tables {
     works: Table,
     bodies: Vec<String>,
     obstacles: Vec<String>,
+    rigid: usize,
 }
 
 impl Tables {
     /// Empty tables called `name` in `folder`, which is created if it does not exist, for a scene
-    /// with these names of its bodies and obstacles.
+    /// with these names of its bodies, its obstacles and those bodies that are rigid.
     ///
     /// # Errors
     /// [`Error::Write`] if the files cannot be created or the name has characters other than
@@ -45,19 +46,23 @@ impl Tables {
     pub fn create<const D: usize>(
         folder: &Path,
         name: &str,
-        (bodies, obstacles): (&[String], &[String]),
+        (bodies, obstacles, rigid): (&[String], &[String], &[String]),
     ) -> Result<Self, Error> {
         file::check_name(folder, name)?;
         file::create_folder(folder)?;
         let [steps, iterations, pairs, supports, works] = Self::files(name);
         Ok(Tables {
-            steps: Table::create(folder.join(steps), step_columns::<D>(bodies, obstacles))?,
+            steps: Table::create(
+                folder.join(steps),
+                step_columns::<D>(bodies, obstacles, rigid),
+            )?,
             iterations: Table::create(folder.join(iterations), strings(&ITERATION_COLUMNS))?,
             pairs: Table::create(folder.join(pairs), pair_columns::<D>())?,
             supports: Table::create(folder.join(supports), support_columns::<D>())?,
             works: Table::create(folder.join(works), strings(&WORK_COLUMNS))?,
             bodies: bodies.to_vec(),
             obstacles: obstacles.to_vec(),
+            rigid: rigid.len(),
         })
     }
 
@@ -71,9 +76,9 @@ impl Tables {
         &self.steps.path
     }
 
-    /// The number of vectors in a line: two for each body, one for each obstacle.
+    /// The number of vectors in a line: two for each body, one for each obstacle and each rigid body.
     fn vectors(&self) -> usize {
-        2 * self.bodies.len() + self.obstacles.len()
+        2 * self.bodies.len() + self.obstacles.len() + self.rigid
     }
 
     /// Adds a converged step.
@@ -267,7 +272,11 @@ fn side_name(side: &Side, bodies: &[String]) -> [String; 2] {
     [body.unwrap_or_default(), side.boundary.clone()]
 }
 
-fn step_columns<const D: usize>(bodies: &[String], obstacles: &[String]) -> Vec<String> {
+fn step_columns<const D: usize>(
+    bodies: &[String],
+    obstacles: &[String],
+    rigid: &[String],
+) -> Vec<String> {
     let mut columns = strings(&[
         "increment",
         "phase",
@@ -281,7 +290,8 @@ fn step_columns<const D: usize>(bodies: &[String], obstacles: &[String]) -> Vec<
         "work",
     ]);
     let on_bodies = ["reaction", "contact_force"].map(|quantity| (quantity, bodies));
-    for (quantity, names) in on_bodies.into_iter().chain([("contact_force", obstacles)]) {
+    let others = [("contact_force", obstacles), ("displacement", rigid)];
+    for (quantity, names) in on_bodies.into_iter().chain(others) {
         for name in names {
             let axes = ["x", "y", "z"].into_iter().take(D);
             columns.extend(axes.map(|axis| format!("{quantity}_{name}_{axis}")));
@@ -321,6 +331,8 @@ fn step_line<const D: usize>(
             line.extend([record.stored_energy, record.work()].map(number));
             let on_bodies = record.reactions.iter().chain(&record.contact_forces);
             let vectors = on_bodies.chain(&record.obstacle_forces);
+            let moved = record.rigid_motions.iter();
+            let vectors = vectors.chain(moved.map(|motion| &motion.displacement));
             line.extend(vectors.flat_map(|v| v.iter().copied().map(number)));
             line.extend([record.min_j, record.min_j_bound()].map(number));
             line.push(record.rows.to_string());
@@ -478,7 +490,7 @@ mod tests {
 
     use super::*;
     use crate::audit::LeastVolume;
-    use crate::model::BodyId;
+    use crate::model::{BodyId, RigidMotion};
 
     fn attempt(to: f64, outcome: Outcome) -> Attempt {
         let iteration = Iteration {
@@ -552,6 +564,11 @@ mod tests {
                 pressure_max: 9.0,
             }],
             ties: Vec::new(),
+            rigid_motions: vec![RigidMotion {
+                body: BodyId::from(0),
+                displacement: Vector::<2>::new(0.0, -0.125),
+                rotation: Vec::new(),
+            }],
             pressures: [0.0, 9.0],
             attempt: attempt(to, Outcome::Converged),
         }
@@ -568,10 +585,11 @@ mod tests {
     #[test]
     fn converged_steps_at_once_and_failures_at_the_end() {
         let folder = std::env::temp_dir().join(format!("contact-fem-csv-{}", std::process::id()));
-        let mut tables = Tables::create::<2>(&folder, "run", (&["ring".into()], &["pin".into()]))
-            .expect("tables");
+        let names = [["ring".to_string()], ["pin".to_string()]];
+        let mut tables =
+            Tables::create::<2>(&folder, "run", (&names[0], &names[1], &names[0])).expect("tables");
         tables.write(&record(1.0)).expect("written");
-        let columns = step_columns::<2>(&["ring".into()], &["pin".into()]);
+        let columns = step_columns::<2>(&names[0], &names[1], &names[0]);
         let at = |name: &str| columns.iter().position(|c| c == name).expect(name);
         let steps = read(tables.path());
         assert_eq!(steps.len(), 1);
@@ -579,6 +597,7 @@ mod tests {
         assert_eq!(steps[0][at("reaction_ring_x")], "1e-7");
         assert_eq!(steps[0][at("contact_force_ring_y")], "4.5");
         assert_eq!(steps[0][at("contact_force_pin_x")], "0.25");
+        assert_eq!(steps[0][at("displacement_ring_y")], "-0.125");
         assert_eq!(steps[0][at("stored_energy")], "3.5");
         assert_eq!(steps[0][at("work")], "3.625");
         assert_eq!(steps[0][at("rows")], "7");
@@ -637,7 +656,7 @@ mod tests {
         for name in [
             "", ".", "..", "../evil", "a/b", "/evil", "a\\b", "a\nb", "a\0",
         ] {
-            let refused = Tables::create::<2>(&folder, name, (&[], &[]));
+            let refused = Tables::create::<2>(&folder, name, (&[], &[], &[]));
             assert!(matches!(refused, Err(Error::Write { .. })), "{name:?}");
         }
         assert!(!folder.exists());

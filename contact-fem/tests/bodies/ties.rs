@@ -981,3 +981,195 @@ fn a_jump_draws_a_bar_as_its_end_would() {
         assert!((last.work() - drawn.work()).abs() < 1e-7 * drawn.stored_energy);
     }
 }
+
+/// A bar between walls, cut in two, whose halves draw each other by a force: it is stretched as by that force, and its halves move into
+/// each other by what both give way. Whatever else acts on the bar, the force in the cut stays.
+#[test]
+fn a_preload_is_the_force_in_the_cut() {
+    let (young, force) = (200.0, 6.0);
+    let half = |x: [f64; 2], nx: usize, ny: usize| {
+        let mesh = rectangle(
+            &linspace(x[0], x[1], nx),
+            &linspace(0.0, 0.5, ny),
+            Diagonals::Rising,
+        );
+        Body::new(
+            mesh.expect("a mesh").quadratic(),
+            LinearElastic::new(young, 0.0).expect("a law"),
+        )
+    };
+    for slave in [TiedSlave::First, TiedSlave::Second, TiedSlave::Finer] {
+        for pulled in [0.0, 2.0] {
+            let (mut left, mut right) = (half([0.0, 1.0], 5, 3), half([1.0, 3.0], 7, 4));
+            left.prescribe("left", [Some(0.0); 2]).expect("a wall");
+            right.prescribe("right", [Some(0.0); 2]).expect("a wall");
+            // in the middle of the right half
+            right.body_force([pulled, 0.0]).expect("a load");
+            let mut scene = Scene::new();
+            let (left, right) = (scene.add("left", left), scene.add("right", right));
+            let tie = Tie {
+                slave,
+                preload: vec![force, 0.0],
+                ..Tie::new(left.on("right"), right.on("left"))
+            };
+            scene.tie_as(tie).expect("a tie");
+            let mut problem = scene.problem().expect("a problem");
+            let history = Simulation::with_increments(2)
+                .run(&mut problem)
+                .expect("a run");
+            assert!(history.is_complete());
+            let last = history.last().expect("a step");
+            assert!(
+                last.certificate.holds(&Limits::default()),
+                "{}",
+                last.certificate
+            );
+            let record = &last.ties[0];
+            assert!(
+                (record.force[0] - force).abs() < 1e-9 * force,
+                "{}",
+                record.force
+            );
+            assert!(record.force[1].abs() < 1e-9, "{}", record.force);
+            // each half by itself: u = F l/(E A), and the pull p l²/2E at the free end of the right half
+            let rigidity = young * 0.5;
+            let jump = -force * 3.0 / rigidity + pulled * 0.5 * 2.0 * 2.0 / 2.0 / rigidity;
+            assert!(
+                (record.jump[0] - jump).abs() < 1e-9,
+                "{} {jump}",
+                record.jump
+            );
+            assert!((last.reaction(left)[0] + force).abs() < 1e-8);
+            // what the preload and the pull do is stored
+            assert!((last.work() - last.stored_energy).abs() < 1e-9 * last.stored_energy);
+        }
+    }
+}
+
+/// Under any direction of the preload, in the plane and in space, at small and at large strains: a given jump by what the preload has moved the sides transmits
+/// the preload.
+#[test]
+fn a_preload_and_its_jump_are_the_same() {
+    fn check<const D: usize>(body: impl Fn(usize) -> Body<D>, sides: [&str; 2], preload: [f64; D]) {
+        let along = Vector::from(preload).normalize();
+        let run = |preload: Vec<f64>, jump: Vec<f64>| {
+            let mut scene = Scene::<D>::new();
+            let bodies = [0, 1].map(|k| scene.add(format!("half {k}"), body(k)));
+            let tie = Tie {
+                preload,
+                jump,
+                ..Tie::new(bodies[0].on(sides[0]), bodies[1].on(sides[1]))
+            };
+            scene.tie_as(tie).expect("a tie");
+            let mut problem = scene.problem().expect("a problem");
+            let history = Simulation::with_increments(3)
+                .run(&mut problem)
+                .expect("a run");
+            assert!(history.is_complete(), "{}", history.run.ending);
+            let last = history.last().expect("a step");
+            assert!(
+                last.certificate.holds(&Limits::default()),
+                "{}",
+                last.certificate
+            );
+            (last.ties[0].clone(), last.stored_energy)
+        };
+        let (by_force, stored) = run(preload.to_vec(), Vec::new());
+        assert!((by_force.force.dot(&along) - Vector::from(preload).norm()).abs() < 1e-7);
+        assert!((by_force.jump - along * by_force.jump.dot(&along)).norm() < 1e-12);
+        let (by_way, same) = run(Vec::new(), by_force.jump.iter().copied().collect());
+        let apart = (by_force.force - by_way.force).norm();
+        assert!(
+            apart < 1e-6 * by_way.force.norm(),
+            "{} {}",
+            by_force.force,
+            by_way.force
+        );
+        assert!((stored - same).abs() < 1e-6 * same, "{stored} {same}");
+    }
+    let plane = |k: usize| {
+        let [nx, ny] = [[3, 4], [4, 5]][k];
+        let y = k as f64;
+        let mesh = rectangle(
+            &linspace(0.0, 1.0, nx),
+            &linspace(y, y + 1.0, ny),
+            Diagonals::Rising,
+        );
+        let mesh = mesh.expect("a mesh");
+        let held = ["bottom", "top"][k];
+        (mesh, held)
+    };
+    let small = |k: usize| {
+        let (mesh, held) = plane(k);
+        let mut body = Body::new(mesh, LinearElastic::new(100.0, 0.3).expect("a law"));
+        body.prescribe(held, [Some(0.0); 2]).expect("a wall");
+        body
+    };
+    let large = |k: usize| {
+        let (mesh, held) = plane(k);
+        let mut body = Body::new(
+            mesh.quadratic(),
+            NeoHookean::new(100.0, 0.3).expect("a law"),
+        );
+        body.prescribe(held, [Some(0.0); 2]).expect("a wall");
+        body
+    };
+    for preload in [[0.0, 7.0], [2.0, 5.0], [-3.0, 0.0]] {
+        check(small, ["top", "bottom"], preload);
+        check(large, ["top", "bottom"], preload);
+    }
+    let space = |k: usize| {
+        let cells = [[2, 2, 2], [3, 2, 2]][k];
+        let mesh = cuboid([0.0, 0.0, k as f64], [1.0; 3], cells).expect("a mesh");
+        let mut body = Body::new(mesh, LinearElastic::new(100.0, 0.3).expect("a law"));
+        let held = ["bottom", "top"][k];
+        body.prescribe(held, [Some(0.0); 3]).expect("a wall");
+        body
+    };
+    check(space, ["top", "bottom"], [1.0, -0.5, 4.0]);
+}
+
+#[test]
+fn preloads_that_cannot_be() {
+    let body = |x: f64| {
+        let mesh = rectangle(
+            &linspace(x, x + 1.0, 2),
+            &linspace(0.0, 1.0, 2),
+            Diagonals::Rising,
+        );
+        let mut body = Body::new(
+            mesh.expect("a mesh"),
+            LinearElastic::new(1.0, 0.3).expect("a law"),
+        );
+        body.prescribe("bottom", [Some(0.0); 2]).expect("a support");
+        body
+    };
+    let refused = |preload: Vec<f64>, jump: Vec<f64>| {
+        let mut scene = Scene::<2>::new();
+        let bodies = [0.0, 1.0].map(|x| scene.add(format!("at {x}"), body(x)));
+        let tie = Tie {
+            preload,
+            jump,
+            ..Tie::new(bodies[0].on("right"), bodies[1].on("left"))
+        };
+        scene.tie_as(tie).expect_err("refused").to_string()
+    };
+    assert!(refused(vec![1.0], Vec::new()).contains("components of the preload"));
+    assert!(refused(vec![f64::NAN, 0.0], Vec::new()).contains("preload of a tie"));
+    assert!(refused(vec![1.0, 0.0], vec![0.1, 0.0]).contains("beside its jump"));
+    // all of both sides is held along the preload
+    let mut scene = Scene::<2>::new();
+    let bodies = [0.0, 1.0].map(|x| {
+        let mut body = body(x);
+        let side = if x == 0.0 { "right" } else { "left" };
+        body.prescribe(side, [Some(0.0), None]).expect("a support");
+        scene.add(format!("at {x}"), body)
+    });
+    let tie = Tie {
+        preload: vec![1.0, 0.0],
+        ..Tie::new(bodies[0].on("right"), bodies[1].on("left"))
+    };
+    scene.tie_as(tie).expect("declared");
+    let told = scene.problem().err().expect("refused").to_string();
+    assert!(told.contains("prescribed"), "{told}");
+}

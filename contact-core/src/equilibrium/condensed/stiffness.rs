@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::super::diagonal::diagonal;
 use super::halt::Halt;
 use crate::linear::{Analysis, Cholesky, Factor, FactorError, Kind, Ordering, SymmetricPattern};
 use crate::{Cost, Energy, Stop, parallel};
@@ -60,7 +61,9 @@ impl Stiffness {
             let floating = blocks.iter().filter(|block| block.floats);
             cost.factor_entries += floating.map(fill).sum::<u64>();
             let floating = blocks.iter_mut().filter(|block| block.floats);
-            parallel::try_map(floating, |block| block.shift(&pattern, &values, stop))?;
+            let diagonal = diagonal(&pattern, &values);
+            let matrix = (&pattern, &values[..], &diagonal[..]);
+            parallel::try_map(floating, |block| block.shift(matrix, stop))?;
         }
         Ok(Stiffness {
             pattern,
@@ -164,16 +167,16 @@ impl Block {
         })
     }
 
-    /// Factors the block with its shift.
+    /// Factors the block with its shift. K has a pattern, values and a diagonal.
     fn shift(
         &mut self,
-        pattern: &SymmetricPattern,
-        values: &[f64],
+        (pattern, values, diagonal): (&SymmetricPattern, &[f64], &[f64]),
         stop: &Stop,
     ) -> Result<(), Halt> {
         Halt::if_requested(stop)?;
         let own = &values[slots(pattern, &self.range)];
-        let shifted = shifted(self.factor.analysis().pattern(), own);
+        let pattern = self.factor.analysis().pattern();
+        let shifted = shifted(pattern, own, &diagonal[self.range.clone()]);
         match self.factor.refactor(&shifted) {
             Ok(_) => Ok(()),
             Err(why) => Err(indefinite(why, &self.range)),
@@ -187,10 +190,10 @@ fn slots(pattern: &SymmetricPattern, range: &Range<usize>) -> Range<usize> {
 }
 
 /// K + σ diag K.
-fn shifted(pattern: &SymmetricPattern, values: &[f64]) -> Vec<f64> {
+fn shifted(pattern: &SymmetricPattern, values: &[f64], diagonal: &[f64]) -> Vec<f64> {
     let n = pattern.dim() as f64;
     let shifted = |((i, j), k): ((usize, usize), &f64)| match i == j {
-        true => (1.0 + SHIFT / n) * k,
+        true => k + SHIFT / n * diagonal[j],
         false => *k,
     };
     pattern.iter().zip(values).map(shifted).collect()

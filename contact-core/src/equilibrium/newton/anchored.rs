@@ -10,6 +10,7 @@
 
 use std::ops::Range;
 
+use super::super::diagonal::diagonal;
 use super::super::fixed_point::max_norm;
 use super::super::{Solution, StepContext, relative_change, unchanged};
 use super::{CondensedNewton, least_displacement};
@@ -134,11 +135,12 @@ fn weights(energy: &dyn Energy, u: &[f64]) -> Vec<f64> {
     let pattern = energy.hessian_pattern();
     let mut hessian = vec![0.0; pattern.len()];
     energy.hessian(u, &mut hessian);
+    let diagonal = diagonal(pattern, &hessian);
     let mut weights = vec![0.0; energy.dofs()];
     for block in energy.blocks() {
         let n = block.len() as f64;
         for j in block {
-            weights[j] = pattern.slot(j, j).map_or(0.0, |slot| hessian[slot].abs()) / n;
+            weights[j] = diagonal[j].abs() / n;
         }
     }
     weights

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::super::condensed::halt::Halt;
+use super::super::diagonal::diagonal;
 use crate::linear::SymmetricPattern;
 use crate::{ContactProblem, Cost, GapVariation, LinearGaps, State, Stop};
 
@@ -16,6 +17,8 @@ pub(super) struct Linearization<'a> {
     pub hessian: Vec<f64>,
     /// c (m, UL).
     pub c: Vec<f64>,
+    /// K_jj (n, UF/UL), as [`diagonal`] has it.
+    pub diagonal: Vec<f64>,
     /// s_i = (Σ_j C_ij²/K_jj)⁻¹ (UF/UL): the stiffness of row i if K were its diagonal.
     pub stiffness: Vec<f64>,
     /// Whether some unknown moves the row. The others take no part.
@@ -64,9 +67,10 @@ impl<'a> Linearization<'a> {
         }
         let entries = |i: usize| gaps.matrix().row(i).filter(|(_, a)| *a != 0.0);
         let moves: Vec<bool> = (0..m).map(|i| entries(i).next().is_some()).collect();
+        let diagonal = diagonal(pattern, &hessian);
         let compliance = |i: usize| {
             entries(i)
-                .map(|(j, a)| a * a / diagonal(pattern, &hessian, j).abs())
+                .map(|(j, a)| a * a / diagonal[j].abs())
                 .sum::<f64>()
         };
         let stiffness = |i: usize| if moves[i] { 1.0 / compliance(i) } else { 0.0 };
@@ -97,6 +101,7 @@ impl<'a> Linearization<'a> {
             load,
             hessian,
             c,
+            diagonal,
             stiffness,
             moves,
             lambda,
@@ -137,22 +142,12 @@ impl<'a> Linearization<'a> {
         self.variation.is_none()
     }
 
-    /// |K_jj| (UF/UL).
-    pub fn diagonal(&self, j: usize) -> f64 {
-        diagonal(self.pattern, &self.hessian, j).abs()
-    }
-
-    /// K_jj (UF/UL).
-    pub fn signed_diagonal(&self, j: usize) -> f64 {
-        diagonal(self.pattern, &self.hessian, j)
-    }
-
     /// −∇E − (K + `shift` diag K − D) x − Σ s_i C_iᵀ(c + G x)_i (n), with s the `added` stiffness, and c + G x (m).
     pub fn defect(&self, x: &[f64], added: &[f64], shift: f64) -> (Vec<f64>, Vec<f64>) {
         let mut forces = vec![0.0; x.len()];
         self.pattern.product(&self.hessian, x, &mut forces);
         for (j, force) in forces.iter_mut().enumerate() {
-            *force = self.load[j] - *force - shift * self.diagonal(j) * x[j];
+            *force = self.load[j] - *force - shift * self.diagonal[j].abs() * x[j];
         }
         let matrix = self.gaps.matrix();
         let y = self
@@ -177,10 +172,6 @@ impl<'a> Linearization<'a> {
         self.gaps.add_forces(&pulled, &mut forces);
         (forces, gaps)
     }
-}
-
-fn diagonal(pattern: &SymmetricPattern, hessian: &[f64], j: usize) -> f64 {
-    pattern.slot(j, j).map_or(0.0, |slot| hessian[slot])
 }
 
 /// A multiplier that is no number is none.

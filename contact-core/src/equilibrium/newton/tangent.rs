@@ -254,7 +254,7 @@ impl Tangent {
     /// Whether no K_jj has doubled, halved or changed its sign since K was factored.
     fn is_like(&self, here: &Linearization<'_>) -> bool {
         let mut diagonals = self.diagonal.iter().enumerate();
-        diagonals.all(|(j, &then)| (0.5..=2.0).contains(&(here.signed_diagonal(j) / then)))
+        diagonals.all(|(j, &then)| (0.5..=2.0).contains(&(here.diagonal[j] / then)))
     }
 
     /// Factors K + shift diag K and, where stiffness is added to rows, that stiffness − sym D.
@@ -290,7 +290,7 @@ impl Tangent {
         let shift = self.shift();
         if shift > 0.0 {
             for j in 0..self.pattern.dim() {
-                self.add(j, j, shift * here.diagonal(j), &mut missing);
+                self.add(j, j, shift * here.diagonal[j].abs(), &mut missing);
             }
         }
         if !missing.is_empty() {
@@ -322,9 +322,7 @@ impl Tangent {
         let rows = here.gaps.keys().iter().zip(&self.added);
         let stiffened = rows.filter(|(_, s)| **s > 0.0);
         self.stiffened = stiffened.map(|(&key, &s)| (key, s)).collect();
-        self.diagonal.clear();
-        self.diagonal
-            .extend((0..self.pattern.dim()).map(|j| here.signed_diagonal(j)));
+        self.diagonal.clone_from(&here.diagonal);
         Ok(())
     }
 

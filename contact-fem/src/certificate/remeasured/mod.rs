@@ -356,6 +356,7 @@ fn judge<const D: usize>(
     let of_points = pass.point_gaps(x);
     let c = pass.gaps(&of_points);
     let widths = widths(problem, own);
+    let offset = problem.scene().pairs()[own.declared.pair].offset;
     let sizes = pass.slave.node_sizes();
     let ranges = pass.ranges(&of_points);
     let at_search: Vec<f64> = pass.held.iter().map(|point| point.foot.gap).collect();
@@ -372,7 +373,7 @@ fn judge<const D: usize>(
         if !is_judged || c.is_nan() {
             continue;
         }
-        let c = c + widths.get(i).copied().unwrap_or(0.0);
+        let c = c + widths.get(i).copied().unwrap_or(0.0) - offset;
         // rows at X integrate gaps there, of which motions take nearly all away
         let range = [ranges[i], at_search[i]].map(|[least, most]| most - least);
         let [flat, inclined] = differs.varies;
@@ -453,8 +454,8 @@ fn widths<const D: usize>(problem: &Problem<D>, own: &Measured<'_, D>) -> Vec<f6
         .gaps(&of_points)
         .into_iter()
         .zip(rest.ranges(&of_points));
+    let offset = problem.scene().pairs()[own.declared.pair].offset;
     // where nothing overlaps, the gap is positive or not a number
-    depths
-        .map(|(c, [deepest, _])| left * (-c).min(-deepest).max(0.0))
-        .collect()
+    let depth = |(c, [deepest, _]): (f64, [f64; 2])| (offset - c).min(offset - deepest);
+    depths.map(|depths| left * depth(depths).max(0.0)).collect()
 }

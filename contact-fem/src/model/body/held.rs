@@ -170,6 +170,12 @@ impl<const D: usize> Body<D> {
         supports: impl FnOnce(&mut Self) -> Result<&mut Self, Error>,
     ) -> Result<&mut Self, Error> {
         self.always("`during`")?;
+        if self.is_rigid() {
+            return Err(Error::NotRigid {
+                what: "a support that does not hold at all times",
+                remedy: "let forces with an amplitude take its place",
+            });
+        }
         let name = "end of the interval in which a support holds";
         self.declared.current = Some(During::new(intervals, name)?);
         let held = supports(self).map(|_| ());
@@ -194,7 +200,8 @@ impl<const D: usize> Body<D> {
     /// Where a value of a dof differs from that of a support which holds together with one that is declared now: the load factor, and
     /// both values, or by what they have grown since the later one begins.
     pub(super) fn differs(&self, dof: usize, value: (f64, usize)) -> Option<(f64, [f64; 2])> {
-        let beside: Vec<_> = match self.is_switched() || self.slides(dof / D) {
+        let is_led = self.is_rigid() || self.slides(dof / D);
+        let beside: Vec<_> = match self.is_switched() || is_led {
             true => self.declared.beside(dof).collect(),
             false => {
                 let known = self.supports.values[dof].into_iter();

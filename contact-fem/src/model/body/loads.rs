@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::{Matrix3, Vector3};
+
 use super::Body;
 use super::supports::some;
 use crate::assembly::add_traction;
@@ -9,6 +11,9 @@ use crate::error::Error;
 use crate::model::courses::{Load, Origin};
 use crate::program::{Amplitude, samples};
 use crate::tensor::Vector;
+
+/// A moment of inertia of a boundary below this share of the largest one is round-off.
+const ALONG: f64 = 1e-9;
 
 impl<const D: usize> Body<D> {
     /// Adds a dead traction (force per reference area, UF/UL in the plane, UF/UL² in space) on a
@@ -84,6 +89,108 @@ impl<const D: usize> Body<D> {
         let mut forces = vec![0.0; self.forces.len()];
         add_traction(&self.mesh, &facets, traction, &mut forces);
         Ok(forces)
+    }
+
+    /// Adds a torque (UF·UL; in the plane one number, in space a vector) on a boundary, as a dead traction a × (X − X̄) about its centre, which has no
+    /// resultant. It does not turn with the boundary.
+    ///
+    /// A shaft of radius ½ is twisted at its end; what holds the other end has the opposite torque:
+    /// ```
+    /// use contact_fem::mesh::generators::cylinder;
+    /// use contact_fem::{Body, LinearElastic, Scene, Simulation};
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let mut shaft = Body::new(cylinder(0.5, 2.0, 2, 4)?, LinearElastic::new(100.0, 0.3)?);
+    /// shaft.prescribe("bottom", [Some(0.0); 3])?.torque("top", &[0.0, 0.0, 0.7])?;
+    /// let (mut force, mut torque) = ([0.0; 3], 0.0);
+    /// for (X, f) in shaft.mesh().nodes().iter().zip(shaft.forces().chunks(3)) {
+    ///     force = [0, 1, 2].map(|i| force[i] + f[i]);
+    ///     torque += X[0] * f[1] - X[1] * f[0];
+    /// }
+    /// assert!(force.iter().all(|f| f.abs() < 1e-12) && (torque - 0.7).abs() < 1e-12);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Body::traction`]; another number of components, a body of revolution, and a boundary along whose line the torque is.
+    pub fn torque(&mut self, boundary: &str, torque: &[f64]) -> Result<&mut Self, Error> {
+        self.torque_in_time(boundary, torque, Amplitude::default())
+    }
+
+    /// As [`Body::torque`], times an amplitude in place of the load factor.
+    ///
+    /// # Errors
+    /// As [`Body::torque`]. Values of an amplitude are checked at the times that a run comes to.
+    pub fn torque_in_time(
+        &mut self,
+        boundary: &str,
+        torque: &[f64],
+        amplitude: impl Into<Amplitude>,
+    ) -> Result<&mut Self, Error> {
+        let wrong = |value, remedy| {
+            Err(Error::Setting {
+                name: "torque",
+                value,
+                remedy,
+            })
+        };
+        Error::check_finite("torque", torque)?;
+        let components = if D == 2 { 1 } else { 3 };
+        if torque.len() != components {
+            let count = torque.len() as f64;
+            return wrong(
+                count,
+                "give one number in the plane, and three components in space",
+            );
+        }
+        if self.mesh.is_of_revolution() {
+            return wrong(
+                torque[0],
+                "a body of revolution is not twisted: leave it out",
+            );
+        }
+        // moments of the boundary, by tractions along the first axis
+        let sum = |density: &dyn Fn(&Vector<D>) -> f64| -> Result<f64, Error> {
+            let field =
+                |X: &Vector<D>| Vector::from_fn(|i, _| if i == 0 { density(X) } else { 0.0 });
+            Ok(self.traction_forces(boundary, field)?.iter().sum())
+        };
+        let area = sum(&|_| 1.0)?;
+        let mut centre = Vector::<D>::zeros();
+        for i in 0..D {
+            centre[i] = sum(&|X| X[i])? / area;
+        }
+        let spatial = |X: &Vector<D>| {
+            let arm = X - centre;
+            Vector3::from_fn(|i, _| if i < D { arm[i] } else { 0.0 })
+        };
+        let mut inertia = Matrix3::zeros();
+        for (i, j) in (0..3).flat_map(|j| (0..=j).map(move |i| (i, j))) {
+            let entry = sum(&|X| {
+                let r = spatial(X);
+                f64::from(u8::from(i == j)) * r.norm_squared() - r[i] * r[j]
+            })?;
+            (inertia[(i, j)], inertia[(j, i)]) = (entry, entry);
+        }
+        let moment = match D {
+            2 => Vector3::new(0.0, 0.0, torque[0]),
+            _ => Vector3::from_column_slice(torque),
+        };
+        let inverse = inertia.pseudo_inverse(ALONG * inertia.amax());
+        let turn = inverse.map_or(Vector3::zeros(), |inverse| inverse * moment);
+        if (inertia * turn - moment).norm() > ALONG * moment.norm() {
+            return wrong(
+                moment.norm(),
+                "the boundary is a line along it, and cannot take it: name a wider one",
+            );
+        }
+        let forces = self.traction_forces(boundary, |X| {
+            let force = turn.cross(&spatial(X));
+            Vector::from_fn(|i, _| force[i])
+        })?;
+        let origin = Origin::Traction(boundary.to_string());
+        self.add_forces(origin, forces, amplitude.into())
     }
 
     /// The facets of a boundary on which something acts.
@@ -187,7 +294,7 @@ impl<const D: usize> Body<D> {
     }
 
     /// Adds the nodal forces of a load if all of them are finite.
-    pub(super) fn add_forces(
+    pub(in crate::model) fn add_forces(
         &mut self,
         origin: Origin,
         forces: Vec<f64>,

@@ -28,9 +28,9 @@ const APART: f64 = 20.0;
 pub(in crate::model) struct Rollers<const D: usize> {
     planes: BTreeMap<usize, Vec<Plane<D>>>,
     /// Of each tied dof those that add to it, with coefficients.
-    ties: BTreeMap<usize, Vec<(usize, f64)>>,
+    pub(super) ties: BTreeMap<usize, Vec<(usize, f64)>>,
     /// Of each node what its supports do.
-    shares: BTreeMap<usize, Vec<Share>>,
+    pub(super) shares: BTreeMap<usize, Vec<Share>>,
 }
 
 /// u·n is prescribed.
@@ -179,6 +179,12 @@ impl<const D: usize> Body<D> {
             return self.hold((boundary, nodes), components, course);
         }
         self.always("a support along a direction")?;
+        if self.is_rigid() {
+            return Err(Error::NotRigid {
+                what: "a support along a direction that is not an axis",
+                remedy: "turn the scene so that it is along an axis",
+            });
+        }
         if nodes.iter().any(|node| self.is_switched_at(*node)) {
             return Err(Error::NotSwitched {
                 what: "a support of nodes that slide along a direction",
@@ -269,7 +275,7 @@ impl<const D: usize> Body<D> {
     /// Which dofs move by how much (UL) where the prescribed ones move by `increments`: nodes that planes move go along the normal, and
     /// those on planes at rest go along with the others.
     pub(in crate::model) fn lifted_by(&self, increments: Vec<f64>) -> (DofMap, Vec<f64>) {
-        if self.rollers.ties.is_empty() {
+        if self.rollers.ties.is_empty() || self.is_rigid() {
             return (DofMap::new(&self.is_prescribed()), increments);
         }
         let held = self.prescribed.iter().enumerate();
@@ -484,7 +490,7 @@ fn nearest<'a, const D: usize>(plane: &Plane<D>, rows: &'a [Row<D>]) -> Option<&
 
 impl<const D: usize> super::Supports<D> {
     /// A value and a course for a sum of parts.
-    fn combined(&mut self, parts: &[Part]) -> (f64, usize) {
+    pub(super) fn combined(&mut self, parts: &[Part]) -> (f64, usize) {
         if let [
             Part {
                 factor,

@@ -337,6 +337,13 @@ impl<const D: usize> Body<D> {
             Some((D * node + component, ((*value)?, course)))
         });
         let held = held.collect();
+        if self.is_rigid() {
+            return self.or_not(|body| {
+                let own = body.named(boundary);
+                body.declare(own, held);
+                body.follow_supports()
+            });
+        }
         if !nodes.iter().any(|node| self.slides(*node)) {
             let own = self.named(boundary);
             self.declare(own, held);

@@ -101,13 +101,22 @@ impl<const D: usize> ContactSet<D> {
             };
             return nodes.filter_map(gap).collect();
         }
+        let offset = self.offset(pass);
+        if offset != 0.0 {
+            let gaps = self
+                .gaps_between(pass, located, now)
+                .into_iter()
+                .enumerate();
+            let gaps = gaps.filter_map(|(k, gap)| Some((k, gap?.to_facet - offset)));
+            return gaps.filter(|(_, gap)| *gap < 0.0).collect();
+        }
         let [own, master] = [pass.slave, pass.master].map(|k| located.master(k));
         let slave = &self.surfaces[pass.slave];
         nodes_inside(slave, own.normals(), master, &located.x, now, self.reach)
     }
 
     /// The gaps of the nodes of one surface to another, or to an obstacle, at `u` (UL), less what is granted of initial
-    /// overlaps; `None` where no point of the other surface counts, or none can close.
+    /// overlaps, and the distance that they keep; `None` where no point of the other surface counts, or none can close.
     pub fn nodal_gaps(
         &self,
         [own, other]: [usize; 2],
@@ -123,6 +132,9 @@ impl<const D: usize> ContactSet<D> {
         }
         let (located, now) = (self.located(kinematics, u), kinematics.positions(u));
         let mut gaps = self.gaps_between(pass, &located, &now);
+        let offset = self.offset(pass);
+        let all = gaps.iter_mut().flatten();
+        all.for_each(|gap| gap.to_facet -= offset);
         if let Some(depths) = self.initial_overlaps.of(pass) {
             let left = self.initial_gaps.share_left(kinematics.factor);
             for (gap, &depth) in gaps.iter_mut().zip(&depths.nodes) {

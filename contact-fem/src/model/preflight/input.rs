@@ -1,6 +1,6 @@
 //! Names, settings, numbers and boundaries.
 
-use super::limits::SLOPE;
+use super::limits::{SEEN, SLOPE};
 use super::{Finding, FindingKind, Report, Severity};
 use crate::error::Error;
 use crate::model::{Integration, Scene};
@@ -72,6 +72,19 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
             scene.overlap_tolerance,
             "a finite share of the facet size, 0 or more",
         ),
+        _ => Ok(()),
+    }
+}
+
+/// Checks that the surfaces of pairs see each other from the distance that they keep.
+pub(super) fn offsets<const D: usize>(scene: &Scene<D>, reach: f64) -> Result<(), Error> {
+    let offsets = scene.pairs().iter().map(|pair| pair.offset);
+    match offsets.fold(0.0, f64::max) {
+        offset if offset > reach * SEEN => Err(Error::Setting {
+            name: "offset of a pair",
+            value: offset,
+            remedy: "raise `Scene::reach` to four times it at least: points see other surfaces within that radius",
+        }),
         _ => Ok(()),
     }
 }

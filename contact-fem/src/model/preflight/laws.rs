@@ -6,6 +6,7 @@ use super::limits::{AT_LIMIT, BEYOND_FACET, LOCKING, ROTATION};
 use super::steps::times;
 use super::surfaces::one_pass_a_pair;
 use super::{Finding, FindingKind, Report, Setup, Severity};
+use crate::error::Error;
 use crate::model::{Body, Geometry};
 use crate::tensor::Vector;
 
@@ -17,8 +18,15 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
             rotation(body, name, report);
         }
     }
-    if setup.contact.geometry == Geometry::Reference {
-        beyond_facets(setup, report);
+    match setup.contact.geometry {
+        Geometry::Reference => beyond_facets(setup, report),
+        Geometry::Current => {
+            let bodies = setup.scene.bodies().iter().zip(setup.scene.names());
+            for (_, body) in bodies.filter(|(body, _)| body.turns()) {
+                let body = body.clone();
+                report.take::<()>(Err(Error::TurnsTooFar { body }));
+            }
+        }
     }
 }
 

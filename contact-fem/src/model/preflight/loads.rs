@@ -176,7 +176,10 @@ fn units<const D: usize>(scene: &Scene<D>, report: &mut Report) {
         let (low, high) = body.mesh().bounding_box();
         Some((high - low).norm())
     };
-    let shear = |body: &Body<D>| is_deformable(body).then_some(body.rest_moduli().0);
+    let shear = |body: &Body<D>| {
+        let deforms = is_deformable(body) && !body.is_rigid();
+        deforms.then_some(body.rest_moduli().0)
+    };
     type Measure<'a, const D: usize> = &'a dyn Fn(&Body<D>) -> Option<f64>;
     let measures: [(&str, Measure<'_, D>); 2] = [("size", &size), ("stiffness", &shear)];
     for (what, measure) in measures {

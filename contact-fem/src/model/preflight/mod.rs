@@ -23,7 +23,7 @@ mod undeclared;
 
 pub use finding::{Finding, FindingKind, Severity};
 pub(super) use steps::at_increments;
-pub(super) use supports::{clusters, held, held_rows, unheld_motions};
+pub(super) use supports::{clusters, held, held_rows, modes, motion, unheld_motions};
 
 use super::contact_set::ContactSet;
 use super::kinematics::Kinematics;
@@ -128,6 +128,7 @@ pub(super) fn supports_of_phase<const D: usize>(
 
 /// The checks that need surfaces and thicknesses.
 pub(super) fn with_surfaces<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
+    report.take(input::offsets(setup.scene, setup.contact.reach));
     interference::check(setup, report);
     obstacles::check(setup, report);
     surfaces::check(setup, report);

@@ -34,6 +34,10 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
     if !scene.bodies().iter().any(is_free) {
         report.take::<()>(Err(Error::NothingFree));
     }
+    let deforms = |body: &Body<D>| is_free(body) && !body.is_rigid();
+    if scene.bodies().iter().any(is_free) && !scene.bodies().iter().any(deforms) {
+        report.take::<()>(Err(Error::NothingDeforms));
+    }
     let touches = touched(scene, pairs);
     let mut unmerged_bodies = BTreeSet::new();
     for cluster in clusters(scene) {
@@ -74,7 +78,8 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
         }
         note_motions(&cluster, scene, pairs, &motions, report);
     }
-    for (body, name) in scene.bodies().iter().zip(scene.names()) {
+    let bodies = scene.bodies().iter().zip(scene.names());
+    for (body, name) in bodies.filter(|(body, _)| !body.is_rigid()) {
         pieces::check(body, name, &body.mesh().parts(), report);
     }
 }
@@ -231,8 +236,12 @@ pub(in crate::model) fn held_rows<const D: usize>(
 pub(in crate::model) fn clusters<const D: usize>(scene: &Scene<D>) -> Vec<Cluster> {
     let bodies = scene.bodies().iter().enumerate();
     let parts = bodies.flat_map(|(index, body)| {
-        let parts = body.mesh().parts().into_iter();
-        parts.map(move |part| (index, part))
+        let parts = match body.is_rigid() {
+            // wherever its cells are, they move as one
+            true => vec![(0..body.mesh().nodes().len()).collect()],
+            false => body.mesh().parts(),
+        };
+        parts.into_iter().map(move |part| (index, part))
     });
     let parts: Vec<(usize, Vec<usize>)> = parts.collect();
     let mut root: Vec<usize> = (0..parts.len()).collect();
@@ -284,7 +293,7 @@ pub(in crate::model) fn held<const D: usize>(scene: &Scene<D>) -> Vec<bool> {
 }
 
 /// The number of rigid motions in ℝᴰ; of a body of revolution the one along its axis.
-pub(super) const fn modes<const D: usize>(is_revolved: bool) -> usize {
+pub(in crate::model) const fn modes<const D: usize>(is_revolved: bool) -> usize {
     if is_revolved { 1 } else { D * (D + 1) / 2 }
 }
 
@@ -295,12 +304,12 @@ pub(super) fn mode_of<const D: usize>(
     arm: &Vector<D>,
     component: usize,
 ) -> f64 {
-    mode::<D>(if is_revolved { 1 } else { k }, arm, component)
+    motion::<D>(if is_revolved { 1 } else { k }, arm, component)
 }
 
 /// The displacement of component `component` at `arm` from the centre of mode `k`: translations, then
 /// rotations.
-fn mode<const D: usize>(k: usize, arm: &Vector<D>, component: usize) -> f64 {
+pub(in crate::model) fn motion<const D: usize>(k: usize, arm: &Vector<D>, component: usize) -> f64 {
     if k < D {
         return f64::from(u8::from(component == k));
     }

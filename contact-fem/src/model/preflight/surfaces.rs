@@ -65,10 +65,8 @@ pub(super) fn check<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
         let ratio = sizes[0].max(sizes[1]) / sizes[0].min(sizes[1]);
         // the coarse facets of a rigid body have no pressure to share
         let coarser = bodies[usize::from(sizes[1] > sizes[0])];
-        let is_free = setup.scene.bodies()[coarser]
-            .prescribed()
-            .iter()
-            .any(Option::is_none);
+        let coarser = &setup.scene.bodies()[coarser];
+        let is_free = !coarser.is_rigid() && coarser.prescribed().iter().any(Option::is_none);
         if ratio > MESH_RATIO && !is_apart && is_free {
             report.add(between(FindingKind::MeshRatio).measured(ratio, MESH_RATIO).says(
                 format!("the facets of {what} differ by a factor of {ratio:.1}"),

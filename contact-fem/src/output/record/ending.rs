@@ -130,6 +130,7 @@ impl<'a, const D: usize> Ended<'a, D> {
             lines.extend(self.forces_on_bodies(last));
             lines.extend(contacts(last, self.problem.scene()));
             lines.extend(ties(last, self.problem.scene()));
+            lines.extend(motions(last, self.problem.scene()));
             lines.push(line(
                 "deepest overlap",
                 format!("{:.1e} UL of a node in another surface", last.penetration),
@@ -283,6 +284,25 @@ impl<const D: usize> Ended<'_, D> {
     }
 }
 
+/// How far each rigid body has moved.
+fn motions<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<String> {
+    let told = record.rigid_motions.iter().map(|motion| {
+        let parts = |all: &[f64]| {
+            let largest = all.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let all: Vec<String> = all.iter().map(|x| rounded(*x, largest)).collect();
+            all.join(", ")
+        };
+        let turned = match &motion.rotation[..] {
+            [] => String::new(),
+            all => format!(", turned by ({}) radians", parts(all)),
+        };
+        let moved = parts(motion.displacement.as_slice());
+        let name = &scene.names()[motion.body.index()];
+        format!("body `{name}` by ({moved}) UL{turned}")
+    });
+    listed("rigid motions", told.collect())
+}
+
 /// The force of each support and each obstacle on the bodies (UF), the largest first.
 fn forces_by<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<(Vector<D>, String)> {
     let supports = record.support_reactions.iter();
@@ -338,9 +358,17 @@ fn ties<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<String>
         .map(|tie| tie.force.amax())
         .fold(0.0, f64::max);
     let told = record.ties.iter().map(|tie| {
-        let parts: Vec<String> = tie.force.iter().map(|x| rounded(*x, largest)).collect();
+        let parts = |all: &Vector<D>, largest: f64| {
+            let parts: Vec<String> = all.iter().map(|x| rounded(*x, largest)).collect();
+            parts.join(", ")
+        };
+        let force = parts(&tie.force, largest);
         let [first, second] = [&tie.first, &tie.second].map(|side| scene.name_of_side(side));
-        format!("({}) UF on {first} by {second}", parts.join(", "))
+        let moved = match tie.jump.amax() {
+            0.0 => String::new(),
+            most => format!(", moved against it by ({}) UL", parts(&tie.jump, most)),
+        };
+        format!("({force}) UF on {first} by {second}{moved}")
     });
     listed("ties", told.collect())
 }

@@ -46,7 +46,11 @@ impl<'a, const D: usize> Observer<'a, D> {
         }
         let tables = {
             let scene = problem.scene();
-            Tables::create::<D>(path, name, (scene.names(), scene.obstacle_names()))?
+            Tables::create::<D>(
+                path,
+                name,
+                (scene.names(), scene.obstacle_names(), &scene.rigid_names()),
+            )?
         };
         let rest = Snapshot::at_rest(problem)?;
         if recording.vtu_every > 0 {

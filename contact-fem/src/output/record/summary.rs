@@ -13,8 +13,8 @@ use super::folder::Heading;
 use super::peak_memory;
 use crate::certificate::{Certificate, Limits};
 use crate::model::{
-    BodyId, Finding, Opposite, PairRecord, Problem, ScenePlan, Side, TieRecord, Undetermined,
-    WorkRecord,
+    BodyId, Finding, Opposite, PairRecord, Problem, RigidMotion, ScenePlan, Side, TieRecord,
+    Undetermined, WorkRecord,
 };
 use crate::output::history::source_name;
 use crate::simulation::{History, StepRecord};
@@ -76,6 +76,8 @@ pub(super) struct Summary {
     pairs: Vec<Value>,
     /// What each tie transmits: the force of the second side's body on the first's.
     ties: Vec<Value>,
+    /// How far each rigid body has moved (UL), and by what angles it has turned (radians).
+    rigid_motions: Vec<Value>,
     min_j: Option<f64>,
     min_j_bound: Option<f64>,
     /// The cell with the smallest J of all steps, if it is not positive everywhere in it.
@@ -206,6 +208,14 @@ impl Summary {
                 let names = problem.scene().names();
                 record.ties.iter().map(|of| tie(of, names)).collect()
             }),
+            rigid_motions: last.map_or(Vec::new(), |record| {
+                let names = problem.scene().names();
+                let value = |of: &RigidMotion<D>| {
+                    let name = &names[of.body.index()];
+                    json!({"body": name, "displacement": of.displacement.as_slice(), "rotation": of.rotation})
+                };
+                record.rigid_motions.iter().map(value).collect()
+            }),
             min_j: last.map(|record| record.min_j),
             min_j_bound: last.map(|record| record.min_j_bound()),
             inverted: ended.inverted.map(|(factor, least)| {
@@ -260,7 +270,7 @@ fn planned(plan: &ScenePlan, bodies: &[String]) -> Value {
     };
     json!({
         "groups": plan.groups.iter().map(names).collect::<Vec<_>>(), "held": names(&plan.held),
-        "linear": names(&plan.linear), "prescribed": names(&plan.prescribed), "at_rest": names(&plan.at_rest),
+        "linear": names(&plan.linear), "rigid": names(&plan.rigid), "prescribed": names(&plan.prescribed), "at_rest": names(&plan.at_rest),
         "apart": plan.apart.iter().map(apart).collect::<Vec<_>>(),
     })
 }
@@ -296,7 +306,9 @@ fn both(
 
 fn tie<const D: usize>(tie: &TieRecord<D>, bodies: &[String]) -> Value {
     let side = |side: &Side| json!({"body": bodies[side.body.index()], "boundary": side.boundary});
-    json!({"first": side(&tie.first), "second": side(&tie.second), "force": tie.force.as_slice()})
+    json!({
+        "first": side(&tie.first), "second": side(&tie.second), "force": tie.force.as_slice(), "jump": tie.jump.as_slice(),
+    })
 }
 
 fn repeated_attempts<const D: usize>(history: &History<D>) -> usize {
