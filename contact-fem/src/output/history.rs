@@ -145,7 +145,7 @@ fn certificate_columns() -> impl Iterator<Item = String> {
 const ITERATION_COLUMNS: [&str; 17] = [
     "increment",
     "from",
-    "factor",
+    "load_factor",
     "iteration",
     "solver",
     "error",
@@ -171,7 +171,7 @@ fn components<const D: usize>(name: &str) -> impl Iterator<Item = String> {
 fn pair_columns<const D: usize>() -> Vec<String> {
     let mut columns = strings(&[
         "increment",
-        "factor",
+        "load_factor",
         "first_body",
         "first_boundary",
         "second_body",
@@ -210,7 +210,7 @@ fn pair_lines<const D: usize>(
 }
 
 fn support_columns<const D: usize>() -> Vec<String> {
-    let mut columns = strings(&["increment", "factor", "body", "boundary"]);
+    let mut columns = strings(&["increment", "load_factor", "body", "boundary"]);
     columns.extend(components::<D>("reaction"));
     columns
 }
@@ -225,7 +225,7 @@ fn support_lines<const D: usize>(record: &StepRecord<D>, bodies: &[String]) -> V
     record.support_reactions.iter().map(line).collect()
 }
 
-const WORK_COLUMNS: [&str; 6] = ["increment", "factor", "kind", "of", "boundary", "work"];
+const WORK_COLUMNS: [&str; 6] = ["increment", "load_factor", "kind", "of", "boundary", "work"];
 
 fn work_lines<const D: usize>(
     record: &StepRecord<D>,
@@ -281,7 +281,7 @@ fn step_columns<const D: usize>(
         "increment",
         "phase",
         "from",
-        "factor",
+        "load_factor",
         "outcome",
         "solver",
         "failed",

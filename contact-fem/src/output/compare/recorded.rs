@@ -75,7 +75,7 @@ fn peak(folder: &Path, listing: &Listing, summary: &Summary, dimension: usize) -
     let value = |step: &BTreeMap<String, f64>, key: &str| step.get(key).copied();
     let stored = |step: &BTreeMap<String, f64>| value(step, "stored_energy").unwrap_or(0.0);
     let file = |step: &BTreeMap<String, f64>| {
-        let factor = value(step, "factor")?;
+        let factor = value(step, "load_factor")?;
         let mut all = listing.states.iter();
         all.find(|(time, _)| (time - factor).abs() <= SAME_TIME)
     };
@@ -114,7 +114,7 @@ fn steps(path: &Path) -> Option<Vec<BTreeMap<String, f64>>> {
     };
     let lines: Option<Vec<_>> = table.records().map(|line| line.ok().map(numbers)).collect();
     let mut lines = lines?;
-    lines.retain(|line| line.contains_key("increment") && line.contains_key("factor"));
+    lines.retain(|line| line.contains_key("increment") && line.contains_key("load_factor"));
     Some(lines)
 }
 
