@@ -118,7 +118,7 @@ fn note_motions<const D: usize>(
         FindingKind::HeldByNothing,
         &loose,
         "neither supports nor contact hold",
-        "prescribe a displacement if loads act along this motion; without them, the body stays where it is",
+        "prescribe a displacement if loads act along this motion; without them, it stays where it is, and the certificate may tell that other places are as good",
     );
     note(
         FindingKind::HeldByContact,
