@@ -143,6 +143,10 @@ const TOLD: f64 = 1.5;
 /// The first mesh has the accuracy where its estimate is at most this share of it.
 const SURE: f64 = 0.3;
 
+/// So many levels without a fall of the error are the last ones, and what is a fall: each level cuts the cells with most of the error, so that it halves
+/// within three levels wherever it has a limit.
+const STALLED: (usize, f64) = (8, 0.95);
+
 /// How an [`Accuracy`] ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ended {
@@ -152,6 +156,13 @@ pub enum Ended {
     Incomplete(String),
     /// Another level would go beyond this limit.
     Limit(&'static str),
+    /// The estimate falls no more: most of it is in this body, around this place (UL). Where a support or a force acts on a point, energies have no limit.
+    Stalled {
+        /// The name of the body.
+        body: String,
+        /// The centre of the cell with the largest error.
+        place: Vec<f64>,
+    },
     /// Nothing is strained at the end of the run. Bodies may not touch, or facets may be so long that they miss the contact.
     Unstrained,
     /// The estimate is no number, as where a cell is inverted.
@@ -349,6 +360,7 @@ impl Accuracy {
                 }
                 _ if level.estimated_error <= self.asked => Some(Ended::Reached),
                 _ if level.estimated_error.is_nan() => Some(Ended::NoEstimate),
+                _ if is_stalled(&found.levels) => Some(stalled_at(&refinement.names, &estimate)),
                 limit => limit.map(Ended::Limit),
             };
             if let Some(ended) = ended {
@@ -376,6 +388,26 @@ impl Accuracy {
             false if last.seconds_so_far + seconds > self.seconds => Some("seconds"),
             false => None,
         }
+    }
+}
+
+/// Whether the error has not fallen over many levels.
+fn is_stalled(levels: &[Level]) -> bool {
+    let (count, share) = STALLED;
+    let (Some(last), Some(before)) = (levels.last(), levels.iter().rev().nth(count)) else {
+        return false;
+    };
+    before.estimated_error > 0.0 && last.estimated_error >= share * before.estimated_error
+}
+
+/// Where most of the error is that falls no more.
+fn stalled_at<const D: usize>(names: &[String], estimate: &ErrorEstimate<D>) -> Ended {
+    let bodies = estimate.bodies.iter();
+    let worst = bodies.max_by(|a, b| a.energy.total_cmp(&b.energy));
+    let name = worst.and_then(|of| names.get(of.body.index()));
+    Ended::Stalled {
+        body: name.cloned().unwrap_or_default(),
+        place: worst.map_or(Vec::new(), |of| of.place.iter().copied().collect()),
     }
 }
 
@@ -513,6 +545,20 @@ mod tests {
             ..second
         };
         assert_eq!(raised(first, higher), 1.0);
+    }
+
+    #[test]
+    fn errors_that_fall_no_more_are_told() {
+        assert!((1..30).all(|count| !is_stalled(&levels(count, 0.3))));
+        let still = |error: f64| {
+            let mut all = levels(9, 0.3);
+            let falling = all.iter_mut().zip(0..);
+            falling.for_each(|(level, k)| level.estimated_error = error.powi(k));
+            all
+        };
+        assert!(is_stalled(&still(1.0)) && is_stalled(&still(0.995)) && is_stalled(&still(1.1)));
+        assert!(!is_stalled(&still(0.99)) && !is_stalled(&still(0.9)));
+        assert!(!is_stalled(&still(1.0)[..8]));
     }
 
     #[test]

@@ -134,7 +134,8 @@ impl<const D: usize> Audit<D> {
         let margin = Self::MARGIN * sizes.fold(f64::INFINITY, f64::min);
         let mut held = Vec::new();
         for body in scene.bodies() {
-            held.extend(body.prescribed().iter().map(Option::is_some));
+            let is_held = |value: &Option<f64>| value.is_some() && !body.is_rigid();
+            held.extend(body.prescribed().iter().map(is_held));
         }
         let is_held = |face: &topology::Face<D>| {
             let normal = facet_normal(&face.nodes.map(|a| X[a])).normalize();

@@ -123,6 +123,14 @@ fn ended<const D: usize>(accuracy: &Accuracy, reached: Refined<D>, out: &Path) -
         Ended::Limit(limit) => format!(
             "accuracy {asked} % not reached: the next level would exceed the limit of {limit}"
         ),
+        Ended::Stalled { body, place } => {
+            let place: Vec<String> = place.iter().map(|x| format!("{x:.3}")).collect();
+            format!(
+                "accuracy {asked} % not reached: the estimate falls no more, and most of it is in body `{body}` near ({}); where a support \
+                 or a force acts on a point, energies have no limit: let it act on a boundary",
+                place.join(", ")
+            )
+        }
         Ended::Unstrained => format!(
             "accuracy {asked} % not reached: nothing is strained at the end of the run; bodies do not touch, or facets are so long that \
              they miss the contact"

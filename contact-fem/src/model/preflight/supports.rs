@@ -20,8 +20,9 @@ const RESISTS: f64 = 0.02;
 /// one displacement is prescribed if there is no obstacle; names the motions that contact alone holds.
 pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &mut Report) {
     let held = |body: &Body<D>| {
-        // of revolution, the axis holds nodes that nobody has supported
-        let counts = |dof: usize| !body.mesh().is_of_revolution() || dof % D == 1;
+        // of revolution, the axis holds nodes that nobody has supported; those of rigid bodies follow others
+        let follows = |dof: usize| body.is_rigid() && body.ties().contains_key(&dof);
+        let counts = |dof: usize| !(follows(dof) || body.mesh().is_of_revolution() && dof % D != 1);
         let mut prescribed = body.prescribed().iter().enumerate();
         prescribed.any(|(dof, value)| value.is_some() && counts(dof))
             || !body.foundations().is_empty()
