@@ -420,14 +420,15 @@ pub enum Error {
     },
     /// A rigid body that turns, where contact is looked for at the present positions.
     #[error(
-        "body `{body}` is rigid and turns by small angles, but contact is looked for at the present positions: let it not turn          (`Body::rigid`), take `Geometry::Reference`, or give it a stiff law"
+        "body `{body}` is rigid and turns by small angles, but contact is looked for at the present positions: let it not turn (`Body::rigid`), \
+         take `Geometry::Reference`, or give it a stiff law"
     )]
     TurnsTooFar {
         /// Which body.
         body: String,
     },
     /// A scene all of whose free bodies are rigid.
-    #[error("no body deforms: give one that is free a law")]
+    #[error("no body deforms: give one that is free an elastic law")]
     NothingDeforms,
     /// A scene without free displacements.
     #[error("every displacement of every body is prescribed: leave something free to solve for")]

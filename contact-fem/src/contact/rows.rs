@@ -38,9 +38,10 @@ impl Unknowns<'_> {
         is_any.then(|| self.dofs.slopes(dof)).into_iter().flatten()
     }
 
-    /// Whether all these dofs are prescribed.
+    /// Whether all these dofs are prescribed, and none of them varies with others.
     fn holds(&self, mut dofs: std::ops::Range<usize>) -> bool {
-        dofs.all(|dof| matches!(self.supports.get(dof), Dof::Prescribed(_)))
+        let is_held = |dof| matches!(self.supports.get(dof), Dof::Prescribed(_));
+        dofs.all(|dof| is_held(dof) && self.tied(dof).next().is_none())
     }
 }
 

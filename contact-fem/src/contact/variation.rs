@@ -13,7 +13,7 @@
 //! it. Their variations are internal variables of a [`GapVariation`], so that a point has entries at its
 //! own two facets only.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::ops::AddAssign;
 
 use contact_core::GapVariation;
@@ -373,25 +373,15 @@ impl<const D: usize> Variation<D> {
                 Dof::Free(j) => Some((j, 1.0)).into_iter(),
                 Dof::Prescribed(_) => None.into_iter(),
             };
-            return self.finish_with(dofs, free, &BTreeMap::new());
+            return self.finish_with(free);
         }
-        let mut followed: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
-        for tie in dofs.ties() {
-            for (j, c) in &tie.free {
-                let own = followed.entry(*j).or_default();
-                own.push((tie.dof % D, *c));
-            }
-        }
-        self.finish_with(dofs, |a, i| dofs.slopes(D * a + i), &followed)
+        self.finish_with(|a, i| dofs.slopes(D * a + i))
     }
 
-    /// Likewise; `free` are the unknowns that a component varies with, and `followed` the components of the same node that
-    /// follow an unknown, with coefficients.
+    /// Likewise; `free` are the unknowns that a component varies with, and its slopes.
     fn finish_with<I: Iterator<Item = (usize, f64)>>(
         self,
-        dofs: &DofMap,
         free: impl Fn(usize, usize) -> I + Copy,
-        followed: &BTreeMap<usize, Vec<(usize, f64)>>,
     ) -> GapVariation {
         let mut variation = GapVariation::default();
         let mut row = Vec::new();
@@ -410,25 +400,28 @@ impl<const D: usize> Variation<D> {
         for form in &self.normals {
             push_rows(&mut variation.internal, form, free);
         }
-        for (a, form) in self.forces.iter().enumerate() {
+        let (mut by_unknowns, mut by_internal) = (Vec::new(), Vec::new());
+        let forms = self.forces.iter().enumerate();
+        for (a, form) in forms.filter(|(_, form)| !form.nodes.keys.is_empty()) {
             for i in 0..D {
-                let Dof::Free(j) = dofs.get(D * a + i) else {
-                    continue;
-                };
-                if !form.nodes.keys.is_empty() {
-                    let others = followed.get(&j).map_or(&[][..], Vec::as_slice);
-                    let of = |m: &Matrix<D>| combined(m, i, others);
-                    let nodes = form.nodes.iter();
-                    collect(
-                        &mut row,
-                        nodes.flat_map(|(b, m)| components(b, &of(m))),
-                        free,
-                    );
-                    let normals = form.normals.iter();
-                    let normals = normals.flat_map(|(k, m)| components(k, &of(m)));
-                    let by_unknown = row.clone();
-                    collect(&mut row, normals, internal::<D>);
-                    variation.push_force(j, &by_unknown, &row);
+                let nodes = form.nodes.iter().flat_map(|(b, m)| line(b, m, i));
+                collect(&mut by_unknowns, nodes, free);
+                let normals = form.normals.iter().flat_map(|(k, m)| line(k, m, i));
+                collect(&mut by_internal, normals, internal::<D>);
+                for (unknown, c) in free(a, i) {
+                    let times = |row: &[(usize, f64)]| -> Vec<_> {
+                        row.iter().map(|(j, d)| (*j, c * d)).collect()
+                    };
+                    match c == 1.0 {
+                        true => variation.push_force(unknown, &by_unknowns, &by_internal),
+                        false => {
+                            variation.push_force(
+                                unknown,
+                                &times(&by_unknowns),
+                                &times(&by_internal),
+                            );
+                        }
+                    }
                 }
             }
         }
@@ -479,13 +472,6 @@ fn line<const D: usize>(
 ) -> impl Iterator<Item = (usize, usize, f64)> {
     let row = m.row(i).transpose();
     (0..D).map(move |j| (key, j, row[j]))
-}
-
-/// Row `i` of a matrix, and others with coefficients, added up.
-fn combined<const D: usize>(m: &Matrix<D>, i: usize, others: &[(usize, f64)]) -> Vector<D> {
-    let row = |i: usize| m.row(i).transpose();
-    let others = others.iter().map(|(k, c)| row(*k) * *c);
-    others.fold(row(i), |sum, other| sum + other)
 }
 
 /// The terms in the columns that `places` finds, with coefficients.

@@ -26,6 +26,8 @@ use crate::tensor::Vector;
 /// The default search radius in [`Geometry::Current`], as a share of the scene's diagonal. It decides
 /// which integration points count.
 const REACH: f64 = 0.1;
+/// The largest distance that surfaces may keep, as a share of the search radius, towards which points lose their weight.
+pub(super) const OFFSET: f64 = 0.25;
 /// How much closer two points come at most, in units of the largest displacement: components, two bodies, and shape functions
 /// that exceed 1.
 pub(super) const WAY: f64 = 8.0;
@@ -196,7 +198,10 @@ impl<const D: usize> ContactSet<D> {
             reach: match (scene.reach, geometry) {
                 (Some(reach), _) => reach,
                 (None, Geometry::Reference) => kinematics.diagonal(),
-                (None, Geometry::Current) => REACH * kinematics.diagonal(),
+                (None, Geometry::Current) => {
+                    let offsets = pairs.iter().map(|pair| pair.offset / OFFSET);
+                    offsets.fold(REACH * kinematics.diagonal(), f64::max)
+                }
             },
             way: WAY,
             is_refuted: AtomicBool::new(false),

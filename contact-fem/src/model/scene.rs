@@ -466,7 +466,7 @@ impl<const D: usize> Scene<D> {
     ///
     /// # Errors
     /// Boundaries that are no pair declared by name, one boundary with itself, and a distance that is negative or no number. [`Scene::problem`] refuses
-    /// distances of more than a quarter of the search radius, and bodies that start closer than they keep, unless [`Scene::initial_gaps`]
+    /// distances of more than a quarter of [`Scene::reach`], where that is set, and bodies that start closer than they keep, unless [`Scene::initial_gaps`]
     /// takes that.
     pub fn contact_offset(
         &mut self,

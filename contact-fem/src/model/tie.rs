@@ -50,7 +50,8 @@ pub struct Tie {
     /// in two, it draws the halves into each other, which preloads the bolt by that shortening.
     pub jump: Vec<f64>,
     /// A force of the second side's body on the first's (UF), one component for each direction, in place of a jump; none by default. Along it the
-    /// sides move against each other, as a whole, by whatever the force takes ([`TieRecord::jump`]); across it they stay together. Where a bolt is
+    /// sides move against each other, as a whole, by whatever the force takes ([`TieRecord::jump`]). Across it they stay together, by whatever
+    /// force that takes: [`TieRecord::force`] has the preload along its direction, and that reaction across. Where a bolt is
     /// cut in two, it preloads the bolt by that force, whatever else acts on it.
     pub preload: Vec<f64>,
     /// The course of the jump, or of the preload, in time; proportional by default.
@@ -171,7 +172,7 @@ impl fmt::Display for TieFault {
                 "all that could move along the preload is prescribed or belongs to other ties: leave out what prescribes it, or take a jump",
             ),
             TieFault::Rigid => f.write_str(
-                "one of the bodies is rigid, which ties do not know: prescribe the other body's boundary, or give both one mesh with two laws",
+                "one of the bodies is rigid, which ties do not know: give it a stiff law, or let contact take the place of the tie",
             ),
             TieFault::Revolution => f.write_str(
                 "their bodies are of revolution, whose rings have no ties: mesh them as one body with `of_revolution_with_laws`",

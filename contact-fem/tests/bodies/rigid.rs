@@ -8,7 +8,8 @@ use contact_fem::model::Geometry;
 use contact_fem::simulation::History;
 use contact_fem::tensor::Vector;
 use contact_fem::{
-    Amplitude, Body, Error, LinearElastic, Material, Mesh, NeoHookean, Obstacle, Scene, StepRecord,
+    Amplitude, Body, Error, LinearElastic, Material, Mesh, Motion, NeoHookean, Obstacle, Scene,
+    StepRecord,
 };
 
 use crate::common::ended;
@@ -103,6 +104,122 @@ fn a_force_does_what_its_displacement_does() {
             assert!((record.contact_forces[1][1] - force).abs() < 1e-8 * force);
         }
     }
+}
+
+/// A plate comes down on a block and then on a rigid stop, which takes the rest of the force; and two rigid plates, one on springs, press each other.
+#[test]
+fn rigid_bodies_meet_what_is_rigid() {
+    for large in [false, true] {
+        let guide = |plate: &mut Body<2>| {
+            plate
+                .prescribe("right", [Some(0.0), None])
+                .expect("a guide");
+            plate.traction("top", [0.0, -12.0]).expect("a load");
+        };
+        let mut scene = match large {
+            true => pressed(
+                NeoHookean::new(100.0, 0.0).expect("a law"),
+                guide,
+                0.0,
+                false,
+            ),
+            false => pressed(
+                LinearElastic::new(100.0, 0.0).expect("a law"),
+                guide,
+                0.0,
+                false,
+            ),
+        };
+        let plate = scene.ids().nth(1).expect("the plate");
+        let stop = Obstacle::half_space([0.0, 0.99], [0.0, 1.0]).expect("a stop");
+        let stop = scene
+            .obstacle("stop", plate.on("bottom"), stop)
+            .expect("held");
+        let history = ended(&mut scene.problem().expect("a problem"), 2);
+        let record = last(&history);
+        let way = record.rigid_motions[0].displacement[1];
+        assert!((way + 0.01).abs() < 1e-8, "{way}");
+        let (on_block, on_stop) = (
+            -record.contact_forces[0][1],
+            -record.obstacle_force(stop)[1],
+        );
+        assert!(
+            (on_block + on_stop - 30.0).abs() < 1e-6,
+            "{on_block} {on_stop}"
+        );
+        // σ = E ε, and at large strains a little more
+        assert!(
+            (on_block - 2.0).abs() < if large { 0.05 } else { 1e-6 },
+            "{on_block}"
+        );
+    }
+    let law = LinearElastic::new(100.0, 0.0).expect("a law");
+    let mut scene = pressed(
+        law,
+        |plate| {
+            plate
+                .prescribe("right", [Some(0.0), None])
+                .expect("a guide");
+        },
+        0.0,
+        false,
+    );
+    let plate = scene.ids().nth(1).expect("the plate");
+    let mut weight = Body::rigid(block([0.5, 1.3], [1.0, 0.5], [3, 2]));
+    weight
+        .prescribe("right", [Some(0.0), None])
+        .expect("a guide");
+    weight.body_force([0.0, -8.0]).expect("a load");
+    let weight = scene.add("weight", weight);
+    scene
+        .contact(plate.on("top"), weight.on("bottom"))
+        .expect("a pair");
+    let history = ended(&mut scene.problem().expect("a problem"), 1);
+    let record = last(&history);
+    for motion in &record.rigid_motions {
+        assert!(
+            (motion.displacement[1] + 4.0 / 200.0).abs() < 1e-8,
+            "{motion:?}"
+        );
+    }
+    assert!((record.contact_forces[2][1] - 4.0).abs() < 1e-8);
+}
+
+/// A path of one node is that of the whole body; one that turns is refused.
+#[test]
+fn a_motion_drives_the_whole_body() {
+    let law = LinearElastic::new(100.0, 0.0).expect("a law");
+    let scene = pressed(
+        law,
+        |plate| {
+            let node = plate.mesh().nodes_at(&[[-0.1, 1.0]]).expect("a corner");
+            let along = Motion::translation([0.0, -0.02]).expect("a way");
+            let along = along.driven_by(Amplitude::of(|t| t * t));
+            plate
+                .prescribe_motion_of_nodes(&node, along)
+                .expect("a path");
+        },
+        0.0,
+        false,
+    );
+    let mut problem = scene.problem().expect("a problem");
+    let history = ended(&mut problem, 2);
+    for (record, way) in history.steps.iter().zip([-0.005, -0.02]) {
+        let moved = record.rigid_motions[0].displacement;
+        assert!(
+            (moved - Vector::<2>::new(0.0, way)).norm() < 1e-12,
+            "{moved}"
+        );
+        assert!((record.reactions[1][1] - 200.0 * way).abs() < 1e-8);
+    }
+    let turn = Motion::<2>::rotation([0.0, 1.0], 0.1);
+    let mut plate = Body::rigid(block([0.0, 1.0], [1.0, 0.3], [3, 1]));
+    let told = turn.and_then(|turn| plate.prescribe_motion("top", turn).map(|_| ()));
+    assert!(
+        told.expect_err("refused")
+            .to_string()
+            .contains("turns or deforms")
+    );
 }
 
 /// Springs behind a plate and the block in front of it carry a force in proportion to their stiffnesses; a weight is a force.

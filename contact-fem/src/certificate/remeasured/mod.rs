@@ -405,8 +405,8 @@ fn judge<const D: usize>(
 
 /// For each row, whether a node that it depends on is free.
 fn moves<const D: usize>(problem: &Problem<D>, pass: &Pass<'_, D>) -> Vec<bool> {
-    let is_free =
-        |node: usize| (0..D).any(|i| matches!(problem.dofs().get(D * node + i), Dof::Free(_)));
+    let varies = |dof: usize| problem.dofs().slopes(dof).next().is_some();
+    let is_free = |node: usize| (D * node..D * (node + 1)).any(varies);
     let mut moves = vec![false; pass.slave.nodes.len()];
     for point in &pass.held {
         let own = pass

@@ -11,7 +11,7 @@ use crate::assembly::{BodyEnergy, RigidEnergy, add_body_force};
 use crate::element::{Element, Order, P1, P2, RingP2};
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::model::courses::Part;
+use crate::model::courses::{Course, Part, Supports};
 use crate::model::preflight::{modes, motion};
 use crate::model::{BodyId, Problem};
 use crate::program::samples;
@@ -96,6 +96,26 @@ impl Body<2> {
         let all: Vec<usize> = (0..body.mesh.nodes().len()).collect();
         body.hold(("all radii", &all), [Some(0.0), None], 0)?;
         Ok(body)
+    }
+}
+
+impl<const D: usize> Supports<D> {
+    /// The value and course of a dof that follows others.
+    fn led_by(&mut self, parts: &[Part]) -> (f64, usize) {
+        match parts {
+            [] => (0.0, 0),
+            [
+                Part {
+                    factor,
+                    value: (value, course),
+                    ..
+                },
+            ] if matches!(self.courses[*course], Course::Scaled(_)) => (factor * value, *course),
+            _ => {
+                self.courses.push(Course::Sum(parts.to_vec()));
+                (0.0, self.courses.len() - 1)
+            }
+        }
     }
 }
 
@@ -223,12 +243,7 @@ impl<const D: usize> Body<D> {
                         })
                     };
                     let parts: Vec<Part> = by_support.iter().filter_map(part).collect();
-                    let none = parts.is_empty();
-                    Some(if none {
-                        (0.0, 0)
-                    } else {
-                        self.supports.combined(&parts)
-                    })
+                    Some(self.supports.led_by(&parts))
                 }
             };
             self.supports.values[dof] = value;
@@ -273,6 +288,12 @@ impl<const D: usize> Body<D> {
                 }
                 let second = at(dof, value);
                 if (sum - second).abs() > SAME * size.max(second.abs()) {
+                    if other == name {
+                        return Err(Error::NotRigid {
+                            what: "a support that turns or deforms it",
+                            remedy: "move all of its nodes alike; what is turned is an obstacle with a motion, or an elastic body all of whose nodes have it",
+                        });
+                    }
                     let on = [other, name].map(|name| self.supported[name].as_str());
                     let along = (dof / D, unit_vector(dof % D));
                     return Err(self.conflict(along, on, [sum, second], t));

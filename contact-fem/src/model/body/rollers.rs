@@ -490,7 +490,7 @@ fn nearest<'a, const D: usize>(plane: &Plane<D>, rows: &'a [Row<D>]) -> Option<&
 
 impl<const D: usize> super::Supports<D> {
     /// A value and a course for a sum of parts.
-    pub(super) fn combined(&mut self, parts: &[Part]) -> (f64, usize) {
+    fn combined(&mut self, parts: &[Part]) -> (f64, usize) {
         if let [
             Part {
                 factor,

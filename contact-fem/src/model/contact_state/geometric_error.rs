@@ -43,7 +43,7 @@ impl<const D: usize> Problem<D> {
         let present = self.contact.located_at(&now);
         let searched = self.contact.located(&self.kinematics, u);
         let moved = self.kinematics.largest(u);
-        let [least, ..] = negligible(&self.scale());
+        let [least, no_force, _] = negligible(&self.scale());
         let mut found = Vec::new();
         for (pair, ([a, b], first, second)) in self.declared_pairs().into_iter().enumerate() {
             let errors = self.directions([a, b], moved).flat_map(|[slave, master]| {
@@ -59,7 +59,7 @@ impl<const D: usize> Problem<D> {
                     off.map_or(1.0, |off| (2.0 * off / spacing).min(1.0))
                 });
                 let lost: Vec<f64> = lost.collect();
-                self.errors_of(&share, gaps, &lost)
+                self.errors_of(&share, gaps, &lost, no_force)
             });
             let worst = errors.max_by(|[a, b], [c, d]| (a / b).total_cmp(&(c / d)));
             if let Some([error, indentation]) = worst.filter(|[e, of]| *e > (TOLD * of).max(least))
@@ -76,12 +76,13 @@ impl<const D: usize> Problem<D> {
     }
 
     /// Error and indentation of each contact zone of a surface, whose gaps are those that the contact took and the present ones; `lost` is
-    /// the share of a node's area that has nothing opposite where it has no present gap.
+    /// the share of a node's area that has nothing opposite where it has no present gap. Zones with less than `no_force` (UF) are none.
     fn errors_of(
         &self,
         share: &Share<D>,
         [taken, present]: [Vec<Option<NodalGap>>; 2],
         lost: &[f64],
+        no_force: f64,
     ) -> Vec<[f64; 2]> {
         let surface = &self.surfaces()[share.side.surface];
         let areas = surface.node_areas(surface.reference_nodes());
@@ -89,6 +90,9 @@ impl<const D: usize> Problem<D> {
         let of_zone = |zone: Vec<usize>| {
             let sum = |of: &dyn Fn(usize) -> f64| zone.iter().map(|&a| of(a)).sum::<f64>();
             let force = sum(&|a| forces[a].norm());
+            if force <= no_force {
+                return [0.0; 2];
+            }
             let area = sum(&|a| areas[a]);
             let is_in_space = D == 3 || surface.is_of_revolution();
             let width = if is_in_space { area.sqrt() } else { area };

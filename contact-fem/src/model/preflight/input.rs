@@ -1,8 +1,9 @@
 //! Names, settings, numbers and boundaries.
 
-use super::limits::{SEEN, SLOPE};
+use super::limits::SLOPE;
 use super::{Finding, FindingKind, Report, Severity};
 use crate::error::Error;
+use crate::model::contact_set::OFFSET;
 use crate::model::{Integration, Scene};
 
 /// Checks that every body and every obstacle has a name of its own.
@@ -80,7 +81,8 @@ pub(super) fn settings<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
 pub(super) fn offsets<const D: usize>(scene: &Scene<D>, reach: f64) -> Result<(), Error> {
     let offsets = scene.pairs().iter().map(|pair| pair.offset);
     match offsets.fold(0.0, f64::max) {
-        offset if offset > reach * SEEN => Err(Error::Setting {
+        // up to round-off of the default radius
+        offset if offset > reach * OFFSET * (1.0 + f64::EPSILON) => Err(Error::Setting {
             name: "offset of a pair",
             value: offset,
             remedy: "raise `Scene::reach` to four times it at least: points see other surfaces within that radius",

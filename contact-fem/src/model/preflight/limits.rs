@@ -5,9 +5,6 @@
 /// nodes are on a line. The number of free motions depends on it.
 pub(super) const HOLDS: f64 = 1e-7;
 
-/// The largest distance that surfaces may keep, as a share of the search radius, towards which points lose their weight.
-pub(super) const SEEN: f64 = 0.25;
-
 /// The largest number of pieces of a part, joined at nodes or edges only, whose motions are counted. The count costs the
 /// third power of it.
 pub(super) const MOST_PIECES: usize = 64;

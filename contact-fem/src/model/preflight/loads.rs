@@ -21,7 +21,8 @@ pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &m
         false => SMALLEST_OF_F,
     };
     // how far resolved overlaps push is not known before surfaces are searched
-    let is_told = scene.initial_gaps != InitialGaps::Resolve;
+    let is_drawn = scene.ties().iter().any(|tie| tie.drawn::<D>().is_some());
+    let is_told = scene.initial_gaps != InitialGaps::Resolve && !is_drawn;
     if largest / size < limit {
         if is_told && largest > 0.0 {
             let share = largest / size;

@@ -497,7 +497,8 @@ fn unstored<const D: usize>(records: &[StepRecord<D>], problem: &Problem<D>) -> 
     let apart = (last.work() - last.stored_energy).abs();
     let most = records.iter().map(|record| record.stored_energy);
     let most = most.fold(0.0, f64::max);
-    let is_far = apart > UNSTORED * most && apart > roundoff;
+    // where nothing is strained, a rigid body has fallen freely
+    let is_far = apart > UNSTORED * most && apart > roundoff && most > roundoff;
     is_far.then(|| {
         line("warning", format!(
             "work and stored energy are {:.0} % of the largest stored energy apart: take more increments; if that does \
