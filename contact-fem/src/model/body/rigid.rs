@@ -161,7 +161,7 @@ impl<const D: usize> Body<D> {
 
     /// As [`Body::rigid`], and it turns by small angles: a plate that tilts, a roller under a torque. Nodes move by q + θ × (X − X₀), which is a
     /// rotation to first order alone, so that contact must be looked for at the reference positions
-    /// ([`Geometry::Reference`](crate::Geometry)).
+    /// ([`Geometry::Reference`](crate::model::Geometry::Reference)).
     pub fn rigid_turning(mesh: Mesh<D>) -> Self
     where
         P1: Element<D>,
