@@ -143,8 +143,8 @@ const TOLD: f64 = 1.5;
 /// The first mesh has the accuracy where its estimate is at most this share of it.
 const SURE: f64 = 0.3;
 
-/// So many levels without a fall of the error are the last ones, and what is a fall: each level cuts the cells with most of the error, so that it halves
-/// within three levels wherever it has a limit.
+/// The number of levels over which the error must fall, and the share below which it has fallen: each level cuts the cells with most of the error. Both
+/// were chosen on a beam that rests on two nodes.
 const STALLED: (usize, f64) = (8, 0.95);
 
 /// How an [`Accuracy`] ended.

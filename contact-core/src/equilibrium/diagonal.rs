@@ -3,7 +3,7 @@
 use crate::linear::SymmetricPattern;
 
 /// The diagonal of K, with the `values` of a pattern (n, UF/UL). An unknown without a stiffness of its own, as the motion of a rigid
-/// body, has the median of the others there, or 1 UF/UL where none has any.
+/// body, has the median of the other unknowns' entries there, or 1 UF/UL where no unknown has a stiffness.
 pub(super) fn diagonal(pattern: &SymmetricPattern, values: &[f64]) -> Vec<f64> {
     let own = |j: usize| pattern.slot(j, j).map_or(0.0, |slot| values[slot]);
     let mut all: Vec<f64> = (0..pattern.dim()).map(own).collect();

@@ -38,7 +38,7 @@ impl Unknowns<'_> {
         is_any.then(|| self.dofs.slopes(dof)).into_iter().flatten()
     }
 
-    /// Whether all these dofs are prescribed, and none of them varies with others.
+    /// Whether all these dofs are prescribed, and none of them varies with a free dof.
     fn holds(&self, mut dofs: std::ops::Range<usize>) -> bool {
         let is_held = |dof| matches!(self.supports.get(dof), Dof::Prescribed(_));
         dofs.all(|dof| is_held(dof) && self.tied(dof).next().is_none())

@@ -163,7 +163,7 @@ impl<const D: usize> ContactSet<D> {
             let body = &scene.bodies()[surface.body()];
             let first = kinematics.nodes(surface.body()).start;
             let held = body.prescribed();
-            // on a plane of symmetry, a body goes on; nodes of a rigid body follow others
+            // on a plane of symmetry, a body goes on; nodes of a rigid body follow its leaders
             let is_free =
                 |a: &usize| body.is_rigid() || held[D * a..D * (a + 1)].iter().all(Option::is_none);
             let sharp = sharp_nodes(body.mesh()).into_iter().filter(is_free);

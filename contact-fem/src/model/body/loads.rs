@@ -94,10 +94,10 @@ impl<const D: usize> Body<D> {
     /// Adds a torque (UF·UL; in the plane one number, in space a vector) on a boundary, as a dead traction a × (X − X̄) about its centre, which has no
     /// resultant. It does not turn with the boundary.
     ///
-    /// A shaft of radius ½ is twisted at its end; what holds the other end has the opposite torque:
+    /// A shaft of radius ½ is twisted at its end: the nodal forces have that torque, and no resultant.
     /// ```
     /// use contact_fem::mesh::generators::cylinder;
-    /// use contact_fem::{Body, LinearElastic, Scene, Simulation};
+    /// use contact_fem::{Body, LinearElastic};
     ///
     /// # fn main() -> Result<(), contact_fem::Error> {
     /// let mut shaft = Body::new(cylinder(0.5, 2.0, 2, 4)?, LinearElastic::new(100.0, 0.3)?);

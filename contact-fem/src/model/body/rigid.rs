@@ -11,13 +11,13 @@ use crate::assembly::{BodyEnergy, RigidEnergy, add_body_force};
 use crate::element::{Element, Order, P1, P2, RingP2};
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::model::courses::{Course, Part, Supports};
+use crate::model::courses::Part;
 use crate::model::preflight::{modes, motion};
 use crate::model::{BodyId, Problem};
 use crate::program::samples;
 use crate::tensor::{Vector, unit_vector};
 
-/// What is left of a unit motion of a dof beside those of others is nothing below this share.
+/// A dof whose unit motion has less than this share beside the motions of the leaders adds no independent motion.
 const HOLDS: f64 = 1e-7;
 /// A coefficient of a dof in the motion of another one is round-off below this.
 const ROUND_OFF: f64 = 1e-13;
@@ -99,27 +99,7 @@ impl Body<2> {
     }
 }
 
-impl<const D: usize> Supports<D> {
-    /// The value and course of a dof that follows others.
-    fn led_by(&mut self, parts: &[Part]) -> (f64, usize) {
-        match parts {
-            [] => (0.0, 0),
-            [
-                Part {
-                    factor,
-                    value: (value, course),
-                    ..
-                },
-            ] if matches!(self.courses[*course], Course::Scaled(_)) => (factor * value, *course),
-            _ => {
-                self.courses.push(Course::Sum(parts.to_vec()));
-                (0.0, self.courses.len() - 1)
-            }
-        }
-    }
-}
-
-/// Where a dof of a rigid body is led from: those that it follows, with coefficients.
+/// The dofs that a dof of a rigid body follows, with coefficients.
 type Led = Vec<(usize, f64)>;
 
 impl<const D: usize> Body<D> {
@@ -207,7 +187,7 @@ impl<const D: usize> Body<D> {
         Ok(())
     }
 
-    /// Lets all dofs follow those of some, held ones first: those that it follows, for each.
+    /// Lets all dofs follow some of them, the leaders, which are held dofs as far as there are any. The result has the leaders of each dof.
     fn follow(&mut self) -> Vec<Led> {
         let dofs = self.prescribed.len();
         let held: Vec<_> = (0..dofs)
@@ -243,7 +223,7 @@ impl<const D: usize> Body<D> {
                         })
                     };
                     let parts: Vec<Part> = by_support.iter().filter_map(part).collect();
-                    Some(self.supports.led_by(&parts))
+                    Some(self.supports.combined(&parts))
                 }
             };
             self.supports.values[dof] = value;
@@ -355,7 +335,8 @@ impl<const D: usize> Problem<D> {
     }
 }
 
-/// Dofs that all others follow, one for each independent motion: those that are held first, and the one that is least like the others.
+/// The leaders, which all dofs follow, one for each independent motion: held dofs come first, and of equal rank the dof that has most of what is left
+/// of the motions.
 fn leaders(motions: &DMatrix<f64>, held: &[bool]) -> Vec<usize> {
     let mut left = motions.clone();
     let mut leads = Vec::new();

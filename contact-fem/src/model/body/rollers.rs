@@ -489,21 +489,21 @@ fn nearest<'a, const D: usize>(plane: &Plane<D>, rows: &'a [Row<D>]) -> Option<&
 }
 
 impl<const D: usize> super::Supports<D> {
-    /// A value and a course for a sum of parts.
-    fn combined(&mut self, parts: &[Part]) -> (f64, usize) {
-        if let [
-            Part {
-                factor,
-                value: (value, course),
-                ..
-            },
-        ] = parts
-        {
-            if *factor == 1.0 || matches!(self.courses[*course], Course::Scaled(_)) {
-                return (factor * value, *course);
+    /// A value and a course for a sum of parts, which may belong to dofs of different nodes; zero without parts.
+    pub(super) fn combined(&mut self, parts: &[Part]) -> (f64, usize) {
+        match parts {
+            [] => (0.0, 0),
+            [
+                Part {
+                    factor,
+                    value: (value, course),
+                    ..
+                },
+            ] if matches!(self.courses[*course], Course::Scaled(_)) => (factor * value, *course),
+            _ => {
+                self.courses.push(Course::Sum(parts.to_vec()));
+                (0.0, self.courses.len() - 1)
             }
         }
-        self.courses.push(Course::Sum(parts.to_vec()));
-        (0.0, self.courses.len() - 1)
     }
 }

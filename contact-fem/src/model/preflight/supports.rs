@@ -20,7 +20,7 @@ const RESISTS: f64 = 0.02;
 /// one displacement is prescribed if there is no obstacle; names the motions that contact alone holds.
 pub(super) fn check<const D: usize>(scene: &Scene<D>, pairs: &[Pair], report: &mut Report) {
     let held = |body: &Body<D>| {
-        // of revolution, the axis holds nodes that nobody has supported; those of rigid bodies follow others
+        // of revolution, the axis holds nodes that nobody has supported; nodes of rigid bodies follow their leaders
         let follows = |dof: usize| body.is_rigid() && body.ties().contains_key(&dof);
         let counts = |dof: usize| !(follows(dof) || body.mesh().is_of_revolution() && dof % D != 1);
         let mut prescribed = body.prescribed().iter().enumerate();
