@@ -1,19 +1,16 @@
 #!/usr/bin/env bash
 # Licences, versions and sources of the crates below, and their known defects where the database of these can be had.
-# cargo-deny is a program of its own, installed into the target folder where it is missing.
+# cargo-deny is a program of its own, installed beside cargo where it is missing, so that the next checkout has it.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 say() { printf '%s\n' "$*" >&2; }
 
 if ! cargo deny --version >/dev/null 2>&1; then
-    tools=${CARGO_TARGET_DIR:-$PWD/target}/tools
-    if [[ ! -x $tools/bin/cargo-deny ]]; then
-        say "Installing cargo-deny in $tools"
-        CARGO_TARGET_DIR=$tools/build cargo install --debug --quiet --locked --version 0.20.2 --root "$tools" cargo-deny </dev/null
-        rm -rf "$tools/build"
-    fi
-    PATH=$tools/bin:$PATH
+    say "Installing cargo-deny beside cargo"
+    # In a folder of its own, which is removed afterwards.
+    env -u CARGO_TARGET_DIR cargo install --debug --quiet --locked --version 0.20.2 cargo-deny </dev/null
+    PATH=${CARGO_HOME:-$HOME/.cargo}/bin:$PATH
 fi
 
 cargo deny check licenses bans sources

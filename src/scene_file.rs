@@ -50,6 +50,7 @@ mod tables;
 mod told;
 mod words;
 
+use std::any::Any;
 use std::fmt;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
@@ -162,7 +163,7 @@ impl SceneFile {
             source,
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&text, folder)
+        Self::of(&text, folder.into())
     }
 
     /// Reads a text whose mesh files are relative to `folder`.
@@ -170,10 +171,14 @@ impl SceneFile {
     /// # Errors
     /// No TOML, an unknown key, a key that is missing, a value of the wrong kind, a number that is not finite.
     pub fn parse(text: &str, folder: impl Into<PathBuf>) -> Result<Self, Error> {
+        Self::of(text, folder.into())
+    }
+
+    fn of(text: &str, folder: PathBuf) -> Result<Self, Error> {
         let keys = toml::from_str(text).map_err(|why| Error::no_scene(text, why))?;
         place::check_numbers(text)?;
         Ok(SceneFile {
-            folder: folder.into(),
+            folder,
             text: text.into(),
             keys,
             is_straight: false,
@@ -221,6 +226,29 @@ impl SceneFile {
     /// Meshes that cannot be read or have another dimension, bodies and boundaries that there are not, and what
     /// [`Scene`] refuses.
     pub fn scene<const D: usize>(&self) -> Result<Scene<D>, Error>
+    where
+        P1: Element<D>,
+        P2: Element<D>,
+    {
+        // compiled here, not in each program that reads scenes
+        let scene: Box<dyn Any> = match D {
+            2 => Box::new(self.plane_scene()),
+            _ => Box::new(self.space_scene()),
+        };
+        *scene
+            .downcast()
+            .expect("elements have two or three dimensions")
+    }
+
+    fn plane_scene(&self) -> Result<Scene<2>, Error> {
+        self.build()
+    }
+
+    fn space_scene(&self) -> Result<Scene<3>, Error> {
+        self.build()
+    }
+
+    fn build<const D: usize>(&self) -> Result<Scene<D>, Error>
     where
         P1: Element<D>,
         P2: Element<D>,

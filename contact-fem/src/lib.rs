@@ -1,8 +1,8 @@
 //! Finite elements for frictionless contact: meshes, materials, assembly, the weak
 //! non-penetration constraints, and scenes that put them together.
 //!
-//! The space dimension `D` (2: plane strain, plane stress or bodies of revolution; 3) is a const generic throughout; a scene in the
-//! plane instantiates no code for space. Any consistent units work: UF for force, UL for length;
+//! The space dimension `D` (2: plane strain, plane stress or bodies of revolution; 3) is a const generic throughout. The code for both is compiled with this
+//! crate, by the settings of the profile for dependencies, and not again in crates that use it; a program in the plane links none for space. Any consistent units work: UF for force, UL for length;
 //! plane energies and forces are those of a slice of thickness 1 UL, those of bodies of revolution of the whole circumference.
 //!
 //! The names follow the paper: `X` reference and `x = X + u` current position, `F = I + ∇u`,
@@ -19,6 +19,7 @@ pub mod contact;
 pub mod element;
 pub mod error;
 pub mod freefem;
+mod instances;
 mod jacobi;
 pub mod left_out;
 pub mod material;

@@ -9,6 +9,7 @@ use contact_core::{ContactProblem, Ending, Equilibrium, State};
 use crate::audit::LeastVolume;
 use crate::certificate::Certificate;
 use crate::error::Error;
+use crate::instances::{Observe, instance};
 use crate::model::work::External;
 use crate::model::{
     BodyId, ObstacleId, PairRecord, Problem, RigidMotion, Side, TieRecord, WorkRecord,
@@ -183,33 +184,41 @@ impl<S: Equilibrium> Simulation<S> {
         problem: &mut Problem<D>,
         mut observe: impl FnMut(&StepView<'_, D>) -> ControlFlow<()>,
     ) -> Result<History<D>, Error> {
-        problem.rest()?;
-        let start = State {
-            u: vec![0.0; problem.energy().dofs()],
-            ..State::default()
-        };
-        let mut steps = Vec::new();
-        let mut done = (External::at_rest(problem), Vec::new());
-        let ends: Vec<f64> = match &self.load_steps.phases[..] {
-            [] => vec![1.0],
-            phases => phases.iter().map(|phase| phase.until).collect(),
-        };
-        let run = self
-            .load_steps
-            .run(problem, &mut self.solver, start, |step| {
-                let is_end = |end: &f64| (step.factor - end).abs() <= 1e-9 * end.abs();
-                let whole = ends.iter().any(is_end);
-                let record = StepRecord::new(step, &mut done, whole);
-                let flow = observe(&StepView {
-                    problem: step.problem,
-                    solution: step.solution,
-                    record: &record,
-                });
-                steps.push(record);
-                flow
-            })?;
-        Ok(History { run, steps })
+        instance().run(&self.load_steps, &mut self.solver, problem, &mut observe)
     }
+}
+
+/// [`Simulation::run_observed`].
+pub(crate) fn run<const D: usize>(
+    load_steps: &LoadSteps,
+    solver: &mut dyn Equilibrium,
+    problem: &mut Problem<D>,
+    observe: Observe<'_, D>,
+) -> Result<History<D>, Error> {
+    problem.rest()?;
+    let start = State {
+        u: vec![0.0; problem.energy().dofs()],
+        ..State::default()
+    };
+    let mut steps = Vec::new();
+    let mut done = (External::at_rest(problem), Vec::new());
+    let ends: Vec<f64> = match &load_steps.phases[..] {
+        [] => vec![1.0],
+        phases => phases.iter().map(|phase| phase.until).collect(),
+    };
+    let run = load_steps.run(problem, solver, start, |step| {
+        let is_end = |end: &f64| (step.factor - end).abs() <= 1e-9 * end.abs();
+        let whole = ends.iter().any(is_end);
+        let record = StepRecord::new(step, &mut done, whole);
+        let flow = observe(&StepView {
+            problem: step.problem,
+            solution: step.solution,
+            record: &record,
+        });
+        steps.push(record);
+        flow
+    })?;
+    Ok(History { run, steps })
 }
 
 impl<const D: usize> StepRecord<D> {

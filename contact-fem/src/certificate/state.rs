@@ -9,13 +9,14 @@ use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 use super::{Certificate, Condition, Limits, balance, remeasured, slope, worse};
 use crate::audit::Overlap;
 use crate::contact::Pass;
+use crate::instances::instance;
 use crate::model::{Body, Geometry, Problem};
 use crate::tensor::{Matrix, Vector};
 
 impl Certificate {
     /// The certificate of `solution`; `problem` must be at the load of the solution.
     pub fn new<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Self {
-        Self::of_step(problem, solution, true)
+        instance().certificate(problem, solution)
     }
 
     /// The same, without what costs more than a load step may take for it unless the check is `whole`.

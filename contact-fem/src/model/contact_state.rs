@@ -12,6 +12,7 @@ use super::contact_set::place_of;
 use super::{ObstacleId, Problem, Side};
 use crate::contact::{Pass, Surface, pressure};
 use crate::error::Error;
+use crate::instances::instance;
 use crate::tensor::Vector;
 
 pub use self::geometric_error::GeometricError;
@@ -79,6 +80,15 @@ impl<const D: usize> Problem<D> {
         u: &[f64],
         gaps: &LinearGaps,
         lambda: &[f64],
+    ) -> Result<Vec<PairState<D>>, Error> {
+        instance().pair_states(self, u, (gaps, lambda))
+    }
+
+    /// [`Problem::pair_states`].
+    pub(crate) fn states_of_pairs(
+        &self,
+        u: &[f64],
+        (gaps, lambda): (&LinearGaps, &[f64]),
     ) -> Result<Vec<PairState<D>>, Error> {
         self.check_rows(u, gaps, lambda)?;
         let moved = self.kinematics.largest(u);

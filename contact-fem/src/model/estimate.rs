@@ -5,6 +5,7 @@ use contact_core::equilibrium::Solution;
 use super::{Body, BodyId, Opposite, PairSide, PairState, Problem, Side, negligible};
 use crate::assembly::CellError;
 use crate::error::Error;
+use crate::instances::instance;
 use crate::tensor::Vector;
 
 /// The depth of a node that is no round-off, as a share of the facets around it.
@@ -161,6 +162,11 @@ impl<const D: usize> Problem<D> {
     /// # Errors
     /// If the solution is not of this problem.
     pub fn error_estimate(&self, solution: &Solution) -> Result<ErrorEstimate<D>, Error> {
+        instance().error_estimate(self, solution)
+    }
+
+    /// [`Problem::error_estimate`].
+    pub(crate) fn estimate(&self, solution: &Solution) -> Result<ErrorEstimate<D>, Error> {
         let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda);
         self.check_rows(u, gaps, lambda)?;
         let errors = CellErrors::new(self, u);

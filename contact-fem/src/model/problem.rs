@@ -1,5 +1,6 @@
 //! The contact problem of a checked scene.
 
+pub(crate) mod answers;
 mod steps;
 
 use std::borrow::Cow;
@@ -453,9 +454,10 @@ impl<const D: usize> Problem<D> {
     }
 }
 
+// As `Answers` has them, whose code is compiled with this crate.
 impl<const D: usize> ContactProblem for Problem<D> {
     fn energy(&self) -> &dyn Energy {
-        &self.energy
+        self.answers().energy()
     }
 
     fn bounds(&self) -> &Bounds {
@@ -471,29 +473,19 @@ impl<const D: usize> ContactProblem for Problem<D> {
     }
 
     fn prescribed_magnitude(&self) -> f64 {
-        let prescribed = self.kinematics.prescribed.iter();
-        let overlap = self.contact.resolved_overlap() * self.load();
-        prescribed.fold(overlap, |m, v| m.max(v.abs()))
+        self.answers().prescribed_magnitude()
     }
 
     fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
-        Error::check_vector("u", u, self.dofs().free())?;
-        let passes = self.contact.passes_in(false);
-        let (at, stop) = (&self.kinematics, self.contact.stop.as_ref());
-        let rows = self.contact.rows(passes, at, u, sampling, stop);
-        self.with_distances(rows.ok_or(Error::Interrupted)?, u)
+        self.answers().linearize_gaps(u, sampling)
     }
 
     fn linearize_reversed(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
-        Error::check_vector("u", u, self.dofs().free())?;
-        let passes = self.contact.passes_in(true);
-        let (at, stop) = (&self.kinematics, self.contact.stop.as_ref());
-        let rows = self.contact.rows(passes, at, u, sampling, stop);
-        rows.ok_or(Error::Interrupted)
+        self.answers().linearize_reversed(u, sampling)
     }
 
     fn linearize_near(&self, u: &[f64], moved: f64) -> Result<LinearGaps, Error> {
-        self.linearize_where(u, |pass| self.contact.is_near(pass, moved))
+        self.answers().linearize_near(u, moved)
     }
 
     fn vary_gaps(
@@ -502,17 +494,15 @@ impl<const D: usize> ContactProblem for Problem<D> {
         gaps: &LinearGaps,
         lambda: &[Option<f64>],
     ) -> Result<Option<GapVariation>, Error> {
-        Error::check_vector("u", u, self.dofs().free())?;
-        self.contact.variation(&self.kinematics, u, gaps, lambda)
+        self.answers().vary_gaps(u, gaps, lambda)
     }
 
     fn separable(&self) -> Option<&dyn Separable> {
-        Some(self)
+        Some(self.answers().separable())
     }
 
     fn reduction(&self) -> Option<Reduction> {
-        let now = (&self.scene, self.load());
-        self.ties.reduction(&self.kinematics.prescribed, now)
+        self.answers().reduction()
     }
 
     fn watch(&mut self, stop: Option<&Stop>) {
@@ -520,7 +510,7 @@ impl<const D: usize> ContactProblem for Problem<D> {
     }
 
     fn diagnose(&self, solution: &Solution) -> Option<String> {
-        super::diagnosis::cause(self, solution)
+        self.answers().diagnose(solution)
     }
 }
 

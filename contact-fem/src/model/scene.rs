@@ -14,6 +14,7 @@ use super::{
 use crate::audit::Audit;
 use crate::element::Order;
 use crate::error::Error;
+use crate::instances::instance;
 use crate::tensor::Vector;
 
 /// The roles of the two surfaces of a contact pair.
@@ -790,6 +791,11 @@ impl<const D: usize> Scene<D> {
     }
 
     fn report(&self) -> Report {
+        instance().report(self)
+    }
+
+    /// Makes all checks.
+    pub(crate) fn examine(&self) -> Report {
         let mut report = Report::default();
         let pairs = report.take(self.all_pairs());
         let declared = pairs.as_deref().unwrap_or(&self.pairs);
@@ -822,7 +828,12 @@ impl<const D: usize> Scene<D> {
     /// If a check before the solve fails: an empty or repeated name, a body without support, bodies
     /// that overlap, a setting out of range, laws of two kinds without a choice of geometry, loads that round-off hides.
     /// [`Scene::preflight`] finds all of them at once.
-    pub fn problem(mut self) -> Result<Problem<D>, Error> {
+    pub fn problem(self) -> Result<Problem<D>, Error> {
+        instance().problem(self)
+    }
+
+    /// [`Scene::problem`].
+    pub(crate) fn build(mut self) -> Result<Problem<D>, Error> {
         self.pairs = self.all_pairs()?;
         let mut report = Report::default();
         preflight::without_surfaces(&self, &self.pairs, &mut report);

@@ -34,7 +34,7 @@ use crate::error::Error;
 
 /// The findings so far, and the errors among them.
 #[derive(Default)]
-pub(super) struct Report {
+pub(crate) struct Report {
     findings: Vec<Finding>,
     errors: Vec<Error>,
 }

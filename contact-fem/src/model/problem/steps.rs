@@ -5,57 +5,18 @@ use contact_core::load_steps::Passage;
 use contact_core::{Error, LoadStepped};
 
 use super::Problem;
-use crate::assembly::{Dof, DofMap};
-use crate::audit::Overlap;
-use crate::model::tie::Follower;
-use crate::model::{Geometry, Overlaps, courses};
 
 impl<const D: usize> LoadStepped for Problem<D> {
     fn set_load(&mut self, factor: f64) -> Result<(), Error> {
-        if !factor.is_finite() {
-            return Err(Error::Setting {
-                name: "load factor",
-                value: factor.to_string(),
-                remedy: "choose a finite number; 1 is full load",
-            });
-        }
-        let bodies = self.scene.bodies().iter().zip(self.scene.names());
-        for (body, name) in bodies {
-            courses::check(body, name, factor)?;
-        }
-        self.contact.check(&self.scene, factor)?;
-        self.kinematics.set_load(factor);
-        self.contact.set_load(factor);
-        self.audit.set_load(factor);
-        let energies = self.energy.parts_mut().iter_mut();
-        for (body, energy) in self.scene.bodies().iter().zip(energies) {
-            match body.has_program() {
-                true => energy.set_external(body.prescribed_at(factor), body.forces_at(factor)),
-                false => energy.set_load(factor),
-            }
-            energy.set_pressures(&body.pressures_at(factor));
-            energy.set_softening(body.softening_stiffness(factor));
-        }
-        Ok(())
+        self.answers_mut().set_load(factor)
     }
 
     fn check_phases(&mut self, ends: &[f64]) -> Result<(), Error> {
-        self.check_switches(ends)?;
-        Ok(self.check_supports(ends)?)
+        self.answers_mut().check_phases(ends)
     }
 
     fn corners(&self) -> Vec<f64> {
-        let bodies = self.scene.bodies().iter().flat_map(|body| body.knots());
-        let obstacles = self.scene.obstacles().iter();
-        bodies
-            .chain(obstacles.flat_map(|own| own.knots()))
-            .chain(
-                self.scene
-                    .ties()
-                    .iter()
-                    .flat_map(|tie| tie.amplitude.knots()),
-            )
-            .collect()
+        self.answers().corners()
     }
 
     fn begin(
@@ -64,130 +25,23 @@ impl<const D: usize> LoadStepped for Problem<D> {
         u: &[f64],
         solution: Option<&Solution>,
     ) -> Result<Option<Vec<f64>>, Error> {
-        self.switch_supports(span, u, solution)
+        self.answers_mut().begin(span, u, solution)
     }
 
     fn take_back(&mut self) {
-        self.switch_back();
+        self.answers_mut().take_back();
     }
 
     fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage> {
-        if !(self.is_state(u) && self.is_state(last)) {
-            return None;
-        }
-        let before = self.kinematics.positions_at(last, from);
-        let after = self.kinematics.positions(u);
-        let relative = |bodies| self.granted(bodies, self.load())[0];
-        let of_thickness = |bodies| match self.contact.lets_through(bodies, self.load()) {
-            true => f64::MAX,
-            false => self.granted(bodies, from)[1],
-        };
-        // cutting a step does not change the solution of a linear scene; its certificate tells
-        let overlap = match (self.contact.geometry, self.scene.overlaps) {
-            (Geometry::Current, Overlaps::Refused) => {
-                let now = self.audit.deep_overlap(&after, relative);
-                now.or_else(|| self.audit.passage(&before, &after, of_thickness))
-            }
-            _ => None,
-        };
-        let inside = |found: Overlap<D>| {
-            let [first, second] = found.bodies.map(|body| self.scene.called(body));
-            let at: Vec<String> = found.at.iter().map(|x| format!("{x:.3e}")).collect();
-            Passage {
-                depth: found.depth,
-                place: format!("{first} is inside {second} at ({})", at.join(", ")),
-            }
-        };
-        let through = || {
-            let positions = (&before[..], &after[..]);
-            let depth = self.contact.tunnels(&self.kinematics, u, positions, from)?;
-            let place = match self.contact.geometry {
-                Geometry::Reference => {
-                    "contact at the reference positions does not follow the motion, so take it at the current ones: \
-                     bodies penetrate or have passed through each other"
-                }
-                Geometry::Current => "bodies penetrate or have passed through each other",
-            };
-            let place = place.to_string();
-            Some(Passage { depth, place })
-        };
-        let between_nodes = || match self.scene.overlaps {
-            Overlaps::Refused => self
-                .audit
-                .obstacle_passage(&before, &after, from, of_thickness),
-            Overlaps::Allowed => None,
-        };
-        let found = overlap.map(inside).or_else(through);
-        found.or_else(|| between_nodes().map(inside))
+        self.answers().tunnels(u, last, from)
     }
 
     fn unplanned(&self, u: &[f64]) -> Option<String> {
-        let pass = self.contact.unplanned(&self.kinematics, u)?;
-        let [first, second] = self.bodies_of(pass).map(|body| self.scene.called(body));
-        Some(format!("{first} and {second} came together"))
+        self.answers().unplanned(u)
     }
 
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64> {
-        let mut lifted = self.state(u).into_owned();
-        if !self.ties.is_empty() {
-            self.lift_tied(from, &mut lifted);
-            return lifted;
-        }
-        let bodies = self.scene.bodies().iter().zip(self.energy.parts());
-        for (index, (body, energy)) in bodies.enumerate() {
-            let [now, before] = [self.load(), from].map(|factor| body.prescribed_at(factor));
-            let increments = now.iter().zip(&before).map(|(now, before)| now - before);
-            let increments: Vec<f64> = increments.collect();
-            if increments.iter().all(|p| *p == 0.0) {
-                continue;
-            }
-            let (supports, increments) = body.lifted_by(increments);
-            let extension = energy.extend(&supports, &increments);
-            self.kinematics.add_free(index, &extension, &mut lifted);
-        }
-        lifted
-    }
-}
-
-impl<const D: usize> Problem<D> {
-    /// As [`LoadStepped::lift`], with what follows others moved along with them.
-    fn lift_tied(&self, from: f64, lifted: &mut [f64]) {
-        let before = lifted.to_vec();
-        let dofs = &self.kinematics.dofs;
-        let prescribed: Vec<f64> = {
-            let bodies = self.scene.bodies().iter();
-            bodies.flat_map(|body| body.prescribed_at(from)).collect()
-        };
-        for (index, followers) in self.ties.in_order(self.scene.bodies().len()) {
-            let body = &self.scene.bodies()[index];
-            let first = D * self.kinematics.nodes(index).start;
-            let mut is_prescribed = body.is_prescribed();
-            let mut increments = vec![0.0; is_prescribed.len()];
-            let moved = |dof: usize, lifted: &[f64]| match dofs.get(dof) {
-                Dof::Free(j) => lifted[j] - before[j],
-                Dof::Prescribed(j) => self.kinematics.prescribed[j] - prescribed[j],
-            };
-            for (dof, increment) in increments.iter_mut().enumerate() {
-                if is_prescribed[dof] {
-                    *increment = moved(first + dof, lifted);
-                }
-            }
-            for (tie, Follower { dof, terms, jump }) in followers {
-                let tie = &self.scene.ties()[tie];
-                let jumped = jump * (tie.factor(self.load()) - tie.factor(from));
-                let terms = terms.iter();
-                let increment = terms.map(|(j, c)| c * moved(*j, lifted)).sum::<f64>() + jumped;
-                (is_prescribed[dof - first], increments[dof - first]) = (true, increment);
-            }
-            if increments.iter().all(|p| *p == 0.0) {
-                continue;
-            }
-            let values = is_prescribed.iter().zip(&increments);
-            let values: Vec<f64> = values.filter(|(is, _)| **is).map(|(_, p)| *p).collect();
-            let extension =
-                self.energy.parts()[index].extend(&DofMap::new(&is_prescribed), &values);
-            self.kinematics.add_free(index, &extension, lifted);
-        }
+        self.answers().lift(u, from)
     }
 }
 

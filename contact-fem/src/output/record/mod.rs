@@ -14,6 +14,7 @@ use std::path::PathBuf;
 use std::process::{ExitCode, Termination};
 use std::time::Instant;
 
+use contact_core::load_steps::LoadSteps;
 use contact_core::memory::MemoryLeft;
 use contact_core::{Ending, Equilibrium, MemoryNeed};
 
@@ -22,8 +23,9 @@ use super::picture::{Curve, Curves, MeshPicture, Panel, PressurePicture};
 use super::snapshot::Snapshot;
 use crate::certificate::Limits;
 use crate::error::Error;
+use crate::instances::instance;
 use crate::model::Problem;
-use crate::simulation::{DefaultSolver, History, Simulation, StepRecord, StepView};
+use crate::simulation::{self, DefaultSolver, History, Simulation, StepRecord, StepView};
 use ending::{Ended, size};
 use folder::{Folder, Heading, check_file_name};
 use observer::Observer;
@@ -222,14 +224,27 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
     /// The calling thread gets an error instead of the signal SIGXFSZ from now on, where a file grows beyond a limit of
     /// the system.
     pub fn run(self, problem: &mut Problem<D>) -> Result<Recorded<D>, Error> {
-        let Recording { simulation, plan } = self;
+        let Simulation { load_steps, solver } = self.simulation;
+        instance().record(self.plan, load_steps, solver, problem)
+    }
+}
+
+impl<const D: usize> Plan<'_, D> {
+    /// [`Recording::run`].
+    pub(crate) fn run(
+        self,
+        load_steps: &LoadSteps,
+        solver: &mut dyn Equilibrium,
+        problem: &mut Problem<D>,
+    ) -> Result<Recorded<D>, Error> {
+        let plan = self;
         plan.check()?;
         let (clock, processor) = (Instant::now(), cpu_seconds());
         refuse_rather_than_end();
-        stop_on_ctrl_c(&simulation.load_steps.stop);
-        let choice = simulation.solver.choice(problem);
+        stop_on_ctrl_c(&load_steps.stop);
+        let choice = solver.choice(problem);
         let memory = Memory {
-            need: simulation.solver.memory(problem),
+            need: solver.memory(problem),
             left: contact_core::memory::left(),
         };
         let mut folder = Folder::claim(&plan.folder, Heading::new(&plan, choice))?;
@@ -244,7 +259,9 @@ impl<'a, const D: usize, S: Equilibrium> Recording<'a, D, S> {
             Ok(observer) => observer,
             Err(error) => return Err(folder.failed(error)),
         };
-        let result = simulation.run_observed(problem, |step| observer.observe(step));
+        let result = simulation::run(load_steps, solver, problem, &mut |step| {
+            observer.observe(step)
+        });
         let written = observer.finish(problem, result.as_ref().ok());
         let drawn = plan.draw(
             problem,
