@@ -1,5 +1,7 @@
 //! Meshes that Gmsh and FreeFEM made, against the geometry they were made of, and surfaces by hand.
 
+use std::collections::BTreeMap;
+
 use contact_fem::mesh::read::{ElementKind, Format};
 use contact_fem::tensor::facet_normal;
 use contact_fem::{Mesh, MeshFile, Obstacle};
@@ -177,6 +179,92 @@ fn labels_of_vtk_files_are_bodies_and_boundaries() {
     same("freefem_3d.vtu", "freefem_3d.mesh");
 }
 
+/// VTK 9.7 and meshio 5.3 wrote these, as `write_vtu.py` tells them: in text, inline, appended in base64 and raw, compressed and not, in one block and
+/// in several, with notes about the range of arrays in their midst.
+#[test]
+#[cfg(feature = "vtk")]
+fn vtk_files_in_each_mode_have_the_same_mesh() {
+    let modes = ["inline", "appended", "raw"];
+    let of = |mode: &str| ["none", "zlib", "lz4"].map(|codec| format!("vtk.{mode}.{codec}.vtu"));
+    let names = modes.iter().flat_map(|mode| of(mode));
+    let others = ["vtk.text.vtu", "vtk.blocks.vtu", "meshio.vtu"];
+    let expected: Expected = &[("3", 2.0, &[("1", 2.0), ("7", 2.0)])];
+    for name in names.chain(others.map(String::from)) {
+        check::<2>(&name, &read(&name), expected);
+    }
+    // 1/6, and the determinant of the edges at (1, 1, 1) over 6: 2/6
+    check::<3>(
+        "space",
+        &read("vtk.space.vtu"),
+        &[("2", 0.5, &[("5", 0.5)])],
+    );
+    let refused = MeshFile::read(support::folder().join("vtk.inline.lzma.vtu"));
+    let why = refused.expect_err("LZMA").to_string();
+    assert!(
+        why.contains("`vtkLZMADataCompressor`") && why.contains("zlib"),
+        "{why}"
+    );
+}
+
+/// Gmsh writes its physical groups as sets of elements, with other names where these have spaces or none.
+#[test]
+fn decks_of_gmsh_are_bodies_and_boundaries() {
+    let other = |name: &'static str| match name {
+        "upper part" => "upper_part",
+        "42" => "PhysicalLine42",
+        same => same,
+    };
+    let named = |boundaries: &[(&'static str, f64)]| {
+        let named = boundaries.iter().map(|&(name, size)| (other(name), size));
+        // in alphabetical order
+        named
+            .collect::<BTreeMap<_, _>>()
+            .into_iter()
+            .collect::<Vec<_>>()
+    };
+    let blocks = [&BLOCKS[0], &BLOCKS[1]].map(|own| (other(own.0), own.1, named(own.2)));
+    let blocks = [0, 1].map(|k| (blocks[k].0, blocks[k].1, &blocks[k].2[..]));
+    for order in [1, 2] {
+        let deck = read(&format!("blocks.{order}.inp"));
+        assert_eq!(deck.format(), Format::Inp);
+        check::<2>("blocks", &deck, &blocks);
+        check::<3>("bricks", &read(&format!("bricks.{order}.inp")), BRICKS);
+    }
+}
+
+/// Sections are bodies, surfaces and sets of nodes boundaries; steps are not read.
+#[test]
+fn a_deck_by_hand() {
+    let deck = read("calculix.inp");
+    let root = f64::sqrt(3.0);
+    // the equilateral triangle between the tetrahedra has the side √2, as the three free ones of the second have
+    let side = 0.5 * root;
+    let expected: Expected = &[
+        (
+            "First",
+            1.0 / 6.0,
+            &[("Nall", 1.5), ("foot", 0.5), ("side", 1.0)],
+        ),
+        (
+            "second",
+            1.0 / 3.0,
+            &[("Free", 3.0 * side), ("Nall", 3.0 * side)],
+        ),
+    ];
+    check::<3>("deck", &deck, expected);
+}
+
+/// Many programs leave Medit's last keyword out.
+#[test]
+fn medit_files_may_lack_their_last_keyword() {
+    let text = std::fs::read_to_string(support::folder().join("freefem.mesh")).expect("a file");
+    let text = text.trim_end();
+    let without = text.strip_suffix("End").expect("the last keyword");
+    let [with, without] = [text, without].map(|text| MeshFile::parse(text.as_bytes()));
+    let [with, without] = [with, without].map(|file| file.expect("a mesh"));
+    assert_eq!(labelled(&with), labelled(&without));
+}
+
 /// The field (x², x y) of FreeFEM's P2, whose nodes are told by their coordinates.
 #[test]
 fn nodes_of_freefem_are_found_by_their_places() {
@@ -302,7 +390,7 @@ fn line_ends_byte_order_marks_and_comments_do_not_matter() {
         let comment = match file.format() {
             Format::Gmsh41 | Format::Gmsh22 => "$Comments\nNodes, $Nodes and é\n$EndComments\n",
             Format::Medit => "# comment\n",
-            Format::FreeFem | Format::Stl | Format::Vtu => "",
+            Format::FreeFem | Format::Stl | Format::Vtu | Format::Inp => "",
         };
         let variants = [
             text.replace('\n', "\r\n"),

@@ -14,6 +14,7 @@ for order in 1 2; do
         mesh "${made[@]}" -format msh22 -o "$name.$order.v22.msh"
         mesh "${made[@]}" -format msh22 -bin -o "$name.$order.v22.bin.msh"
         mesh "${made[@]}" -format mesh -o "$name.$order.mesh"
+        mesh "${made[@]}" -format inp -o "$name.$order.inp"
     done
 done
 # Everything is saved, groups or not; nodes come with their parameters.
@@ -41,3 +42,5 @@ fi
 for version in 1 3 4; do
     mesh -2 blocks.geo -setnumber Mesh.MshFileVersion "$version" -format msh -o "blocks.v$version.msh"
 done
+# VTK's, where its Python package and meshio are installed.
+if python3 -c 'import meshio, vtk' 2>/dev/null; then python3 write_vtu.py; fi

@@ -1,6 +1,6 @@
 //! Mesh files of Gmsh (MSH 4.1 and 2.2, text and binary), Medit (`.mesh`, and `.meshb` in binary;
 //! FreeFEM writes both), FreeFEM (`.msh` in the plane), STL (triangles without cells, for
-//! [obstacles](crate::Obstacle::read)) and, with the feature `vtk`, VTK (`.vtu`).
+//! [obstacles](crate::Obstacle::read)), decks of Abaqus and CalculiX (`.inp`) and, with the feature `vtk`, VTK (`.vtu`).
 //!
 //! A [`MeshFile`] has the contents of a file in any of these formats; [`MeshFile::bodies`] builds
 //! meshes from it. Invalid contents are rejected as [`Error::MeshFile`] with the line and the
@@ -23,6 +23,7 @@ mod contents;
 mod cursor;
 mod freefem;
 mod gmsh;
+mod inp;
 mod kind;
 mod medit;
 mod merged;
@@ -33,6 +34,8 @@ mod stl;
 mod vtu;
 #[cfg(feature = "vtk")]
 pub(crate) mod vtu_arrays;
+#[cfg(feature = "vtk")]
+mod vtu_data;
 
 use std::path::{Path, PathBuf};
 
@@ -67,6 +70,8 @@ pub enum Format {
     Stl,
     /// VTK's `.vtu`.
     Vtu,
+    /// Input decks of Abaqus and CalculiX, `.inp`.
+    Inp,
 }
 
 /// A group of elements: a physical group of Gmsh, or all elements with one label.
@@ -199,6 +204,9 @@ fn contents(bytes: &[u8]) -> Result<(Format, Contents), Fault> {
             remedy: "build contact-fem with the feature `vtk`",
         }
         .into());
+    }
+    if inp::recognised(start) {
+        return Ok((Format::Inp, inp::read(bytes)?));
     }
     if stl::recognised(bytes) {
         return Ok((Format::Stl, stl::read(bytes)?));

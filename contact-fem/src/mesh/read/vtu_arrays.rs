@@ -1,11 +1,10 @@
-//! The arrays of numbers in VTK's `.vtu` files: as text or with inline binary data, not compressed.
+//! The arrays of numbers in VTK's `.vtu` files: as text, or binary as [`vtu_data`](super::vtu_data) reads it.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use super::problem::{Fault, Place, Problem, excerpt};
+use super::vtu_data::{Appended, Codec, Coding, Source};
 
 /// Where an array stands in a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +47,8 @@ pub(crate) fn pieces(
     bytes: &[u8],
     is_wanted: impl Fn(Section, &str) -> bool,
 ) -> Result<Vec<Piece>, Fault> {
-    let mut reader = Reader::from_reader(bytes);
+    let (grid, appended) = Appended::split(bytes)?;
+    let mut reader = Reader::from_reader(grid);
     let (mut file, mut pieces) = (File::default(), Vec::new());
     loop {
         let place = Place::Byte(usize::try_from(reader.buffer_position()).unwrap_or(0));
@@ -57,12 +57,17 @@ pub(crate) fn pieces(
         let event = event.map_err(|why| at(expected("well-formed XML", &why.to_string())))?;
         match event {
             Event::Start(tag) => file.open(&tag, &is_wanted).map_err(at)?,
+            Event::Empty(tag) if tag.name().as_ref() == b"DataArray" => {
+                file.open(&tag, &is_wanted).map_err(at)?;
+                file.close(appended.as_ref()).map_err(at)?;
+            }
             Event::Text(text) => file.take(&text),
             Event::CData(_) | Event::GeneralRef(_) if file.array.is_some() => {
                 return Err(at(expected("numbers", "other text")));
             }
             Event::End(tag) => match tag.name().as_ref() {
-                b"DataArray" => file.close().map_err(at)?,
+                b"DataArray" => file.close(appended.as_ref()).map_err(at)?,
+                b"InformationKey" => file.is_aside = false,
                 b"Piece" => {
                     let mut piece = std::mem::take(&mut file.piece);
                     piece.end = Some(place);
@@ -71,6 +76,8 @@ pub(crate) fn pieces(
                 b"VTKFile" => return Ok(pieces),
                 _ => {}
             },
+            // what follows is data
+            Event::Eof if file.is_grid && appended.is_some() => return Ok(pieces),
             Event::Eof if file.is_grid => {
                 let expected = "the end of `VTKFile`".to_string();
                 return Err(Problem::Truncated { expected }.into());
@@ -81,11 +88,11 @@ pub(crate) fn pieces(
     }
 }
 
-fn unsupported(found: &str) -> Problem {
+pub(super) fn unsupported(found: &str) -> Problem {
     Problem::Unsupported {
         found: found.to_string(),
-        remedy: "write an unstructured grid in one .vtu file of a little-endian machine, as text or with inline binary \
-            data, not compressed",
+        remedy: "write an unstructured grid in one .vtu file of a little-endian machine, as text or with binary data, not compressed, or \
+            compressed by zlib or LZ4",
     }
 }
 
@@ -100,9 +107,11 @@ pub(super) fn expected(what: &str, found: &str) -> Problem {
 #[derive(Default)]
 struct File {
     is_grid: bool,
-    has_long_headers: bool,
+    coding: Coding,
     section: Option<Section>,
     array: Option<Array>,
+    /// What is read tells about an array, and is not of it.
+    is_aside: bool,
     piece: Piece,
 }
 
@@ -111,8 +120,16 @@ struct Array {
     section: Section,
     name: String,
     number: String,
-    is_binary: bool,
+    form: Form,
     text: Vec<u8>,
+}
+
+/// Where the numbers of an array are.
+enum Form {
+    Text,
+    Binary,
+    /// From this offset on in the appended data.
+    Appended(usize),
 }
 
 /// The value of an attribute; empty if it is missing.
@@ -137,11 +154,11 @@ impl File {
                 if attribute(tag, "byte_order") == "BigEndian" {
                     return Err(unsupported("a VTK file of a big-endian machine"));
                 }
-                if !attribute(tag, "compressor").is_empty() {
-                    return Err(unsupported("a compressed VTK file"));
-                }
                 self.is_grid = true;
-                self.has_long_headers = attribute(tag, "header_type") == "UInt64";
+                self.coding = Coding {
+                    has_long_headers: attribute(tag, "header_type") == "UInt64",
+                    codec: Codec::named(&attribute(tag, "compressor"))?,
+                };
             }
             b"Points" => self.section = Some(Section::Points),
             b"Cells" => self.section = Some(Section::Cells),
@@ -149,6 +166,7 @@ impl File {
             b"CellData" => self.section = Some(Section::CellData),
             b"FieldData" => self.section = Some(Section::FieldData),
             b"DataArray" => self.array = self.array_of(tag, is_wanted)?,
+            b"InformationKey" => self.is_aside = true,
             _ => {}
         }
         Ok(())
@@ -165,9 +183,14 @@ impl File {
         let Some(section) = section else {
             return Ok(None);
         };
-        let is_binary = match attribute(tag, "format").as_str() {
-            "ascii" => false,
-            "binary" => true,
+        let form = match attribute(tag, "format").as_str() {
+            "ascii" => Form::Text,
+            "binary" => Form::Binary,
+            "appended" => {
+                let offset = attribute(tag, "offset");
+                let number = offset.parse();
+                Form::Appended(number.map_err(|_| expected("an offset", &offset))?)
+            }
             other => {
                 return Err(unsupported(&format!(
                     "a VTK file with data in the format `{other}`"
@@ -178,25 +201,32 @@ impl File {
             section,
             name,
             number: attribute(tag, "type"),
-            is_binary,
+            form,
             text: Vec::new(),
         }))
     }
 
     fn take(&mut self, text: &[u8]) {
-        if let Some(array) = &mut self.array {
+        if let (Some(array), false) = (&mut self.array, self.is_aside) {
             array.text.extend(text);
         }
     }
 
     /// Reads the numbers of the array that ends here.
-    fn close(&mut self) -> Result<(), Problem> {
+    fn close(&mut self, appended: Option<&Appended<'_>>) -> Result<(), Problem> {
         let Some(array) = self.array.take() else {
             return Ok(());
         };
-        let values = match array.is_binary {
-            true => from_binary(&array.text, &array.number, self.has_long_headers)?,
-            false => from_text(&array.text)?,
+        let binary = |source: Source<'_>| source.numbers(&array.number, self.coding);
+        let values = match array.form {
+            Form::Text => from_text(&array.text)?,
+            Form::Binary => binary(Source::base64(&array.text))?,
+            Form::Appended(offset) => {
+                let appended = appended.ok_or_else(|| Problem::Truncated {
+                    expected: "`AppendedData`".to_string(),
+                })?;
+                binary(appended.from(offset)?)?
+            }
         };
         let arrays = &mut self.piece.arrays;
         arrays.push((array.section, array.name, values));
@@ -215,53 +245,4 @@ fn from_text(text: &[u8]) -> Result<Vec<f64>, Problem> {
         number.ok_or_else(|| expected("a number", &excerpt(word)))
     };
     words.map(number).collect()
-}
-
-/// Base64 of the number of bytes and the bytes; either alone, or both together.
-fn from_binary(text: &[u8], number: &str, has_long_headers: bool) -> Result<Vec<f64>, Problem> {
-    let letters: Vec<u8> = text
-        .iter()
-        .copied()
-        .filter(|byte| !byte.is_ascii_whitespace())
-        .collect();
-    let mut bytes = Vec::with_capacity(letters.len() / 4 * 3 + 3);
-    for four in letters.chunks(4) {
-        let mut three = [0; 3];
-        let found = STANDARD.decode_slice(four, &mut three);
-        let found = found.map_err(|_| expected("base64", &excerpt(four)))?;
-        bytes.extend(&three[..found]);
-    }
-    let header = if has_long_headers { 8 } else { 4 };
-    let missing = || Problem::Truncated {
-        expected: "the data of an array".to_string(),
-    };
-    let (length, data) = bytes.split_at_checked(header).ok_or_else(missing)?;
-    let length = length
-        .iter()
-        .rev()
-        .fold(0_u64, |sum, &byte| sum << 8 | u64::from(byte));
-    let length = usize::try_from(length)
-        .ok()
-        .filter(|&length| length <= data.len());
-    let data = &data[..length.ok_or_else(missing)?];
-    macro_rules! numbers {
-        ($kind:ty) => {
-            data.chunks_exact(size_of::<$kind>())
-                .map(|bytes| <$kind>::from_le_bytes(bytes.try_into().unwrap_or_default()) as f64)
-                .collect()
-        };
-    }
-    Ok(match number {
-        "Float32" => numbers!(f32),
-        "Float64" => numbers!(f64),
-        "Int8" => numbers!(i8),
-        "UInt8" => numbers!(u8),
-        "Int16" => numbers!(i16),
-        "UInt16" => numbers!(u16),
-        "Int32" => numbers!(i32),
-        "UInt32" => numbers!(u32),
-        "Int64" => numbers!(i64),
-        "UInt64" => numbers!(u64),
-        other => return Err(expected("a type of numbers such as `Float64`", other)),
-    })
 }

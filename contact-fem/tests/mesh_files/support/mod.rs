@@ -23,7 +23,10 @@ pub fn mesh_files() -> Vec<(PathBuf, Vec<u8>)> {
             let ending = path.extension().and_then(|e| e.to_str());
             if path.is_dir() {
                 folders.push(path);
-            } else if matches!(ending, Some("msh" | "mesh" | "meshb" | "stl" | "vtu")) {
+            } else if matches!(
+                ending,
+                Some("msh" | "mesh" | "meshb" | "stl" | "vtu" | "inp")
+            ) {
                 let bytes = std::fs::read(&path).expect("a file");
                 files.push((path, bytes));
             }

@@ -1,7 +1,7 @@
 //! Medit's files, which FreeFEM, Gmsh, Mmg and others write: `.mesh` in text, `.meshb` in binary.
 //!
 //! A file consists of keywords, each followed by a number of items and, mostly, as many lines of
-//! numbers. Other keywords are skipped.
+//! numbers. Other keywords are skipped. A file may end without the keyword `End`; each section has as many items as it announces.
 
 pub(super) mod binary;
 
@@ -31,10 +31,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
     }
     let mut dimension = None;
     let mut contents = Contents::default();
-    loop {
-        let Some(keyword) = file.word() else {
-            return Err(file.unexpected("the keyword `End`", None));
-        };
+    // many programs leave `End` out
+    while let Some(keyword) = file.word() {
         match keyword {
             b"End" => break,
             b"Dimension" => match file.integer("the dimension")? {
