@@ -19,6 +19,7 @@ pub(super) struct Keys {
     pub(super) phase: Vec<PhaseKeys>,
     pub(super) solver: Option<Solver>,
     pub(super) tolerance: Option<f64>,
+    pub(super) max_leaps: Option<usize>,
     pub(super) departures: Option<Vec<Departure>>,
     pub(super) goes_on: Option<bool>,
     pub(super) max_iterations: Option<usize>,

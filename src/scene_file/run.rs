@@ -216,6 +216,11 @@ impl SceneFile {
                 )));
             }
         }
+        if let (Some(leaps @ 1..), Solver::Literal) = (keys.max_leaps, solver) {
+            return Err(self.place().key("max-leaps").wrong(format!(
+                "`max-leaps = {leaps}` has no effect with the solver literal, which goes from increment to increment: leave it out"
+            )));
+        }
         let departures = self.keys.departures.as_deref().unwrap_or_default();
         if let (Some(first), true) = (departures.first(), solver != Solver::Literal) {
             return Err(self.place().key("departures").wrong(format!(
@@ -389,6 +394,9 @@ impl SceneFile {
     ) -> Result<Simulation<Box<dyn Equilibrium>>, Error> {
         let mut simulation = Simulation::solved_by(solver, self.keys.increments.unwrap_or(1));
         simulation.load_steps.phases = self.phases()?;
+        if let Some(leaps) = self.keys.max_leaps {
+            simulation.load_steps.max_leaps = leaps;
+        }
         if name == Solver::Literal {
             let departures = self.keys.departures.as_deref().unwrap_or_default();
             simulation.load_steps.predictor = departures.contains(&Departure::Predictor);

@@ -106,13 +106,17 @@ const SETTINGS: [(&str, &str); 34] = [
 ];
 
 /// What a user of TOML calls what the parser names.
-const PARSER: [(&str, &str); 17] = [
+const PARSER: [(&str, &str); 18] = [
     ("TOML parse error at line", "line"),
     ("expected usize", "expected a whole number from 0"),
     ("expected u64", "expected a whole number from 0"),
     ("expected i64", "expected a whole number"),
     ("expected i32", "expected a whole number"),
     ("expected f64", "expected a number"),
+    (
+        "expected string or table",
+        "expected a word in quotes, or a table",
+    ),
     ("expected a boolean", "expected true or false"),
     ("expected a sequence", "expected a list"),
     ("expected a map", "expected a table"),

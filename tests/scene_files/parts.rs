@@ -897,6 +897,12 @@ fn what_files_lack_is_named() {
         ),
         (
             "points = 4",
+            "solver = \"literal\"\nmax-leaps = 1",
+            "from increment to increment: leave it out",
+        ),
+        ("points = 4", "projection = 3", "expected a word in quotes"),
+        (
+            "points = 4",
             "max-iterations = 9",
             "leave it out, or take literal",
         ),

@@ -86,7 +86,9 @@ normal = [0, 1]
     };
     let (code, text) = check(sound);
     assert_eq!(code, Some(0), "{text}");
-    let cases: [(&str, &str, usize, &str); 28] = [
+    let cases: [(&str, &str, usize, &str); 30] = [
+        ("points = 4", "projection = 3", 2, "projection"),
+        ("points = 4", "max-leaps = -1", 2, "max-leaps"),
         ("increments = 2", "increments = -2", 1, "increments"),
         ("points = 4", "points = 4.5", 2, "points"),
         ("points = 4", "point = 4", 2, "point"),

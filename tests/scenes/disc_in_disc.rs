@@ -9,6 +9,9 @@ use contact_fem::simulation::History;
 use contact_fem::{BodyId, Simulation};
 use ipopt_contact_scenes::disc_in_disc::{self, ENDS, EXACT_END, Fineness, FullLoad, Roles};
 
+/// The reference values belong to the paper's 100 increments. What is in equilibrium at full load does not depend on their number.
+const FEW: usize = 25;
+
 /// The ring comes first, or the disc.
 const BOTH_ORDERS: [Roles; 2] = [roles(false), roles(true)];
 
@@ -55,7 +58,7 @@ fn assert_ends_as_told((passes, end): (Passes, FullLoad)) {
         passes,
         ..Roles::default()
     };
-    let history = run(&mut disc_in_disc(64, roles), 100, 1e-8);
+    let history = run(&mut disc_in_disc(64, roles), FEW, 1e-8);
     assert_end(&history, roles.ring(), end);
 }
 
@@ -65,8 +68,8 @@ fn both_passes_at_tight_tolerance_whichever_body_comes_first() {
     for roles in BOTH_ORDERS {
         let ring = roles.ring();
         let mut problem = disc_in_disc(64, roles);
-        let history = run(&mut problem, 100, 1e-8);
-        assert_eq!(history.steps.len(), 100);
+        let history = run(&mut problem, FEW, 1e-8);
+        assert_eq!(history.steps.len(), FEW);
         assert_end(&history, ring, ENDS[0].1);
         let last = history.steps.last().expect("steps");
         let u = problem.displacements(&history.run.state.u);
@@ -106,7 +109,7 @@ fn exact_integration_whichever_body_comes_first() {
         let mut scene = disc_in_disc::scene(Fineness::REFERENCE, roles).expect("a scene");
         scene.integration = Some(Integration::Exact);
         scene.projection = Projection::Closest;
-        let history = run(&mut scene.problem().expect("valid scene"), 100, 1e-8);
+        let history = run(&mut scene.problem().expect("valid scene"), FEW, 1e-8);
         assert_end(&history, roles.ring(), EXACT_END);
         let last = history.steps.last().expect("steps");
         (last.energy, last.reaction(roles.ring())[1])

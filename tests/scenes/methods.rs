@@ -361,7 +361,7 @@ fn every_method_through_large_strains_in_any_passes_whichever_body_comes_first()
         for passes in ALL_PASSES {
             let ends = [false, true].map(|swapped| {
                 let roles = Roles { swapped, passes };
-                let mut problem = disc_in_disc(32, roles);
+                let mut problem = disc_in_disc(24, roles);
                 let history = run_with(method.as_mut(), &mut problem, 10, 1e-7);
                 let outcome = &history.run.ending;
                 assert_eq!(*outcome, Ending::Complete, "{name} {passes:?}");
