@@ -53,12 +53,11 @@ demo: install
 	$(CARGO) run --release --example disc_in_disc
 
 # The dev profile optimises here and keeps its checks for overflow. The first line covers units, integration tests and the example that
-# asserts its numbers, the second doctests, the third the other examples. Then comes what does without Ipopt and
-# shares its work among threads, and what does without libclang; the others, fewer features.
+# asserts its numbers, the second doctests. Then comes what does without Ipopt and shares its work among threads, and what does without
+# libclang; the others, fewer features. `make lint` compiles the other examples and the benches.
 test: install
 	$(CARGO) test --workspace --tests
 	$(CARGO) test --workspace --doc
-	$(CARGO) check --workspace --examples
 	$(CARGO) test -p contact-core -p contact-fem --no-default-features --features threads --test threads
 	$(CARGO) test -p ipopt-contact-sys -p contact-core --no-default-features --features contact-core/ipopt --tests
 	$(CARGO) check -p contact-core -p contact-fem --no-default-features --lib --profile test
