@@ -114,7 +114,7 @@ const PARSER: [(&str, &str); 18] = [
     ("expected i32", "expected a whole number"),
     ("expected f64", "expected a number"),
     (
-        "expected string or table",
+        "wanted string or table",
         "expected a word in quotes, or a table",
     ),
     ("expected a boolean", "expected true or false"),

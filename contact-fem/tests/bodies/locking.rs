@@ -143,14 +143,14 @@ fn tetrahedra_do_not_lock_either() {
         let ball = scene.obstacle("ball", block.on("top"), ball.moving(down));
         let ball = ball.expect("a surface");
         let mut problem = scene.problem().expect("a problem");
-        let history = Simulation::with_increments(2).run(&mut problem);
+        let history = Simulation::with_increments(4).run(&mut problem);
         let history = history.expect("a run");
         assert!(history.is_complete(), "{cells:?} {}", history.run.ending);
         history.last().expect("a step").obstacle_force(ball)[2]
     };
-    let reference = force(Cells::Quadratic, 3);
+    let reference = force(Cells::Quadratic, 4);
     let [averaged, plain] =
-        [Cells::Averaged, Cells::Linear].map(|cells| force(cells, 6) / reference - 1.0);
+        [Cells::Averaged, Cells::Linear].map(|cells| force(cells, 8) / reference - 1.0);
     println!("averaged {averaged:+.3}, plain {plain:+.3}");
     assert!(averaged.abs() < 0.1, "{averaged}");
     assert!(plain > 1.5 * averaged.abs(), "{plain} {averaged}");

@@ -239,16 +239,17 @@ fn a_deck_by_hand() {
     let root = f64::sqrt(3.0);
     // the equilateral triangle between the tetrahedra has the side √2, as the three free ones of the second have
     let side = 0.5 * root;
+    // the set of all nodes has the face between the bodies as well
     let expected: Expected = &[
         (
             "First",
             1.0 / 6.0,
-            &[("Nall", 1.5), ("foot", 0.5), ("side", 1.0)],
+            &[("Nall", 1.5 + side), ("foot", 0.5), ("side", 1.0)],
         ),
         (
             "second",
             1.0 / 3.0,
-            &[("Free", 3.0 * side), ("Nall", 3.0 * side)],
+            &[("Free", 3.0 * side), ("Nall", 4.0 * side)],
         ),
     ];
     check::<3>("deck", &deck, expected);

@@ -386,3 +386,61 @@ fn binary_files_of_other_machines_are_refused() {
         }
     }
 }
+
+/// Sizes of VTK's blocks that do not fit, and more than a mesh can be.
+#[test]
+#[cfg(feature = "vtk")]
+fn compressed_vtk_files() {
+    let folder = support::folder();
+    let text = std::fs::read_to_string(folder.join("vtk.inline.zlib.vtu")).expect("a file");
+    for (from, to, told) in [
+        (
+            "NumberOfPoints=\"6\"",
+            "NumberOfPoints=\"5\"",
+            "announces 5 points",
+        ),
+        (
+            "NumberOfCells=\"8\"",
+            "NumberOfCells=\"7\"",
+            "announces 7 cells",
+        ),
+        ("ZLib", "Zip", "`vtkZipDataCompressor`"),
+        (
+            "header_type=\"UInt64\"",
+            "header_type=\"UInt32\"",
+            "expected",
+        ),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let why = MeshFile::parse(text.replace(from, to).as_bytes()).expect_err(to);
+        assert!(why.to_string().contains(told), "{why}");
+    }
+    // one block, whole, and its last length: the largest numbers there are
+    let header = base64_of(&[1, 32768, u64::MAX, 8]);
+    let largest = "<VTKFile type=\"UnstructuredGrid\" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\
+        <Piece><Points><DataArray type=\"Float64\" format=\"binary\">";
+    let end = "AAAAAAAAAAA=</DataArray></Points></Piece></VTKFile>";
+    let why = MeshFile::parse(format!("{largest}{header}{end}").as_bytes()).expect_err("too large");
+    assert!(why.to_string().contains("bytes at most"), "{why}");
+}
+
+#[cfg(feature = "vtk")]
+fn base64_of(numbers: &[u64]) -> String {
+    const LETTERS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let bytes: Vec<u8> = numbers
+        .iter()
+        .flat_map(|number| number.to_le_bytes())
+        .collect();
+    let of = |three: &[u8]| {
+        let all = three
+            .iter()
+            .fold(0_u32, |sum, &byte| sum << 8 | u32::from(byte));
+        let all = all << (8 * (3 - three.len()));
+        let letter = |k: usize| match k <= three.len() {
+            true => LETTERS[(all >> (18 - 6 * k) & 63) as usize] as char,
+            false => '=',
+        };
+        (0..4).map(letter).collect::<String>()
+    };
+    bytes.chunks(3).map(of).collect()
+}

@@ -42,6 +42,19 @@ fn add(piece: &Piece, contents: &mut Contents) -> Result<(), Problem> {
         let one = "as many offsets and labels as types of cells";
         return Err(expected(one, "other numbers of them"));
     }
+    let found = [count, types.len()].map(|count| count as u64);
+    for (k, what) in ["points", "cells"].into_iter().enumerate() {
+        match piece.announced[k] {
+            Some(announced) if announced != found[k] => {
+                return Err(Problem::Total {
+                    what,
+                    announced,
+                    found: found[k],
+                });
+            }
+            _ => {}
+        }
+    }
     let mut begin = 0;
     for (cell, (&kind, &end)) in types.iter().zip(offsets).enumerate() {
         let kind = element_kind(kind)?;

@@ -21,6 +21,8 @@ pub(crate) enum Section {
 pub(crate) struct Piece {
     /// The arrays that are wanted, with their sections and names.
     arrays: Vec<(Section, String, Vec<f64>)>,
+    /// The numbers of points and cells that it announces.
+    pub announced: [Option<u64>; 2],
     /// Where it ends.
     end: Option<Place>,
 }
@@ -50,6 +52,7 @@ pub(crate) fn pieces(
     let (grid, appended) = Appended::split(bytes)?;
     let mut reader = Reader::from_reader(grid);
     let (mut file, mut pieces) = (File::default(), Vec::new());
+    file.coding.most = Coding::most_of(bytes);
     loop {
         let place = Place::Byte(usize::try_from(reader.buffer_position()).unwrap_or(0));
         let at = |problem| Fault { place, problem };
@@ -155,10 +158,12 @@ impl File {
                     return Err(unsupported("a VTK file of a big-endian machine"));
                 }
                 self.is_grid = true;
-                self.coding = Coding {
-                    has_long_headers: attribute(tag, "header_type") == "UInt64",
-                    codec: Codec::named(&attribute(tag, "compressor"))?,
-                };
+                self.coding.has_long_headers = attribute(tag, "header_type") == "UInt64";
+                self.coding.codec = Codec::named(&attribute(tag, "compressor"))?;
+            }
+            b"Piece" => {
+                let counts = ["NumberOfPoints", "NumberOfCells"];
+                self.piece.announced = counts.map(|count| attribute(tag, count).parse().ok());
             }
             b"Points" => self.section = Some(Section::Points),
             b"Cells" => self.section = Some(Section::Cells),

@@ -41,7 +41,8 @@ impl Codec {
         match self {
             Codec::Zlib => {
                 // one byte more than it may have
-                let mut unpacked = ZlibDecoder::new(block).take(length as u64 + 1);
+                let most = (length as u64).saturating_add(1);
+                let mut unpacked = ZlibDecoder::new(block).take(most);
                 unpacked.read_to_end(out).map_err(|_| wrong())?;
             }
             Codec::Lz4 => {
@@ -65,6 +66,15 @@ pub(super) struct Coding {
     /// Lengths have eight bytes, and not four.
     pub has_long_headers: bool,
     pub codec: Option<Codec>,
+    /// No array has more bytes, so that a small file does not take all memory.
+    pub most: usize,
+}
+
+impl Coding {
+    /// An array is at most thirty times as long as the file that has all arrays, or 64 KiB: meshes shrink by less than that.
+    pub fn most_of(file: &[u8]) -> usize {
+        30 * file.len() + (1 << 16)
+    }
 }
 
 /// Bytes as they are, or in base64, which may end and begin again.
@@ -144,6 +154,10 @@ impl<'a> Source<'a> {
                 (true, 1..) => last,
                 _ => whole,
             };
+            if of > coding.most.saturating_sub(unpacked.len()) {
+                let most = format!("{} bytes at most in an array of this file", coding.most);
+                return Err(expected(&most, "more"));
+            }
             codec.unpack(&block, of, &mut unpacked)?;
         }
         Ok(unpacked)
