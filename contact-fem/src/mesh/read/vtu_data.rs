@@ -34,7 +34,7 @@ impl Codec {
         let wrong = || {
             expected(
                 &format!("a block of {length} bytes when unpacked"),
-                "others",
+                "another length",
             )
         };
         let before = out.len();
@@ -71,7 +71,8 @@ pub(super) struct Coding {
 }
 
 impl Coding {
-    /// An array is at most thirty times as long as the file that has all arrays, or 64 KiB: meshes shrink by less than that.
+    /// Thirty times the length of the whole file, and 64 KiB more. The longest array of a regular grid of 980 000 triangles, by zlib, has 3.4 times
+    /// the length of its file.
     pub fn most_of(file: &[u8]) -> usize {
         30 * file.len() + (1 << 16)
     }

@@ -249,7 +249,7 @@ impl<const D: usize> Answers for Problem<D> {
 }
 
 impl<const D: usize> Problem<D> {
-    /// As [`Answers::lift`], with what follows others moved along with them.
+    /// As [`Answers::lift`]; nodes that follow other nodes move along with these.
     fn lift_tied(&self, from: f64, lifted: &mut [f64]) {
         let before = lifted.to_vec();
         let dofs = &self.kinematics.dofs;

@@ -24,7 +24,7 @@ impl Deck {
         let mut labels = BTreeMap::new();
         for (cell, own) in self.elements.iter().zip(&sets) {
             let dimension = cell.kind.dimension();
-            // those of boundaries are positive
+            // labels of boundaries are positive
             let next = -1 - labels.len() as i64;
             let label = *labels.entry(own).or_insert(next);
             let groups = |contents: &mut Contents| {
@@ -222,7 +222,7 @@ impl Deck {
     }
 }
 
-/// The faces at which bodies end, those of them behind which nothing is, and the corners of all cells.
+/// The faces at which bodies end, the free ones among these faces, which no second cell has, and the corners of all cells.
 #[derive(Default)]
 struct Sides {
     all: BTreeMap<Corners, Vec<usize>>,

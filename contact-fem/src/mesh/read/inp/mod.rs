@@ -1,7 +1,8 @@
 //! Input decks of Abaqus and CalculiX, `.inp`: nodes, elements, sets and surfaces. What follows `*STEP` is not read.
 //!
-//! Bodies are the sets of `*SOLID SECTION`. In a deck without sections they are those of `*ELSET`, where each cell is in one of these, and else those that
-//! `*ELEMENT` names. Surfaces of element faces are boundaries. So are sets of nodes, where the faces that have all corners in the set make up all of it.
+//! Bodies are the sets of `*SOLID SECTION`. In a deck without sections, bodies are the sets of `*ELSET` if each cell is in exactly one of these sets; if not,
+//! bodies are the sets that `*ELEMENT` names. Surfaces of element faces are boundaries. A set of nodes is a boundary if each of its
+//! corners belongs to a face whose corners are all in the set.
 //! Elements of lower dimension are facets of their sets.
 
 mod deck;

@@ -80,7 +80,7 @@ impl<T> Names<T> {
 /// Sets may be in sets so often.
 const DEEPEST: usize = 100;
 
-/// The indices of the members of a set, in ascending order. Of a range they are those that there are.
+/// The indices of the members of a set, in ascending order. A range stands for the numbers in it that the deck has.
 ///
 /// # Errors
 /// Names and numbers that there are not, and sets that are too deep in each other.
