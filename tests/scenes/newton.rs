@@ -176,6 +176,29 @@ fn meshes_on_which_closest_points_fail() {
     }
 }
 
+/// On fine meshes, an increment of a sixth of the hole's radius ends where rows of both bodies nearly depend on each other and steps leave
+/// gaps. It is over before the iteration is given up, which is after thirty steps, and started anew.
+#[test]
+fn fine_discs_in_few_increments() {
+    for segments in [178, 180] {
+        let scene = discs::scene(Fineness::scaled(segments), Roles::default()).expect("a scene");
+        let mut problem = scene.problem().expect("valid scene");
+        let history = Simulation::solved_by(CondensedNewton::default(), 5).run(&mut problem);
+        let history = history.expect("no misuse");
+        assert!(history.is_complete(), "{}", history.run.ending);
+        let certificate = history.certificate().expect("steps");
+        assert!(certificate.holds(&Limits::default()), "{certificate}");
+        for attempt in &history.run.attempts {
+            let iterations = attempt.cost.outer_iterations;
+            assert!(
+                iterations < 30,
+                "{segments} segments, at {}: {iterations}",
+                attempt.to
+            );
+        }
+    }
+}
+
 /// The side of the die lies flat on facets of the slab, so that rows of both nearly depend on each other, and its corners are in the middle of
 /// facets, whose rows vary with what is opposite the die.
 #[test]

@@ -1,5 +1,5 @@
 //! The weak non-penetration constraints, step by step:
-//! [`surface`] → [`moving`] with its [`normals`] → [`cut`] → [`search`] with its [`projection`] →
+//! [`surface`] → [`moving`] with its [`normals`] → [`cut`] → [`search`] with its [`projection`], and what is [`seen`] →
 //! [`stencil`] → [`rows`]; derivatives that follow the projection: [`gap`]. On a rigid [`obstacle`], distances take the place
 //! of the search.
 
@@ -20,6 +20,7 @@ pub mod projection;
 mod rim;
 pub mod rows;
 pub mod search;
+mod seen;
 pub mod stencil;
 pub mod surface;
 pub mod tie;

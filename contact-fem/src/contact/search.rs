@@ -10,17 +10,18 @@ use super::projection::Projection;
 use super::surface::Surface;
 use super::tree::{Closest, FacetTree};
 use crate::element::{Facet, facet_shapes};
-use crate::tensor::{Matrix, Vector, facet_normal};
+use crate::tensor::{Vector, facet_normal};
 
 /// A master surface at current positions, on which points are projected.
 pub struct Master<const D: usize> {
     moving: Moving<D>,
     /// The tree is built by the first search.
     tree: OnceLock<FacetTree<D>>,
-    facet_size: f64,
+    /// The mean length of the facets (UL).
+    pub(super) facet_size: f64,
     projection: Projection,
     /// How deep bodies start inside its own, or its own inside them (UL).
-    fit: f64,
+    pub(super) fit: f64,
 }
 
 /// The projection of a point x: its foot x̄ on a master surface.
@@ -43,6 +44,8 @@ pub struct FootPoint<const D: usize> {
     /// Whether x is beyond the rim of the surface. If x̄ is along normals, it is a little beyond the rim, too, where the facet goes on; else it
     /// is on the rim.
     pub off_the_end: bool,
+    /// The share with which x counts by what lies between the two: 1 but where a body does, or the neighbourhood of x on its own body.
+    pub seen: f64,
 }
 
 impl<const D: usize> FootPoint<D> {
@@ -74,6 +77,7 @@ impl<const D: usize> FootPoint<D> {
             distance: offset.norm(),
             gap: offset.dot(&normal),
             off_the_end: false,
+            seen: 1.0,
         }
     }
 
@@ -88,6 +92,7 @@ impl<const D: usize> FootPoint<D> {
             distance: gap.abs(),
             gap,
             off_the_end: false,
+            seen: 1.0,
         }
     }
 }
@@ -128,8 +133,8 @@ const FACING: f64 = 0.2;
 const FAR: f64 = 0.1;
 
 impl<const D: usize> Seeker<'_, D> {
-    /// The share of its weight with which a point counts. It falls to zero towards the search radius, and where slave and
-    /// master are at right angles, so that no point leaves its row at once.
+    /// The share of its weight with which a point counts. It falls to zero towards the search radius, where slave and
+    /// master are at right angles, and where the foot comes out of sight, so that no point leaves its row at once.
     pub(super) fn share(&self, p: &FootPoint<D>) -> f64 {
         #[cfg(planted)]
         if contact_core::planted!("shares of points are left out") {
@@ -140,7 +145,7 @@ impl<const D: usize> Seeker<'_, D> {
             true => (self.reach - p.distance) / (FAR * self.reach),
             false => 1.0,
         };
-        Self::facing_share(facing) * near.clamp(0.0, 1.0)
+        Self::facing_share(facing) * near.clamp(0.0, 1.0) * p.seen
     }
 
     /// The same by the cosine between the slave's normal and the reversed normal of the master.
@@ -156,28 +161,10 @@ impl<const D: usize> Master<D> {
     /// How far a facet goes on beyond the rim, in barycentric coordinates: much farther than the chord of a shadow is from the
     /// rim.
     const BEYOND: f64 = 0.2;
-    /// The smallest distance of a point that is separated by material, as a share of the length of the
-    /// reference path to it. Material lies between two points if that path starts or ends inside a
-    /// body and the distance is larger than this. Penetrations are much smaller, and material is not
-    /// compressed that far.
-    const MATERIAL: f64 = 0.2;
     /// The cosine between two normals above which surfaces face the same way: round a right-angled edge, averaged normals turn by 45°.
     const ALIKE: f64 = 0.75;
-    /// The depth, as a share of the facet size, beyond which the way to the foot is checked for facets that it crosses.
-    const SHALLOW: f64 = 0.05;
-    /// The smallest depth of the reference path on a single body, as a share of the facet size. The
-    /// sides of a closed slit are nearer to each other. Closer than this, a projection also counts as
-    /// a local minimum of the distance.
+    /// Closer than this, as a share of the facet size, a projection counts as a local minimum of the distance.
     const CLOSED: f64 = 1e-6;
-    /// The smallest depth of the reference path between two bodies, as a share of the larger facet
-    /// size: bodies may overlap slightly in the reference configuration.
-    const OVERLAP: f64 = 0.2;
-    /// The same, as a share of the depth with which bodies are fitted into each other: that is the shortest way out, and a way along normals is
-    /// longer. The thickness of the bodies is more than twice the depth.
-    const FIT: f64 = 1.5;
-    /// The smallest depth of the reference path between two bodies, as a share of its length: where
-    /// surfaces slide on each other, most of the path is along them.
-    const THROUGH: f64 = 0.5;
 
     /// At positions `x` of all scene nodes, with feet by `projection`.
     pub fn new(surface: &Arc<Surface<D>>, x: &[Vector<D>], projection: Projection) -> Self {
@@ -215,7 +202,7 @@ impl<const D: usize> Master<D> {
         self.moving.normals()
     }
 
-    fn tree(&self) -> &FacetTree<D> {
+    pub(super) fn tree(&self) -> &FacetTree<D> {
         #[cfg(planted)]
         if contact_core::planted!("the tree is that at rest") {
             let X = self.surface().reference_nodes();
@@ -251,45 +238,46 @@ impl<const D: usize> Master<D> {
             },
             ..*seeker
         };
-        let counts = |p: &FootPoint<D>| {
+        let counted = |p: FootPoint<D>| {
             #[cfg(planted)]
             if contact_core::planted!("every fourth facet is no master") && p.facet % 4 == 0
                 || contact_core::planted!("every sixteenth facet is no master") && p.facet % 16 == 7
             {
-                return false;
+                return None;
             }
             #[cfg(planted)]
             if contact_core::planted!("points of any side count") {
-                return p.distance <= seeker.reach && !p.off_the_end;
+                return Some(p).filter(|p| p.distance <= seeker.reach && !p.off_the_end);
             }
-            p.distance <= seeker.reach
-                && Self::is_above(p, seeker)
-                && seeker.facing.dot(&p.normal) < 0.0
-                && !self.is_through_material(p, seeker)
+            let is_near = p.distance <= seeker.reach && Self::is_above(&p, seeker);
+            if !is_near || seeker.facing.dot(&p.normal) >= 0.0 {
+                return None;
+            }
+            let seen = self.seen(&p, seeker);
+            (seen > 0.0).then_some(FootPoint { seen, ..p })
         };
         if seeker.own.is_none() {
             let nearest = self.project(&seeker.x)?;
             let is_beyond_the_middle =
                 nearest.gap < 0.0 && seeker.facing.dot(&nearest.normal) >= 0.0;
             if !is_beyond_the_middle || !Self::is_above(&nearest, seeker) {
-                return Some(nearest).filter(counts);
+                return counted(nearest);
             }
             let behind = self.tree().by_distance(&seeker.x, seeker.reach);
             return behind
                 .filter(|closest| self.is_local_minimum(closest, &seeker.x))
                 .map(|closest| self.foot(&closest, &seeker.x))
-                .find(counts);
+                .find_map(counted);
         }
-        let neighbour = |facet: usize| {
-            let mut nodes = self.surface().facet(facet).iter();
-            nodes.any(|&b| self.is_own(seeker, b))
-        };
         let nearest = self.tree().by_distance(&seeker.x, seeker.reach);
         nearest
-            .filter(|closest| !neighbour(closest.leaf.index) && !self.faces_alike(closest, seeker))
+            .filter(|closest| {
+                !self.is_neighbour(seeker, closest.leaf.index) && !self.faces_alike(closest, seeker)
+            })
             .filter(|closest| self.is_local_minimum(closest, &seeker.x))
             .map(|closest| self.foot(&closest, &seeker.x))
-            .find(|p| counts(p) && !neighbour(p.facet))
+            .filter(|p| !self.is_neighbour(seeker, p.facet))
+            .find_map(counted)
     }
 
     /// Whether a foot is on the surface, or as little beyond its rim as the seeker allows.
@@ -297,69 +285,17 @@ impl<const D: usize> Master<D> {
         !p.off_the_end || seeker.reaches_beyond && p.by == Projection::AlongNormals
     }
 
-    /// Whether node `b` of the surface is one of the seeker's neighbourhood.
-    fn is_own(&self, seeker: &Seeker<'_, D>, b: usize) -> bool {
+    /// Whether a facet is in the seeker's neighbourhood on its own body: it has a node of the seeker's facet.
+    pub(super) fn is_neighbour(&self, seeker: &Seeker<'_, D>, facet: usize) -> bool {
+        let mut nodes = self.surface().facet(facet).iter();
+        nodes.any(|&b| self.is_own(seeker, b))
+    }
+
+    /// Whether node `b` of the surface is one of the seeker's.
+    pub(super) fn is_own(&self, seeker: &Seeker<'_, D>, b: usize) -> bool {
         let node = self.surface().nodes()[b];
         let own = |own: Own<'_, D>| own.nodes.iter().any(|&a| own.surface.nodes()[a] == node);
         seeker.own.is_some_and(own)
-    }
-
-    /// Whether material lies between the seeker and its foot, of its own body or of the
-    /// other one. The surface is then seen from behind, as the top of a slab is from below. Two signs tell: the way to the foot
-    /// crosses the surface elsewhere, or the way between them in the reference configuration leads through a body.
-    fn is_through_material(&self, p: &FootPoint<D>, seeker: &Seeker<'_, D>) -> bool {
-        #[cfg(planted)]
-        if contact_core::planted!("what is seen through material counts") {
-            return false;
-        }
-        if p.gap >= 0.0 {
-            return false;
-        }
-        let there = &self.surface().reference()[p.facet];
-        let way = there.point(&p.lambda) - seeker.X;
-        // the depth of the reference path below the surface at its start and at its end
-        let starts = -way.dot(&normals::unit(seeker.N));
-        let ends = way.dot(&normals::unit(there.normal(&p.lambda)));
-        let length = way.norm();
-        let least = match seeker.own {
-            Some(_) => Self::CLOSED * self.facet_size,
-            None => {
-                let facet = self.facet_size.max(seeker.facet_size);
-                let overlap = (Self::OVERLAP * facet).max(Self::FIT * self.fit);
-                overlap.max(Self::THROUGH * length)
-            }
-        };
-        let is_through = p.distance > Self::MATERIAL * length && starts.max(ends) > least;
-        is_through || p.distance > Self::SHALLOW * self.facet_size && self.crosses(seeker, p)
-    }
-
-    /// Whether the way from the seeker to its foot crosses a facet that shares no node with the facets at both ends.
-    fn crosses(&self, seeker: &Seeker<'_, D>, p: &FootPoint<D>) -> bool {
-        let x = &seeker.x;
-        let middle = (x + p.foot) * 0.5;
-        let foot = self.surface().facet(p.facet);
-        let mut others = self.tree().at(&middle, 0.5 * p.distance).filter(|leaf| {
-            let nodes = self.surface().facet(leaf.index);
-            !nodes
-                .iter()
-                .any(|a| foot.contains(a) || self.is_own(seeker, *a))
-        });
-        others.any(|leaf| {
-            let corners = leaf.facet.corners();
-            // x + t (foot − x) is the first corner + Σ λ_k sides_k
-            let mut sides = Matrix::<D>::zeros();
-            for k in 1..D {
-                sides.set_column(k - 1, &(corners[k] - corners[0]));
-            }
-            sides.set_column(D - 1, &(x - p.foot));
-            let Some(inverse) = sides.try_inverse() else {
-                return false;
-            };
-            let at = inverse * (x - corners[0]);
-            let (t, lambda) = (at[D - 1], at.rows(0, D - 1));
-            let is_on_facet = lambda.min() >= 0.0 && lambda.sum() <= 1.0;
-            is_on_facet && t > Self::CLOSED && t < 1.0 - Self::CLOSED
-        })
     }
 
     /// Whether the surface faces the same way as the seeker at the closest point of a facet, so that a foot nearby does not count: the cheapest test of all.

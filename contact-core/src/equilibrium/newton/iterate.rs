@@ -114,6 +114,14 @@ impl Iterate<'_> {
         }
     }
 
+    /// The change of u below which a step is small: where steps leave gaps, they are no more accurate than these.
+    fn small(&self) -> f64 {
+        match self.has_dependent_rows() {
+            true => DEPENDENT * self.tolerance,
+            false => self.tolerance,
+        }
+    }
+
     /// Moves by one step of Newton's method, or back to the best state.
     pub(super) fn moved(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Moved, Halt> {
         self.steps += 1;
@@ -143,9 +151,11 @@ impl Iterate<'_> {
             let is_small = whole < self.tolerance;
             // too stiff an S underestimates how far the forces that are left would move a row
             let holds_an_open_row = tangent.holds_an_open_row(&self.at.state.multipliers);
-            let bound = match is_small && !holds_an_open_row {
-                true => self.tolerance.max(CLOSED),
-                false => CLEARLY * self.tolerance / tangent.ratio().max(1.0),
+            let ratio = tangent.ratio().max(1.0);
+            let bound = match holds_an_open_row {
+                false if is_small => self.tolerance.max(CLOSED),
+                false if whole < self.small() => self.tolerance / ratio,
+                _ => CLEARLY * self.tolerance / ratio,
             };
             let bounds = [bound, bound.max(self.gaps()[1])];
             let measures = (bounds, self.unit, self.least);

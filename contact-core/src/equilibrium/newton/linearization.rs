@@ -149,28 +149,36 @@ impl<'a> Linearization<'a> {
         for (j, force) in forces.iter_mut().enumerate() {
             *force = self.load[j] - *force - shift * self.diagonal[j].abs() * x[j];
         }
-        let matrix = self.gaps.matrix();
-        let y = self
-            .variation
-            .as_ref()
-            .map(|variation| variation.internal(x));
-        let varied = self.variation.as_ref().zip(y.as_deref());
-        if let Some((variation, y)) = varied {
+        let y = self.variation.as_ref().map(|own| own.internal(x));
+        if let Some((variation, y)) = self.variation.as_ref().zip(y.as_deref()) {
             variation.add_forces(x, y, &mut forces);
         }
-        let change = |i: usize| match varied.filter(|_| self.matters[i]) {
-            Some((variation, y)) => variation.gap(i, x, y),
-            None => matrix.times(i, x),
-        };
-        let gaps: Vec<f64> = self
-            .c
-            .iter()
-            .enumerate()
-            .map(|(i, c)| c + change(i))
-            .collect();
+        let gaps = self.gaps_after(x, y.as_deref());
         let pulled: Vec<f64> = added.iter().zip(&gaps).map(|(s, gap)| -s * gap).collect();
         self.gaps.add_forces(&pulled, &mut forces);
         (forces, gaps)
+    }
+
+    /// c + G x (m), with the internal variables `y` of x where rows vary.
+    fn gaps_after(&self, x: &[f64], y: Option<&[f64]>) -> Vec<f64> {
+        let varied = self.variation.as_ref().zip(y);
+        let change = |i: usize| match varied.filter(|_| self.matters[i]) {
+            Some((variation, y)) => variation.gap(i, x, y),
+            None => self.gaps.matrix().times(i, x),
+        };
+        let all = self.c.iter().enumerate();
+        all.map(|(i, c)| c + change(i)).collect()
+    }
+
+    /// The forces of rows with the multipliers μ after the step x (m, UF): a step may leave gaps of up to `bound` (UL), by which the `added` stiffness pulls.
+    pub fn pushes(&self, x: &[f64], lambda: Vec<f64>, added: &[f64], bound: f64) -> Vec<f64> {
+        if added.iter().all(|s| *s == 0.0) {
+            return lambda;
+        }
+        let y = self.variation.as_ref().map(|own| own.internal(x));
+        let gaps = self.gaps_after(x, y.as_deref());
+        let push = |(i, l): (usize, f64)| (l - added[i] * gaps[i].clamp(-bound, bound)).max(0.0);
+        lambda.into_iter().enumerate().map(push).collect()
     }
 }
 

@@ -31,7 +31,7 @@ const OVERLAP: f64 = 1e-10;
 pub(super) struct Step {
     /// The change of u (n, UL).
     pub x: Vec<f64>,
-    /// The new multipliers (m, UF).
+    /// The new multipliers (m, UF), with what added stiffness pulls.
     pub lambda: Vec<f64>,
     /// The largest entry of x (UL).
     pub length: f64,
@@ -119,6 +119,8 @@ impl Step {
             let is_settled = is_exact || change <= accuracy.at(step.length);
             if is_last || is_settled {
                 step.is_settled = is_settled || change <= UNSETTLED * step.length;
+                let left = accuracy.gaps * least;
+                step.lambda = here.pushes(&image, step.lambda, tangent.added(), left);
                 step.x = image;
                 return Ok(step);
             }

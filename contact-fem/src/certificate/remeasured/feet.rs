@@ -203,16 +203,8 @@ fn around<const D: usize>(
 ) -> Around<D> {
     let mut closest = Vec::new();
     let mut seen = 0;
-    let is_own = |f: usize| {
-        let node = |faces: &Faces<D>, a: usize| faces.nodes[a];
-        point.own.is_some_and(|own| {
-            let mut own = slave.facet(own).iter().map(|&a| node(slave, a));
-            let there = master.faces.facet(f);
-            own.any(|a| there.iter().any(|&b| node(master.faces, b) == a))
-        })
-    };
     for facet in master.boxes.within(&point.x, distance) {
-        if is_own(facet) {
+        if is_own(slave, master.faces, point, facet) {
             seen += 1;
             continue;
         }
@@ -252,7 +244,7 @@ pub(super) fn foot<const D: usize>(
         for own in &found.closest {
             // what is farther away decides nothing
             let is_first = |foot: &Foot<D>| {
-                foot.distance < NEARER * own.distance && counts(master.faces, point, foot, reach)
+                foot.distance < NEARER * own.distance && counts(surfaces, point, foot, reach)
             };
             if let Some(foot) = nearest.filter(is_first) {
                 return Some(foot);
@@ -269,7 +261,7 @@ pub(super) fn foot<const D: usize>(
         let is_last = distance >= reach.radius || is_all;
         let closest = found.closest.first();
         let closest = closest.filter(|own| 4.0 * own.distance <= distance || is_last);
-        match decide(master, point, reach, &feet, closest) {
+        match decide(surfaces, point, reach, &feet, closest) {
             Decision::Found(foot) => return Some(foot),
             Decision::None => return None,
             Decision::Open if is_last => return None,
@@ -280,26 +272,26 @@ pub(super) fn foot<const D: usize>(
 
 /// The nearest foot that counts on one of these facets.
 pub(super) fn nearest_of<const D: usize>(
-    master: &Placed<'_, D>,
+    surfaces: (&Faces<D>, &Placed<'_, D>),
     facets: impl Iterator<Item = usize>,
     point: &Point<D>,
     reach: Reach,
 ) -> Option<Foot<D>> {
     let middle = Vector::repeat(1.0 / D as f64);
-    let feet = facets.filter_map(|facet| on(master, facet, &point.x, (&middle, 0.0)));
-    let feet = feet
-        .filter(|foot| foot.distance <= reach.radius && counts(master.faces, point, foot, reach));
+    let feet = facets.filter_map(|facet| on(surfaces.1, facet, &point.x, (&middle, 0.0)));
+    let feet =
+        feet.filter(|foot| foot.distance <= reach.radius && counts(surfaces, point, foot, reach));
     feet.min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
 /// Whether a foot faces the point, with no body between them.
 fn counts<const D: usize>(
-    master: &Faces<D>,
+    surfaces: (&Faces<D>, &Placed<'_, D>),
     point: &Point<D>,
     foot: &Foot<D>,
     reach: Reach,
 ) -> bool {
-    faces(point, foot) && !is_through_material(master, point, foot, reach)
+    faces(point, foot) && seen(surfaces, point, foot, reach) > 0.0
 }
 
 fn faces<const D: usize>(point: &Point<D>, foot: &Foot<D>) -> bool {
@@ -314,13 +306,14 @@ enum Decision<const D: usize> {
 }
 
 fn decide<const D: usize>(
-    master: &Placed<'_, D>,
+    surfaces: (&Faces<D>, &Placed<'_, D>),
     point: &Point<D>,
     reach: Reach,
     feet: &[Foot<D>],
     closest: Option<&Closest<D>>,
 ) -> Decision<D> {
-    let counts = |foot: &Foot<D>| counts(master.faces, point, foot, reach);
+    let master = surfaces.1;
+    let counts = |foot: &Foot<D>| counts(surfaces, point, foot, reach);
     if point.own.is_some() {
         return match feet.iter().find(|foot| counts(foot)) {
             Some(foot) => Decision::Found(*foot),
@@ -357,24 +350,58 @@ fn decide<const D: usize>(
     }
 }
 
-/// Whether a body is between a point and a foot that it is behind. Then the way between them in the reference configuration leads
-/// through one of the bodies, and is not much longer than that at present.
-fn is_through_material<const D: usize>(
-    master: &Faces<D>,
+/// The share with which a point counts by what is between it and its foot.
+///
+/// Behind a foot may be a body: the way between the two in the reference configuration leads through it then, and is not much longer than that at
+/// present. The share falls to zero while the longer of both ways shrinks from five times the other to four times, if the depth below the
+/// surface is a quarter above its limit, or more. On its own body, a point does not count whose foot is on a facet around its own one, and a foot beside
+/// these facets counts by its distance from them, in barycentric coordinates.
+pub(super) fn seen<const D: usize>(
+    (slave, master): (&Faces<D>, &Placed<'_, D>),
     point: &Point<D>,
     foot: &Foot<D>,
     Reach { size, fit, .. }: Reach,
-) -> bool {
-    if foot.gap >= 0.0 {
-        return false;
-    }
-    let [there, _] = master.reference(foot.facet);
-    let way = there.at(&foot.lambda) - point.X;
-    let normal = there.normal(&foot.lambda).normalize();
-    let inside = way.dot(&normal).max(-way.dot(&point.N.normalize()));
-    let least = match point.own {
-        Some(_) => 1e-6 * size,
-        None => (0.2 * size).max(1.5 * fit).max(0.5 * way.norm()),
+) -> f64 {
+    let master = master.faces;
+    let corners = master.facet(foot.facet)[..D].iter();
+    let beside = |(k, &a): (usize, &usize)| {
+        let mut around = master.around()[a].iter();
+        let is_beside = around.any(|&f| is_own(slave, master, point, f));
+        if is_beside { foot.lambda[k] } else { 0.0 }
     };
-    foot.distance > 0.2 * way.norm() && inside > least
+    let apart = match point.own {
+        Some(_) => (1.0 - corners.enumerate().map(beside).sum::<f64>()).clamp(0.0, 1.0),
+        None => 1.0,
+    };
+    if foot.gap >= 0.0 {
+        return apart;
+    }
+    let [there, normals] = master.reference(foot.facet);
+    let way = there.at(&foot.lambda) - point.X;
+    let normal = normals.at(&foot.lambda).normalize();
+    let inside = way.dot(&normal).max(-way.dot(&point.N.normalize()));
+    let [shallow, deep] = match point.own {
+        Some(_) => [1e-6 * size, 0.05 * size],
+        None => {
+            let least = (0.2 * size).max(1.5 * fit).max(0.5 * way.norm());
+            [least, 1.25 * least]
+        }
+    };
+    let by_depth = (deep - inside) / (deep - shallow);
+    let by_length = 5.0 - 20.0 * foot.distance / way.norm();
+    apart * by_depth.max(by_length).clamp(0.0, 1.0)
+}
+
+/// Whether a facet of the master has a node of the point's own facet.
+fn is_own<const D: usize>(
+    slave: &Faces<D>,
+    master: &Faces<D>,
+    point: &Point<D>,
+    facet: usize,
+) -> bool {
+    point.own.is_some_and(|own| {
+        let mut own = slave.facet(own).iter().map(|&a| slave.nodes[a]);
+        let there = master.facet(facet);
+        own.any(|a| there.iter().any(|&b| master.nodes[b] == a))
+    })
 }
