@@ -44,7 +44,7 @@ pub struct FootPoint<const D: usize> {
     /// Whether x is beyond the rim of the surface. If x̄ is along normals, it is a little beyond the rim, too, where the facet goes on; else it
     /// is on the rim.
     pub off_the_end: bool,
-    /// The share with which x counts by what lies between the two: 1 but where a body does, or the neighbourhood of x on its own body.
+    /// The share with which x counts by what lies between the two: 1 but where a body does.
     pub seen: f64,
 }
 
@@ -286,7 +286,7 @@ impl<const D: usize> Master<D> {
     }
 
     /// Whether a facet is in the seeker's neighbourhood on its own body: it has a node of the seeker's facet.
-    pub(super) fn is_neighbour(&self, seeker: &Seeker<'_, D>, facet: usize) -> bool {
+    fn is_neighbour(&self, seeker: &Seeker<'_, D>, facet: usize) -> bool {
         let mut nodes = self.surface().facet(facet).iter();
         nodes.any(|&b| self.is_own(seeker, b))
     }

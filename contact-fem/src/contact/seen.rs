@@ -2,7 +2,6 @@
 //!
 //! A point that is behind its foot has penetrated the master there, or it looks at the surface from the other side, through a body: as the
 //! bottom of a slab sees its top. Two signs tell: the way to the foot leads through a body in the reference configuration, or crosses the surface now.
-//! On its own body, a point sees all facets but those of its neighbourhood, on which the foot always is nearby.
 //!
 //! No sign shows at once: a point loses its weight over some part of the way, and all weights are continuous in the state.
 
@@ -44,29 +43,14 @@ impl<const D: usize> Master<D> {
         if contact_core::planted!("what is seen through material counts") {
             return 1.0;
         }
-        let apart = self.apart(p, seeker);
-        if p.gap >= 0.0 || apart == 0.0 {
-            return apart;
+        if p.gap >= 0.0 {
+            return 1.0;
         }
         let outside = self.outside(p, seeker);
         match outside > 0.0 && p.distance > 2.0 * SHALLOW * self.facet_size {
-            true => apart * outside.min(1.0 - self.crossed(p, seeker)),
-            false => apart * outside,
+            true => outside.min(1.0 - self.crossed(p, seeker)),
+            false => outside,
         }
-    }
-
-    /// The share by the neighbourhood of the point on its own body: 0 on the neighbourhood, and 1 one facet away from it.
-    fn apart(&self, p: &FootPoint<D>, seeker: &Seeker<'_, D>) -> f64 {
-        if seeker.own.is_none() {
-            return 1.0;
-        }
-        let is_beside = |a: usize| {
-            let mut around = self.surface().facets_around(a);
-            around.any(|(facet, _)| self.is_neighbour(seeker, facet))
-        };
-        let corners = p.lambda.iter().zip(self.surface().facet(p.facet));
-        let beside = corners.filter(|(_, a)| is_beside(**a));
-        (1.0 - beside.map(|(lambda, _)| lambda).sum::<f64>()).clamp(0.0, 1.0)
     }
 
     /// The share by the path between point and foot in the reference configuration: 0 where it leads through a body and is not much longer than the way now.
@@ -240,10 +224,6 @@ mod tests {
                 },
                 false => seeker,
             };
-            if seeker.own.is_some() {
-                let p = FootPoint::on(master.moving(), (own, middle), &to);
-                assert!(master.seen(&p, &seeker) < 1e-12, "the point's own facet");
-            }
             let facets = (first, second, shared);
             let (coarse, left, range) = jump(&master, &seeker, facets, (from, to));
             partly += usize::from(coarse > 0.0);

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
-use std::sync::OnceLock;
 
 use super::boxes::Sorted;
 use crate::element::Order;
@@ -29,8 +28,6 @@ pub(super) struct Faces<const D: usize> {
     is_end: Vec<bool>,
     /// The length of each facet at X (UL).
     sizes: Vec<f64>,
-    /// The facets around each node, as soon as somebody asks.
-    around: OnceLock<Vec<Vec<usize>>>,
 }
 
 /// The nodes of one facet with a vector each, which are interpolated by own shape functions.
@@ -215,7 +212,6 @@ impl<const D: usize> Faces<D> {
             nodes: own.iter().map(|a| a + first).collect(),
             is_end: vec![false; own.len()],
             sizes: Vec::new(),
-            around: OnceLock::new(),
         };
         for f in 0..faces.len() {
             for k in (0..D).filter(|&k| faces.rim[f][k]) {
@@ -375,14 +371,12 @@ impl<const D: usize> Faces<D> {
     }
 
     /// The facets around each node.
-    pub fn around(&self) -> &[Vec<usize>] {
-        self.around.get_or_init(|| {
-            let mut around = vec![Vec::new(); self.nodes.len()];
-            for f in 0..self.len() {
-                self.facet(f).iter().for_each(|&a| around[a].push(f));
-            }
-            around
-        })
+    pub fn around(&self) -> Vec<Vec<usize>> {
+        let mut around = vec![Vec::new(); self.nodes.len()];
+        for f in 0..self.len() {
+            self.facet(f).iter().for_each(|&a| around[a].push(f));
+        }
+        around
     }
 
     /// How the part of a facet in the sum of normals at its k-th node changes with component i of its j-th node, by differences over a step,

@@ -1,7 +1,7 @@
 //! The foot of a point, by trying all facets around it.
 
-use super::faces::{Faces, Patch, Placed, place, swept};
-use crate::tensor::Vector;
+use super::faces::{Faces, Patch, Piece, Placed, place, swept};
+use crate::tensor::{Matrix, Vector};
 
 /// The foot of a point on a boundary.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +40,8 @@ pub(super) struct Reach {
 
 /// Barycentric coordinates below zero by less are round-off.
 const ROUND_OFF: f64 = 1e-9;
+/// Facets that are no farther away from an end of a way than this share of a facet's length are not crossed.
+const CROSSES: f64 = 0.05;
 
 /// λ and s of x = x̄(λ) + s m(λ) with the normals m of a facet, which may be beyond the facet's sides: Newton's method, whose slopes are
 /// differences of positions. It starts from a λ and an s. `None` where it does not converge, or where normals have crossed.
@@ -203,8 +205,16 @@ fn around<const D: usize>(
 ) -> Around<D> {
     let mut closest = Vec::new();
     let mut seen = 0;
+    let is_own = |f: usize| {
+        let node = |faces: &Faces<D>, a: usize| faces.nodes[a];
+        point.own.is_some_and(|own| {
+            let mut own = slave.facet(own).iter().map(|&a| node(slave, a));
+            let there = master.faces.facet(f);
+            own.any(|a| there.iter().any(|&b| node(master.faces, b) == a))
+        })
+    };
     for facet in master.boxes.within(&point.x, distance) {
-        if is_own(slave, master.faces, point, facet) {
+        if is_own(facet) {
             seen += 1;
             continue;
         }
@@ -244,7 +254,7 @@ pub(super) fn foot<const D: usize>(
         for own in &found.closest {
             // what is farther away decides nothing
             let is_first = |foot: &Foot<D>| {
-                foot.distance < NEARER * own.distance && counts(surfaces, point, foot, reach)
+                foot.distance < NEARER * own.distance && counts(master, point, foot, reach)
             };
             if let Some(foot) = nearest.filter(is_first) {
                 return Some(foot);
@@ -261,7 +271,7 @@ pub(super) fn foot<const D: usize>(
         let is_last = distance >= reach.radius || is_all;
         let closest = found.closest.first();
         let closest = closest.filter(|own| 4.0 * own.distance <= distance || is_last);
-        match decide(surfaces, point, reach, &feet, closest) {
+        match decide(master, point, reach, &feet, closest) {
             Decision::Found(foot) => return Some(foot),
             Decision::None => return None,
             Decision::Open if is_last => return None,
@@ -272,26 +282,26 @@ pub(super) fn foot<const D: usize>(
 
 /// The nearest foot that counts on one of these facets.
 pub(super) fn nearest_of<const D: usize>(
-    surfaces: (&Faces<D>, &Placed<'_, D>),
+    master: &Placed<'_, D>,
     facets: impl Iterator<Item = usize>,
     point: &Point<D>,
     reach: Reach,
 ) -> Option<Foot<D>> {
     let middle = Vector::repeat(1.0 / D as f64);
-    let feet = facets.filter_map(|facet| on(surfaces.1, facet, &point.x, (&middle, 0.0)));
+    let feet = facets.filter_map(|facet| on(master, facet, &point.x, (&middle, 0.0)));
     let feet =
-        feet.filter(|foot| foot.distance <= reach.radius && counts(surfaces, point, foot, reach));
+        feet.filter(|foot| foot.distance <= reach.radius && counts(master, point, foot, reach));
     feet.min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
 /// Whether a foot faces the point, with no body between them.
 fn counts<const D: usize>(
-    surfaces: (&Faces<D>, &Placed<'_, D>),
+    master: &Placed<'_, D>,
     point: &Point<D>,
     foot: &Foot<D>,
     reach: Reach,
 ) -> bool {
-    faces(point, foot) && seen(surfaces, point, foot, reach) > 0.0
+    faces(point, foot) && seen(master, point, foot, reach) > 0.0
 }
 
 fn faces<const D: usize>(point: &Point<D>, foot: &Foot<D>) -> bool {
@@ -306,14 +316,13 @@ enum Decision<const D: usize> {
 }
 
 fn decide<const D: usize>(
-    surfaces: (&Faces<D>, &Placed<'_, D>),
+    master: &Placed<'_, D>,
     point: &Point<D>,
     reach: Reach,
     feet: &[Foot<D>],
     closest: Option<&Closest<D>>,
 ) -> Decision<D> {
-    let master = surfaces.1;
-    let counts = |foot: &Foot<D>| counts(surfaces, point, foot, reach);
+    let counts = |foot: &Foot<D>| counts(master, point, foot, reach);
     if point.own.is_some() {
         return match feet.iter().find(|foot| counts(foot)) {
             Some(foot) => Decision::Found(*foot),
@@ -354,29 +363,17 @@ fn decide<const D: usize>(
 ///
 /// Behind a foot may be a body: the way between the two in the reference configuration leads through it then, and is not much longer than that at
 /// present. The share falls to zero while the longer of both ways shrinks from five times the other to four times, if the depth below the
-/// surface is a quarter above its limit, or more. On its own body, a point does not count whose foot is on a facet around its own one, and a foot beside
-/// these facets counts by its distance from them, in barycentric coordinates.
+/// surface is a quarter above its limit, or more. The boundary may also be between the two, as that of a strip that is rolled up.
 pub(super) fn seen<const D: usize>(
-    (slave, master): (&Faces<D>, &Placed<'_, D>),
+    master: &Placed<'_, D>,
     point: &Point<D>,
     foot: &Foot<D>,
     Reach { size, fit, .. }: Reach,
 ) -> f64 {
-    let master = master.faces;
-    let corners = master.facet(foot.facet)[..D].iter();
-    let beside = |(k, &a): (usize, &usize)| {
-        let mut around = master.around()[a].iter();
-        let is_beside = around.any(|&f| is_own(slave, master, point, f));
-        if is_beside { foot.lambda[k] } else { 0.0 }
-    };
-    let apart = match point.own {
-        Some(_) => (1.0 - corners.enumerate().map(beside).sum::<f64>()).clamp(0.0, 1.0),
-        None => 1.0,
-    };
     if foot.gap >= 0.0 {
-        return apart;
+        return 1.0;
     }
-    let [there, normals] = master.reference(foot.facet);
+    let [there, normals] = master.faces.reference(foot.facet);
     let way = there.at(&foot.lambda) - point.X;
     let normal = normals.at(&foot.lambda).normalize();
     let inside = way.dot(&normal).max(-way.dot(&point.N.normalize()));
@@ -389,19 +386,46 @@ pub(super) fn seen<const D: usize>(
     };
     let by_depth = (deep - inside) / (deep - shallow);
     let by_length = 5.0 - 20.0 * foot.distance / way.norm();
-    apart * by_depth.max(by_length).clamp(0.0, 1.0)
+    let by_paths = by_depth.max(by_length).clamp(0.0, 1.0);
+    match by_paths > 0.0 && foot.distance > 2.0 * CROSSES * size {
+        true => by_paths.min(1.0 - crossed(master, point, foot, size)),
+        false => by_paths,
+    }
 }
 
-/// Whether a facet of the master has a node of the point's own facet.
-fn is_own<const D: usize>(
-    slave: &Faces<D>,
-    master: &Faces<D>,
+/// How surely the way from a point to its foot leads through another facet: from 0, where an end of the way is up to a twentieth of a facet's length away from it, to 1
+/// at a tenth.
+fn crossed<const D: usize>(
+    master: &Placed<'_, D>,
     point: &Point<D>,
-    facet: usize,
-) -> bool {
-    point.own.is_some_and(|own| {
-        let mut own = slave.facet(own).iter().map(|&a| slave.nodes[a]);
-        let there = master.facet(facet);
-        own.any(|a| there.iter().any(|&b| master.nodes[b] == a))
-    })
+    foot: &Foot<D>,
+    size: f64,
+) -> f64 {
+    let end = master.patches(foot.facet)[0].at(&foot.lambda);
+    let way = end - point.x;
+    let around = master
+        .boxes
+        .within(&(point.x + way * 0.5), 0.5 * foot.distance);
+    let mut surely: f64 = 0.0;
+    for facet in around.filter(|facet| *facet != foot.facet) {
+        for (_, Piece { corners, .. }) in master.pieces(facet) {
+            // Σ λ_k corner_k = x + t way with Σ λ_k = 1: λ_0 is left out
+            let columns: [Vector<D>; D] = std::array::from_fn(|k| match k {
+                0 => -way,
+                _ => corners[k] - corners[0],
+            });
+            let matrix = Matrix::<D>::from_columns(&columns);
+            let Some(inverse) = matrix.try_inverse() else {
+                continue;
+            };
+            let solution = inverse * (point.x - corners[0]);
+            let (t, rest) = (solution[0], solution.rows(1, D - 1));
+            if rest.min() < 0.0 || rest.sum() > 1.0 {
+                continue;
+            }
+            let away = t.min(1.0 - t) * foot.distance / size;
+            surely = surely.max(((away - CROSSES) / CROSSES).clamp(0.0, 1.0));
+        }
+    }
+    surely
 }

@@ -164,7 +164,7 @@ impl<const D: usize> Slave<'_, D> {
     fn opposite_between(&self, lambda: &Vector<D>, facets: [Option<usize>; 2]) -> Option<usize> {
         let point = self.point(lambda);
         let facets = facets.into_iter().flatten();
-        let nearest = feet::nearest_of(self.surfaces, facets, &point, self.reach);
+        let nearest = feet::nearest_of(self.surfaces.1, facets, &point, self.reach);
         let foot = nearest.or_else(|| feet::foot(self.surfaces, &point, self.reach));
         foot.map(|foot| foot.facet)
     }
@@ -209,7 +209,7 @@ impl<const D: usize> Slave<'_, D> {
         let near = if near.is_nan() { 1.0 } else { near };
         let counts = (cosine / FACING).clamp(0.0, 1.0)
             * near.clamp(0.0, 1.0)
-            * feet::seen(self.surfaces, &self.point(&lambda), &foot, self.reach)
+            * feet::seen(self.surfaces.1, &self.point(&lambda), &foot, self.reach)
             * self.places.share(self.surfaces.1.faces, &foot);
         let weight = share * counts * self.surfaces.0.measure(self.facet, &lambda);
         points.are_whole &= counts == 1.0;

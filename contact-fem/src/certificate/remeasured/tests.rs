@@ -126,6 +126,49 @@ fn feet_on_a_flat_side() {
     assert!(foot([1.0, 1.1], 1.0).is_none(), "turned away");
 }
 
+/// A straight strip is bent into a hairpin. A point of the outer side of one arm does not meet the outer side of the other arm from behind: the strip is
+/// in between, twice, and no path along the straight strip leads through it.
+#[test]
+fn arms_of_a_bent_strip_do_not_meet_from_behind() {
+    let bend = std::f64::consts::PI;
+    let mesh = rectangle(
+        &linspace(0.0, 4.0 + bend, 60),
+        &linspace(0.0, 0.1, 1),
+        Diagonals::Rising,
+    );
+    let mut mesh = mesh.expect("mesh");
+    mesh.name_boundary("skin", |X| X[1] == 0.0 || X[1] == 0.1);
+    let own = faces(&mesh, "skin");
+    // the strip's lower side is outside
+    let bent = mesh.nodes().iter().map(|X| match X[0] - 2.0 {
+        before if before < 0.0 => Vector::<2>::new(X[0], X[1]),
+        angle if angle < bend => {
+            let radius = 1.0 - X[1];
+            Vector::<2>::new(2.0 + radius * angle.sin(), 1.0 - radius * angle.cos())
+        }
+        after => Vector::<2>::new(2.0 - (after - bend), 2.0 - X[1]),
+    });
+    let bent: Vec<Vector<2>> = bent.collect();
+    let placed = Placed::new(&own, &bent);
+    let reach = Reach {
+        radius: 3.0,
+        size: own.size(),
+        fit: 0.0,
+    };
+    let search = Search {
+        x: &bent,
+        reach,
+        places: &Places::pieces(&own, &own),
+        is_one_body: true,
+        has_force: &vec![true; own.nodes.len()],
+    };
+    let pass = Pass::new(&own, &placed, &search);
+    let deepest = pass.held.iter().map(|point| point.foot.gap);
+    let deepest = deepest.fold(f64::INFINITY, f64::min);
+    // points of the inner sides see each other
+    assert!((deepest - 1.8).abs() < 1e-4, "{deepest}");
+}
+
 /// Rows of a disc in a ring of the same centre: each weak gap is between those of the polygons' corners and of their middles.
 #[test]
 fn weak_gaps_of_a_disc_in_a_ring() {
