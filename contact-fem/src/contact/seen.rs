@@ -77,15 +77,21 @@ impl<const D: usize> Master<D> {
         far.max(falling(starts.max(ends), depths))
     }
 
-    /// How surely the way from a point to its foot crosses the surface, beside the facets at both its ends: from 0 to 1.
+    /// How surely the way from a point to its foot crosses the surface, beyond the facets around the foot's and beside the point's own: from 0 to 1.
     fn crossed(&self, p: &FootPoint<D>, seeker: &Seeker<'_, D>) -> f64 {
         let x = &seeker.x;
         let middle = (x + p.foot) * 0.5;
-        let corners = self.surface().facet(p.facet).iter().zip(p.lambda.iter());
-        // a corner of the foot's facet counts as one of its corners less and less, as the foot moves away from it
+        let surface = self.surface();
+        let corners = surface.facet(p.facet).iter().zip(p.lambda.iter());
+        let share_a_facet = |a: usize, b: usize| {
+            let mut around = surface.facets_around(a);
+            around.any(|(facet, _)| surface.facet(facet).contains(&b))
+        };
+        // nodes around a corner of the foot's facet are of its surroundings less and less, as the foot moves away from that corner
         let of_foot = |b: usize| {
-            let own = corners.clone().find(|(a, _)| **a == b);
-            own.map_or(0.0, |(_, lambda)| (lambda / INSIDE).clamp(0.0, 1.0))
+            let own = corners.clone().filter(|(a, _)| share_a_facet(**a, b));
+            let shares = own.map(|(_, lambda)| (lambda / INSIDE).clamp(0.0, 1.0));
+            shares.fold(0.0, f64::max)
         };
         let of_point = |b: usize| if self.is_own(seeker, b) { 1.0 } else { 0.0 };
         let crossing = |leaf: &Leaf<D>| {
@@ -105,10 +111,10 @@ impl<const D: usize> Master<D> {
             }
             let shallow = SHALLOW * self.facet_size;
             let clear = 1.0 - falling(t.min(1.0 - t) * p.distance, [shallow, 2.0 * shallow]);
-            let nodes = self.surface().facet(leaf.index);
+            let nodes = surface.facet(leaf.index);
             let ends = nodes.iter().zip(lambda.iter());
             let ends = ends.map(|(&b, lambda)| lambda * of_foot(b).max(of_point(b)));
-            let inside = self.surface().rim().depth(leaf.index, nodes, &lambda) / INSIDE;
+            let inside = surface.rim().depth(leaf.index, nodes, &lambda) / INSIDE;
             Some(clear * (1.0 - ends.sum::<f64>()).max(0.0) * inside.min(1.0))
         };
         let around = self.tree().at(&middle, 0.5 * p.distance);

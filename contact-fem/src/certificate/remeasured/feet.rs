@@ -393,7 +393,7 @@ pub(super) fn seen<const D: usize>(
     }
 }
 
-/// How surely the way from a point to its foot leads through another facet: from 0, where an end of the way is up to a twentieth of a facet's length away from it, to 1
+/// How surely the way from a point to its foot leads through a facet that is not beside the foot: from 0, where an end of the way is up to a twentieth of a facet's length away from it, to 1
 /// at a tenth.
 fn crossed<const D: usize>(
     master: &Placed<'_, D>,
@@ -407,7 +407,15 @@ fn crossed<const D: usize>(
         .boxes
         .within(&(point.x + way * 0.5), 0.5 * foot.distance);
     let mut surely: f64 = 0.0;
-    for facet in around.filter(|facet| *facet != foot.facet) {
+    let of_foot = master.faces.facet(foot.facet);
+    let is_beside = |facet: usize| {
+        master
+            .faces
+            .facet(facet)
+            .iter()
+            .any(|a| of_foot.contains(a))
+    };
+    for facet in around.filter(|facet| !is_beside(*facet)) {
         for (_, Piece { corners, .. }) in master.pieces(facet) {
             // Σ λ_k corner_k = x + t way with Σ λ_k = 1: λ_0 is left out
             let columns: [Vector<D>; D] = std::array::from_fn(|k| match k {
