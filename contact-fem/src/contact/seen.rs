@@ -3,7 +3,7 @@
 //! A point that is behind its foot has penetrated the master there, or it looks at the surface from the other side, through a body: as the
 //! bottom of a slab sees its top. Two signs tell: the way to the foot leads through a body in the reference configuration, or crosses the surface now.
 //!
-//! No sign shows at once: a point loses its weight over some part of the way, and all weights are continuous in the state.
+//! A point loses its weight gradually as one of these signs appears, so that its weight is continuous in the state.
 
 use super::normals;
 use super::search::{FootPoint, Master, Seeker};

@@ -12,7 +12,7 @@
 //!   one gains what the other loses.
 //! - Gauss points fade near a rim, in proportion to the [depth](super::rim::Rim::depth) of their feet.
 //!
-//! Left out are the ends of polygons in space, and the shares near the search radius and at right angles.
+//! Left out are the ends of polygons in space, and the shares near the search radius, at right angles and out of sight.
 
 use super::cut::zeros;
 use super::gap::foot::Foot;

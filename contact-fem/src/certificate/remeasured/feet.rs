@@ -393,8 +393,8 @@ pub(super) fn seen<const D: usize>(
     }
 }
 
-/// How surely the way from a point to its foot leads through a facet that is not beside the foot: from 0, where an end of the way is up to a twentieth of a facet's length away from it, to 1
-/// at a tenth.
+/// How surely the way from a point to its foot leads through a facet that is not beside the foot. The result is 0 if one end of the way is within a
+/// twentieth of a facet's length of that facet, and 1 if both ends are a tenth or more away.
 fn crossed<const D: usize>(
     master: &Placed<'_, D>,
     point: &Point<D>,
