@@ -1,5 +1,5 @@
 //! The weak non-penetration constraints, step by step:
-//! [`surface`] → [`moving`] with its [`normals`] → [`cut`] → [`search`] with its [`projection`], and what is [`seen`] →
+//! [`surface`] → [`moving`] with its [`normals`] → [`cut`] → [`search`] with its [`projection`], and what is seen (`seen.rs`) →
 //! [`stencil`] → [`rows`]; derivatives that follow the projection: [`gap`]. On a rigid [`obstacle`], distances take the place
 //! of the search.
 
