@@ -306,19 +306,96 @@ fn freefem() {
 }
 
 #[test]
+fn legacy_vtk() {
+    let good = "# vtk DataFile Version 3.0\na title\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n\
+        0 0 0\n1 0 0\n0 1 0\nCELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\nCELL_DATA 1\nSCALARS Label int 1\n\
+        LOOKUP_TABLE default\n7\n";
+    #[rustfmt::skip]
+    let cases: &[Case] = &[
+        ("3.0", "6.0", 1, is!(Expected), "a version up to 5, found `6.0`"),
+        ("ASCII", "TEXT", 3, is!(Expected), "found `TEXT`"),
+        ("DATASET", "DATA", 4, is!(Expected), "found `DATA`"),
+        ("UNSTRUCTURED_GRID", "POLYDATA", 4, is!(Unsupported), "VTK's POLYDATA"),
+        ("float", "floating", 5, is!(Expected), "a type of numbers"),
+        ("POINTS 3 ", "POINTS 99999999999 ", 5, is!(Count), "coordinates, but only"),
+        ("POINTS 3 ", "POINTS 18446744073709551615 ", 5, is!(Count), ""),
+        ("POINTS 3 ", "POINTS 4 ", 9, is!(Expected), "found `CELLS`"),
+        ("POINTS 3 ", "POINTS 2 ", 8, is!(Expected), "found `0`"),
+        ("CELLS 1 4", "CELLS 2 4", 10, is!(Total), "2 cells"),
+        ("CELLS 1 4", "CELLS 0 4", 10, is!(Total), "4 nodes of cells"),
+        ("3 0 1 2", "-3 0 1 2", 10, is!(Total), ""),
+        ("3 0 1 2", "2.5 0 1 2", 10, is!(Total), ""),
+        ("3 0 1 2", "9e9 0 1 2", 10, is!(Total), ""),
+        ("SCALARS Label int 1", "SCALARS Label int 2", 17, is!(Truncated), ""),
+        ("SCALARS", "NUMBERS", 14, is!(Expected), "the keyword of data"),
+        ("LOOKUP_TABLE", "TABLE", 15, is!(Expected), "`LOOKUP_TABLE`, found `TABLE`"),
+        ("\nCELL_DATA 1", "", 13, is!(Expected), "found `SCALARS`"),
+    ];
+    check(good, cases);
+    #[rustfmt::skip]
+    let of_the_grid = [
+        ("3 0 1 2", "3 0 1 3", "names node 3"),
+        ("3 0 1 2", "3 0 1 -1", "names node -1"),
+        ("CELL_TYPES 1\n5", "CELL_TYPES 1\n9", "VTK's 9"),
+        ("CELL_TYPES 1\n5", "CELL_TYPES 1\n22", "the nodes of a 6-node triangle"),
+        ("CELL_TYPES 1\n5", "CELL_TYPES 2\n5 5", "as many offsets and labels"),
+        ("default\n7", "default\n7.5", "an integer label, found `7.5`"),
+        ("0 1 0", "0 nan 0", "NaN"),
+        ("CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\nCELL_DATA 1\nSCALARS Label int 1\nLOOKUP_TABLE default\n7\n", "", "no `CELLS`"),
+    ];
+    for (piece, replacement, part) in of_the_grid {
+        assert!(good.contains(piece), "{piece}");
+        let (place, problem) = refusal(good.replacen(piece, replacement, 1).as_bytes());
+        assert!(problem.to_string().contains(part), "{problem}");
+        assert_eq!(place, File);
+    }
+    // the first cell begins at 0, and has the three nodes that follow
+    let offsets = "CELLS 2 3\nOFFSETS vtktypeint64\n0 3\nCONNECTIVITY vtktypeint64\n0 1 2";
+    let of_five = good
+        .replace("3.0", "5.1")
+        .replace("CELLS 1 4\n3 0 1 2", offsets);
+    let file = MeshFile::parse(of_five.as_bytes()).expect("version 5");
+    assert_eq!(file.elements()[0].nodes, [0, 1, 2]);
+    for (piece, replacement) in [
+        ("0 3\n", "0 2\n"),
+        ("0 3\n", "1 3\n"),
+        ("CELLS 2", "CELLS 0"),
+    ] {
+        let (_, problem) = refusal(of_five.replacen(piece, replacement, 1).as_bytes());
+        assert!(matches!(problem, Expected { .. }), "{piece} {problem}");
+    }
+}
+
+/// A number that is announced is no reason to take memory; strings that announce more than there is are none, either.
+#[test]
+fn legacy_vtk_in_binary() {
+    let head = b"# vtk DataFile Version 5.1\na title\nBINARY\nDATASET UNSTRUCTURED_GRID\n";
+    let file = |rest: &[u8]| [&head[..], rest].concat();
+    for rest in [
+        &b"POINTS 99999999999 double\n\0\0"[..],
+        b"POINTS 18446744073709551615 double\n\0\0",
+        b"FIELD FieldData 1\nnote 1 18446744073709551615 string\n\xff",
+        b"FIELD FieldData 1\nnote 1 1 string\n\x3f\xff\xff\xff\xff\xff\xff\xff",
+        b"FIELD FieldData 1\nnote 1 2 string\n\xc1a\xc2b",
+        b"POINT_DATA 100\nSCALARS a bit 1\nLOOKUP_TABLE default\n\0",
+    ] {
+        let bytes = file(rest);
+        let (peak, (_, problem)) = support::memory::peak_of(|| refusal(&bytes));
+        assert!(matches!(problem, Count { .. }), "{problem}");
+        assert!(peak < 20_000, "{peak}");
+    }
+    let sound = file(b"FIELD FieldData 1\nnote 1 2 string\n\xc1a\x80\x02bcPOINTS 0 double\n");
+    assert!(matches!(refusal(&sound).1, Missing { .. }));
+}
+
+#[test]
 fn what_is_no_mesh_file() {
     for empty in ["", " \r\n\t ", "\u{feff}"] {
         assert!(matches!(refusal(empty.as_bytes()).1, Empty));
     }
     let mut random = Random(7);
     let noise: Vec<u8> = (0..10 << 20).map(|_| random.number() as u8).collect();
-    for bytes in [
-        &noise[..],
-        b"\x1f\x8b\x08\x00",
-        b"# vtk DataFile Version 3.0\n",
-        b"1 2",
-        b"\xff",
-    ] {
+    for bytes in [&noise[..], b"\x1f\x8b\x08\x00", b"1 2", b"\xff"] {
         let (place, problem) = refusal(bytes);
         assert!(
             matches!(&problem, UnknownFormat { start } if start.len() < 200),

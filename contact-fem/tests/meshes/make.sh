@@ -15,6 +15,8 @@ for order in 1 2; do
         mesh "${made[@]}" -format msh22 -bin -o "$name.$order.v22.bin.msh"
         mesh "${made[@]}" -format mesh -o "$name.$order.mesh"
         mesh "${made[@]}" -format inp -o "$name.$order.inp"
+        mesh "${made[@]}" -format vtk -o "$name.$order.vtk"
+        mesh "${made[@]}" -format vtk -bin -o "$name.$order.bin.vtk"
     done
 done
 # Everything is saved, groups or not; nodes come with their parameters.
@@ -43,4 +45,4 @@ for version in 1 3 4; do
     mesh -2 blocks.geo -setnumber Mesh.MshFileVersion "$version" -format msh -o "blocks.v$version.msh"
 done
 # VTK's, where its Python package and meshio are installed.
-if python3 -c 'import meshio, vtk' 2>/dev/null; then python3 write_vtu.py; fi
+if python3 -c 'import meshio, vtk' 2>/dev/null; then python3 write_vtu.py && python3 write_vtk.py; fi

@@ -1,6 +1,6 @@
 //! Mesh files of Gmsh (MSH 4.1 and 2.2, text and binary), Medit (`.mesh`, and `.meshb` in binary;
 //! FreeFEM writes both), FreeFEM (`.msh` in the plane), STL (triangles without cells, for
-//! [obstacles](crate::Obstacle::read)), decks of Abaqus and CalculiX (`.inp`) and, with the feature `vtk`, VTK (`.vtu`).
+//! [obstacles](crate::Obstacle::read)), decks of Abaqus and CalculiX (`.inp`), and VTK (`.vtk`; `.vtu` with the feature `vtk`).
 //!
 //! A [`MeshFile`] has the contents of a file in any of these formats; [`MeshFile::bodies`] builds
 //! meshes from it. Invalid contents are rejected as [`Error::MeshFile`] with the line and the
@@ -23,6 +23,7 @@ mod contents;
 mod cursor;
 mod freefem;
 mod gmsh;
+mod grid;
 mod inp;
 mod kind;
 mod medit;
@@ -30,6 +31,7 @@ mod merged;
 mod parts;
 mod problem;
 mod stl;
+mod vtk;
 #[cfg(feature = "vtk")]
 mod vtu;
 #[cfg(feature = "vtk")]
@@ -70,6 +72,8 @@ pub enum Format {
     Stl,
     /// VTK's `.vtu`.
     Vtu,
+    /// VTK's legacy `.vtk`, text or binary.
+    Vtk,
     /// Input decks of Abaqus and CalculiX, `.inp`.
     Inp,
 }
@@ -185,6 +189,9 @@ fn contents(bytes: &[u8]) -> Result<(Format, Contents), Fault> {
     }
     if start.starts_with(b"$") {
         return gmsh::read(bytes);
+    }
+    if vtk::recognised(start) {
+        return Ok((Format::Vtk, vtk::read(start)?));
     }
     if medit::recognised(start) {
         return Ok((Format::Medit, medit::read(bytes)?));

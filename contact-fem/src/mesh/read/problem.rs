@@ -38,7 +38,7 @@ pub enum Problem {
     Empty,
     /// A format other than the supported ones.
     #[error(
-        "begins with `{start}`: this is no Gmsh MSH, Medit .mesh or .meshb, FreeFEM .msh, STL, VTK .vtu or Abaqus .inp file; \
+        "begins with `{start}`: this is no Gmsh MSH, Medit .mesh or .meshb, FreeFEM .msh, STL, VTK .vtu or .vtk, or Abaqus .inp file; \
          export one of these"
     )]
     UnknownFormat {

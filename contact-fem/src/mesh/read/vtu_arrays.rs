@@ -3,6 +3,7 @@
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
+use super::grid::expected;
 use super::problem::{Fault, Place, Problem, excerpt};
 use super::vtu_data::{Appended, Codec, Coding, Source};
 
@@ -96,13 +97,6 @@ pub(super) fn unsupported(found: &str) -> Problem {
         found: found.to_string(),
         remedy: "write an unstructured grid in one .vtu file of a little-endian machine, as text or with binary data, not compressed, or \
             compressed by zlib or LZ4",
-    }
-}
-
-pub(super) fn expected(what: &str, found: &str) -> Problem {
-    Problem::Expected {
-        expected: what.to_string(),
-        found: found.to_string(),
     }
 }
 

@@ -6,8 +6,9 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 
+use super::grid::expected;
 use super::problem::{Problem, excerpt};
-use super::vtu_arrays::{expected, unsupported};
+use super::vtu_arrays::unsupported;
 
 /// How blocks of data are compressed.
 #[derive(Clone, Copy, Debug)]

@@ -25,7 +25,7 @@ pub fn mesh_files() -> Vec<(PathBuf, Vec<u8>)> {
                 folders.push(path);
             } else if matches!(
                 ending,
-                Some("msh" | "mesh" | "meshb" | "stl" | "vtu" | "inp")
+                Some("msh" | "mesh" | "meshb" | "stl" | "vtu" | "vtk" | "inp")
             ) {
                 let bytes = std::fs::read(&path).expect("a file");
                 files.push((path, bytes));
