@@ -334,11 +334,11 @@ fn errors_of_usage_are_one_line() {
     for (words, told) in [
         (
             &[][..],
-            "error: a command is missing: take run, solve, compare, causes or fields; `ipopt-contact --help` tells more\n",
+            "error: a command is missing: take run, solve, compare, causes, fields or mesh; `ipopt-contact --help` tells more\n",
         ),
         (
             &["rum"],
-            "error: there is no command rum: take run, solve, compare, causes or fields; `ipopt-contact --help` tells more\n",
+            "error: there is no command rum: take run, solve, compare, causes, fields or mesh; `ipopt-contact --help` tells more\n",
         ),
         (
             &["run", "a.toml"],
@@ -363,7 +363,7 @@ fn errors_of_usage_are_one_line() {
     ] {
         assert_eq!(program(words, &[]), (Some(2), told.into()), "{words:?}");
     }
-    let commands = ["run", "solve", "compare", "causes", "fields"];
+    let commands = ["run", "solve", "compare", "causes", "fields", "mesh"];
     for own in commands {
         let (code, told) = program(&[own, "--help"], &[]);
         assert_eq!(code, Some(0), "{told}");

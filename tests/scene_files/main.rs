@@ -8,6 +8,7 @@ mod gallery;
 mod hints;
 #[cfg(unix)]
 mod interrupt;
+mod meshes;
 mod page;
 mod parts;
 mod refused;

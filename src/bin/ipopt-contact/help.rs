@@ -1,7 +1,7 @@
 //! What the program can be asked for: of a command by itself, or of all.
 
 /// A command and its help.
-const COMMANDS: [(&str, &str); 5] = [
+const COMMANDS: [(&str, &str); 6] = [
     (
         "run",
         "  \
@@ -46,6 +46,13 @@ const COMMANDS: [(&str, &str); 5] = [
   ipopt-contact fields RESULT --nodes DIR --out DIR
       Writes the displacements and contact forces of a result for `file >> u[]` in FreeFEM, in the order of the files
       `nodes_BODY.txt` of a folder.",
+    ),
+    (
+        "mesh",
+        "  \
+  ipopt-contact mesh FILE [--to FILE]
+      Tells what a mesh file has: bodies, sizes, the worst cell, boundaries with their names, and the lines that a scene
+      begins with. --to writes its bodies for FreeFEM, .msh in the plane, or for Medit, .mesh in space.",
     ),
 ];
 

@@ -6,6 +6,7 @@ mod causes;
 mod compare;
 mod fields;
 mod help;
+mod mesh;
 mod run;
 mod solve;
 
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
         "run" => run::command(words),
         "solve" => solve::command(words),
         "fields" => fields::command(words),
+        "mesh" => mesh::command(words),
         _ => Err(format!(
             "there is no command {command}: take {}",
             help::commands()
