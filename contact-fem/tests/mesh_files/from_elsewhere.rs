@@ -261,6 +261,32 @@ fn legacy_vtk_files_have_the_same_mesh() {
     }
 }
 
+/// Components without a name are empty lines among the notes; words may be in other cases; labels are the first cell data that are whole
+/// numbers, whatever VTK has made of the characters of their names.
+#[test]
+fn legacy_vtk_files_as_other_writers_have_them() {
+    let file = |data: &str| {
+        format!(
+            "# vtk DataFile Version 4.2\na title\nascii\ndataset unstructured_grid\nfield f 1\nNULL_ARRAY\n\
+            points 4 Float\n0 0 0 2 0 0 2 1 0 0 1 0\nMETADATA\nCOMPONENT_NAMES\nX\n\nZ\nINFORMATION 0\n\n\
+            cells 2 8\n3 0 1 2 3 0 2 3\ncell_types 2\n5 5\ncell_data 2\n{data}"
+        )
+    };
+    let label = "scalars %4Cabel INT\nlookup_table default\n3 3\n";
+    let entity = "scalars CellEntityIds int 1\nlookup_table default\n4 4\n";
+    let field = "field f 2\ngmsh%3Aphysical 1 2 long\n5 5\nLabel 1 2 double\n0.5 3\n";
+    for (data, expected) in [
+        (label.to_string(), "3"),
+        (format!("{entity}{label}"), "3"),
+        (format!("{entity}{field}"), "5"),
+        (String::new(), "body"),
+    ] {
+        let file = MeshFile::parse(file(&data).as_bytes());
+        let file = file.unwrap_or_else(|why| panic!("{data}: {why}"));
+        check::<2>(&data, &file, &[(expected, 2.0, &[])]);
+    }
+}
+
 /// Gmsh writes its physical groups as sets of elements, with other names where these have spaces or none.
 #[test]
 fn decks_of_gmsh_are_bodies_and_boundaries() {

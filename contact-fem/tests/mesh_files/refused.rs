@@ -336,9 +336,9 @@ fn legacy_vtk() {
     let of_the_grid = [
         ("3 0 1 2", "3 0 1 3", "names node 3"),
         ("3 0 1 2", "3 0 1 -1", "names node -1"),
-        ("CELL_TYPES 1\n5", "CELL_TYPES 1\n9", "VTK's 9"),
-        ("CELL_TYPES 1\n5", "CELL_TYPES 1\n22", "the nodes of a 6-node triangle"),
-        ("CELL_TYPES 1\n5", "CELL_TYPES 2\n5 5", "as many offsets and labels"),
+        ("CELL_TYPES 1\n5", "CELL_TYPES 1\n9", "VTK's quadrilateral (9)"),
+        ("CELL_TYPES 1\n5", "CELL_TYPES 1\n22", "the 6 nodes of cell 0, a 6-node triangle, found `an end at 3`"),
+        ("CELL_TYPES 1\n5", "CELL_TYPES 2\n5 5", "2 offsets of cells, one for each type of a cell, found `1`"),
         ("default\n7", "default\n7.5", "an integer label, found `7.5`"),
         ("0 1 0", "0 nan 0", "NaN"),
         ("CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\nCELL_DATA 1\nSCALARS Label int 1\nLOOKUP_TABLE default\n7\n", "", "no `CELLS`"),

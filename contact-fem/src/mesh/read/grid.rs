@@ -4,9 +4,23 @@ use super::ElementKind;
 use super::contents::Contents;
 use super::problem::Problem;
 
-/// The integer cell data that are labels, the first of these that a file has: FreeFEM's, those of Gmsh's physical groups and of Medit's
-/// references as meshio writes them, and those of Gmsh's geometry.
+/// The names of cell data that are labels, in the order of their preference: FreeFEM's; Gmsh's physical groups and Medit's references, as
+/// meshio writes them; Gmsh's numbers of physical groups or, without any, of its geometry.
 pub(super) const LABELS: [&str; 4] = ["Label", "gmsh:physical", "medit:ref", "CellEntityIds"];
+
+/// The first of these arrays that has a whole number for each cell; the first one if none has.
+pub(super) fn chosen<'a>(
+    mut all: impl Iterator<Item = &'a [f64]>,
+    cells: usize,
+) -> Option<&'a [f64]> {
+    let first = all.next()?;
+    let are_labels =
+        |of: &&[f64]| of.len() == cells && of.iter().all(|&label| whole(label).is_some());
+    std::iter::once(first)
+        .chain(all)
+        .find(are_labels)
+        .or(Some(first))
+}
 
 /// The arrays of a grid.
 pub(super) struct Grid<'a> {
@@ -33,10 +47,12 @@ impl Grid<'_> {
         }
         let count = contents.vertices.len() - first;
         let cells = self.types.len();
-        let has_labels = self.labels.is_none_or(|labels| labels.len() == cells);
-        if self.offsets.len() != cells || !has_labels {
-            let one = "as many offsets and labels as types of cells";
-            return Err(expected(one, "other numbers of them"));
+        let labels = self.labels.map_or(cells, <[f64]>::len);
+        for (what, found) in [("offsets", self.offsets.len()), ("labels", labels)] {
+            if found != cells {
+                let one = format!("{cells} {what} of cells, one for each type of a cell");
+                return Err(expected(&one, &found.to_string()));
+            }
         }
         let mut begin = 0;
         for (cell, (&kind, &end)) in self.types.iter().zip(self.offsets).enumerate() {
@@ -44,8 +60,10 @@ impl Grid<'_> {
             let end = whole(end).and_then(|end| usize::try_from(end).ok());
             let nodes = end.and_then(|end| self.connectivity.get(begin..end));
             let nodes = nodes.filter(|nodes| nodes.len() == kind.nodes());
-            let nodes = nodes
-                .ok_or_else(|| expected(&format!("the nodes of a {kind}"), "other offsets"))?;
+            let nodes = nodes.ok_or_else(|| {
+                let of = format!("the {} nodes of cell {cell}, a {kind}", kind.nodes());
+                expected(&of, &format!("an end at {}", self.offsets[cell]))
+            })?;
             begin += nodes.len();
             let mut found = [0; 10];
             for (found, &node) in found.iter_mut().zip(nodes) {
@@ -98,7 +116,16 @@ fn element_kind(number: f64) -> Result<ElementKind, Problem> {
         Some(22) => ElementKind::Triangle6,
         Some(24) => ElementKind::Tetrahedron10,
         _ => {
-            let kind = format!("VTK's {number}");
+            let name = match whole(number) {
+                Some(4) => "polyline",
+                Some(7) => "polygon",
+                Some(8 | 9 | 23 | 28) => "quadrilateral",
+                Some(11 | 12 | 25 | 29) => "hexahedron",
+                Some(13 | 26) => "wedge",
+                Some(14 | 27) => "pyramid",
+                _ => "other",
+            };
+            let kind = format!("VTK's {name} ({number})");
             return Err(Problem::UnsupportedElement { kind });
         }
     })

@@ -6,12 +6,12 @@
 
 use super::contents::Contents;
 use super::cursor::Cursor;
-use super::grid::{Grid, LABELS};
+use super::grid::{Grid, LABELS, chosen};
 use super::problem::{Fault, Problem, excerpt};
 
 const FIRST: &[u8] = b"# vtk DataFile";
 
-/// Whether the file begins as all of VTK's legacy files do.
+/// Whether the file begins with the words that every legacy file of VTK has.
 pub(super) fn recognised(start: &[u8]) -> bool {
     start.starts_with(FIRST)
 }
@@ -28,6 +28,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
                 let count = file.at.text_size("the number of points")?;
                 let kind = file.kind()?;
                 points = file.numbers("coordinates", count.saturating_mul(3), kind)?;
+                file.width = 3;
             }
             "CELLS" => cells = file.cells()?,
             "CELL_TYPES" => {
@@ -52,7 +53,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
         connectivity: &cells.connectivity,
         offsets: &cells.offsets,
         types: &types,
-        labels: labels.best(),
+        labels: chosen(labels.0.iter().flatten().map(Vec::as_slice), types.len()),
     };
     let mut contents = Contents::default();
     grid.add_to(&mut contents)?;
@@ -68,11 +69,11 @@ enum Kind {
     Real(usize),
     /// One bit each, eight in a byte.
     Bit,
-    /// Strings, each with its length before it in binary, on a line of its own in text.
+    /// Strings: in binary with their lengths before them, in text a line each.
     Text,
 }
 
-/// The nodes of cells, and where those of each end.
+/// The nodes of all cells, one cell after the other, and the places where the nodes of each cell end.
 #[derive(Default)]
 struct Cells {
     connectivity: Vec<f64>,
@@ -84,17 +85,26 @@ struct Cells {
 struct Labels([Option<Vec<f64>>; LABELS.len()]);
 
 impl Labels {
-    /// Where the cell data with this name belong, if they may be labels.
+    /// The place of cell data with this name, if they may be labels.
     fn place(&mut self, name: &[u8]) -> Option<&mut Option<Vec<f64>>> {
-        // VTK writes a blank as %20, and so on
-        let name = String::from_utf8_lossy(name).replace("%3A", ":");
-        let k = LABELS.iter().position(|label| *label == name)?;
+        let name = decoded(name);
+        let k = LABELS.iter().position(|label| label.as_bytes() == name)?;
         self.0.get_mut(k)
     }
+}
 
-    fn best(&self) -> Option<&[f64]> {
-        self.0.iter().flatten().next().map(Vec::as_slice)
+/// A name in which VTK wrote some characters as `%` and two hexadecimal digits.
+fn decoded(name: &[u8]) -> Vec<u8> {
+    let mut decoded = Vec::with_capacity(name.len());
+    let mut left = name;
+    while let Some((&first, rest)) = left.split_first() {
+        let digits = rest.get(..2).filter(|_| first == b'%');
+        let digits = digits.and_then(|digits| std::str::from_utf8(digits).ok());
+        let byte = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        decoded.push(byte.unwrap_or(first));
+        left = if byte.is_some() { &rest[2..] } else { rest };
     }
+    decoded
 }
 
 /// The file, after its head.
@@ -103,6 +113,8 @@ struct File<'a> {
     is_binary: bool,
     /// Whether cells have offsets, since version 5.
     has_offsets: bool,
+    /// The number of components of the last array.
+    width: u64,
 }
 
 fn upper(word: &[u8]) -> String {
@@ -116,6 +128,7 @@ impl<'a> File<'a> {
             at: Cursor::new(bytes, None),
             is_binary: false,
             has_offsets: false,
+            width: 1,
         };
         let first = file.line();
         let version = first.rsplit(|b| b.is_ascii_whitespace()).next();
@@ -147,7 +160,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// The rest of the line, without its end.
+    /// The rest of the line, without white space at its end.
     fn line(&mut self) -> &'a [u8] {
         let rest = self.at.rest();
         let length = rest.iter().position(|&b| b == b'\n');
@@ -166,12 +179,13 @@ impl<'a> File<'a> {
     /// Reads the name of a type.
     fn kind(&mut self) -> Result<Kind, Fault> {
         let word = self.at.word();
-        Ok(match word.unwrap_or_default() {
+        let name = word.unwrap_or_default().to_ascii_lowercase();
+        Ok(match &name[..] {
             b"bit" => Kind::Bit,
             b"char" | b"signed_char" | b"vtktypeint8" => Kind::Signed(1),
             b"short" | b"vtktypeint16" => Kind::Signed(2),
             // VTK writes its indices with four bytes into legacy files
-            b"int" | b"vtktypeint32" | b"vtkIdType" | b"vtkidtype" => Kind::Signed(4),
+            b"int" | b"vtktypeint32" | b"vtkidtype" => Kind::Signed(4),
             b"long" | b"vtktypeint64" => Kind::Signed(8),
             b"unsigned_char" | b"vtktypeuint8" => Kind::Unsigned(1),
             b"unsigned_short" | b"vtktypeuint16" => Kind::Unsigned(2),
@@ -202,7 +216,11 @@ impl<'a> File<'a> {
             Kind::Unsigned(2) => each(bytes, |b| u16::from_be_bytes(b).into()),
             Kind::Unsigned(4) => each(bytes, |b| u32::from_be_bytes(b).into()),
             Kind::Unsigned(_) => each(bytes, |b| u64::from_be_bytes(b) as f64),
-            Kind::Bit | Kind::Text => return Err(self.at.unexpected("numbers", Some(b"others"))),
+            Kind::Bit | Kind::Text => {
+                return Err(self
+                    .at
+                    .unexpected("a type of numbers", Some(b"bit or string")));
+            }
         })
     }
 
@@ -246,17 +264,26 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// Reads the cells: each with the number of its nodes before them, or all with offsets.
+    /// Skips the next word, which must be this keyword in any case of its letters.
+    fn keyword(&mut self, keyword: &str) -> Result<(), Fault> {
+        let word = self.at.word();
+        match word.map(upper).as_deref() == Some(keyword) {
+            true => Ok(()),
+            false => Err(self.at.unexpected(&format!("`{keyword}`"), word)),
+        }
+    }
+
+    /// Reads the cells: nodes with their number before each cell, or the nodes of all cells with offsets.
     fn cells(&mut self) -> Result<Cells, Fault> {
         let what = "nodes of cells";
         let count = self.at.text_size("the number of cells")?;
         let size = self.at.text_size("the number of nodes")?;
         let mut cells = Cells::default();
         if self.has_offsets {
-            self.at.expect("OFFSETS")?;
+            self.keyword("OFFSETS")?;
             let kind = self.kind()?;
             cells.offsets = self.numbers("offsets of cells", count, kind)?;
-            self.at.expect("CONNECTIVITY")?;
+            self.keyword("CONNECTIVITY")?;
             let kind = self.kind()?;
             cells.connectivity = self.numbers(what, size, kind)?;
             // the first one is where the first cell begins
@@ -304,10 +331,15 @@ impl<'a> File<'a> {
                 self.pass_metadata();
                 name = self.at.word().unwrap_or_default();
             }
+            // an array without values, of which VTK writes this alone
+            if name == b"NULL_ARRAY" {
+                continue;
+            }
             let width = self.at.text_size("the number of components")?;
             let length = self.at.text_size("the length of an array")?;
             let kind = self.kind()?;
             let place = if of_cells { labels.place(name) } else { None };
+            self.width = width;
             self.array(width.saturating_mul(length), kind, place)?;
         }
         Ok(())
@@ -334,11 +366,12 @@ impl<'a> File<'a> {
                     width = number;
                     word = self.at.word();
                 }
-                if word != Some(b"LOOKUP_TABLE") {
+                if word.map(upper).as_deref() != Some("LOOKUP_TABLE") {
                     return Err(self.at.unexpected("`LOOKUP_TABLE`", word));
                 }
                 self.at.word();
                 let place = if of_cells { labels.place(name) } else { None };
+                self.width = width;
                 self.array(count.saturating_mul(width), kind, place)
             }
             // red, green, blue and opacity
@@ -364,6 +397,7 @@ impl<'a> File<'a> {
                     "TENSORS6" => 6,
                     _ => 1,
                 };
+                self.width = width;
                 self.pass(what, count.saturating_mul(width), kind)
             }
             _ => Err(self
@@ -389,10 +423,20 @@ impl<'a> File<'a> {
         }
     }
 
-    /// Passes over notes about an array, which end with an empty line.
+    /// Passes over notes about the last array, which end with an empty line. The names of its components may be empty lines, too.
     fn pass_metadata(&mut self) {
         self.line();
-        while !self.at.rest().is_empty() && !self.line().is_empty() {}
+        while !self.at.rest().is_empty() {
+            match self.line() {
+                b"" => return,
+                b"COMPONENT_NAMES" => {
+                    for _ in 0..self.width.min(self.at.rest().len() as u64) {
+                        self.line();
+                    }
+                }
+                _ => {}
+            }
+        }
     }
 }
 

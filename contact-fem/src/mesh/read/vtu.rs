@@ -5,7 +5,7 @@
 //! FreeFEM 4.9 writes coordinates in single precision, and leaves out the attribute `version`.
 
 use super::contents::Contents;
-use super::grid::{Grid, LABELS};
+use super::grid::{Grid, LABELS, chosen};
 use super::problem::{Fault, Problem};
 use super::vtu_arrays::{Piece, Section, pieces};
 
@@ -28,13 +28,16 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
 /// Adds the points and elements of a piece.
 fn add(piece: &Piece, contents: &mut Contents) -> Result<(), Problem> {
     let array = |section, name| piece.array(section, name).unwrap_or_default();
-    let mut labels = LABELS.iter();
+    let types = array(Section::Cells, "types");
+    let labels = LABELS
+        .iter()
+        .filter_map(|name| piece.array(Section::CellData, name));
     let grid = Grid {
         points: array(Section::Points, ""),
         connectivity: array(Section::Cells, "connectivity"),
         offsets: array(Section::Cells, "offsets"),
-        types: array(Section::Cells, "types"),
-        labels: labels.find_map(|name| piece.array(Section::CellData, name)),
+        types,
+        labels: chosen(labels, types.len()),
     };
     let found = [grid.points.len().div_ceil(3), grid.types.len()];
     for (k, what) in ["points", "cells"].into_iter().enumerate() {
