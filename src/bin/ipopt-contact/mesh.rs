@@ -66,7 +66,7 @@ fn refuse(to: Option<&Path>, what: &str) -> Result<(), String> {
     }
 }
 
-/// Prints the facts of all bodies, what is in none, and the lines of a scene; writes the bodies.
+/// Prints the facts of all bodies, the contents of the file that no body has, and the lines of a scene; writes the bodies.
 fn told<const D: usize>(
     path: &str,
     file: &MeshFile,
@@ -239,7 +239,7 @@ fn boundaries<const D: usize>(mesh: &Mesh<D>) {
     }
 }
 
-/// What of the file is in no body, or is not as in the file.
+/// The contents of the file that no body has, and the number of cells that are turned.
 fn left_out<const D: usize>(file: &MeshFile) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
     let cells = || file.elements().iter().filter(|of| of.kind.dimension() == D);

@@ -21,7 +21,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
     let mut file = File::begin(bytes)?;
     let (mut points, mut cells, mut types) = (Vec::new(), Cells::default(), Vec::new());
     let mut labels = Labels::default();
-    let mut is_of_cells = None;
+    // whether data are of cells, and the number of cells or points
+    let mut data = None;
     while let Some(keyword) = file.at.word() {
         match upper(keyword).as_str() {
             "POINTS" => {
@@ -35,11 +36,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Fault> {
                 let count = file.at.text_size("the number of cells")?;
                 types = file.numbers("types of cells", count, Kind::Signed(4))?;
             }
-            "CELL_DATA" => is_of_cells = Some((true, file.at.text_size("the number of cells")?)),
-            "POINT_DATA" => is_of_cells = Some((false, file.at.text_size("the number of points")?)),
+            "CELL_DATA" => data = Some((true, file.at.text_size("the number of cells")?)),
+            "POINT_DATA" => data = Some((false, file.at.text_size("the number of points")?)),
             "METADATA" => file.pass_metadata(),
-            "FIELD" => file.field(&mut labels, is_of_cells.is_some_and(|(cells, _)| cells))?,
-            other => match is_of_cells {
+            "FIELD" => file.field(&mut labels, data.is_some_and(|(cells, _)| cells))?,
+            other => match data {
                 Some((of_cells, count)) => file.data(other, count, of_cells, &mut labels)?,
                 None => {
                     let what = "POINTS, CELLS, CELL_TYPES, CELL_DATA or POINT_DATA";
@@ -287,10 +288,12 @@ impl<'a> File<'a> {
             let kind = self.kind()?;
             cells.connectivity = self.numbers(what, size, kind)?;
             // the first one is where the first cell begins
-            match cells.offsets.first() {
-                Some(0.0) | None => cells.offsets.drain(..count.min(1) as usize),
-                Some(first) => return Err(self.at.wrong("the first offset, 0", first)),
-            };
+            if let Some(&first) = cells.offsets.first() {
+                if first != 0.0 {
+                    return Err(self.at.wrong("the first offset, 0", first));
+                }
+                cells.offsets.remove(0);
+            }
             return Ok(cells);
         }
         let all = self.numbers(what, size, Kind::Signed(4))?;

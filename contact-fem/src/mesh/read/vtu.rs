@@ -1,6 +1,6 @@
 //! VTK's `.vtu` files: unstructured grids with simplices of order 1 or 2, as FreeFEM's `savevtk`, meshio and ParaView write them, as
-//! text or with binary data, which may be compressed. Cells and facets with the same number in the integer cell data that are
-//! [`LABELS`] form a group.
+//! text or with binary data, which may be compressed. Cells and facets with the same number in the cell data that are [`LABELS`]
+//! form a group.
 //!
 //! FreeFEM 4.9 writes coordinates in single precision, and leaves out the attribute `version`.
 
