@@ -64,6 +64,8 @@ pub(super) struct Iterate<'a> {
     pub(super) watched: Option<(Vec<f64>, f64)>,
     /// The softest motion, as examined in the last steps towards an equilibrium; `None` if the steps are longer.
     pub(super) softest: Option<Softest>,
+    /// The least curvature, relative to S, if the last steps have shown it to be positive although S has a shifted diagonal.
+    pub(super) stable: Option<f64>,
     /// Whether a phase begins or ends with this load step.
     pub(super) is_end: bool,
     /// Whether supports alone do not hold some body.
@@ -125,6 +127,8 @@ impl Iterate<'_> {
     /// Moves by one step of Newton's method, or back to the best state.
     pub(super) fn moved(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Moved, Halt> {
         self.steps += 1;
+        // that of this step
+        let stable = self.stable;
         let trial = match self.trial(tangent, cost) {
             // away from the best state, what fails may be the state
             Err(Halt::Failed(why)) => match self.watchdog.retreat() {
@@ -157,6 +161,7 @@ impl Iterate<'_> {
                 false if whole < self.small() => self.tolerance / ratio,
                 _ => CLEARLY * self.tolerance / ratio,
             };
+            let bound = bound * stable.unwrap_or(1.0);
             let bounds = [bound, bound.max(self.gaps()[1])];
             let measures = (bounds, self.unit, self.least);
             if let Some(left) = self.at.equilibrium(self.problem, tangent, measures, cost)? {
@@ -166,8 +171,8 @@ impl Iterate<'_> {
                     self.leave(&softest, tangent)?;
                     return Ok(Moved::on(error));
                 }
-                // so does a shifted diagonal
-                if tangent.shift() <= SHIFT {
+                // so does a shifted diagonal, unless it is known by how much
+                if tangent.shift() <= SHIFT || stable.is_some() {
                     return Ok(Moved {
                         error: if is_small { error } else { left },
                         is_over: true,
@@ -229,6 +234,7 @@ impl Iterate<'_> {
         let mut here =
             Linearization::new(self.problem, state, &self.at.gaps, varies, self.stop, cost)?;
         here.springs = self.springs;
+        here.is_stable = self.stable.is_some();
         self.frozen = self.frozen.saturating_sub(1);
         let accuracy = Accuracy {
             before: self.length.take(),
@@ -252,13 +258,16 @@ impl Iterate<'_> {
         let pushed: f64 = step.lambda.iter().sum();
         let is_last = error / trial.share < NEARLY * self.tolerance && varies;
         if !is_last {
-            self.softest = None;
+            (self.softest, self.stable) = (None, None);
         }
         // a matrix that is not positive definite may show an unstable equilibrium, or a motion that nothing resists
         let is_flat = tangent.shift() > SHIFT;
         if is_last && (is_flat && !self.floats || !is_flat && self.is_due(&here, pushed)) {
             self.softest = Softest::new(&here, tangent, &step.condensed, &step.lambda, self.stop)?;
             self.curvature = self.softest.as_ref().map(|softest| softest.curvature);
+            self.stable = self
+                .curvature
+                .filter(|curvature| is_flat && *curvature > 0.0);
             self.examined = pushed;
             self.watched = self.softest.as_ref().map(|softest| {
                 let v = softest.motion.clone();

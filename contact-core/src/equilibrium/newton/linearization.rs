@@ -32,6 +32,8 @@ pub(super) struct Linearization<'a> {
     variation: Option<GapVariation>,
     /// What of K is the stiffness of springs, which do not count in the curvature (n, UF/UL); empty without springs.
     pub springs: &'a [f64],
+    /// Whether the equilibrium nearby is known to be stable: a shift of the diagonal then helps to solve for a step, and does not shorten it.
+    pub is_stable: bool,
 }
 
 impl<'a> Linearization<'a> {
@@ -109,6 +111,7 @@ impl<'a> Linearization<'a> {
             matters,
             variation,
             springs: &[],
+            is_stable: false,
         })
     }
 
@@ -137,6 +140,27 @@ impl<'a> Linearization<'a> {
         forces
     }
 
+    /// (K − D) v (n, UF), without springs.
+    pub fn stiffness_times(&self, v: &[f64]) -> Vec<f64> {
+        let mut forces = vec![0.0; v.len()];
+        self.pattern.product(&self.hessian, v, &mut forces);
+        if let Some(variation) = &self.variation {
+            let back: Vec<f64> = v.iter().map(|v| -v).collect();
+            variation.add_forces(&back, &variation.internal(&back), &mut forces);
+        }
+        let springs = self.springs.iter().zip(v);
+        let pulls = forces.iter_mut().zip(springs);
+        pulls.for_each(|(force, (w, v))| *force -= w * v);
+        forces
+    }
+
+    /// G v of some `rows` (UL).
+    pub fn gap_changes(&self, rows: &[usize], v: &[f64]) -> Vec<f64> {
+        let y = self.variation.as_ref().map(|own| own.internal(v));
+        let change = |&i: &usize| self.gap_change(i, v, y.as_deref());
+        rows.iter().map(change).collect()
+    }
+
     /// Whether G = C and D = 0.
     pub fn is_frozen(&self) -> bool {
         self.variation.is_none()
@@ -161,13 +185,17 @@ impl<'a> Linearization<'a> {
 
     /// c + G x (m), with the internal variables `y` of x where rows vary.
     fn gaps_after(&self, x: &[f64], y: Option<&[f64]>) -> Vec<f64> {
+        let all = self.c.iter().enumerate();
+        all.map(|(i, c)| c + self.gap_change(i, x, y)).collect()
+    }
+
+    /// (G x)_i (UL), with the internal variables `y` of x where rows vary.
+    fn gap_change(&self, i: usize, x: &[f64], y: Option<&[f64]>) -> f64 {
         let varied = self.variation.as_ref().zip(y);
-        let change = |i: usize| match varied.filter(|_| self.matters[i]) {
+        match varied.filter(|_| self.matters[i]) {
             Some((variation, y)) => variation.gap(i, x, y),
             None => self.gaps.matrix().times(i, x),
-        };
-        let all = self.c.iter().enumerate();
-        all.map(|(i, c)| c + change(i)).collect()
+        }
     }
 
     /// The forces of rows with the multipliers μ after the step x (m, UF): a step may leave gaps of up to `bound` (UL), by which the `added` stiffness pulls.

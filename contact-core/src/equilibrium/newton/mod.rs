@@ -355,6 +355,7 @@ impl CondensedNewton {
             springs: &self.search.weights,
             curvature: None,
             softest: None,
+            stable: None,
             unstable: None,
             left: 0,
             beside: None,

@@ -5,8 +5,15 @@
 //!
 //! (S − K + sym D) v = θ S v + C_Aᵀ y,   C_A v = 0.
 //!
-//! Lanczos' method approximates the largest θ from below by a few solves with S. A value above 1 proves that the equilibrium
-//! is unstable. A value below 1 is no proof that it is stable.
+//! Lanczos' method approximates the largest θ from below by a few solves with S. A value below 1 is no proof that the equilibrium is stable.
+//!
+//! Nor does a value above 1 prove that it is unstable, where forces have no potential: D is not symmetric then, and what keeps the gaps closed is
+//! G_A v = 0. Newton's matrix becomes singular where θ = 1 is an eigenvalue of
+//!
+//! (S − K + D) v = θ S v + C_Aᵀ y,   G_A v = 0.
+//!
+//! So an equilibrium that the symmetric part calls unstable is examined once more, by Arnoldi's method from the motion found. The largest θ of this
+//! problem decides. In one state of a disc in a ring, under a pressure of twice the ring's modulus, it is 0.68, where the symmetric part has 1.016.
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Col, Mat, Side};
@@ -24,6 +31,9 @@ const FEWEST: usize = 3;
 const CLEAR: f64 = 0.7;
 /// Curvatures above the negative of this count as none: motions that nothing determines have none.
 const NEUTRAL: f64 = 1e-3;
+/// The most corrections of a motion that closed rows permit, and what they may leave of the gaps, as a share of the motion.
+const CORRECTIONS: usize = 10;
+const CLOSED: f64 = 1e-5;
 /// What is added to the compliance of rows that depend on each other, relative to its largest diagonal entry.
 const REDUNDANT: f64 = 1e-10;
 
@@ -31,12 +41,14 @@ const REDUNDANT: f64 = 1e-10;
 pub(super) struct Softest {
     /// The curvature relative to S: at most 1, and negative along a motion that releases energy.
     pub curvature: f64,
+    /// Whether the problem that is not symmetric has decided.
+    pub is_decided: bool,
     /// The motion (n), its largest entry 1 or −1.
     pub motion: Vec<f64>,
 }
 
 impl Softest {
-    /// Whether it proves that the equilibrium is unstable.
+    /// Whether it shows that the equilibrium is unstable.
     pub fn is_unstable(&self) -> bool {
         self.curvature < -NEUTRAL
     }
@@ -82,7 +94,13 @@ impl Softest {
             let is_clear = k + 1 >= FEWEST && theta + error < CLEAR;
             let is_over = is_clear || theta > 1.0 + NEUTRAL || k + 1 == STEPS;
             if is_over || !(rest > f64::EPSILON * theta.abs()) {
-                return Ok(Some(Softest::combined(&basis, &weights, 1.0 - theta)));
+                let mut softest = Softest::combined(&basis, &weights, 1.0 - theta);
+                if softest.is_unstable() && !here.is_frozen() {
+                    if let Some(theta) = permitted.largest(&softest.motion, stop)? {
+                        (softest.curvature, softest.is_decided) = (1.0 - theta, true);
+                    }
+                }
+                return Ok(Some(softest));
             }
             next.scale(1.0 / rest);
         }
@@ -96,7 +114,11 @@ impl Softest {
         }
         let largest = motion.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         motion.iter_mut().for_each(|v| *v /= largest);
-        Softest { curvature, motion }
+        Softest {
+            curvature,
+            is_decided: false,
+            motion,
+        }
     }
 }
 
@@ -189,6 +211,77 @@ impl<'a> Permitted<'a> {
         let Sv = held.iter().zip(forces).map(|(h, f)| h + f).collect();
         Ok(Motion { v, Sv })
     }
+
+    /// The largest real part of a θ of the problem that is not symmetric, by Arnoldi's method from a motion; `None` where rows vary too much
+    /// with it.
+    fn largest(&self, from: &[f64], stop: &Stop) -> Result<Option<f64>, Halt> {
+        let mut basis: Vec<Motion> = Vec::new();
+        let mut projected = Mat::<f64>::zeros(STEPS + 1, STEPS);
+        let mut next = Motion {
+            v: from.to_vec(),
+            Sv: self.tangent.times(from),
+        };
+        let size = next.norm();
+        next.scale(1.0 / size);
+        loop {
+            Halt::if_requested(stop)?;
+            let k = basis.len();
+            let resisted = self.here.stiffness_times(&next.v);
+            let pushed: Vec<f64> = next.Sv.iter().zip(&resisted).map(|(s, f)| s - f).collect();
+            basis.push(next);
+            let Some(answer) = self.answer_in_contact(&pushed)? else {
+                return Ok(None);
+            };
+            next = answer;
+            for (i, known) in basis.iter().enumerate() {
+                // once more for round-off
+                for _ in 0..2 {
+                    projected[(i, k)] += next.take_out(known);
+                }
+            }
+            let rest = next.norm();
+            projected[(k + 1, k)] = rest;
+            if k + 1 == STEPS || !(rest > f64::EPSILON) {
+                let part = Mat::from_fn(k + 1, k + 1, |i, j| projected[(i, j)]);
+                let values = part.eigenvalues().map_err(|_| not_finite())?;
+                return Ok(values.into_iter().map(|theta| theta.re).reduce(f64::max));
+            }
+            next.scale(1.0 / rest);
+        }
+    }
+
+    /// As [`Permitted::answer`], of a motion that keeps the gaps of the rows themselves, G_A v = 0; `None` where corrections do not find it.
+    fn answer_in_contact(&self, forces: &[f64]) -> Result<Option<Motion>, Halt> {
+        let mut motion = self.answer(forces)?;
+        let Some(compliance) = &self.compliance else {
+            return Ok(Some(motion));
+        };
+        let response = &self.condensed.response;
+        let (largest, none) = (
+            |v: &[f64]| v.iter().fold(0.0, |m: f64, v| m.max(v.abs())),
+            vec![0.0; forces.len()],
+        );
+        for _ in 0..CORRECTIONS {
+            let gaps = self.here.gap_changes(&self.rows, &motion.v);
+            if largest(&gaps) <= CLOSED * largest(&motion.v) {
+                return Ok(Some(motion));
+            }
+            let mut y = Col::from_fn(gaps.len(), |a| -gaps[a]);
+            compliance.solve_in_place(y.as_mat_mut());
+            let mut lambda = vec![0.0; self.here.gaps.len()];
+            let rows = self.rows.iter().zip(y.iter());
+            rows.for_each(|(&row, y)| lambda[row] = *y);
+            let mut held = none.clone();
+            self.here.gaps.add_forces(&lambda, &mut held);
+            let half = response.begun(self.tangent, &held)?;
+            let change = response.ended(self.tangent, half, &none)?;
+            let entries = motion.v.iter_mut().zip(&change);
+            entries.for_each(|(v, c)| *v += c);
+            let entries = motion.Sv.iter_mut().zip(&held);
+            entries.for_each(|(s, h)| *s += h);
+        }
+        Ok(None)
+    }
 }
 
 /// The largest eigenvalue of the leading `k` × `k` part, and its eigenvector.
@@ -196,12 +289,16 @@ fn largest(matrix: &Mat<f64>, k: usize) -> Result<(f64, Vec<f64>), Halt> {
     let part = Mat::from_fn(k, k, |i, j| matrix[(i, j)]);
     let eigen = part
         .self_adjoint_eigen(Side::Lower)
-        .map_err(|_| Halt::Failed("the curvature of the energy is not finite".into()))?;
+        .map_err(|_| not_finite())?;
     let values = eigen.S().column_vector();
     let last = (0..k).max_by(|&i, &j| values[i].total_cmp(&values[j]));
     let last = last.unwrap_or_default();
     let weights = (0..k).map(|i| eigen.U()[(i, last)]).collect();
     Ok((values[last], weights))
+}
+
+fn not_finite() -> Halt {
+    Halt::Failed("the curvature of the energy is not finite".into())
 }
 
 /// Entries between −1 and 1, the same in every run.

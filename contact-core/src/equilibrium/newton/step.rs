@@ -151,7 +151,8 @@ impl Condensed {
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<(Vec<f64>, Vec<f64>), Halt> {
-        let (mut forces, mut gaps) = here.defect(&step.x, tangent.added(), tangent.shift());
+        let shift = if here.is_stable { 0.0 } else { tangent.shift() };
+        let (mut forces, mut gaps) = here.defect(&step.x, tangent.added(), shift);
         here.gaps.add_forces(&step.lambda, &mut forces);
         let half = self.response.begun(tangent, &forces)?;
         let seen = self.response.seen(tangent, &half)?;

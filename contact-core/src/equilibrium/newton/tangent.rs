@@ -379,6 +379,13 @@ impl Tangent {
         Ok(self.factors.as_deref().ok_or(FactorError::NotFactored)?)
     }
 
+    /// S v (n, UF).
+    pub fn times(&self, v: &[f64]) -> Vec<f64> {
+        let mut forces = vec![0.0; v.len()];
+        self.pattern.product(&self.values, v, &mut forces);
+        forces
+    }
+
     /// S⁻¹b, in place.
     pub fn solve(&mut self, b: &mut [f64]) -> Result<(), Error> {
         let factors = self.factors.as_mut().ok_or(FactorError::NotFactored)?;
