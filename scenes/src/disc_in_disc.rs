@@ -90,11 +90,11 @@ pub fn scene(fineness: Fineness, roles: Roles) -> Result<Scene<2>, Error> {
     pushed(meshes(fineness)?, laws, PUSH, roles)
 }
 
-/// As [`scene`] with default roles, but with straight quadratic cells.
-pub fn quadratic_scene(fineness: Fineness) -> Result<Scene<2>, Error> {
+/// As [`scene`], but with straight quadratic cells.
+pub fn quadratic_scene(fineness: Fineness, roles: Roles) -> Result<Scene<2>, Error> {
     let laws = [NeoHookean::new(1000.0, 0.0)?, NeoHookean::new(2000.0, 0.3)?];
     let meshes = meshes(fineness)?.map(Mesh::quadratic);
-    pushed(meshes, laws, PUSH, Roles::default())
+    pushed(meshes, laws, PUSH, roles)
 }
 
 /// The ring and the disc.

@@ -91,7 +91,7 @@ fn discs(order: Order) -> Scene<2> {
     let fineness = Fineness::scaled(24);
     let scene = match order {
         Linear => disc_in_disc::scene(fineness, Roles::default()),
-        Quadratic => disc_in_disc::quadratic_scene(fineness),
+        Quadratic => disc_in_disc::quadratic_scene(fineness, Roles::default()),
     };
     scene.expect("a scene")
 }

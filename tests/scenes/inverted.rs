@@ -5,7 +5,7 @@ use contact_fem::certificate::{Condition, Limits};
 use contact_fem::element::{Element, P2};
 use contact_fem::model::Problem;
 use contact_fem::tensor::{Matrix, Vector};
-use ipopt_contact_scenes::disc_in_disc::{Fineness, quadratic_scene};
+use ipopt_contact_scenes::disc_in_disc::{Fineness, Roles, quadratic_scene};
 
 /// The smallest det F at a grid of points of all cells, with nodes, from F = I + Σ u ⊗ ∇N.
 fn sampled(problem: &Problem<2>, u: &[f64], n: usize) -> f64 {
@@ -37,7 +37,7 @@ fn sampled(problem: &Problem<2>, u: &[f64], n: usize) -> f64 {
 fn a_cell_inverted_at_its_nodes() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("inverted");
     for (segments, is_inverted) in [(16, true), (32, false)] {
-        let scene = quadratic_scene(Fineness::scaled(segments)).expect("scene");
+        let scene = quadratic_scene(Fineness::scaled(segments), Roles::default()).expect("scene");
         let mut problem = scene.problem().expect("problem");
         let mut simulation = Simulation::with_increments(10);
         let mut recording = simulation.record(&folder);

@@ -25,7 +25,7 @@ pub(crate) mod work;
 pub use crate::contact::{Corners, Integration, Obstacle, Projection};
 pub use body::{ALL_NODES, Body, RigidMotion, name_of_nodes};
 pub use contact_state::{GeometricError, Opposite, PairRecord, PairSide, PairState, Status};
-pub use diagnosis::Undetermined;
+pub use diagnosis::{Crease, Undetermined};
 pub(crate) use estimate::CellErrors;
 pub use estimate::{BodyError, ContactFacets, ErrorEstimate};
 pub use handle::{BodyId, ObstacleId, Side};

@@ -6,7 +6,7 @@ use contact_core::equilibrium::Solution;
 use contact_core::{Energy, LinearGaps};
 
 use super::problem::Residuals;
-use super::{BodyId, Problem, Undetermined};
+use super::{BodyId, Crease, Problem, Undetermined};
 use crate::Error;
 use crate::audit::{Findings, LeastVolume};
 use crate::contact::{Pass, Surface};
@@ -230,6 +230,16 @@ impl<const D: usize> Problem<D> {
         let u = &solution.state.u;
         match self.is_state(u) {
             true => super::diagnosis::undetermined(self, solution),
+            false => Vec::new(),
+        }
+    }
+
+    /// The bodies that touch themselves beside a crease, as a notch that closes to its tip, in `solution`. Facets that have a node in common
+    /// do not touch each other; so contact there is resolved no better than the facets are, and rows leave it with their forces where a point's
+    /// foot comes to such a facet. Told is what has a hundredth of a body's forces on itself. Empty if `solution` is not of this problem.
+    pub fn creases(&self, solution: &Solution) -> Vec<Crease<D>> {
+        match self.is_state(&solution.state.u) {
+            true => super::diagnosis::creases(self, solution),
             false => Vec::new(),
         }
     }

@@ -90,7 +90,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
                 let fineness = disc_in_disc::Fineness::scaled(fine);
                 match order {
                     Order::Linear => disc_in_disc::scene(fineness, Roles::default()),
-                    Order::Quadratic => disc_in_disc::quadratic_scene(fineness),
+                    Order::Quadratic => disc_in_disc::quadratic_scene(fineness, Roles::default()),
                 }
             },
         },

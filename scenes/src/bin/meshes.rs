@@ -38,8 +38,6 @@ use serde::Serialize;
 const ENOUGH: f64 = 0.99;
 /// By how much random variants differ from the middle of each parameter.
 const SPREAD: f64 = 0.4;
-/// The most segments of quadratic discs.
-const QUADRATIC: usize = 48;
 /// The increments of random variants.
 const INCREMENTS: usize = 10;
 /// The share of these that presses the die.
@@ -64,9 +62,9 @@ struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "20,100", value_parser = positive)]
     increments: Vec<usize>,
     /// discs: both orders of the bodies
-    #[arg(long, conflicts_with = "quadratic")]
+    #[arg(long)]
     swap: bool,
-    /// Quadratic cells of discs, with up to 48 segments, and of ironing, wheel and dies
+    /// Quadratic cells of discs, ironing, wheel and dies
     #[arg(long)]
     quadratic: bool,
     /// Random variants of each other scene
@@ -288,12 +286,8 @@ impl Sweep<'_> {
         let Arguments {
             swap, quadratic, ..
         } = *self.arguments;
-        let last = match quadratic {
-            true => QUADRATIC.min(*self.arguments.meshes.end()),
-            false => *self.arguments.meshes.end(),
-        };
         let orders: &[bool] = if swap { &[false, true] } else { &[false] };
-        for n in (*self.arguments.meshes.start()..=last).filter(|n| n % 2 == 0) {
+        for n in self.arguments.meshes.clone().filter(|n| n % 2 == 0) {
             for &increments in &self.arguments.increments {
                 for &swapped in orders {
                     let fineness = Fineness::scaled(n);
@@ -304,7 +298,7 @@ impl Sweep<'_> {
                     let order = if quadratic { "quadratic" } else { "linear" };
                     let text = format!("n={n} increments={increments} {order} swapped={swapped}");
                     let scene = match quadratic {
-                        true => disc_in_disc::quadratic_scene(fineness),
+                        true => disc_in_disc::quadratic_scene(fineness, roles),
                         false => disc_in_disc::scene(fineness, roles),
                     };
                     self.solve(Kind::Discs, text, scene, increments, &[])?;

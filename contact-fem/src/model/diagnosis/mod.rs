@@ -1,6 +1,7 @@
 //! What a state tells of motions that nothing determines, and of the cause for which a load step did not converge.
 
 mod contradiction;
+mod crease;
 mod curvature;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -9,6 +10,8 @@ use contact_core::equilibrium::Solution;
 use contact_core::{ContactProblem, RowKey};
 
 use self::contradiction::{Row, contradictory};
+pub use self::crease::Crease;
+pub(super) use self::crease::creases;
 use self::curvature::falling;
 
 use super::preflight::{clusters, held_rows, unheld_motions};
@@ -37,7 +40,7 @@ const MOST_ROWS: usize = 200;
 const VISIBLE: f64 = 1e-9;
 
 /// The causes that show at the last iterate, or `None`: bodies inside each other, rigid motions that neither supports nor
-/// closed contact hold, rows that contradict each other, motions along which energy falls, rows that open and close.
+/// closed contact hold, rows that contradict each other, motions along which energy falls, rows that open and close, contact beside a crease.
 pub(super) fn cause<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Option<String> {
     if !solution.state.u.iter().all(|u| u.is_finite()) {
         return None;
@@ -58,6 +61,8 @@ pub(super) fn cause<const D: usize>(problem: &Problem<D>, solution: &Solution) -
         causes.extend(instability(problem, solution));
     }
     causes.extend(flicker(problem, solution));
+    let creases = creases(problem, solution);
+    causes.extend(creases.iter().map(Crease::to_string));
     (!causes.is_empty()).then(|| causes.join("; "))
 }
 
@@ -174,6 +179,17 @@ fn overlaps<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Vec<St
     told.collect()
 }
 
+/// The node and the component of each free unknown.
+fn place_of_unknowns<const D: usize>(problem: &Problem<D>) -> Vec<(usize, usize)> {
+    let mut places = vec![(0, 0); problem.dofs().free()];
+    for dof in 0..D * problem.reference().len() {
+        if let Dof::Free(j) = problem.dofs().get(dof) {
+            places[j] = (dof / D, dof % D);
+        }
+    }
+    places
+}
+
 /// The rigid motions of all parts of bodies that neither supports nor springs nor rows with a force oppose.
 pub(super) fn undetermined<const D: usize>(
     problem: &Problem<D>,
@@ -183,13 +199,7 @@ pub(super) fn undetermined<const D: usize>(
         Geometry::Reference => problem.reference().to_vec(),
         Geometry::Current => problem.positions(&solution.state.u),
     };
-    // node and component of each free unknown
-    let mut places = vec![(0, 0); problem.dofs().free()];
-    for dof in 0..D * x.len() {
-        if let Dof::Free(j) = problem.dofs().get(dof) {
-            places[j] = (dof / D, dof % D);
-        }
-    }
+    let places = place_of_unknowns(problem);
     let forces = &solution.lambda;
     let largest = forces.iter().copied().fold(0.0, f64::max);
     let mut rows = vec![Vec::new(); forces.len()];

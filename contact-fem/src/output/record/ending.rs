@@ -14,8 +14,8 @@ use crate::certificate::{Certificate, Limits};
 use crate::error::Error;
 use crate::left_out::LeftOut;
 use crate::model::{
-    BodyError, ErrorEstimate, GeometricError, InitialGaps, Opposite, PairRecord, Problem, Scene,
-    Undetermined, negligible,
+    BodyError, Crease, ErrorEstimate, GeometricError, InitialGaps, Opposite, PairRecord, Problem,
+    Scene, Undetermined, negligible,
 };
 use crate::simulation::{History, StepRecord};
 use crate::tensor::Vector;
@@ -49,6 +49,7 @@ pub(super) struct Ended<'a, const D: usize> {
     pub steps_by_solver: BTreeMap<&'static str, usize>,
     pub undetermined: Vec<Undetermined>,
     pub geometric_errors: Vec<GeometricError>,
+    pub creases: Vec<Crease<D>>,
     pub estimate: Option<ErrorEstimate<D>>,
     pub left_out: Option<LeftOut>,
     /// The load factor and the smallest volume ratio there, if J > 0 is not shown everywhere.
@@ -94,6 +95,7 @@ impl<'a, const D: usize> Ended<'a, D> {
             undetermined: solution.map_or(Vec::new(), |solution| problem.undetermined(solution)),
             geometric_errors: solution
                 .map_or(Vec::new(), |solution| problem.geometric_errors(solution)),
+            creases: solution.map_or(Vec::new(), |solution| problem.creases(solution)),
             estimate: solution.and_then(|solution| problem.error_estimate(solution).ok()),
             left_out: history.map(|history| LeftOut::new(problem, history)),
             inverted: inverted(records),
@@ -173,6 +175,8 @@ impl<'a, const D: usize> Ended<'a, D> {
                 100.0 * found.error / found.indentation
             ))
         }));
+        let creases = self.creases.iter();
+        lines.extend(creases.map(|crease| line("warning", crease.to_string())));
         lines.extend(self.inverted.map(|(factor, least)| {
             let at: Vec<String> = least.at.iter().map(|x| format!("{x:.3e}")).collect();
             line(

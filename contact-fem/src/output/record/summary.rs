@@ -13,8 +13,8 @@ use super::folder::Heading;
 use super::peak_memory;
 use crate::certificate::{Certificate, Limits};
 use crate::model::{
-    BodyId, Finding, Opposite, PairRecord, Problem, RigidMotion, ScenePlan, Side, TieRecord,
-    Undetermined, WorkRecord,
+    BodyId, Crease, Finding, Opposite, PairRecord, Problem, RigidMotion, ScenePlan, Side,
+    TieRecord, Undetermined, WorkRecord,
 };
 use crate::output::history::source_name;
 use crate::simulation::{History, StepRecord};
@@ -37,6 +37,8 @@ pub(super) struct Summary {
     undetermined: Vec<Value>,
     /// Pairs whose contact at the reference positions is far from that at the present ones.
     geometric_errors: Vec<Value>,
+    /// The bodies that touch themselves beside a crease.
+    creases: Vec<Value>,
     /// The discretisation error of the last converged state: relative in the energy norm, and of the energy (UF·UL).
     estimated_error: Option<f64>,
     estimated_energy_error: Option<f64>,
@@ -153,6 +155,13 @@ impl Summary {
                         "first": first, "second": second,
                         "error": found.error, "indentation": found.indentation,
                     })
+                })
+                .collect(),
+            creases: ended
+                .creases
+                .iter()
+                .map(|Crease { body, place, share }| {
+                    json!({"body": body, "place": place.as_slice(), "share": share})
                 })
                 .collect(),
             estimated_error: estimate.map(|estimate| estimate.relative),
