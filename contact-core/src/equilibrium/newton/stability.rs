@@ -196,24 +196,33 @@ impl<'a> Permitted<'a> {
     fn answer(&self, forces: &[f64]) -> Result<Motion, Halt> {
         let response = &self.condensed.response;
         let half = response.begun(self.tangent, forces)?;
-        let mut held = vec![0.0; forces.len()];
-        if let Some(compliance) = &self.compliance {
+        let mut gaps = Vec::new();
+        if !self.rows.is_empty() {
             let seen = response.seen(self.tangent, &half)?;
             let matrix = self.here.gaps.matrix();
-            let mut y = Col::from_fn(self.rows.len(), |a| -matrix.times(self.rows[a], &seen));
-            compliance.solve_in_place(y.as_mat_mut());
-            let mut lambda = vec![0.0; self.here.gaps.len()];
-            let rows = self.rows.iter().zip(y.iter());
-            rows.for_each(|(&row, y)| lambda[row] = *y);
-            self.here.gaps.add_forces(&lambda, &mut held);
+            gaps.extend(self.rows.iter().map(|&row| matrix.times(row, &seen)));
         }
+        let held = self.closing(&gaps, forces.len());
         let v = response.ended(self.tangent, half, &held)?;
         let Sv = held.iter().zip(forces).map(|(h, f)| h + f).collect();
         Ok(Motion { v, Sv })
     }
 
-    /// The largest real part of a θ of the problem that is not symmetric, by Arnoldi's method from a motion; `None` where rows vary too much
-    /// with it.
+    /// The forces (n, UF) on the rows that take back changes of their gaps by `gaps`.
+    fn closing(&self, gaps: &[f64], n: usize) -> Vec<f64> {
+        let mut forces = vec![0.0; n];
+        if let Some(compliance) = &self.compliance {
+            let mut y = Col::from_fn(gaps.len(), |a| -gaps[a]);
+            compliance.solve_in_place(y.as_mat_mut());
+            let mut lambda = vec![0.0; self.here.gaps.len()];
+            let rows = self.rows.iter().zip(y.iter());
+            rows.for_each(|(&row, y)| lambda[row] = *y);
+            self.here.gaps.add_forces(&lambda, &mut forces);
+        }
+        forces
+    }
+
+    /// The largest real part of a θ of the problem that is not symmetric, by Arnoldi's method from a motion; `None` where that finds none.
     fn largest(&self, from: &[f64], stop: &Stop) -> Result<Option<f64>, Halt> {
         let mut basis: Vec<Motion> = Vec::new();
         let mut projected = Mat::<f64>::zeros(STEPS + 1, STEPS);
@@ -243,8 +252,9 @@ impl<'a> Permitted<'a> {
             projected[(k + 1, k)] = rest;
             if k + 1 == STEPS || !(rest > f64::EPSILON) {
                 let part = Mat::from_fn(k + 1, k + 1, |i, j| projected[(i, j)]);
-                let values = part.eigenvalues().map_err(|_| not_finite())?;
-                return Ok(values.into_iter().map(|theta| theta.re).reduce(f64::max));
+                let values = part.eigenvalues().unwrap_or_default();
+                let largest = values.into_iter().map(|theta| theta.re).reduce(f64::max);
+                return Ok(largest.filter(|theta| theta.is_finite()));
             }
             next.scale(1.0 / rest);
         }
@@ -252,29 +262,17 @@ impl<'a> Permitted<'a> {
 
     /// As [`Permitted::answer`], of a motion that keeps the gaps of the rows themselves, G_A v = 0; `None` where corrections do not find it.
     fn answer_in_contact(&self, forces: &[f64]) -> Result<Option<Motion>, Halt> {
-        let mut motion = self.answer(forces)?;
-        let Some(compliance) = &self.compliance else {
-            return Ok(Some(motion));
-        };
         let response = &self.condensed.response;
-        let (largest, none) = (
-            |v: &[f64]| v.iter().fold(0.0, |m: f64, v| m.max(v.abs())),
-            vec![0.0; forces.len()],
-        );
+        let mut motion = self.answer(forces)?;
+        let largest = |v: &[f64]| v.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         for _ in 0..CORRECTIONS {
             let gaps = self.here.gap_changes(&self.rows, &motion.v);
             if largest(&gaps) <= CLOSED * largest(&motion.v) {
                 return Ok(Some(motion));
             }
-            let mut y = Col::from_fn(gaps.len(), |a| -gaps[a]);
-            compliance.solve_in_place(y.as_mat_mut());
-            let mut lambda = vec![0.0; self.here.gaps.len()];
-            let rows = self.rows.iter().zip(y.iter());
-            rows.for_each(|(&row, y)| lambda[row] = *y);
-            let mut held = none.clone();
-            self.here.gaps.add_forces(&lambda, &mut held);
+            let held = self.closing(&gaps, forces.len());
             let half = response.begun(self.tangent, &held)?;
-            let change = response.ended(self.tangent, half, &none)?;
+            let change = response.ended(self.tangent, half, &vec![0.0; forces.len()])?;
             let entries = motion.v.iter_mut().zip(&change);
             entries.for_each(|(v, c)| *v += c);
             let entries = motion.Sv.iter_mut().zip(&held);
@@ -289,16 +287,12 @@ fn largest(matrix: &Mat<f64>, k: usize) -> Result<(f64, Vec<f64>), Halt> {
     let part = Mat::from_fn(k, k, |i, j| matrix[(i, j)]);
     let eigen = part
         .self_adjoint_eigen(Side::Lower)
-        .map_err(|_| not_finite())?;
+        .map_err(|_| Halt::Failed("the curvature of the energy is not finite".into()))?;
     let values = eigen.S().column_vector();
     let last = (0..k).max_by(|&i, &j| values[i].total_cmp(&values[j]));
     let last = last.unwrap_or_default();
     let weights = (0..k).map(|i| eigen.U()[(i, last)]).collect();
     Ok((values[last], weights))
-}
-
-fn not_finite() -> Halt {
-    Halt::Failed("the curvature of the energy is not finite".into())
 }
 
 /// Entries between −1 and 1, the same in every run.
