@@ -265,9 +265,10 @@ impl Iterate<'_> {
         if is_last && (is_flat && !self.floats || !is_flat && self.is_due(&here, pushed)) {
             self.softest = Softest::new(&here, tangent, &step.condensed, &step.lambda, self.stop)?;
             self.curvature = self.softest.as_ref().map(|softest| softest.curvature);
-            self.stable = self
-                .curvature
-                .filter(|curvature| is_flat && *curvature > 0.0);
+            let clear = self.softest.as_ref().filter(|softest| softest.is_clear);
+            let curvature = clear.map(|softest| softest.curvature);
+            let positive = curvature.filter(|curvature| is_flat && *curvature > 0.0);
+            self.stable = positive.map(|curvature| curvature.min(1.0));
             self.examined = pushed;
             self.watched = self.softest.as_ref().map(|softest| {
                 let v = softest.motion.clone();

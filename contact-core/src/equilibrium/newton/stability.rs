@@ -34,6 +34,8 @@ const NEUTRAL: f64 = 1e-3;
 /// The most corrections of a motion that closed rows permit, and what they may leave of the gaps, as a share of the motion.
 const CORRECTIONS: usize = 10;
 const CLOSED: f64 = 1e-5;
+/// By how much the last step of Arnoldi's method may change the curvature, as a share of it.
+const SETTLED: f64 = 0.1;
 /// What is added to the compliance of rows that depend on each other, relative to its largest diagonal entry.
 const REDUNDANT: f64 = 1e-10;
 
@@ -41,8 +43,8 @@ const REDUNDANT: f64 = 1e-10;
 pub(super) struct Softest {
     /// The curvature relative to S: at most 1, and negative along a motion that releases energy.
     pub curvature: f64,
-    /// Whether the problem that is not symmetric has decided.
-    pub is_decided: bool,
+    /// Whether it is known well: θ and its error are small, or the problem that is not symmetric has decided.
+    pub is_clear: bool,
     /// The motion (n), its largest entry 1 or −1.
     pub motion: Vec<f64>,
 }
@@ -94,30 +96,19 @@ impl Softest {
             let is_clear = k + 1 >= FEWEST && theta + error < CLEAR;
             let is_over = is_clear || theta > 1.0 + NEUTRAL || k + 1 == STEPS;
             if is_over || !(rest > f64::EPSILON * theta.abs()) {
-                let mut softest = Softest::combined(&basis, &weights, 1.0 - theta);
+                let mut softest = Softest {
+                    curvature: 1.0 - theta,
+                    is_clear,
+                    motion: combined(&basis, &weights),
+                };
                 if softest.is_unstable() && !here.is_frozen() {
                     if let Some(theta) = permitted.largest(&softest.motion, stop)? {
-                        (softest.curvature, softest.is_decided) = (1.0 - theta, true);
+                        (softest.curvature, softest.is_clear) = (1.0 - theta, true);
                     }
                 }
                 return Ok(Some(softest));
             }
             next.scale(1.0 / rest);
-        }
-    }
-
-    fn combined(basis: &[Motion], weights: &[f64], curvature: f64) -> Self {
-        let mut motion = vec![0.0; basis[0].v.len()];
-        for (part, weight) in basis.iter().zip(weights) {
-            let entries = motion.iter_mut().zip(&part.v);
-            entries.for_each(|(m, v)| *m += weight * v);
-        }
-        let largest = motion.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        motion.iter_mut().for_each(|v| *v /= largest);
-        Softest {
-            curvature,
-            is_decided: false,
-            motion,
         }
     }
 }
@@ -250,11 +241,11 @@ impl<'a> Permitted<'a> {
             }
             let rest = next.norm();
             projected[(k + 1, k)] = rest;
-            if k + 1 == STEPS || !(rest > f64::EPSILON) {
-                let part = Mat::from_fn(k + 1, k + 1, |i, j| projected[(i, j)]);
-                let values = part.eigenvalues().unwrap_or_default();
-                let largest = values.into_iter().map(|theta| theta.re).reduce(f64::max);
-                return Ok(largest.filter(|theta| theta.is_finite()));
+            let is_exact = !(rest > f64::EPSILON);
+            if k + 1 == STEPS || is_exact {
+                let [last, before] = [k + 1, k].map(|k| largest_real_part(&projected, k));
+                let is_settled = is_exact || (last - before).abs() <= SETTLED * (1.0 - last).abs();
+                return Ok(Some(last).filter(|theta| is_settled && theta.is_finite()));
             }
             next.scale(1.0 / rest);
         }
@@ -282,6 +273,18 @@ impl<'a> Permitted<'a> {
     }
 }
 
+/// Σ weight · motion, with a largest entry of 1 or −1.
+fn combined(basis: &[Motion], weights: &[f64]) -> Vec<f64> {
+    let mut motion = vec![0.0; basis[0].v.len()];
+    for (part, weight) in basis.iter().zip(weights) {
+        let entries = motion.iter_mut().zip(&part.v);
+        entries.for_each(|(m, v)| *m += weight * v);
+    }
+    let largest = motion.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    motion.iter_mut().for_each(|v| *v /= largest);
+    motion
+}
+
 /// The largest eigenvalue of the leading `k` × `k` part, and its eigenvector.
 fn largest(matrix: &Mat<f64>, k: usize) -> Result<(f64, Vec<f64>), Halt> {
     let part = Mat::from_fn(k, k, |i, j| matrix[(i, j)]);
@@ -293,6 +296,14 @@ fn largest(matrix: &Mat<f64>, k: usize) -> Result<(f64, Vec<f64>), Halt> {
     let last = last.unwrap_or_default();
     let weights = (0..k).map(|i| eigen.U()[(i, last)]).collect();
     Ok((values[last], weights))
+}
+
+/// The largest real part of an eigenvalue of the leading `k` × `k` part; NaN if there is none.
+fn largest_real_part(matrix: &Mat<f64>, k: usize) -> f64 {
+    let part = Mat::from_fn(k, k, |i, j| matrix[(i, j)]);
+    let values = part.eigenvalues().unwrap_or_default();
+    let parts = values.into_iter().map(|theta| theta.re);
+    parts.fold(f64::NAN, f64::max)
 }
 
 /// Entries between −1 and 1, the same in every run.
