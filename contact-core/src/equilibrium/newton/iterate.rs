@@ -263,11 +263,13 @@ impl Iterate<'_> {
         // a matrix that is not positive definite may show an unstable equilibrium, or a motion that nothing resists
         let is_flat = tangent.shift() > SHIFT;
         if is_last && (is_flat && !self.floats || !is_flat && self.is_due(&here, pushed)) {
-            self.softest = Softest::new(&here, tangent, &step.condensed, &step.lambda, self.stop)?;
+            let rows = (&step.condensed, &step.lambda[..]);
+            self.softest = Softest::new(&here, tangent, rows, self.floats, self.stop)?;
             self.curvature = self.softest.as_ref().map(|softest| softest.curvature);
             let clear = self.softest.as_ref().filter(|softest| softest.is_clear);
             let curvature = clear.map(|softest| softest.curvature);
-            let positive = curvature.filter(|curvature| is_flat && *curvature > 0.0);
+            let is_asked = is_flat && !self.floats;
+            let positive = curvature.filter(|curvature| is_asked && *curvature > 0.0);
             self.stable = positive.map(|curvature| curvature.min(1.0));
             self.examined = pushed;
             self.watched = self.softest.as_ref().map(|softest| {

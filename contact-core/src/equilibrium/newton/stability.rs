@@ -55,12 +55,13 @@ impl Softest {
         self.curvature < -NEUTRAL
     }
 
-    /// The softest motion found; `None` if the rows permit none. `lambda` has the multiplier of each row.
+    /// The softest motion found; `None` if the rows permit none. `lambda` has the multiplier of each row. Where bodies `float`, the symmetric
+    /// problem alone decides: it is their motions that nothing resists which are held.
     pub fn new(
         here: &Linearization<'_>,
         tangent: &Tangent,
-        condensed: &Condensed,
-        lambda: &[f64],
+        (condensed, lambda): (&Condensed, &[f64]),
+        floats: bool,
         stop: &Stop,
     ) -> Result<Option<Self>, Halt> {
         let permitted = Permitted::new(here, tangent, condensed, lambda)?;
@@ -101,7 +102,7 @@ impl Softest {
                     is_clear,
                     motion: combined(&basis, &weights),
                 };
-                if softest.is_unstable() && !here.is_frozen() {
+                if softest.is_unstable() && !floats && !here.is_frozen() {
                     if let Some(theta) = permitted.largest(&softest.motion, stop)? {
                         (softest.curvature, softest.is_clear) = (1.0 - theta, true);
                     }
