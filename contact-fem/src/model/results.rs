@@ -236,7 +236,7 @@ impl<const D: usize> Problem<D> {
 
     /// The bodies that touch themselves beside a crease, as a notch that closes to its tip, in `solution`. Facets that have a node in common
     /// do not touch each other; so contact there is resolved no better than the facets are, and rows leave it with their forces where a point's
-    /// foot comes to such a facet. Told is what has a hundredth of a body's forces on itself. Empty if `solution` is not of this problem.
+    /// foot comes to such a facet. A body is told if a hundredth of its forces on itself, or more, acts there. Empty if `solution` is not of this problem.
     pub fn creases(&self, solution: &Solution) -> Vec<Crease<D>> {
         match self.is_state(&solution.state.u) {
             true => super::diagnosis::creases(self, solution),

@@ -266,11 +266,8 @@ impl Iterate<'_> {
             let rows = (&step.condensed, &step.lambda[..]);
             self.softest = Softest::new(&here, tangent, rows, self.floats, self.stop)?;
             self.curvature = self.softest.as_ref().map(|softest| softest.curvature);
-            let clear = self.softest.as_ref().filter(|softest| softest.is_clear);
-            let curvature = clear.map(|softest| softest.curvature);
-            let is_asked = is_flat && !self.floats;
-            let positive = curvature.filter(|curvature| is_asked && *curvature > 0.0);
-            self.stable = positive.map(|curvature| curvature.min(1.0));
+            let asked = self.softest.as_ref().filter(|_| is_flat && !self.floats);
+            self.stable = asked.and_then(Softest::stable);
             self.examined = pushed;
             self.watched = self.softest.as_ref().map(|softest| {
                 let v = softest.motion.clone();

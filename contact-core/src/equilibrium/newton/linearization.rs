@@ -125,32 +125,34 @@ impl<'a> Linearization<'a> {
         self.variation.iter().flat_map(GapVariation::stiffness)
     }
 
-    /// (K − sym D) v (n, UF), without springs.
-    pub fn curvature(&self, v: &[f64]) -> Vec<f64> {
+    /// K v (n, UF), without springs.
+    fn elastic_times(&self, v: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; v.len()];
         self.pattern.product(&self.hessian, v, &mut forces);
-        if let Some(variation) = &self.variation {
-            let half: Vec<f64> = v.iter().map(|v| -0.5 * v).collect();
-            variation.add_forces(&half, &variation.internal(&half), &mut forces);
-            variation.add_transposed_forces(&half, &mut forces);
-        }
         let springs = self.springs.iter().zip(v);
         let pulls = forces.iter_mut().zip(springs);
         pulls.for_each(|(force, (w, v))| *force -= w * v);
         forces
     }
 
+    /// (K − sym D) v (n, UF), without springs.
+    pub fn curvature(&self, v: &[f64]) -> Vec<f64> {
+        let mut forces = self.elastic_times(v);
+        if let Some(variation) = &self.variation {
+            let half: Vec<f64> = v.iter().map(|v| -0.5 * v).collect();
+            variation.add_forces(&half, &variation.internal(&half), &mut forces);
+            variation.add_transposed_forces(&half, &mut forces);
+        }
+        forces
+    }
+
     /// (K − D) v (n, UF), without springs.
     pub fn stiffness_times(&self, v: &[f64]) -> Vec<f64> {
-        let mut forces = vec![0.0; v.len()];
-        self.pattern.product(&self.hessian, v, &mut forces);
+        let mut forces = self.elastic_times(v);
         if let Some(variation) = &self.variation {
             let back: Vec<f64> = v.iter().map(|v| -v).collect();
             variation.add_forces(&back, &variation.internal(&back), &mut forces);
         }
-        let springs = self.springs.iter().zip(v);
-        let pulls = forces.iter_mut().zip(springs);
-        pulls.for_each(|(force, (w, v))| *force -= w * v);
         forces
     }
 

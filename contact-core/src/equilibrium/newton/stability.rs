@@ -44,7 +44,7 @@ pub(super) struct Softest {
     /// The curvature relative to S: at most 1, and negative along a motion that releases energy.
     pub curvature: f64,
     /// Whether it is known well: θ and its error are small, or the problem that is not symmetric has decided.
-    pub is_clear: bool,
+    is_clear: bool,
     /// The motion (n), its largest entry 1 or −1.
     pub motion: Vec<f64>,
 }
@@ -53,6 +53,12 @@ impl Softest {
     /// Whether it shows that the equilibrium is unstable.
     pub fn is_unstable(&self) -> bool {
         self.curvature < -NEUTRAL
+    }
+
+    /// The curvature, if it shows that the equilibrium is stable: it is positive, and known well. At most 1.
+    pub fn stable(&self) -> Option<f64> {
+        let is_stable = self.is_clear && self.curvature > 0.0;
+        is_stable.then(|| self.curvature.min(1.0))
     }
 
     /// The softest motion found; `None` if the rows permit none. `lambda` has the multiplier of each row. Where bodies `float`, the symmetric

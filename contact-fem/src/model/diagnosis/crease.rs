@@ -145,9 +145,9 @@ impl Around {
 
 #[cfg(test)]
 mod tests {
-    use contact_core::gaps::Sampling;
-    use contact_core::{ContactProblem, Outcome, State};
+    use contact_core::ContactProblem;
 
+    use super::super::tests::ended;
     use super::*;
     use crate::mesh::generators::{Diagonals, linspace, rectangle};
     use crate::{Body, Mesh, NeoHookean, Scene};
@@ -189,24 +189,12 @@ mod tests {
                 u[j] = -0.95 * problem.reference()[node][0];
             }
         }
-        let gaps = problem.linearize_gaps(&u, Sampling::Nodes).expect("rows");
+        let ended = ended(problem, u, 0.0);
         let height = |key: &RowKey| problem.reference()[key.node as usize][1];
         let force = |key: &RowKey| if height(key) > from { 2.0 } else { 0.0 };
         Solution {
-            outcome: Outcome::IterationLimit,
-            energy: problem.energy().value(&u),
-            lambda: gaps.keys().iter().map(force).collect(),
-            state: State {
-                u,
-                ..State::default()
-            },
-            gaps,
-            history: Vec::new(),
-            failed: Vec::new(),
-            curvature: None,
-            flickering: Vec::new(),
-            held: Vec::new(),
-            softest: None,
+            lambda: ended.gaps.keys().iter().map(force).collect(),
+            ..ended
         }
     }
 

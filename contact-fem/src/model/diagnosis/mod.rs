@@ -242,7 +242,7 @@ pub(super) fn undetermined<const D: usize>(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use contact_core::gaps::Sampling;
     use contact_core::{LinearGaps, Outcome, State};
 
@@ -255,7 +255,7 @@ mod tests {
     }
 
     /// What an iteration that reached its limit at u leaves, with rows there and a force on each.
-    fn ended(problem: &Problem<2>, u: Vec<f64>, force: f64) -> Solution {
+    pub fn ended(problem: &Problem<2>, u: Vec<f64>, force: f64) -> Solution {
         let forward = problem.linearize_gaps(&u, Sampling::Nodes).expect("rows");
         let reversed = problem
             .linearize_reversed(&u, Sampling::Nodes)

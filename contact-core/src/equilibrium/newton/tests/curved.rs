@@ -1,5 +1,7 @@
 //! Points on springs at round obstacles: rows that move with u, and forces that have no potential.
 
+use fastrand::Rng;
+
 use super::*;
 
 /// A point on a spring, ½ (u − a)ᵀK (u − a), at the unit circle around the origin: outside it, or inside it if `is_ring`.
@@ -250,44 +252,50 @@ fn curvature_along_a_disc() {
     }
 }
 
-/// Along the disc, the force that leads back grows by tᵀK t' − λ φ' with the angle, t' at φ and t at θ, whereas the symmetric part of K − D falls
-/// along t': it is t'ᵀK t' − λ φ' t·t'.
+/// Along the disc, the force that leads back grows by t'ᵀK t − λ φ' with the angle, t' at φ and t at θ, whereas the symmetric part of K − D falls
+/// along t': it is t'ᵀK t' − λ φ' t·t'. Springs, turned normals and forces are random.
 #[test]
-fn an_equilibrium_that_the_symmetric_part_alone_calls_unstable_is_kept() {
-    let theta = std::f64::consts::FRAC_PI_4;
-    let soft = Spring {
-        stiffness: [0.4, 1.6],
-        turned: 0.283,
-        ..PRESSED
-    };
-    let (n, slope) = soft.normal(theta);
-    let lambda = 2.05;
-    let pulled_to =
-        [0, 1].map(|i| [theta.cos(), theta.sin()][i] - lambda * n[i] / soft.stiffness[i]);
-    let spring = Spring { pulled_to, ..soft };
-    let (along, turned) = ([-theta.sin(), theta.cos()], [-n[1], n[0]]);
-    let rate = slope[1] * n[0] - slope[0] * n[1];
-    let product = |a: [f64; 2], b: [f64; 2]| {
-        a[0] * spring.stiffness[0] * b[0] + a[1] * spring.stiffness[1] * b[1]
-    };
-    let cosine = along[0] * turned[0] + along[1] * turned[1];
-    let symmetric = product(turned, turned) - lambda * rate * cosine;
-    let leads_back = product(turned, along) - lambda * rate;
-    assert!(
-        symmetric < -0.01 && leads_back > 0.01,
-        "{symmetric} {leads_back}"
-    );
-    let toy = spring.toy(true);
-    let start = with_multipliers(&toy, &[0.71, 0.72], &[2.0]);
-    let solved = CondensedNewton::default().solve_from(&toy, start);
-    let solution = solved.expect("a valid problem");
-    spring.assert_found(&solution, theta);
-    let curvature = solution.curvature.expect("examined");
-    let expected = leads_back / product(turned, along);
-    assert!(
-        (curvature - expected).abs() < 1e-4,
-        "{curvature} {expected}"
-    );
+fn equilibria_that_the_symmetric_part_alone_calls_unstable_are_kept() {
+    let mut random = Rng::with_seed(46);
+    let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
+    let mut kept = 0;
+    for _ in 0..20_000 {
+        let theta = between(0.6, 0.95);
+        let soft = Spring {
+            stiffness: [between(0.2, 0.6), 1.6],
+            turned: between(0.15, 0.3),
+            ..PRESSED
+        };
+        let ((n, slope), lambda) = (soft.normal(theta), between(1.0, 3.0));
+        let u = [theta.cos(), theta.sin()];
+        let pulled_to = [0, 1].map(|i| u[i] - lambda * n[i] / soft.stiffness[i]);
+        let spring = Spring { pulled_to, ..soft };
+        let (along, turned) = ([-u[1], u[0]], [-n[1], n[0]]);
+        let rate = slope[1] * n[0] - slope[0] * n[1];
+        let product = |a: [f64; 2], b: [f64; 2]| {
+            a[0] * spring.stiffness[0] * b[0] + a[1] * spring.stiffness[1] * b[1]
+        };
+        let cosine = along[0] * turned[0] + along[1] * turned[1];
+        let symmetric = product(turned, turned) - lambda * rate * cosine;
+        let leads_back = product(turned, along) - lambda * rate;
+        if symmetric > -0.02 || leads_back < 0.02 {
+            continue;
+        }
+        kept += 1;
+        let toy = spring.toy(true);
+        let start = with_multipliers(&toy, &[1.005 * u[0], 1.01 * u[1]], &[0.98 * lambda]);
+        let solved = CondensedNewton::default().solve_from(&toy, start);
+        let solution = solved.expect("a valid problem");
+        // the solver's tolerance
+        spring.assert_within(&solution, theta, 1e-8);
+        let curvature = solution.curvature.expect("examined");
+        let expected = leads_back / product(turned, along);
+        assert!(
+            (curvature - expected).abs() < 1e-4,
+            "{curvature} {expected}"
+        );
+    }
+    assert!(kept > 100, "{kept}");
 }
 
 /// The spring pulls through the disc: the start is next to an equilibrium whose curvature is −2.
