@@ -7,7 +7,7 @@ use contact_core::load_steps::{Attempt, LoadSteps, Phase, Run, Step};
 use contact_core::{ContactProblem, Ending, Equilibrium, State};
 
 use crate::audit::LeastVolume;
-use crate::certificate::Certificate;
+use crate::certificate::{Certificate, Condition};
 use crate::error::Error;
 use crate::instances::{Observe, instance};
 use crate::model::work::External;
@@ -86,10 +86,16 @@ impl<const D: usize> History<D> {
     }
 
     /// The worst value of each condition over the certificates of all steps; `None` if no step
-    /// converged.
+    /// converged. [`Condition::Instability`] is `None` where the last state was not examined, unless an earlier one was unstable: zeros of earlier
+    /// states say nothing about it.
     pub fn certificate(&self) -> Option<Certificate> {
         let steps = self.steps.iter().map(|step| step.certificate);
-        steps.reduce(Certificate::or_worse)
+        let worst = steps.reduce(Certificate::or_worse)?;
+        let last = self.last()?.certificate.left(Condition::Instability);
+        Some(match worst.left(Condition::Instability) {
+            Some(0.0) => worst.with(Condition::Instability, last),
+            _ => worst,
+        })
     }
 }
 

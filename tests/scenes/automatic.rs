@@ -1,11 +1,15 @@
 //! The default solver: which one it takes, and what it does where that one fails.
 
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
 use std::path::Path;
 
 use crate::common::{disc_in_disc, relative, run};
 use contact_core::{Automatic, Ending, Equilibrium, Interruption, Outcome};
-use contact_fem::Simulation;
+use contact_fem::certificate::Condition;
+use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
 use contact_fem::model::{Geometry, Problem};
+use contact_fem::{Body, NeoHookean, Scene, Simulation, StepRecord};
 use ipopt_contact_scenes::disc_in_disc::Roles;
 use ipopt_contact_scenes::{cantilevers, tight};
 
@@ -39,12 +43,21 @@ fn the_solver_fits_the_scene() {
     assert_eq!(chosen(&large), "newton");
 }
 
-/// Newton's method with too few iterations fails at every step; the fixed point solves them all, and the record says so.
+/// How the attempts of Newton's method failed at a load step.
+fn of_newton<const D: usize>(step: &StepRecord<D>) -> Vec<&Outcome> {
+    let failed = step.attempt.failed.iter();
+    let own = failed.filter(|failed| failed.solver == "newton");
+    own.map(|failed| &failed.outcome).collect()
+}
+
+/// Newton's method with too few iterations for its tolerance fails at every step, also from the fixed point's end; the fixed point solves them
+/// all, and the record says so. What nothing has examined is not told to be stable.
 #[test]
 fn steps_that_newton_does_not_solve_are_solved_by_ipopt() {
     let increments = 4;
     let mut simulation = Simulation::with_increments(increments);
     simulation.solver.newton.max_iterations = 1;
+    simulation.solver.newton.tolerance = 1e-16;
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fallback");
     let mut recording = simulation.record(&folder);
     recording.plan.quiet = true;
@@ -53,9 +66,8 @@ fn steps_that_newton_does_not_solve_are_solved_by_ipopt() {
     assert!(history.is_complete(), "{}", history.run.ending);
     for step in &history.steps {
         assert_eq!(step.attempt.solver(), Some("ipopt"));
-        let failed = step.attempt.failed.first().expect("Newton's method");
-        let (solver, outcome) = (failed.solver, &failed.outcome);
-        assert_eq!((solver, outcome), ("newton", &Outcome::IterationLimit));
+        // from the start and from the end
+        assert_eq!(of_newton(step), [&Outcome::IterationLimit; 2]);
         assert_eq!(step.attempt.iterations[0].solver, "newton");
     }
     let direct = run(&mut disc_in_disc(24, Roles::default()), increments, 1e-8);
@@ -66,6 +78,7 @@ fn steps_that_newton_does_not_solve_are_solved_by_ipopt() {
     let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(summary["solver"], "newton");
     assert_eq!(summary["steps_by_solver"]["ipopt"], increments);
+    assert!(summary["certificate"]["instability"].is_null());
     let failures = history.steps.iter().map(|step| step.attempt.failed.len());
     assert_eq!(summary["repeated_attempts"], failures.sum::<usize>());
     let number = |key: &str| summary[key].as_f64().unwrap_or(f64::NAN);
@@ -99,6 +112,48 @@ fn steps_that_newton_does_not_solve_are_solved_by_ipopt() {
     assert!(bodies[0]["place"][1].as_f64().is_some_and(|y| y < -0.6));
     let touching = summary["contact_facets_touching"].as_u64();
     assert!(touching.is_some_and(|count| (4..24).contains(&count)));
+}
+
+/// Newton's method with too few iterations for an increment ends from where the fixed point has come, and examines that state: the disc is stable.
+/// A clamped column of twice its Euler load, straight on the fixed point's way since nothing pushes it aside, is not.
+#[test]
+fn what_ipopt_has_found_is_examined() {
+    let mut simulation = Simulation::with_increments(2);
+    simulation.solver.newton.max_iterations = 3;
+    let run = simulation.run(&mut disc_in_disc(24, Roles::default()));
+    let history = run.expect("no misuse");
+    for step in &history.steps {
+        let solvers = step.attempt.iterations.iter().map(|own| own.solver);
+        let solvers: BTreeSet<_> = solvers.collect();
+        assert_eq!(solvers, BTreeSet::from(["ipopt", "newton"]));
+        // from the start alone
+        assert_eq!(of_newton(step), [&Outcome::IterationLimit]);
+    }
+    let certificate = history.certificate().expect("steps");
+    assert_eq!(certificate.left(Condition::Instability), Some(0.0));
+    assert!(certificate.holds(&tight()), "{certificate}");
+
+    let (young, height, width) = (1e3, 10.0_f64, 0.5_f64);
+    let euler = 4.0 * PI.powi(2) * young * width.powi(3) / 12.0 / height.powi(2);
+    let push = 2.0 * euler / (young * width) * height;
+    let (xs, ys) = (linspace(0.0, width, 4), linspace(0.0, height, 80));
+    let mesh = rectangle(&xs, &ys, Diagonals::Alternating).expect("a mesh");
+    let mut column = Body::new(mesh, NeoHookean::new(young, 0.0).expect("a law"));
+    column.prescribe("bottom", [Some(0.0); 2]).expect("named");
+    let top = [Some(0.0), Some(-push)];
+    column.prescribe("top", top).expect("named");
+    let mut scene = Scene::new();
+    scene.add("column", column);
+    let mut problem = scene.problem().expect("valid scene");
+    let mut simulation = Simulation::with_increments(2);
+    simulation.solver.newton.max_iterations = 1;
+    let history = simulation.run(&mut problem).expect("no misuse");
+    let u = problem.displacements(&history.run.state.u);
+    let aside = u.iter().fold(0.0, |most: f64, u| most.max(u[0].abs()));
+    let certificate = history.certificate().expect("steps");
+    let is_left = aside > 0.1 * width;
+    let is_told = certificate.left(Condition::Instability) > Some(1e-3);
+    assert!(is_left || is_told, "{aside} aside, {certificate}");
 }
 
 #[test]

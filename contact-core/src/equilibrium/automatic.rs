@@ -2,14 +2,12 @@
 
 use super::{Choice, Condensed, CondensedNewton, Equilibrium, Solution, StepContext};
 #[cfg(feature = "ipopt")]
-use super::{Retry, finite_bound};
-#[cfg(feature = "ipopt")]
-use crate::Outcome;
-#[cfg(feature = "ipopt")]
-use crate::memory;
+use super::{Retry, finite_bound, least_displacement, relative_change};
 #[cfg(feature = "ipopt")]
 use crate::method::InteriorPoint;
 use crate::{ContactProblem, Error, MemoryNeed, State};
+#[cfg(feature = "ipopt")]
+use crate::{Outcome, Scale, memory};
 
 /// The solver that fits the problem.
 ///
@@ -19,7 +17,8 @@ use crate::{ContactProblem, Error, MemoryNeed, State};
 /// | quadratic energy and exact rows: small strains, contact in the reference geometry | [`Condensed`] |
 /// | all others | [`CondensedNewton`] |
 ///
-/// A load step that one of the last two does not solve is repeated by the fixed point from the same start.
+/// A load step that one of the last two does not solve is repeated by the fixed point from the same start. Where it was
+/// Newton's method that failed, that method goes on from the state to which the fixed point has come, and examines whether the state is stable.
 /// [`Solution::failed`] has the first outcome then. Without the feature `ipopt` there is no fixed point.
 ///
 /// By default the tolerance is that of [`CondensedNewton`], for the fixed point, too.
@@ -33,6 +32,10 @@ pub struct Automatic {
     #[cfg(feature = "ipopt")]
     pub fixed_point: Retry<InteriorPoint>,
 }
+
+/// Equilibria that two solvers have found are the same if u differs by less than this share.
+#[cfg(feature = "ipopt")]
+const SAME: f64 = 1e-3;
 
 /// A field of [`Automatic`].
 #[derive(Clone, Copy, PartialEq)]
@@ -70,6 +73,33 @@ impl Automatic {
             (true, false) => (Way::Newton, "projections follow the bodies"),
             (false, _) => (Way::Newton, "the energy is not quadratic"),
         }
+    }
+
+    /// The equilibrium to which Newton's method comes from that of the fixed point, and which it examines, with the history of both. The latter
+    /// stays where Newton's method does not end, or ends elsewhere at no lower energy.
+    #[cfg(feature = "ipopt")]
+    fn examined(
+        &mut self,
+        problem: &dyn ContactProblem,
+        found: Solution,
+        context: &StepContext<'_>,
+    ) -> Result<Solution, Error> {
+        let own = self.newton.solve(problem, found.state.clone(), context)?;
+        let least = least_displacement(problem, Scale::of(problem, &found.state.u)?.length);
+        let is_same = relative_change(&own.state.u, &found.state.u, least) < SAME;
+        let is_lower = own.energy < found.energy;
+        if own.outcome != Outcome::Converged || !(is_same || is_lower) {
+            let cause = "from the equilibrium that the fixed point has found";
+            let solver = self.newton.choice(problem).solver;
+            return Ok(found.after(own, solver, Some(cause.into())));
+        }
+        let mut history = found.history;
+        history.extend(own.history);
+        Ok(Solution {
+            history,
+            failed: found.failed,
+            ..own
+        })
     }
 
     /// The solver of a way.
@@ -122,7 +152,10 @@ impl Equilibrium for Automatic {
                     true => start,
                     false => (context.lifted)(),
                 };
-                let second = self.fixed_point.solve(problem, start, context)?;
+                let mut second = self.fixed_point.solve(problem, start, context)?;
+                if way == Way::Newton && second.outcome == Outcome::Converged {
+                    second = self.examined(problem, second, context)?;
+                }
                 let cause = problem.diagnose(&first);
                 Ok(second.after(first, self.choice(problem).solver, cause))
             }
