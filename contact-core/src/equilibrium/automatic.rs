@@ -19,7 +19,7 @@ use crate::{Outcome, Scale, memory};
 ///
 /// A load step that one of the last two does not solve is repeated by the fixed point from the same start. Where it was
 /// Newton's method that failed, that method goes on from the state to which the fixed point has come, and examines whether the state is stable.
-/// [`Solution::failed`] has the first outcome then. Without the feature `ipopt` there is no fixed point.
+/// [`Solution::failed`] has what failed before. Without the feature `ipopt` there is no fixed point.
 ///
 /// By default the tolerance is that of [`CondensedNewton`], for the fixed point, too.
 #[derive(Clone, Debug)]
@@ -75,8 +75,8 @@ impl Automatic {
         }
     }
 
-    /// The equilibrium to which Newton's method comes from that of the fixed point, and which it examines, with the history of both. The latter
-    /// stays where Newton's method does not end, or ends elsewhere at no lower energy.
+    /// The equilibrium to which Newton's method comes from that of the fixed point, with the history of both. The fixed point's stays where Newton's
+    /// method does not end, or ends elsewhere at no lower energy.
     #[cfg(feature = "ipopt")]
     fn examined(
         &mut self,
