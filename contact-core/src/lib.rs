@@ -30,6 +30,7 @@
 //! | d(u) | the energy's [domain](Energy::domain): admissible means every d > 0 (volume ratios J) |
 //! | c(u) = C u + c₀ ≥ 0 | linearised gaps, each a length (UL), positive = open |
 //! | λ ≥ 0 | multipliers of the gaps, each a compressive force (UF): ∇E = Cᵀλ |
+//! | Δs = T u + d, r | slips of contact nodes (UL) and forces of [`friction`] against them (UF): ∇E = Cᵀλ − Tᵀr |
 //! | UF, UL | the user's units of force and length |
 #![allow(non_snake_case)]
 // The front page links to a module that exists with the feature `ipopt` only.
@@ -40,6 +41,7 @@ pub mod cost;
 pub mod energy;
 pub mod equilibrium;
 pub mod error;
+pub mod friction;
 pub mod gaps;
 #[cfg(feature = "ipopt")]
 #[allow(unsafe_code)] // the calls of Ipopt

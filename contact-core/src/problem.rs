@@ -1,5 +1,6 @@
 //! The interface between mechanics and optimisation: the trait of a contact problem, its scales and its state.
 
+use crate::friction::SlipRows;
 use crate::gaps::{Sampling, SparseRows};
 use crate::nlp::Bounds;
 use crate::reduction::{LinearMap, Reduction};
@@ -144,6 +145,22 @@ impl Multipliers {
     pub fn extrapolated(&self, before: &Multipliers, s: f64) -> Multipliers {
         let line = |&(key, l): &(RowKey, f64)| (key, (l + s * (l - before.of(key))).max(0.0));
         Multipliers(self.0.iter().map(line).collect())
+    }
+}
+
+/// The last value counts where a key comes twice.
+impl FromIterator<(RowKey, f64)> for Multipliers {
+    fn from_iter<I: IntoIterator<Item = (RowKey, f64)>>(entries: I) -> Self {
+        let mut entries: Vec<_> = entries.into_iter().collect();
+        entries.sort_by_key(|entry| entry.0);
+        entries.dedup_by(|next, kept| {
+            let is_same = next.0 == kept.0;
+            if is_same {
+                kept.1 = next.1;
+            }
+            is_same
+        });
+        Multipliers(entries)
     }
 }
 
@@ -348,6 +365,27 @@ pub trait ContactProblem {
         _lambda: &[Option<f64>],
     ) -> Result<Option<GapVariation>, Error> {
         Ok(None)
+    }
+    /// Whether some rows have friction; by default none has. A problem that wraps another one must pass this on.
+    fn has_friction(&self) -> bool {
+        false
+    }
+    /// How the contact nodes slip whose rows `gaps` were made at `u`, with points and directions held there, and their coefficients of
+    /// friction. Slips count from `last` (n, UL), the state that converged last, at the load factor `from`. By default there is no friction.
+    ///
+    /// [`FixedPoint`](crate::FixedPoint) asks for them where [`ContactProblem::has_friction`] is true; see [`friction`](crate::friction). A
+    /// problem that wraps another one must pass this on.
+    ///
+    /// # Errors
+    /// As [`ContactProblem::linearize_gaps`].
+    fn slips(
+        &self,
+        _u: &[f64],
+        _gaps: &LinearGaps,
+        _last: &[f64],
+        _from: f64,
+    ) -> Result<SlipRows, Error> {
+        Ok(SlipRows::default())
     }
     /// The bodies that the problem consists of, where the energy is a sum over them: those on which no common row acts are
     /// solved by themselves then, by `CondensedNewton`. By default it is one whole. A

@@ -68,15 +68,19 @@ impl Anderson {
     /// The next point, from the current one and its image under G (both n): the image itself where a value is not
     /// finite, which clears the memory.
     pub fn next(&mut self, u: &[f64], image: &[f64]) -> Vec<f64> {
-        if self.depth == 0 {
-            return image.to_vec();
-        }
-        if !u.iter().chain(image).all(|value| value.is_finite()) {
-            self.restart();
-            return image.to_vec();
-        }
+        self.next_by(difference(image, u), image)
+    }
+
+    /// The same, where a residual other than image − u tells how far the point is from the fixed one, in any length.
+    pub(super) fn next_by(&mut self, residual: Vec<f64>, image: &[f64]) -> Vec<f64> {
         let image = image.to_vec();
-        let residual = difference(&image, u);
+        if self.depth == 0 {
+            return image;
+        }
+        if !residual.iter().chain(&image).all(|value| value.is_finite()) {
+            self.restart();
+            return image;
+        }
         if let Some((last_image, last_residual)) = self.last.take() {
             if self.residual_steps.len() == self.depth {
                 self.residual_steps.pop_front();

@@ -13,7 +13,7 @@ use crate::{Outcome, Scale, memory};
 ///
 /// | problem | solver |
 /// |---|---|
-/// | some unknowns have bounds | `Retry<InteriorPoint>`, the paper's fixed point with Ipopt |
+/// | some unknowns have bounds, or some rows friction | `Retry<InteriorPoint>`, the paper's fixed point with Ipopt |
 /// | quadratic energy and exact rows: small strains, contact in the reference geometry | [`Condensed`] |
 /// | all others | [`CondensedNewton`] |
 ///
@@ -66,6 +66,10 @@ impl Automatic {
         #[cfg(feature = "ipopt")]
         if finite_bound(problem.bounds()).is_some() {
             return (Way::FixedPoint, "unknowns have bounds");
+        }
+        #[cfg(feature = "ipopt")]
+        if problem.has_friction() {
+            return (Way::FixedPoint, "contact has friction");
         }
         let energy = problem.energy();
         match (energy.is_quadratic(), problem.has_exact_gaps()) {

@@ -2,8 +2,10 @@
 
 use super::journal::Journal;
 use super::{Acceleration, Choice, Equilibrium, Solution, StepContext, check_settings};
+use crate::friction::Thresholds;
+use crate::gaps::Sampling;
 use crate::method::Method;
-use crate::{ContactProblem, Error, MemoryNeed, State};
+use crate::{ContactProblem, Error, LinearGaps, MemoryNeed, State};
 
 /// Algorithm 2 of the paper, with a [`Method`] for its step 5.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,16 +80,51 @@ impl<M: Method> FixedPoint<M> {
             }
             // 4: the energy and the symmetric linear constraints
             let gaps = forward.and(reversed);
+            // beyond the paper: friction, with the thresholds μλ of the last iterate
+            let thresholds = match problem.has_friction() {
+                true => Some(self.thresholds(problem, &gaps, &journal, context)?),
+                false => None,
+            };
             let subproblem = journal.subproblem(&gaps, context.stop);
             // 5: their minimum U_n
-            let minimum = self.method.minimize(&subproblem, &before)?;
+            let (minimum, friction) = match thresholds {
+                None => (self.method.minimize(&subproblem, &before)?, None),
+                Some(thresholds) => {
+                    let known = journal.friction();
+                    let (minimum, forces) =
+                        thresholds.minimize(&mut self.method, &subproblem, &before, known)?;
+                    (minimum, Some(thresholds.friction(forces, context)))
+                }
+            };
             Error::check_length("the method's u", &minimum.u, before.u.len())?;
             Error::check_length("the method's λ", &minimum.lambda, gaps.len())?;
             // 6: ‖U_n − U_{n−1}‖∞ / ‖U‖∞
             let error = relative_change(&minimum.u, &before.u, journal.least);
-            journal.accept(gaps, minimum, error);
+            journal.accept(gaps, minimum, friction, error);
         }
         Ok(journal.solution())
+    }
+
+    /// The thresholds of friction on `gaps`.
+    fn thresholds(
+        &self,
+        problem: &dyn ContactProblem,
+        gaps: &LinearGaps,
+        journal: &Journal<'_>,
+        context: &StepContext<'_>,
+    ) -> Result<Thresholds, Error> {
+        if self.method.sampling() != Sampling::Nodes {
+            return Err(Error::Untreated {
+                solver: "FixedPoint",
+                what: "a method with rows of integration points, and friction",
+                value: self.method.name().into(),
+                remedy: "take a method with one row for each contact node, such as `InteriorPoint`",
+            });
+        }
+        let before = &journal.point;
+        let rows = problem.slips(&before.u, gaps, &context.last.u, context.from)?;
+        rows.check(before.u.len())?;
+        Ok(journal.thresholds(rows, gaps))
     }
 }
 

@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use super::{
-    Acceleration, Choice, Equilibrium, Failed, FixedPoint, Solution, StepContext, check_independent,
+    Acceleration, Choice, Equilibrium, Failed, FixedPoint, Solution, StepContext,
+    check_frictionless, check_independent,
 };
 use crate::gaps::Sampling;
 use crate::ipopt::{Options, Sequence, SequenceSettings};
@@ -86,6 +87,7 @@ impl Equilibrium for Literal {
         context: &StepContext<'_>,
     ) -> Result<Solution, Error> {
         check_independent(problem, "Literal")?;
+        check_frictionless(problem, "Literal")?;
         let plain = Plain {
             problem,
             energy: Unguarded(problem.energy()),

@@ -54,6 +54,7 @@ use std::fmt;
 #[cfg(feature = "linear")]
 use self::condensed::halt::Halt;
 use crate::cost::Name;
+use crate::friction::Friction;
 use crate::reduction;
 #[cfg(feature = "linear")]
 use crate::{Bounds, gaps::Sampling, method::check_bounds};
@@ -289,6 +290,9 @@ pub struct Solution {
     /// vᵀ(K − sym D)v (UF·UL for v in UL), negative where it releases energy.
     #[cfg_attr(feature = "resume", serde(default))]
     pub softest: Option<(Vec<f64>, f64)>,
+    /// The friction, whose forces belong to the equilibrium: ∇E = Cᵀλ − Tᵀr. `None` where the problem has none.
+    #[cfg_attr(feature = "resume", serde(default))]
+    pub friction: Option<Friction>,
 }
 
 /// An attempt at a load step after which another solver, or another setting, was tried.
@@ -409,6 +413,7 @@ fn unchanged(start: State, energy: f64, outcome: Outcome) -> Solution {
         flickering: Vec::new(),
         held: Vec::new(),
         softest: None,
+        friction: None,
     }
 }
 
@@ -435,6 +440,20 @@ fn check_independent(problem: &dyn ContactProblem, solver: &'static str) -> Resu
     }
 }
 
+/// Checks that no row has friction, which `solver` does not treat.
+#[cfg(any(feature = "linear", feature = "ipopt"))]
+fn check_frictionless(problem: &dyn ContactProblem, solver: &'static str) -> Result<(), Error> {
+    match problem.has_friction() {
+        true => Err(Error::Untreated {
+            solver,
+            what: "contact with friction",
+            value: "true".into(),
+            remedy: "solve by `FixedPoint`",
+        }),
+        false => Ok(()),
+    }
+}
+
 /// Checks the start, and that no unknown has a finite bound, which `solver` does not treat.
 #[cfg(feature = "linear")]
 fn check_unbounded(
@@ -443,6 +462,7 @@ fn check_unbounded(
     solver: &'static str,
 ) -> Result<(), Error> {
     check_independent(problem, solver)?;
+    check_frictionless(problem, solver)?;
     let (bounds, dofs) = (problem.bounds(), problem.energy().dofs());
     Error::check_vector("start.u", &start.u, dofs)?;
     check_bounds(bounds, dofs)?;

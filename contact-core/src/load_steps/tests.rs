@@ -165,6 +165,7 @@ impl<F: FnMut(f64, f64) -> Outcome> Equilibrium for Follows<F> {
             flickering: Vec::new(),
             held: Vec::new(),
             softest: None,
+            friction: None,
         })
     }
 }
@@ -697,6 +698,7 @@ impl<F: FnMut(f64) -> Option<Outcome>> Equilibrium for Errs<F> {
             flickering: Vec::new(),
             held: Vec::new(),
             softest: None,
+            friction: None,
         })
     }
 }

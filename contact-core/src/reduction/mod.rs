@@ -281,7 +281,7 @@ pub(crate) fn solve<E: Equilibrium + ?Sized>(
     let Some(reduction) = problem.reduction() else {
         return solver.solve(problem, start, context);
     };
-    let reduced = Reduced::new(problem, &reduction)?;
+    let reduced = Reduced::new(problem, &reduction, &context.last.u)?;
     Error::check_vector("start.u", &start.u, reduction.map.unknowns())?;
     let last = reduced.restricted(context.last);
     let lifted = || reduced.restricted(&(context.lifted)());

@@ -6,6 +6,7 @@ use std::collections::{HashMap, VecDeque};
 use super::energy::{GroupEnergy, Part};
 use super::{LinearMap, Place, Reduction};
 use crate::equilibrium::Solution;
+use crate::friction::{Friction, SlipRow, SlipRows};
 use crate::gaps::{Row, Sampling};
 use crate::{
     Bounds, ContactProblem, DirectSum, Energy, Error, GapVariation, LinearGaps, RowKey, Scale,
@@ -29,12 +30,20 @@ pub(super) struct Reduced<'a> {
     held: &'a [bool],
     /// Rows over all unknowns, and the same over the independent ones.
     kept: RefCell<VecDeque<[LinearGaps; 2]>>,
+    /// All unknowns (n, UL) of the state that converged last.
+    last: &'a [f64],
+    /// The slips that were asked for last, over all unknowns.
+    slips: RefCell<SlipRows>,
 }
 
 impl<'a> Reduced<'a> {
     /// # Errors
     /// Constants or unknowns that are not those of the problem, bounds on dependent unknowns.
-    pub fn new(full: &'a dyn ContactProblem, reduction: &'a Reduction) -> Result<Self, Error> {
+    pub fn new(
+        full: &'a dyn ContactProblem,
+        reduction: &'a Reduction,
+        last: &'a [f64],
+    ) -> Result<Self, Error> {
         let (map, constants) = (&*reduction.map, reduction.constants.as_slice());
         Error::check_vector(
             "the constants of the reduction",
@@ -83,6 +92,8 @@ impl<'a> Reduced<'a> {
             group_of,
             held: &reduction.held,
             kept: RefCell::new(VecDeque::new()),
+            last,
+            slips: RefCell::default(),
         })
     }
 
@@ -113,11 +124,7 @@ impl<'a> Reduced<'a> {
         let mut own = LinearGaps::new(rows.is_exact()).sampled_at(rows.sampling());
         for i in 0..rows.len() {
             let row = rows.row(i);
-            let shifts = row.free.iter().map(|&(j, a)| match self.map.places[j] {
-                Place::Independent(_) => 0.0,
-                Place::Dependent(k) => a * self.constants[k],
-            });
-            let constant = row.constant + shifts.sum::<f64>();
+            let constant = row.constant + self.shift(&row.free);
             let free = self.map.row(row.free.iter().copied());
             own.push(
                 rows.keys()[i],
@@ -129,6 +136,15 @@ impl<'a> Reduced<'a> {
             );
         }
         own
+    }
+
+    /// What the constants t add to a row with these entries.
+    fn shift(&self, entries: &[(usize, f64)]) -> f64 {
+        let shifts = entries.iter().map(|&(j, a)| match self.map.places[j] {
+            Place::Independent(_) => 0.0,
+            Place::Dependent(k) => a * self.constants[k],
+        });
+        shifts.sum()
     }
 
     /// The rows over all unknowns that `gaps` were made from, if they are still known.
@@ -173,9 +189,16 @@ impl<'a> Reduced<'a> {
         let still = vec![0.0; self.constants.len()];
         let softest = solution.softest.as_ref();
         let softest = softest.map(|(v, k)| (self.map.expanded(v, &still), *k));
+        // they were made from the slips that were asked for last
+        let friction = solution.friction.map(|own| Friction {
+            rows: self.slips.take(),
+            last: self.last.to_vec(),
+            ..own
+        });
         let multipliers = solution.state.multipliers;
         let state = State { u, multipliers };
         Ok(Solution {
+            friction,
             held,
             softest,
             state,
@@ -247,6 +270,37 @@ impl ContactProblem for Reduced<'_> {
         let rows = source.as_ref().unwrap_or(gaps);
         let variation = self.full.vary_gaps(&self.all(v)?, rows, lambda)?;
         Ok(variation.map(|variation| variation.mapped(self.map)))
+    }
+
+    fn has_friction(&self) -> bool {
+        self.full.has_friction()
+    }
+
+    fn slips(
+        &self,
+        v: &[f64],
+        gaps: &LinearGaps,
+        _last: &[f64],
+        from: f64,
+    ) -> Result<SlipRows, Error> {
+        let source = self.source(gaps);
+        let rows = source.as_ref().unwrap_or(gaps);
+        // independent unknowns alone do not tell the dependent ones of another load
+        let full = self.full.slips(&self.all(v)?, rows, self.last, from)?;
+        let mut own = SlipRows::default();
+        for (i, &key) in full.keys().iter().enumerate() {
+            let row = full.row(i);
+            let constant = row.constant + self.shift(&row.free);
+            let free = self.map.row(row.free.iter().copied());
+            let row = SlipRow {
+                free,
+                constant,
+                ..row
+            };
+            own.push(key, &row);
+        }
+        *self.slips.borrow_mut() = full;
+        Ok(own)
     }
 
     fn separable(&self) -> Option<&dyn Separable> {

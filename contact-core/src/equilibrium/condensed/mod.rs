@@ -238,6 +238,7 @@ impl Equilibrium for Condensed {
             flickering: Vec::new(),
             held: Vec::new(),
             softest: None,
+            friction: None,
             history: vec![Iteration {
                 solver: NAME,
                 error,

@@ -390,6 +390,7 @@ fn joined(
         flickering: Vec::new(),
         held: Vec::new(),
         softest: None,
+        friction: None,
     }
 }
 

@@ -309,6 +309,7 @@ impl CondensedNewton {
             failed: Vec::new(),
             held: Vec::new(),
             softest: None,
+            friction: None,
         };
         Ok(solution)
     }

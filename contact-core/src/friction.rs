@@ -1,0 +1,266 @@
+//! Coulomb's law of friction, as thresholds of Tresca's law that a fixed point finds.
+//!
+//! The slip of a contact node since the last converged state is a length, Δs = T u + d. Friction resists it by a force r
+//! (UF) that is at most a threshold τ, and equal to τ, against the slip, where the node slips: r ∈ τ ∂|Δs|. For given τ this
+//! is Tresca's law, and the increment minimises
+//!
+//! E(u) + Σ τ_i |Δs_i(u)|   subject to   C u + c₀ ≥ 0,
+//!
+//! whose minimum has ∇E + Tᵀr = Cᵀλ. Coulomb's law has τ_i = μ_i λ_i, with a bound on the shear force where there is
+//! one. The multipliers λ are those of the minimum itself, so that the problem is a fixed point: each iteration of
+//! [`FixedPoint`](crate::FixedPoint) takes the thresholds from the multipliers of the one before, as it takes projections and normals.
+//!
+//! The terms |Δs_i| are exact: with further unknowns q_i and the rows q_i − Δs_i ≥ 0 and q_i + Δs_i ≥ 0, the energy
+//! E(u) + Σ τ_i q_i is as smooth as E, and any [`Method`](crate::Method) minimises it. The multipliers of the two rows differ by r_i.
+
+mod tresca;
+
+pub(crate) use tresca::{Thresholds, touching};
+
+use crate::gaps::SparseRows;
+use crate::{Error, RowKey};
+
+/// How contact nodes slip, and how much friction they have: one row of T for each row of gaps that has friction.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
+pub struct SlipRows {
+    keys: Vec<RowKey>,
+    free: SparseRows,
+    prescribed: SparseRows,
+    constant: Vec<f64>,
+    coefficient: Vec<f64>,
+    bound: Vec<f64>,
+}
+
+/// One row, to be appended to [`SlipRows`].
+#[derive(Clone, Debug)]
+pub struct SlipRow {
+    /// Coefficients of free unknowns.
+    pub free: Vec<(usize, f64)>,
+    /// Coefficients of prescribed unknowns; `constant` already contains their contribution.
+    pub prescribed: Vec<(usize, f64)>,
+    /// d (UL): minus T times the last converged u, and what prescribed unknowns and obstacles have moved since.
+    pub constant: f64,
+    /// μ ≥ 0, the coefficient of friction.
+    pub coefficient: f64,
+    /// The largest force of friction (UF), whatever the pressure; infinite for Coulomb's law alone.
+    pub bound: f64,
+}
+
+impl Default for SlipRow {
+    fn default() -> Self {
+        SlipRow {
+            free: Vec::new(),
+            prescribed: Vec::new(),
+            constant: 0.0,
+            coefficient: 0.0,
+            bound: f64::INFINITY,
+        }
+    }
+}
+
+impl SlipRows {
+    /// Appends the slip of the node whose row of gaps has this key; a key may come once.
+    pub fn push(&mut self, key: RowKey, row: &SlipRow) {
+        self.keys.push(key);
+        self.free.push(&row.free);
+        self.prescribed.push(&row.prescribed);
+        self.constant.push(row.constant);
+        self.coefficient.push(row.coefficient);
+        self.bound.push(row.bound);
+    }
+
+    /// The number of rows (p).
+    pub fn len(&self) -> usize {
+        self.keys.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.keys.is_empty()
+    }
+
+    /// The key of the row of gaps whose force presses on each row (p).
+    pub fn keys(&self) -> &[RowKey] {
+        &self.keys
+    }
+
+    /// T (p × n).
+    pub fn matrix(&self) -> &SparseRows {
+        &self.free
+    }
+
+    /// d (p, UL).
+    pub fn constant(&self) -> &[f64] {
+        &self.constant
+    }
+
+    /// μ (p).
+    pub fn coefficients(&self) -> &[f64] {
+        &self.coefficient
+    }
+
+    /// The largest forces of friction (p, UF).
+    pub fn bounds(&self) -> &[f64] {
+        &self.bound
+    }
+
+    /// A copy of row `i`, to be appended elsewhere.
+    pub fn row(&self, i: usize) -> SlipRow {
+        SlipRow {
+            free: self.free.row(i).collect(),
+            prescribed: self.prescribed.row(i).collect(),
+            constant: self.constant[i],
+            coefficient: self.coefficient[i],
+            bound: self.bound[i],
+        }
+    }
+
+    /// Δs = T u + d (p, UL).
+    pub fn slips(&self, u: &[f64]) -> Vec<f64> {
+        let rows = self.constant.iter().enumerate();
+        rows.map(|(i, d)| d + self.free.times(i, u)).collect()
+    }
+
+    /// Adds the forces −Tᵀr on the free unknowns to `out` (n, UF).
+    pub fn add_forces(&self, forces: &[f64], out: &mut [f64]) {
+        let against: Vec<f64> = forces.iter().map(|r| -r).collect();
+        self.free.add_transpose(&against, out);
+    }
+
+    /// Adds the forces on the prescribed unknowns to `out` (UF).
+    pub fn add_prescribed_forces(&self, forces: &[f64], out: &mut [f64]) {
+        let against: Vec<f64> = forces.iter().map(|r| -r).collect();
+        self.prescribed.add_transpose(&against, out);
+    }
+
+    /// The numbers of free and of prescribed unknowns up to the last one that has a coefficient.
+    pub fn columns(&self) -> [usize; 2] {
+        [self.free.columns(), self.prescribed.columns()]
+    }
+
+    /// τ = min(μλ, bound) of each row, with the multiplier of the row of gaps with its key (p, UF).
+    pub fn thresholds(&self, lambda: impl Fn(RowKey) -> f64) -> Vec<f64> {
+        let laws = self.coefficient.iter().zip(&self.bound);
+        let all = self.keys.iter().zip(laws);
+        all.map(|(&key, (mu, bound))| (mu * lambda(key).max(0.0)).min(*bound))
+            .collect()
+    }
+
+    /// The forces that friction with these thresholds can exert on each unknown, Σ |T_ij| τ_i (n, UF). Where rows of both roles hold the same
+    /// place, their thresholds add up, and how they share the sum is not unique.
+    pub fn capacities(&self, thresholds: &[f64], n: usize) -> Vec<f64> {
+        let mut all = vec![0.0; n];
+        for (i, threshold) in thresholds.iter().enumerate() {
+            self.free
+                .row(i)
+                .for_each(|(j, a)| all[j] += a.abs() * threshold);
+        }
+        all
+    }
+
+    /// Checks the numbers, and that each row belongs to a row of gaps of its own, for `n` unknowns.
+    ///
+    /// # Errors
+    /// A column out of range, a coefficient below zero, a bound below zero, values that are no numbers, a key twice.
+    pub fn check(&self, n: usize) -> Result<(), Error> {
+        let columns = "the columns of the slips";
+        Error::check_length_of(columns, self.free.columns().max(n), n)?;
+        let values = "the values of the slips";
+        let entries = (0..self.len()).flat_map(|i| self.free.row(i).map(|(_, a)| a));
+        let mut numbers = entries.chain(self.constant.iter().copied()).enumerate();
+        if let Some((index, value)) = numbers.find(|(_, value)| !value.is_finite()) {
+            return Err(Error::NotFinite {
+                what: values,
+                index,
+                value,
+            });
+        }
+        if let Some(mu) = self
+            .coefficient
+            .iter()
+            .find(|mu| !(**mu >= 0.0 && mu.is_finite()))
+        {
+            return Err(Error::Setting {
+                name: "friction",
+                value: mu.to_string(),
+                remedy: "give a coefficient that is zero or a positive number",
+            });
+        }
+        if let Some(bound) = self.bound.iter().find(|bound| !(**bound >= 0.0)) {
+            return Err(Error::Setting {
+                name: "friction bound",
+                value: bound.to_string(),
+                remedy: "give a largest force that is zero, positive, or infinite for none",
+            });
+        }
+        let mut keys = self.keys.clone();
+        keys.sort_unstable();
+        match keys.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(Error::Untreated {
+                solver: "friction",
+                what: "two directions of slip at one contact node",
+                value: format!("pass {}, node {}", pair[0].pass, pair[0].node),
+                remedy: "give one row of slips for a row of gaps: friction is solved in the plane",
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What a contact node does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Nothing presses on it.
+    Open,
+    /// Its force is below the threshold.
+    Stick,
+    /// Its force is at the threshold.
+    Slip,
+}
+
+/// The friction at an equilibrium.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
+pub struct Friction {
+    /// The slips, with points and directions as the equilibrium has them.
+    pub rows: SlipRows,
+    /// τ (p, UF): the largest force of each row, by Coulomb's law and the forces of contact.
+    pub thresholds: Vec<f64>,
+    /// r (p, UF), positive against a positive slip.
+    pub forces: Vec<f64>,
+    /// The state since which the rows count slips (n, UL), and its load factor.
+    pub last: Vec<f64>,
+    /// See [`Friction::last`].
+    pub from: f64,
+}
+
+impl Friction {
+    /// Forces below this share of the largest threshold are none.
+    const NONE: f64 = 1e-9;
+
+    /// What each node does at `u` (p). Of a node in contact either the slip or what its force lacks to the threshold is small; it
+    /// sticks where its slip, as a share of the largest one, is the smaller of the two shares.
+    pub fn statuses(&self, u: &[f64]) -> Vec<Status> {
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let slips = self.rows.slips(u);
+        let (far, full) = (largest(&slips), largest(&self.thresholds));
+        let all = slips.iter().zip(&self.forces).zip(&self.thresholds);
+        let status = |((slip, force), threshold): ((&f64, &f64), &f64)| {
+            let lacks = 1.0 - force.abs() / threshold;
+            match *threshold > Self::NONE * full {
+                false => Status::Open,
+                true if slip.abs() < lacks * far => Status::Stick,
+                true => Status::Slip,
+            }
+        };
+        all.map(status).collect()
+    }
+
+    /// The work that friction takes in the increment to `u`, Σ r_i Δs_i (UF·UL): the last forces times the slips since the last
+    /// converged state. It is not negative.
+    pub fn dissipated(&self, u: &[f64]) -> f64 {
+        let slips = self.rows.slips(u);
+        self.forces.iter().zip(slips).map(|(r, s)| r * s).sum()
+    }
+}
