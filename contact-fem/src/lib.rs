@@ -1,4 +1,4 @@
-//! Finite elements for frictionless contact: meshes, materials, assembly, the weak
+//! Finite elements for contact: meshes, materials, assembly, the weak
 //! non-penetration constraints, and scenes that put them together.
 //!
 //! The space dimension `D` (2: plane strain, plane stress or bodies of revolution; 3) is a const generic throughout. The code for both is compiled with this

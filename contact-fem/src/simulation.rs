@@ -30,15 +30,17 @@ pub struct StepRecord<const D: usize> {
     pub stored_energy: f64,
     /// The work of each support, load and obstacle since the start.
     pub works: Vec<WorkRecord>,
+    /// The work that friction has taken since the start, by the forces at the end of each load step (UF·UL).
+    pub dissipated: f64,
     /// The reaction of the supports on each body (UF).
     pub reactions: Vec<Vector<D>>,
     /// The reactions of the supports (UF), by the boundary that they name; those of nodes are called after them, as
     /// `node 12` or `nodes 3, 8` ([`name_of_nodes`](crate::model::name_of_nodes)), those of a whole body `all nodes`. What two supports prescribe counts for the first, so that the reactions of a body's supports add up to its
     /// own.
     pub support_reactions: Vec<(Side, Vector<D>)>,
-    /// The contact force on each body (UF).
+    /// The force of contact and friction on each body (UF).
     pub contact_forces: Vec<Vector<D>>,
-    /// The contact force of the bodies on each obstacle (UF).
+    /// The force of contact and friction of the bodies on each obstacle (UF).
     pub obstacle_forces: Vec<Vector<D>>,
     /// Area, resultant, centre and largest pressure of each pair of surfaces, in the order of their declaration.
     pub pairs: Vec<PairRecord<D>>,
@@ -207,7 +209,11 @@ pub(crate) fn run<const D: usize>(
         ..State::default()
     };
     let mut steps = Vec::new();
-    let mut done = (External::at_rest(problem), Vec::new());
+    let mut done = Done {
+        external: External::at_rest(problem),
+        works: Vec::new(),
+        dissipated: 0.0,
+    };
     let ends: Vec<f64> = match &load_steps.phases[..] {
         [] => vec![1.0],
         phases => phases.iter().map(|phase| phase.until).collect(),
@@ -225,6 +231,13 @@ pub(crate) fn run<const D: usize>(
         flow
     })?;
     Ok(History { run, steps })
+}
+
+/// Supports and loads at the last step, the work until there, and what friction took of it.
+struct Done<const D: usize> {
+    external: External<D>,
+    works: Vec<WorkRecord>,
+    dissipated: f64,
 }
 
 impl<const D: usize> StepRecord<D> {
@@ -257,7 +270,7 @@ impl<const D: usize> StepRecord<D> {
     }
 
     /// The work of all supports, loads and moving obstacles since the start, by the trapezoidal rule over the load steps (UF·UL).
-    /// What is not stored was lost on the way: in a snap, to the rule, to an interference fit, or since contact forces along
+    /// What is neither stored nor taken by friction was lost on the way: in a snap, to the rule, to an interference fit, or since contact forces along
     /// averaged normals are not quite the gradient of the gaps.
     pub fn work(&self) -> f64 {
         self.works.iter().map(|record| record.work).sum()
@@ -269,17 +282,13 @@ impl<const D: usize> StepRecord<D> {
         self.pairs.iter().map(|pair| pair.area).sum::<f64>() + 0.0
     }
 
-    /// `done` has supports and loads at the last step, and the work until there; `whole` tells whether all of the certificate is computed.
-    fn new(
-        step: &Step<'_, Problem<D>>,
-        done: &mut (External<D>, Vec<WorkRecord>),
-        whole: bool,
-    ) -> Self {
+    /// `whole` tells whether all of the certificate is computed.
+    fn new(step: &Step<'_, Problem<D>>, done: &mut Done<D>, whole: bool) -> Self {
         let (problem, solution) = (step.problem, step.solution);
         #[cfg(planted)]
         let solution = &spoiled(solution);
         let u = &solution.state.u;
-        let forces = problem.contact_forces(&solution.gaps, &solution.lambda);
+        let forces = problem.surface_forces(solution);
         let mut c = vec![0.0; solution.gaps.len()];
         solution.gaps.value(u, &mut c);
         let bodies = 0..problem.scene().bodies().len();
@@ -297,26 +306,37 @@ impl<const D: usize> StepRecord<D> {
                 all().fold(f64::NEG_INFINITY, f64::max),
             ],
         };
-        let of_obstacles = problem.forces_of_obstacles(&solution.gaps, &solution.lambda);
+        let of_obstacles = problem.surface_forces_of_obstacles(solution);
         let external = External::new(problem, u, (&forces, &of_obstacles));
-        let mut works = external.work_since(&done.0);
-        let until_there = works.iter_mut().zip(&done.1);
+        let mut works = external.work_since(&done.external);
+        let until_there = works.iter_mut().zip(&done.works);
         until_there.for_each(|(now, then)| now.work += then.work);
+        let friction = solution.friction.as_ref();
+        let dissipated = done.dissipated + friction.map_or(0.0, |own| own.dissipated(u));
         let energy = Some(problem.energy_at(u)).filter(|energy| energy.is_finite());
         // a law that answers otherwise than it did to the solver has no energy here
         let energy = energy.unwrap_or(solution.energy);
         let stored_energy = external.stored(energy);
         let support_reactions = external.reactions();
-        *done = (external, works.clone());
+        *done = Done {
+            external,
+            works: works.clone(),
+            dissipated,
+        };
         StepRecord {
             factor: step.factor,
             increment: step.increment,
             energy,
             stored_energy,
             works,
+            dissipated,
             reactions: problem.reactions(u, &forces),
             support_reactions,
-            pairs: states.into_iter().map(|state| state.record).collect(),
+            pairs: states
+                .into_iter()
+                .map(|state| state.record)
+                .map(|record| problem.with_friction(record, solution.friction.as_ref()))
+                .collect(),
             ties: problem.tie_records(u, &forces),
             rigid_motions: problem.rigid_motions(u),
             #[cfg(not(planted))]
@@ -418,6 +438,7 @@ mod tests {
                 flickering: Vec::new(),
                 held: Vec::new(),
                 softest: None,
+                friction: None,
             })
         }
     }

@@ -751,6 +751,7 @@ fn states_that_are_none() {
             flickering: vec![],
             held: vec![],
             softest: None,
+            friction: None,
         };
         let certificate = Certificate::new(&problem, &solution);
         assert!(!certificate.holds(&Default::default()));

@@ -16,6 +16,7 @@ mod derivatives;
 mod disc_in_disc;
 mod extremes;
 mod freefem;
+mod friction;
 mod hertz;
 mod initial_gaps;
 mod inverted;

@@ -1,6 +1,6 @@
 //! The balance of the forces between each two bodies by themselves.
 
-use contact_core::LinearGaps;
+use contact_core::equilibrium::Solution;
 
 use super::state::{moment_about, over};
 use super::worse;
@@ -9,9 +9,9 @@ use crate::tensor::Vector;
 
 /// The largest imbalances of the forces between two bodies.
 pub(super) struct Balance {
-    /// |Σ f| / Σ |f|.
+    /// |Σ f| / Σ |f|, with friction in the first sum.
     pub sum: f64,
-    /// |Σ x ∧ f| / Σ |x − c| |f| with the middle c of the forces; `None` where feet are closest points, and around an axis.
+    /// |Σ x ∧ f| / Σ |x − c| |f| with the middle c of the forces, without friction, which acts at both ends of a gap; `None` where feet are closest points, and around an axis.
     pub moment: Option<f64>,
 }
 
@@ -19,7 +19,7 @@ pub(super) struct Balance {
 pub(super) fn of_pairs<const D: usize>(
     problem: &Problem<D>,
     x: &[Vector<D>],
-    (gaps, lambda): (&LinearGaps, &[f64]),
+    solution: &Solution,
     noticed: f64,
 ) -> Balance {
     let bodies = |pass: &crate::contact::Pass| {
@@ -41,11 +41,13 @@ pub(super) fn of_pairs<const D: usize>(
         let is_own = |pass: &crate::contact::Pass| {
             bodies(pass) == pair && problem.obstacle_of(*pass).is_none()
         };
-        let Some(forces) = problem.forces_of((gaps, lambda), is_own) else {
+        let rows = (&solution.gaps, &solution.lambda[..]);
+        let Some(forces) = problem.forces_of(rows, is_own) else {
             continue;
         };
+        let friction = problem.forces_of_friction(solution.friction.as_ref(), is_own);
         let magnitude: f64 = forces.iter().map(Vector::norm).sum();
-        let sum: Vector<D> = forces.iter().sum();
+        let sum: Vector<D> = forces.iter().chain(friction.iter().flatten()).sum();
         balance.sum = worse(balance.sum, over(sum.norm(), magnitude.max(noticed)));
         if magnitude > noticed {
             let weighted = x.iter().zip(&forces).map(|(x, f)| x * f.norm());

@@ -127,8 +127,19 @@ pub enum Condition {
     /// motions that rows with a force permit. The residual is 0 if no motion that deforms bodies releases more than the default limit, or
     /// else the most that one releases. Its unit is the sum of the forces on a body's nodes, divided by the extent of the body, times the mean
     /// square of the motion. Rigid motions are left to [`Condition::Held`] and
-    /// [`Condition::Instability`]. `None` in method (39).
+    /// [`Condition::Instability`]. `None` in method (39), and with friction.
     Inertia,
+    /// Friction is at most what contact allows: the largest |Tᵀr| − |T|ᵀμλ of a free unknown, r and λ being the solver's forces along and against the
+    /// surfaces, and μ the scene's. Where rows of both roles hold a place, how they share λ is not unique, but this sum is. `None` without friction, as the
+    /// two that follow.
+    FrictionLaw,
+    /// Surfaces slip where the law's limit is reached, against the force: how far the work of friction in the last load step, Σ r Δs, is from the largest
+    /// that contact allows, Σ μλ |Δs|, of each two surfaces, as a share of the latter, or of Σ μλ times
+    /// [`Scale::resolution`](contact_core::Scale) if that is larger. The slips Δs are those of rows at the state itself.
+    FrictionSlip,
+    /// As [`Condition::RemeasuredForces`], of friction: the solver's −Tᵀr against the forces along the surface that the same r mean by the second
+    /// measurement.
+    RemeasuredFriction,
 }
 
 /// One line of the table of conditions.
@@ -156,7 +167,7 @@ const fn line(condition: Condition, name: &'static str, limit: f64) -> Line {
 
 /// The table of conditions from which limits, files and summaries are generated, in the order of
 /// [`Condition`].
-const TABLE: [Line; 29] = [
+const TABLE: [Line; 32] = [
     line(Condition::NodalPenetration, "nodal_penetration", 0.2),
     line(Condition::WeakPenetration, "weak_penetration", 2e-3),
     line(Condition::Adhesion, "adhesion", 1e-9),
@@ -194,6 +205,9 @@ const TABLE: [Line; 29] = [
     line(Condition::PairMoment, "pair_moment", 1e-3),
     line(Condition::Undeclared, "undeclared", 0.05),
     line(Condition::Inertia, "inertia", 0.01),
+    line(Condition::FrictionLaw, "friction_law", 1e-5),
+    line(Condition::FrictionSlip, "friction_slip", 1e-3),
+    line(Condition::RemeasuredFriction, "remeasured_friction", 1.0),
 ];
 
 impl Condition {

@@ -118,6 +118,7 @@ fn state(u: Vec<f64>, gaps: LinearGaps, lambda: Vec<f64>) -> Solution {
         flickering: Vec::new(),
         held: Vec::new(),
         softest: None,
+        friction: None,
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use contact_core::{ContactProblem, LinearGaps, Reduction};
+use contact_core::equilibrium::Solution;
+use contact_core::{ContactProblem, Reduction};
 
 use super::worse;
 use crate::model::Problem;
@@ -15,20 +16,23 @@ const RESOLVED: f64 = 5e-6;
 /// than the body. Stiff bodies on soft ones showed 60 times the resolution of numbers.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
-/// The largest difference of the slope of a body's energy along its direction from the work of the contact forces and of those that hold motions
+/// The largest difference of the slope of a body's energy along its direction from the work of the forces of contact and friction and of those that hold motions
 /// which nothing resists, divided by the
 /// largest force on a node of the body and the length of the direction; `None` where displacements are so small that the value of the
 /// energy does not resolve them.
 pub(super) fn apart<const D: usize>(
     problem: &Problem<D>,
-    u: &[f64],
-    (gaps, lambda): (&LinearGaps, &[f64]),
-    held: &[f64],
+    solution: &Solution,
     units: &[f64],
 ) -> Option<f64> {
+    let u = &solution.state.u;
     let mut forces = vec![0.0; u.len()];
-    forces.iter_mut().zip(held).for_each(|(f, held)| *f = *held);
-    gaps.add_forces(lambda, &mut forces);
+    let held = forces.iter_mut().zip(&solution.held);
+    held.for_each(|(f, held)| *f = *held);
+    solution.gaps.add_forces(&solution.lambda, &mut forces);
+    if let Some(friction) = &solution.friction {
+        friction.rows.add_forces(&friction.forces, &mut forces);
+    }
     let reduction = problem.reduction();
     let mut worst = None;
     for (body, unit) in units.iter().enumerate() {

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use contact_core::equilibrium::Solution;
+use contact_core::friction::Friction;
 use contact_core::gaps::Sampling;
 use contact_core::{ContactProblem, LinearGaps, Multipliers, RowKey};
 
@@ -28,24 +29,31 @@ impl Certificate {
         let u = &solution.state.u;
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
         let forces = problem.contact_forces(gaps, lambda);
+        let friction = solution.friction.as_ref();
+        // with friction
+        let all_forces = problem.surface_forces(solution);
         let holds = problem.held_forces(&solution.held);
         let of_passes = |key: &RowKey| (key.pass as usize) < problem.passes().len();
-        let is_complete = forces
+        let is_complete = all_forces
             .iter()
             .chain(holds.iter().flatten())
             .all(|force| force.iter().all(|f| f.is_finite()));
-        if !(problem.is_state(u) && is_complete && gaps.keys().iter().all(of_passes)) {
+        let is_of_law = problem.has_friction() == friction.is_some();
+        let is_own = is_complete && is_of_law && gaps.keys().iter().all(of_passes);
+        if !(problem.is_state(u) && is_own) {
             return Certificate::uniform(f64::NAN, 0.0);
         }
         let multipliers = Multipliers::new(gaps, lambda);
         let units = Units::new(problem);
         let passes = problem.passes();
         let rows = problem.rows_at(passes, u, Sampling::Nodes);
-        let of_obstacles = problem.obstacle_forces(gaps, lambda);
+        let of_obstacles = problem.surface_forces_of_obstacles(solution).into_iter();
+        let of_obstacles = of_obstacles.map(|forces| -forces.iter().sum::<Vector<D>>());
+        let of_obstacles: Vec<_> = of_obstacles.collect();
         let residual = Residual::new(
             problem,
             u,
-            (&forces, &of_obstacles),
+            (&all_forces, &of_obstacles),
             holds.as_deref(),
             &units,
         );
@@ -123,10 +131,12 @@ impl Certificate {
                 closed: Limits::default().of(Condition::RemeasuredPenetration),
                 releases: (units.noticed, Limits::default().of(Condition::Inertia)),
             };
-            remeasured::measure(problem, u, (gaps, lambda), &units)
+            remeasured::measure(problem, solution, &units)
         });
-        let slope = || slope::apart(problem, u, (gaps, lambda), &solution.held, &residual.forces);
-        let pairs = balance::of_pairs(problem, &positions, (gaps, lambda), any_force);
+        let slope = || slope::apart(problem, solution, &residual.forces);
+        let pairs = balance::of_pairs(problem, &positions, solution, any_force);
+        let law = friction
+            .map(|own| law_of_friction(problem, u, (&rows, &multipliers), own, &residual.forces));
         let left = |condition| match condition {
             Condition::NodalPenetration => Some(problem.relative_penetration(u)),
             Condition::WeakPenetration => Some(deepest(&relative)),
@@ -161,6 +171,9 @@ impl Certificate {
             Condition::Inertia => again
                 .as_ref()
                 .and_then(|own| inertia(own.releases.as_ref()?)),
+            Condition::FrictionLaw => law.map(|[excess, _]| excess),
+            Condition::FrictionSlip => law.map(|[_, slip]| slip),
+            Condition::RemeasuredFriction => again.as_ref().and_then(|own| own.friction),
         };
         let blank = Certificate::uniform(0.0, problem.scale().roundoff);
         Condition::all().fold(blank, |all, condition| all.with(condition, left(condition)))
@@ -286,6 +299,51 @@ fn pushed_pairs<const D: usize>(
     }
     let pushed = forces.into_iter().filter(|(_, force)| *force > noticed);
     pushed.map(|(bodies, _)| bodies).collect()
+}
+
+/// By how much forces of friction exceed what contact allows, in units of the forces on bodies, and by how much their work falls short of the
+/// largest that it allows, see [`Condition::FrictionSlip`]. Slips are those of `rows` at the state.
+fn law_of_friction<const D: usize>(
+    problem: &Problem<D>,
+    u: &[f64],
+    (rows, multipliers): (&LinearGaps, &Multipliers),
+    friction: &Friction,
+    forces: &[f64],
+) -> [f64; 2] {
+    let own = &friction.rows;
+    let allowed = |key: &RowKey| problem.friction_of(key) * multipliers.of(*key).max(0.0);
+    let limits: Vec<f64> = own.keys().iter().map(allowed).collect();
+    let most = own.capacities(&limits, u.len());
+    let mut along = vec![0.0; u.len()];
+    own.add_forces(&friction.forces, &mut along);
+    let mut excess = 0.0;
+    let mut first = 0;
+    for (energy, unit) in problem.body_energies().iter().zip(forces) {
+        for j in first..first + energy.dofs() {
+            excess = worse(excess, over((along[j].abs() - most[j]).max(0.0), *unit));
+        }
+        first += energy.dofs();
+    }
+    let Ok(slips) = problem.slips(u, rows, &friction.last, friction.from) else {
+        return [excess, f64::NAN];
+    };
+    let pairs = slips.keys().iter().copied().zip(slips.slips(u));
+    let slips: HashMap<RowKey, f64> = pairs.collect();
+    // the largest work, the work, and the work of slips as small as displacements that do not matter
+    let mut works = HashMap::<[usize; 2], [f64; 3]>::new();
+    for ((key, r), limit) in own.keys().iter().zip(&friction.forces).zip(&limits) {
+        // a row that there is not at the state has no force either, by other conditions
+        let slip = slips.get(key).copied().unwrap_or(0.0);
+        let Pass { slave, master } = problem.passes()[key.pass as usize];
+        let pair = [slave.min(master), slave.max(master)];
+        let work = works.entry(pair).or_default();
+        work[0] += limit * slip.abs();
+        work[1] += r * slip;
+        work[2] += limit * problem.scale().resolution;
+    }
+    let lacks = works.into_values();
+    let lacks = lacks.map(|[most, work, least]| over((most - work).abs(), most.max(least)));
+    [excess, lacks.fold(0.0, worse)]
 }
 
 /// The largest relative depth of the overlaps of bodies that count, less what is left of initial ones.

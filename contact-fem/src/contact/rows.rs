@@ -1,9 +1,13 @@
-//! The rows of c(u) = C u + c₀ ≥ 0 from one pass.
+//! The rows of c(u) = C u + c₀ ≥ 0 from one pass, and how their nodes slip.
 
+use std::collections::HashMap;
+
+use contact_core::friction::{SlipRow, SlipRows};
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 
 use super::corner::Corner;
 use super::moving::Moving;
+use super::search::FootPoint;
 use super::stencil::{Against, Projected, Stencil};
 use super::surface::Surface;
 use super::weighing::{self, Weighing};
@@ -36,6 +40,44 @@ impl Unknowns<'_> {
     fn tied(&self, dof: usize) -> impl Iterator<Item = (usize, f64)> {
         let is_any = !self.dofs.ties().is_empty();
         is_any.then(|| self.dofs.slopes(dof)).into_iter().flatten()
+    }
+
+    /// Adds Σ coefficient · (X + u) of these nodes to a row.
+    fn split<const D: usize>(&self, terms: &[(usize, Vector<D>)], X: &[Vector<D>], row: &mut Row) {
+        let mut is_tied = false;
+        for (a, coefficient) in terms {
+            row.constant += coefficient.dot(&X[*a]);
+            #[cfg(planted)]
+            if contact_core::planted!("rows take places at rest a thousandth off") {
+                row.constant += 0.001 * coefficient.dot(&X[*a]);
+            }
+            for (i, &c) in coefficient.iter().enumerate() {
+                #[cfg(planted)]
+                let c = match i {
+                    0 if contact_core::planted!(
+                        "the first component of rows is a hundredth larger"
+                    ) =>
+                    {
+                        1.01 * c
+                    }
+                    _ => c,
+                };
+                match self.dofs.get(D * a + i) {
+                    Dof::Free(j) => row.free.push((j, c)),
+                    Dof::Prescribed(j) => {
+                        row.constant += c * self.prescribed[j];
+                        row.prescribed.push((j, c));
+                        for (j, slope) in self.tied(D * a + i) {
+                            row.free.push((j, slope * c));
+                            is_tied = true;
+                        }
+                    }
+                }
+            }
+        }
+        if is_tied {
+            merge(&mut row.free);
+        }
     }
 
     /// Whether all these dofs are prescribed, and none of them varies with a free dof.
@@ -424,40 +466,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
             if contact_core::planted!("every fifth row is left out") && node % 5 == 0 {
                 continue;
             }
-            let mut is_tied = false;
-            for (a, coefficient) in &nodal.terms {
-                row.constant += coefficient.dot(&X[*a]);
-                #[cfg(planted)]
-                if contact_core::planted!("rows take places at rest a thousandth off") {
-                    row.constant += 0.001 * coefficient.dot(&X[*a]);
-                }
-                for (i, &c) in coefficient.iter().enumerate() {
-                    #[cfg(planted)]
-                    let c = match i {
-                        0 if contact_core::planted!(
-                            "the first component of rows is a hundredth larger"
-                        ) =>
-                        {
-                            1.01 * c
-                        }
-                        _ => c,
-                    };
-                    match unknowns.dofs.get(D * a + i) {
-                        Dof::Free(j) => row.free.push((j, c)),
-                        Dof::Prescribed(j) => {
-                            row.constant += c * unknowns.prescribed[j];
-                            row.prescribed.push((j, c));
-                            for (j, slope) in unknowns.tied(D * a + i) {
-                                row.free.push((j, slope * c));
-                                is_tied = true;
-                            }
-                        }
-                    }
-                }
-            }
-            if is_tied {
-                merge(&mut row.free);
-            }
+            unknowns.split(&nodal.terms, X, &mut row);
             let node = node as u32;
             #[cfg(planted)]
             let node = match contact_core::planted!("rows have the names of the next nodes") {
@@ -465,6 +474,68 @@ impl<'a, const D: usize> PassRows<'a, D> {
                 false => node,
             };
             gaps.push(RowKey { pass, node }, &row);
+        }
+    }
+}
+
+impl<const D: usize> PassRows<'_, D> {
+    /// Appends to `slips` how the nodes of these rows slip, of those rows that `has_row` names by their [`RowKey::node`]. A slip is a mean as
+    /// the gap of its row is, with the tangent of each point for its normal:
+    ///
+    /// s_i = 1/a_i Σ_q w_q φ_i(q) ((x_q − x̄_q) − (x_q − x̄_q)_before)·t_q.
+    ///
+    /// The tangent is the normal turned by a right angle in the first two directions, and so are the coefficients. `before` has the positions of all scene nodes to which
+    /// slips are relative; `dragged` tells how far an obstacle has moved since then at a place.
+    pub fn append_slips(
+        &self,
+        pass: u32,
+        X: &[Vector<D>],
+        (before, dragged): (&[Vector<D>], impl Fn(&Vector<D>) -> Vector<D>),
+        unknowns: &Unknowns<'_>,
+        has_row: impl Fn(usize) -> bool,
+        (friction, slips): (f64, &mut SlipRows),
+    ) {
+        let turned = |normal: &Vector<D>| {
+            Vector::<D>::from_fn(|i, _| match i {
+                0 => -normal[1],
+                1 => normal[0],
+                _ => 0.0,
+            })
+        };
+        let places: HashMap<usize, usize> = self
+            .names
+            .iter()
+            .enumerate()
+            .map(|(k, name)| (*name, k))
+            .collect();
+        let mut of_obstacle = vec![0.0; self.rows.len()];
+        for (stencil, shares) in self.stencils() {
+            if let Against::Obstacle(_) = stencil.against() {
+                let FootPoint { foot, normal, .. } = stencil.projection();
+                let way = dragged(foot).dot(&turned(normal));
+                shares.for_each(|(name, share)| of_obstacle[places[&name]] += share * way);
+            }
+        }
+        for ((&node, nodal), dragged) in self.names.iter().zip(&self.rows).zip(of_obstacle) {
+            if !nodal.has_support() || !has_row(node) {
+                continue;
+            }
+            let terms = nodal.terms.iter().map(|(a, c)| (*a, turned(c)));
+            let terms: Vec<_> = terms.collect();
+            let mut row = Row::default();
+            unknowns.split(&terms, X, &mut row);
+            let then = terms.iter().map(|(a, c)| c.dot(&before[*a]));
+            let node = node as u32;
+            slips.push(
+                RowKey { pass, node },
+                &SlipRow {
+                    constant: row.constant - then.sum::<f64>() - dragged,
+                    free: row.free,
+                    prescribed: row.prescribed,
+                    coefficient: friction,
+                    ..SlipRow::default()
+                },
+            );
         }
     }
 }

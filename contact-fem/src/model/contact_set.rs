@@ -2,10 +2,11 @@
 
 mod depths;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use contact_core::friction::SlipRows;
 use contact_core::gaps::{LinearGaps, RowKey, Sampling};
 use contact_core::{Error, GapVariation, Stop};
 
@@ -51,6 +52,8 @@ pub(super) struct ContactSet<const D: usize> {
     reversed: Vec<bool>,
     /// The distances that the surfaces of passes keep, by slave and master in ascending order (UL); most have none.
     offsets: BTreeMap<[usize; 2], f64>,
+    /// The coefficients of friction of passes, likewise; most have none.
+    frictions: BTreeMap<[usize; 2], f64>,
     /// When passes count.
     switches: Switches,
     pub geometry: Geometry,
@@ -129,6 +132,12 @@ impl<const D: usize> ContactSet<D> {
             (ascending(places), pair.offset)
         });
         let offsets = offset.collect();
+        let rough = pairs.iter().filter(|pair| pair.friction != 0.0);
+        let friction = rough.map(|pair| {
+            let places = [&pair.first, &pair.second].map(|side| place_of(side, &mut sides));
+            (ascending(places), pair.friction)
+        });
+        let mut frictions: BTreeMap<_, _> = friction.collect();
         let on_obstacles: Vec<_> = scene
             .obstructed()
             .iter()
@@ -140,6 +149,10 @@ impl<const D: usize> ContactSet<D> {
             let master = sides.len() + obstacle;
             passes.push(Pass { slave, master });
             reversed.push(false);
+            let friction = scene.obstacle_frictions()[obstacle];
+            if friction != 0.0 {
+                frictions.insert(ascending([slave, master]), friction);
+            }
         }
         let surface = |side: &&Side| {
             let body = side.body.index();
@@ -190,6 +203,7 @@ impl<const D: usize> ContactSet<D> {
             passes,
             reversed,
             offsets,
+            frictions,
             switches,
             geometry,
             integration: scene.integration(),
@@ -336,6 +350,58 @@ impl<const D: usize> ContactSet<D> {
     pub fn offset(&self, pass: Pass) -> f64 {
         let sides = ascending([pass.slave, pass.master]);
         self.offsets.get(&sides).copied().unwrap_or(0.0)
+    }
+
+    /// The coefficient of friction of a pass.
+    pub fn friction(&self, pass: Pass) -> f64 {
+        let sides = ascending([pass.slave, pass.master]);
+        self.frictions.get(&sides).copied().unwrap_or(0.0)
+    }
+
+    /// Whether some pass has friction.
+    pub fn has_friction(&self) -> bool {
+        !self.frictions.is_empty()
+    }
+
+    /// How the nodes of the rows `gaps` slip that were made at `u`, of those that have friction, since the nodes were at `before`, at the load
+    /// factor `from`; `None` if a stop was requested meanwhile.
+    pub fn slips(
+        &self,
+        kinematics: &Kinematics<D>,
+        u: &[f64],
+        gaps: &LinearGaps,
+        (before, from): (&[Vector<D>], f64),
+    ) -> Option<SlipRows> {
+        let mut slips = SlipRows::default();
+        let located = self.located(kinematics, u);
+        let unknowns = Unknowns {
+            dofs: &kinematics.dofs,
+            supports: &kinematics.dofs,
+            prescribed: &kinematics.prescribed,
+        };
+        let known: HashSet<RowKey> = gaps.keys().iter().copied().collect();
+        for (k, &pass) in self.passes.iter().enumerate() {
+            let friction = self.friction(pass);
+            if friction == 0.0 || !self.is_on(pass) {
+                continue;
+            }
+            let stop = self.stop.as_ref();
+            let rows = self.pass_rows(&located, (k, pass), Sampling::Nodes, stop)?;
+            let obstacle = self.obstacle_of(pass);
+            let poses = obstacle.map(|(_, own)| (own.pose(), own.obstacle().pose(from)));
+            let dragged = |x: &Vector<D>| match &poses {
+                Some((now, then)) => x - then.place(&now.back(x)),
+                None => Vector::zeros(),
+            };
+            let (number, since) = (k as u32, (before, dragged));
+            let has_row = |node: usize| {
+                let (pass, node) = (number, node as u32);
+                known.contains(&RowKey { pass, node })
+            };
+            let into = (friction, &mut slips);
+            rows.append_slips(number, &kinematics.X, since, &unknowns, has_row, into);
+        }
+        Some(slips)
     }
 
     /// The pass with exchanged roles, if there can be one.

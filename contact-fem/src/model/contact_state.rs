@@ -204,6 +204,7 @@ impl<const D: usize> Problem<D> {
                 second,
                 area: 0.0,
                 resultant: Vector::zeros(),
+                friction: Vector::zeros(),
                 centre: None,
                 pressure_max: 0.0,
             },

@@ -37,7 +37,7 @@ impl<const D: usize> Problem<D> {
             None => vec![Vec::new(); self.scene.bodies().len()],
         };
         if let Some(solution) = solution {
-            let contact = self.contact_forces(&solution.gaps, &solution.lambda);
+            let contact = self.surface_forces(solution);
             stored = External::new(self, u, (&contact, &[])).stored(self.energy_at(u));
             for (body, own) in reactions.iter_mut().enumerate() {
                 let contact = contact[self.nodes(body)].iter().flatten();

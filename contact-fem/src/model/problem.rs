@@ -8,10 +8,12 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use contact_core::equilibrium::Solution;
+use contact_core::friction::SlipRows;
 use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::nlp::Bounds;
 use contact_core::{
-    ContactProblem, DirectSum, Energy, Error, GapVariation, Reduction, Scale, Separable, Stop,
+    ContactProblem, DirectSum, Energy, Error, GapVariation, Reduction, RowKey, Scale, Separable,
+    Stop,
 };
 
 use super::body::Holding;
@@ -282,6 +284,12 @@ impl<const D: usize> Problem<D> {
         self.contact.deepest_fit(body)
     }
 
+    /// The coefficient of friction of a row; 0 if there is no such pass.
+    pub(crate) fn friction_of(&self, key: &RowKey) -> f64 {
+        let pass = self.passes().get(key.pass as usize);
+        pass.map_or(0.0, |pass| self.contact.friction(*pass))
+    }
+
     /// Whether the pass of this number counts at the present load factor. One that there is not is missed.
     pub(crate) fn counts(&self, number: Option<usize>) -> bool {
         let pass = number.and_then(|k| self.passes().get(k));
@@ -495,6 +503,20 @@ impl<const D: usize> ContactProblem for Problem<D> {
         lambda: &[Option<f64>],
     ) -> Result<Option<GapVariation>, Error> {
         self.answers().vary_gaps(u, gaps, lambda)
+    }
+
+    fn has_friction(&self) -> bool {
+        self.contact.has_friction()
+    }
+
+    fn slips(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        last: &[f64],
+        from: f64,
+    ) -> Result<SlipRows, Error> {
+        self.answers().slips(u, gaps, last, from)
     }
 
     fn separable(&self) -> Option<&dyn Separable> {

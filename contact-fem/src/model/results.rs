@@ -3,6 +3,7 @@
 use std::sync::{Arc, PoisonError};
 
 use contact_core::equilibrium::Solution;
+use contact_core::friction::Friction;
 use contact_core::{Energy, LinearGaps};
 
 use super::problem::Residuals;
@@ -23,6 +24,43 @@ impl<const D: usize> Problem<D> {
         }
     }
 
+    /// The forces of friction on all nodes (UF) of the passes that `counts`; `None` if there are none, and NaN if they are of another problem.
+    pub(crate) fn forces_of_friction(
+        &self,
+        friction: Option<&Friction>,
+        counts: impl Fn(&Pass) -> bool,
+    ) -> Option<Vec<Vector<D>>> {
+        let friction = friction?;
+        let (rows, dofs) = (&friction.rows, self.dofs());
+        let [free, prescribed] = rows.columns();
+        let is_own = friction.forces.len() == rows.len()
+            && free <= dofs.free()
+            && prescribed <= dofs.prescribed();
+        if !is_own {
+            return Some(vec![Vector::repeat(f64::NAN); self.reference().len()]);
+        }
+        let own = rows.keys().iter().zip(&friction.forces).map(|(key, r)| {
+            let pass = self.passes().get(key.pass as usize);
+            if pass.is_some_and(&counts) { *r } else { 0.0 }
+        });
+        let own: Vec<f64> = own.collect();
+        let (mut free, mut prescribed) = (vec![0.0; dofs.free()], vec![0.0; dofs.prescribed()]);
+        rows.add_forces(&own, &mut free);
+        rows.add_prescribed_forces(&own, &mut prescribed);
+        let all = dofs.forces(&free, &prescribed);
+        Some(all.chunks_exact(D).map(Vector::from_column_slice).collect())
+    }
+
+    /// The forces of contact and friction on all nodes (UF), as [`Problem::contact_forces`] has those without friction.
+    pub fn surface_forces(&self, solution: &Solution) -> Vec<Vector<D>> {
+        let mut forces = self.contact_forces(&solution.gaps, &solution.lambda);
+        let friction = self.forces_of_friction(solution.friction.as_ref(), |_| true);
+        for (force, friction) in forces.iter_mut().zip(friction.iter().flatten()) {
+            *force += friction;
+        }
+        forces
+    }
+
     /// The forces on all nodes (UF) that hold motions which nothing resists, see
     /// [`Solution::held`](contact_core::equilibrium::Solution::held); `None` if there are none, and NaN if their number is wrong.
     pub fn held_forces(&self, held: &[f64]) -> Option<Vec<Vector<D>>> {
@@ -36,7 +74,7 @@ impl<const D: usize> Problem<D> {
         Some(nodes.collect())
     }
 
-    /// The contact force of the bodies on each obstacle (UF), in the order of [`Scene::obstacles`](super::Scene::obstacles);
+    /// The contact force of the bodies on each obstacle (UF), without friction, in the order of [`Scene::obstacles`](super::Scene::obstacles);
     /// NaN where [`Problem::contact_forces`] is.
     pub fn obstacle_forces(&self, gaps: &LinearGaps, lambda: &[f64]) -> Vec<Vector<D>> {
         let forces = self.forces_of_obstacles(gaps, lambda).into_iter();
@@ -45,12 +83,8 @@ impl<const D: usize> Problem<D> {
             .collect()
     }
 
-    /// The forces of each obstacle on all nodes (UF).
-    pub(crate) fn forces_of_obstacles(
-        &self,
-        gaps: &LinearGaps,
-        lambda: &[f64],
-    ) -> Vec<Vec<Vector<D>>> {
+    /// The forces of each obstacle on all nodes (UF), without friction.
+    fn forces_of_obstacles(&self, gaps: &LinearGaps, lambda: &[f64]) -> Vec<Vec<Vector<D>>> {
         let of = |index: usize| {
             let own = self.forces_of((gaps, lambda), |pass| {
                 self.obstacle_of(*pass) == Some(index)
@@ -58,6 +92,19 @@ impl<const D: usize> Problem<D> {
             own.unwrap_or_else(|| vec![Vector::zeros(); self.reference().len()])
         };
         (0..self.scene.obstacles().len()).map(of).collect()
+    }
+
+    /// The forces of each obstacle on all nodes (UF), with friction.
+    pub(crate) fn surface_forces_of_obstacles(&self, solution: &Solution) -> Vec<Vec<Vector<D>>> {
+        let mut all = self.forces_of_obstacles(&solution.gaps, &solution.lambda);
+        for (index, forces) in all.iter_mut().enumerate() {
+            let of_it = |pass: &Pass| self.obstacle_of(*pass) == Some(index);
+            let friction = self.forces_of_friction(solution.friction.as_ref(), of_it);
+            for (force, friction) in forces.iter_mut().zip(friction.iter().flatten()) {
+                *force += friction;
+            }
+        }
+        all
     }
 
     /// The contact forces on all nodes (UF) of the passes that `counts`; `None` if these push nowhere.

@@ -65,6 +65,8 @@ pub struct Pair {
     pub passes: Passes,
     /// The distance that the surfaces keep, such as the thickness of a coating or a sheet between them (UL).
     pub offset: f64,
+    /// The coefficient of friction μ.
+    pub friction: f64,
 }
 
 /// Bodies, contact pairs and obstacles; [`Scene::problem`] checks them and builds the contact problem.
@@ -107,6 +109,8 @@ pub struct Scene<const D: usize> {
     obstacle_names: Vec<String>,
     /// The sides that an obstacle may hold, with the number of the obstacle.
     obstructed: Vec<(Side, usize)>,
+    /// The coefficient of friction of each obstacle.
+    obstacle_frictions: Vec<f64>,
     /// The pairs and obstacles that do not count at all times.
     switched: Vec<(Switched, During)>,
     /// The quadrature of the constraints. By default [`Integration::Exact`] in the plane, and in space 4 Gauss points for each
@@ -150,6 +154,7 @@ impl<const D: usize> Default for Scene<D> {
             obstacles: Vec::new(),
             obstacle_names: Vec::new(),
             obstructed: Vec::new(),
+            obstacle_frictions: Vec::new(),
             switched: Vec::new(),
             integration: None,
             projection: Projection::default(),
@@ -241,6 +246,7 @@ impl<const D: usize> Scene<D> {
             second: self.checked(second)?,
             passes,
             offset: 0.0,
+            friction: 0.0,
         };
         self.pairs.push(pair);
         Ok(())
@@ -391,6 +397,7 @@ impl<const D: usize> Scene<D> {
         self.obstacles.push(obstacle);
         self.obstacle_names.push(name.into());
         self.obstructed.push((side, id));
+        self.obstacle_frictions.push(0.0);
         Ok(ObstacleId(id))
     }
 
@@ -482,21 +489,98 @@ impl<const D: usize> Scene<D> {
                 remedy: "choose a distance, at least 0",
             });
         }
+        match self.named_pair(first, second).filter(|_| first != second) {
+            Some(pair) => {
+                pair.offset = offset;
+                Ok(())
+            }
+            None => Err(self.no_pair(first, second)),
+        }
+    }
+
+    /// Gives a pair friction by Coulomb's law, |t| ≤ μ p: where the surfaces stick, the traction t along them is what holds them; where they slip,
+    /// it is μ p, against the slip. In the plane and of revolution (`docs/friction.md`).
+    ///
+    /// A block that is pressed onto a plate, and drawn along it until it slips:
+    /// ```
+    /// use contact_fem::mesh::generators::{Diagonals, linspace, rectangle};
+    /// use contact_fem::{Amplitude, Body, LinearElastic, Scene, Simulation};
+    /// # use contact_core::Phase;
+    ///
+    /// # fn main() -> Result<(), contact_fem::Error> {
+    /// let block = |y| rectangle(&linspace(0.0, 1.0, 2), &linspace(y, y + 1.0, 2), Diagonals::Rising);
+    /// let law = LinearElastic::new(100.0, 0.0)?;
+    /// let (mut lower, mut upper) = (Body::new(block(0.0)?, law), Body::new(block(1.0)?, law));
+    /// lower.prescribe_all([Some(0.0); 2])?;
+    /// // down by 0.02 in the first phase, and aside by 0.05 in the second
+    /// let [down, aside] = [[0.0, 1.0, 1.0], [0.0, 0.0, 1.0]].map(|of| Amplitude::table(&[(0.0, of[0]), (1.0, of[1]), (2.0, of[2])]));
+    /// upper.prescribe_in_time("top", [None, Some(-0.02)], down?)?;
+    /// upper.prescribe_in_time("top", [Some(0.05), None], aside?)?;
+    ///
+    /// let mut scene = Scene::new();
+    /// let (lower, upper) = (scene.add("lower", lower), scene.add("upper", upper));
+    /// let sides = [lower.on("top"), upper.on("bottom")];
+    /// scene.contact(sides[0].clone(), sides[1].clone())?;
+    /// scene.contact_friction(&sides[0], &sides[1], 0.3)?;
+    /// # #[cfg(feature = "ipopt")]
+    /// # {
+    /// let phases = [Phase::new("pressed", 1.0, 1), Phase::new("drawn", 2.0, 4)];
+    /// let history = Simulation::in_phases(phases).run(&mut scene.problem()?)?;
+    /// let [aside, down] = history.steps[4].reaction(upper).into();
+    /// assert!((aside / -down - 0.3).abs() < 1e-5, "it slips");
+    /// # }
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Boundaries that are no pair declared by name, and a coefficient that is negative or no number. [`Scene::problem`] refuses friction in space.
+    pub fn contact_friction(
+        &mut self,
+        first: &Side,
+        second: &Side,
+        friction: f64,
+    ) -> Result<(), Error> {
+        check_friction(friction)?;
+        match self.named_pair(first, second) {
+            Some(pair) => {
+                pair.friction = friction;
+                Ok(())
+            }
+            None => Err(self.no_pair(first, second)),
+        }
+    }
+
+    /// As [`Scene::contact_friction`], for all contact with an obstacle. A moving obstacle drags along what sticks to it.
+    ///
+    /// # Errors
+    /// An obstacle that there is not; else as [`Scene::contact_friction`].
+    pub fn obstacle_friction(&mut self, obstacle: ObstacleId, friction: f64) -> Result<(), Error> {
+        check_friction(friction)?;
+        self.checked_obstacle(obstacle)?;
+        self.obstacle_frictions[obstacle.0] = friction;
+        Ok(())
+    }
+
+    /// The coefficient of friction of each obstacle.
+    pub(crate) fn obstacle_frictions(&self) -> &[f64] {
+        &self.obstacle_frictions
+    }
+
+    /// The pair of these boundaries, in either order.
+    fn named_pair(&mut self, first: &Side, second: &Side) -> Option<&mut Pair> {
         let both = [first, second];
         let is_named = |pair: &&mut Pair| {
             [&pair.first, &pair.second] == both || [&pair.second, &pair.first] == both
         };
-        let mut pairs = self.pairs.iter_mut().filter(|_| first != second);
-        match pairs.find(is_named) {
-            Some(pair) => pair.offset = offset,
-            None => {
-                return Err(Error::NoPair {
-                    first: self.name_of_side(first),
-                    second: self.name_of_side(second),
-                });
-            }
+        self.pairs.iter_mut().find(is_named)
+    }
+
+    fn no_pair(&self, first: &Side, second: &Side) -> Error {
+        Error::NoPair {
+            first: self.name_of_side(first),
+            second: self.name_of_side(second),
         }
-        Ok(())
     }
 
     /// As [`Scene::contact_during`], for all contact with an obstacle.
@@ -658,6 +742,7 @@ impl<const D: usize> Scene<D> {
                         second: second.clone(),
                         passes: Passes::Both,
                         offset: 0.0,
+                        friction: 0.0,
                     });
                 }
             }
@@ -866,3 +951,13 @@ impl<const D: usize> Scene<D> {
 /// system has left is looked at first.
 const ENTRY: u64 = 44;
 const LARGE: u64 = 32 << 20;
+fn check_friction(friction: f64) -> Result<(), Error> {
+    match friction >= 0.0 && friction.is_finite() {
+        true => Ok(()),
+        false => Err(Error::Setting {
+            name: "friction",
+            value: friction,
+            remedy: "choose a coefficient, at least 0",
+        }),
+    }
+}

@@ -526,6 +526,7 @@ mod tests {
             increment: Some(1),
             energy: 2.5,
             stored_energy: 3.5,
+            dissipated: 0.0,
             works: vec![
                 WorkRecord {
                     source: WorkSource::Traction(BodyId::from(0).on("rim")),
@@ -560,6 +561,7 @@ mod tests {
                 second: Opposite::Side(BodyId::from(1).on("edge")),
                 area: 0.5,
                 resultant: Vector::<2>::new(0.0, 4.5),
+                friction: Vector::zeros(),
                 centre: None,
                 pressure_max: 9.0,
             }],

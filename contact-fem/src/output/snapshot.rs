@@ -64,7 +64,7 @@ pub struct Snapshot<const D: usize> {
     /// The outward unit normal of the contact surface at every node where contact is searched; of the one with the larger pressure where
     /// two meet, and zero outside of the surfaces.
     pub contact_normals: Vec<Vector<D>>,
-    /// The contact force Cᵀλ on every node (UF).
+    /// The contact force Cᵀλ on every node, with friction where there is some (UF).
     pub contact_forces: Vec<Vector<D>>,
     /// Stress and volume ratio of every cell.
     pub cells: Vec<CellState<D>>,
@@ -127,7 +127,14 @@ impl<const D: usize> Snapshot<D> {
     /// If the solution is not of this problem, or has values that are not finite; as [`Problem::pressures`].
     pub fn new(problem: &Problem<D>, solution: &Solution) -> Result<Self, Error> {
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
-        Self::with_contact(problem, problem.load(), &solution.state.u, (gaps, lambda))
+        let state = Self::with_contact(problem, problem.load(), &solution.state.u, (gaps, lambda))?;
+        Ok(match solution.friction {
+            None => state,
+            Some(_) => Snapshot {
+                contact_forces: problem.surface_forces(solution),
+                ..state
+            },
+        })
     }
 
     /// A converged step, with its certificate.

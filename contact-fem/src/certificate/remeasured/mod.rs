@@ -21,7 +21,8 @@ mod tests;
 
 use std::collections::{HashMap, HashSet};
 
-use contact_core::{LinearGaps, Multipliers, RowKey};
+use contact_core::equilibrium::Solution;
+use contact_core::{Multipliers, RowKey};
 
 use super::worse;
 use crate::assembly::Dof;
@@ -61,7 +62,9 @@ pub(super) struct Remeasured {
     pub forces: Option<f64>,
     /// The largest difference of virtual works; `None` likewise, and where rows are frozen at X.
     pub work: Option<f64>,
-    /// Motions that release energy; `None` where that is not known.
+    /// The same of the forces of friction; `None` without, too.
+    pub friction: Option<f64>,
+    /// Motions that release energy; `None` where that is not known, as with friction.
     pub releases: Option<Releases>,
 }
 
@@ -215,10 +218,10 @@ impl<const D: usize> Measured<'_, D> {
 /// Measures contact at a state with these rows and multipliers of the solver.
 pub(super) fn measure<const D: usize>(
     problem: &Problem<D>,
-    u: &[f64],
-    (gaps, lambda): (&LinearGaps, &[f64]),
+    solution: &Solution,
     units: &Units<'_>,
 ) -> Remeasured {
+    let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda[..]);
     let contact = Contact::new(problem);
     let x = positions(problem, u);
     let searched = match problem.geometry() {
@@ -295,10 +298,18 @@ pub(super) fn measure<const D: usize>(
             let own = (units.forces, differs.works);
             found.work = follows.then(|| pairs::works_apart(problem, &measured, state, own));
         }
-        let moving = if follows { &measured[..] } else { &[] };
-        let state = (&x[..], u);
-        found.releases =
-            stability::releases(problem, moving, state, (gaps, lambda), units.releases);
+        match &solution.friction {
+            Some(friction) => {
+                let own = differs.forces.map(|forces| (units.forces, forces));
+                found.friction =
+                    own.map(|own| pairs::friction_apart(problem, &measured, friction, own));
+            }
+            None => {
+                let moving = if follows { &measured[..] } else { &[] };
+                let (state, rows) = ((&x[..], &u[..]), (gaps, lambda));
+                found.releases = stability::releases(problem, moving, state, rows, units.releases);
+            }
+        }
     }
     found
 }

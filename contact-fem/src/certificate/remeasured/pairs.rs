@@ -1,6 +1,7 @@
 //! Forces of the solver against those that its multipliers mean here.
 
-use contact_core::{LinearGaps, RowKey};
+use contact_core::friction::Friction;
+use contact_core::{LinearGaps, Multipliers, RowKey};
 
 use super::fields::Field;
 use super::{Measured, worse};
@@ -42,19 +43,69 @@ pub(super) fn forces_apart<const D: usize>(
     (units, [flat, inclined]): (&[f64], [f64; 2]),
 ) -> f64 {
     let all: Vec<_> = measured.iter().collect();
-    let mut apart = solved(problem, &all, state);
-    let mut sines = vec![0.0_f64; apart.len()];
-    for own in measured {
-        let pushes = own.pass.pushes(&own.lambda);
-        own.pass.add_sines(&pushes, &mut sines);
-        let opposite: Vec<f64> = pushes.iter().map(|push| -push).collect();
-        own.pass.add_forces(&opposite, &mut apart);
+    let solved = solved(problem, &all, state);
+    let pushes = |own: &Measured<'_, D>| own.pass.pushes(&own.lambda);
+    let meant = meant(measured, pushes, problem.reference().len());
+    largest_difference(problem, &solved, &meant, (units, [flat, inclined]))
+}
+
+/// As [`forces_apart`], of the forces of friction along the surfaces: the same r as multipliers of gaps mean forces along the normals, which are
+/// these turned by a right angle.
+pub(super) fn friction_apart<const D: usize>(
+    problem: &Problem<D>,
+    measured: &[Measured<'_, D>],
+    friction: &Friction,
+    units: (&[f64], [f64; 2]),
+) -> f64 {
+    let nodes = problem.reference().len();
+    let numbers: Vec<_> = measured.iter().map(|own| own.declared.number).collect();
+    let solved = problem.forces_of_friction(Some(friction), |pass| {
+        let number = problem.passes().iter().position(|own| own == pass);
+        number.is_some() && numbers.contains(&number)
+    });
+    let solved = solved.unwrap_or_else(|| vec![Vector::zeros(); nodes]);
+    let forces = friction.rows.keys().iter().zip(&friction.forces);
+    let forces: Multipliers = forces.map(|(key, r)| (*key, *r)).collect();
+    let pushes = |own: &Measured<'_, D>| {
+        let of_row = |i: usize| own.key(i).map_or(0.0, |key| forces.of(key));
+        let all: Vec<f64> = (0..own.lambda.len()).map(of_row).collect();
+        own.pass.pushes(&all)
+    };
+    let (mut meant, sines) = meant(measured, pushes, nodes);
+    for force in &mut meant {
+        let mut along = Vector::zeros();
+        (along[0], along[1]) = (force[1], -force[0]);
+        *force = along;
     }
+    largest_difference(problem, &solved, &(meant, sines), units)
+}
+
+/// The forces on all nodes that these forces of points mean, and the largest sine around each node.
+fn meant<const D: usize>(
+    measured: &[Measured<'_, D>],
+    pushes: impl Fn(&Measured<'_, D>) -> Vec<f64>,
+    nodes: usize,
+) -> (Vec<Vector<D>>, Vec<f64>) {
+    let (mut forces, mut sines) = (vec![Vector::zeros(); nodes], vec![0.0_f64; nodes]);
+    for own in measured {
+        let pushes = pushes(own);
+        own.pass.add_sines(&pushes, &mut sines);
+        own.pass.add_forces(&pushes, &mut forces);
+    }
+    (forces, sines)
+}
+
+fn largest_difference<const D: usize>(
+    problem: &Problem<D>,
+    solved: &[Vector<D>],
+    (meant, sines): &(Vec<Vector<D>>, Vec<f64>),
+    (units, [flat, inclined]): (&[f64], [f64; 2]),
+) -> f64 {
     let mut worst = 0.0;
     for (body, unit) in units.iter().enumerate() {
         for node in problem.nodes(body) {
             let unit = unit * (flat + inclined * sines[node] * sines[node]);
-            worst = worse(worst, apart[node].amax() / unit);
+            worst = worse(worst, (solved[node] - meant[node]).amax() / unit);
         }
     }
     worst

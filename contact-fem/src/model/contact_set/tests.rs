@@ -100,6 +100,7 @@ fn one_set_of_trees_a_state() {
             flickering: Vec::new(),
             held: Vec::new(),
             softest: None,
+            friction: None,
             lambda: vec![1.0; gaps.len()],
             state: State {
                 u,

@@ -1,7 +1,10 @@
 //! Area, force and place of the contact of one pair.
 
+use contact_core::friction::Friction;
+
 use super::shares::Share;
 use super::{PairSide, PairState};
+use crate::contact::Pass;
 use crate::contact::pressure::BALANCED;
 use crate::model::{ObstacleId, Problem, Side};
 use crate::tensor::Vector;
@@ -25,8 +28,10 @@ pub struct PairRecord<const D: usize> {
     /// The area of the contact zone where contact is searched (UL²; in the plane of a slice of thickness 1): that around the nodes within it, on
     /// the surface where it is smaller; in self-contact, of both sides. Its border is known to within a facet.
     pub area: f64,
-    /// The contact force on the first surface (UF); zero in self-contact.
+    /// The contact force on the first surface without friction (UF); zero in self-contact.
     pub resultant: Vector<D>,
+    /// The force of friction on the first surface (UF); zero without, and in self-contact.
+    pub friction: Vector<D>,
     /// The centre of pressure (UL): the mean of the positions of a surface's nodes, weighted with the components of their
     /// contact forces along the resultant, so that it has no moment about it where forces are parallel; of two surfaces halfway between
     /// the two. Where forces cancel, as around a pin, the weights are the components against the normals. `None` without a force.
@@ -63,6 +68,7 @@ impl<const D: usize> Problem<D> {
                     true => Vector::zeros(),
                     false => resultant,
                 },
+                friction: Vector::zeros(),
                 centre: match centres.len() {
                     0 => None,
                     count => Some(centres.iter().sum::<Vector<D>>() / count as f64),
@@ -72,6 +78,29 @@ impl<const D: usize> Problem<D> {
             sides: shares.into_iter().map(|share| share.side).collect(),
         }
     }
+    /// The same record with the force of friction.
+    pub(crate) fn with_friction(
+        &self,
+        record: PairRecord<D>,
+        friction: Option<&Friction>,
+    ) -> PairRecord<D> {
+        let pairs = self.declared_pairs().into_iter();
+        let mut members =
+            pairs.filter(|(_, first, second)| (first, second) == (&record.first, &record.second));
+        let members = members.next().map(|(members, ..)| members);
+        let Some([a, b]) = members.filter(|[a, b]| friction.is_some() && a != b) else {
+            return record;
+        };
+        let is_own = |pass: &Pass| {
+            let both = [pass.slave, pass.master];
+            both == [a, b] || both == [b, a]
+        };
+        let forces = self.forces_of_friction(friction, is_own);
+        let nodes = self.surfaces()[a].nodes().iter();
+        let friction = forces.map_or(Vector::zeros(), |forces| nodes.map(|&k| forces[k]).sum());
+        PairRecord { friction, ..record }
+    }
+
     /// The centre of the forces on one surface.
     fn centre(&self, share: &Share<D>, positions: &[Vector<D>]) -> Option<Vector<D>> {
         let PairSide {

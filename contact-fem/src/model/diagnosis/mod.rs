@@ -276,6 +276,7 @@ pub(super) mod tests {
             flickering: Vec::new(),
             held: Vec::new(),
             softest: None,
+            friction: None,
         }
     }
 

@@ -91,6 +91,20 @@ pub(super) fn offsets<const D: usize>(scene: &Scene<D>, reach: f64) -> Result<()
     }
 }
 
+/// Checks that nothing has friction in space.
+pub(super) fn frictions<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
+    let pairs = scene.pairs().iter().map(|pair| pair.friction);
+    let obstacles = scene.obstacle_frictions().iter().copied();
+    match pairs.chain(obstacles).fold(0.0, f64::max) {
+        friction if friction > 0.0 && D == 3 => Err(Error::Setting {
+            name: "friction",
+            value: friction,
+            remedy: "leave it out in space, or take a section of the scene: friction is solved in the plane and of revolution",
+        }),
+        _ => Ok(()),
+    }
+}
+
 /// Checks that the sum of the nodal forces is finite.
 pub(super) fn forces<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let mut bodies = scene.bodies().iter().zip(scene.names());

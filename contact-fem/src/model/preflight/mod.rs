@@ -129,6 +129,7 @@ pub(super) fn supports_of_phase<const D: usize>(
 /// The checks that need surfaces and thicknesses.
 pub(super) fn with_surfaces<const D: usize>(setup: &Setup<'_, D>, report: &mut Report) {
     report.take(input::offsets(setup.scene, setup.contact.reach));
+    report.take(input::frictions(setup.scene));
     interference::check(setup, report);
     obstacles::check(setup, report);
     surfaces::check(setup, report);

@@ -4,6 +4,7 @@
 //! compiled in this crate: see [`instances`](crate::instances).
 
 use contact_core::equilibrium::Solution;
+use contact_core::friction::SlipRows;
 use contact_core::gaps::{LinearGaps, Sampling};
 use contact_core::load_steps::Passage;
 use contact_core::{Energy, Error, GapVariation, Reduction, Separable};
@@ -28,6 +29,13 @@ pub(crate) trait Answers {
         gaps: &LinearGaps,
         lambda: &[Option<f64>],
     ) -> Result<Option<GapVariation>, Error>;
+    fn slips(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        last: &[f64],
+        from: f64,
+    ) -> Result<SlipRows, Error>;
     fn separable(&self) -> &dyn Separable;
     fn reduction(&self) -> Option<Reduction>;
     fn diagnose(&self, solution: &Solution) -> Option<String>;
@@ -95,6 +103,21 @@ impl<const D: usize> Answers for Problem<D> {
     ) -> Result<Option<GapVariation>, Error> {
         Error::check_vector("u", u, self.dofs().free())?;
         self.contact.variation(&self.kinematics, u, gaps, lambda)
+    }
+
+    fn slips(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        last: &[f64],
+        from: f64,
+    ) -> Result<SlipRows, Error> {
+        Error::check_vector("u", u, self.dofs().free())?;
+        Error::check_vector("last", last, self.dofs().free())?;
+        let before = self.kinematics.positions_at(last, from);
+        let since = (&before[..], from);
+        let slips = self.contact.slips(&self.kinematics, u, gaps, since);
+        slips.ok_or(Error::Interrupted)
     }
 
     fn separable(&self) -> &dyn Separable {

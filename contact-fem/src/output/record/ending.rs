@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use contact_core::cost::Cost;
 use contact_core::equilibrium::Choice;
 use contact_core::ipopt::{Blas, versions};
-use contact_core::{Ending, InteriorPoint, Method};
+use contact_core::{ContactProblem, Ending, InteriorPoint, Method};
 
 use super::observer::Observer;
 use super::{Memory, Plan, fixed};
@@ -125,6 +125,10 @@ impl<'a, const D: usize> Ended<'a, D> {
                 "work",
                 format!("{work} UF·UL by the trapezoidal rule, of which {stored} UF·UL are stored"),
             ));
+            if self.problem.has_friction() {
+                let taken = fixed(last.dissipated, 4);
+                lines.push(line("friction", format!("{taken} UF·UL of the work")));
+            }
             lines.extend(
                 self.reaction()
                     .map(|force| line("reaction", format!("{} UF", fixed(force, 4)))),
@@ -343,8 +347,12 @@ fn contacts<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<Str
             true => "forces that cancel".into(),
             false => format!("{} UF", rounded(force(pair), all[0])),
         };
+        let friction = match pair.friction.norm() {
+            none if none == 0.0 => String::new(),
+            some => format!(", friction {} UF", rounded(some, all[0])),
+        };
         format!(
-            "{force}, largest pressure {} UF/UL², area {} UL²: {} and {}",
+            "{force}{friction}, largest pressure {} UF/UL², area {} UL²: {} and {}",
             rounded(pair.pressure_max, all[1]),
             rounded(pair.area, all[2]),
             scene.name_of_side(&pair.first),
@@ -498,15 +506,19 @@ fn unstored<const D: usize>(records: &[StepRecord<D>], problem: &Problem<D>) -> 
     }
     let [.., roundoff] = negligible(&problem.scale());
     let last = records.last()?;
-    let apart = (last.work() - last.stored_energy).abs();
+    let apart = (last.work() - last.stored_energy - last.dissipated).abs();
     let most = records.iter().map(|record| record.stored_energy);
     let most = most.fold(0.0, f64::max);
     // where nothing is strained, a rigid body has fallen freely
     let is_far = apart > UNSTORED * most && apart > roundoff && most > roundoff;
     is_far.then(|| {
         line("warning", format!(
-            "work and stored energy are {:.0} % of the largest stored energy apart: take more increments; if that does \
+            "work and stored energy{} are {:.0} % of the largest stored energy apart: take more increments; if that does \
              not help, a body has snapped from one equilibrium to another, or contact has begun or ended at once",
+            match problem.has_friction() {
+                true => " with the work of friction",
+                false => "",
+            },
             100.0 * apart / most
         ))
     })

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use contact_core::Ending;
 use contact_core::cost::FactorSize;
 use contact_core::ipopt::{doctor, versions};
+use contact_core::{ContactProblem, Ending};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -58,7 +58,10 @@ pub(super) struct Summary {
     energy: Option<f64>,
     stored_energy: Option<f64>,
     work: Option<f64>,
-    /// What the work is more than the stored energy (UF·UL): see [`StepRecord::work`](crate::simulation::StepRecord::work).
+    /// The work that friction has taken (UF·UL); left out without friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dissipated: Option<f64>,
+    /// What the work is more than the stored energy and what friction has taken (UF·UL): see [`StepRecord::work`](crate::simulation::StepRecord::work).
     unstored_work: Option<f64>,
     /// The work of each support, load and obstacle.
     works: Vec<Value>,
@@ -185,7 +188,11 @@ impl Summary {
             energy: last.map(|record| record.energy),
             stored_energy: last.map(|record| record.stored_energy),
             work: last.map(StepRecord::work),
-            unstored_work: last.map(|record| record.work() - record.stored_energy),
+            dissipated: last
+                .filter(|_| problem.has_friction())
+                .map(|record| record.dissipated),
+            unstored_work: last
+                .map(|record| record.work() - record.stored_energy - record.dissipated),
             works: last.map_or(Vec::new(), |record| {
                 let scene = problem.scene();
                 let value = |record| worked(record, scene.names(), scene.obstacle_names());
@@ -291,12 +298,16 @@ fn worked(record: &WorkRecord, bodies: &[String], obstacles: &[String]) -> Value
 
 fn pair<const D: usize>(pair: &PairRecord<D>, bodies: &[String], obstacles: &[String]) -> Value {
     let [first, second] = both(&pair.first, &pair.second, (bodies, obstacles));
-    json!({
+    let mut all = json!({
         "first": first, "second": second,
         "area": pair.area, "resultant": pair.resultant.as_slice(),
         "centre": pair.centre.as_ref().map(|centre| centre.as_slice()),
         "pressure_max": pair.pressure_max,
-    })
+    });
+    if pair.friction.norm() > 0.0 {
+        all["friction"] = json!(pair.friction.as_slice());
+    }
+    all
 }
 
 /// The two sides of a pair, by the names of bodies and obstacles.
