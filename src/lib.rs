@@ -1,4 +1,4 @@
-//! Frictionless contact between elastic bodies by energy minimisation: symmetric, with no master and slave
+//! Contact between elastic bodies by energy minimisation: symmetric, with no master and slave
 //! to choose.
 //!
 //! The library minimises the total energy of all bodies under weak non-penetration constraints, which both sides of

@@ -151,6 +151,10 @@ impl ContactKeys {
             let what = "`offset` is for `first` and `second`: leave it out";
             return Err(place.key("offset").wrong(what));
         }
+        if let (Some(_), false) = (self.friction, self.surfaces.is_empty()) {
+            let what = "`friction` is for `first` and `second`, or for `self`: leave it out";
+            return Err(place.key("friction").wrong(what));
+        }
         if let (Some(_), true) = (&self.during, self.first.is_none()) {
             let what = "`during` is for `first` and `second`: leave it out";
             return Err(place.key("during").wrong(what));
@@ -178,6 +182,10 @@ impl ContactKeys {
                     let at = place.key("offset");
                     at.of(scene.contact_offset(&sides[0], &sides[1], offset))?;
                 }
+                if let Some(friction) = self.friction {
+                    let at = place.key("friction");
+                    at.of(scene.contact_friction(&sides[0], &sides[1], friction))?;
+                }
                 if let Some(during) = &self.during {
                     let at = place.key("during");
                     at.of(scene.contact_during(&sides[0], &sides[1], &during.0))?;
@@ -187,7 +195,14 @@ impl ContactKeys {
             (None, None, Some(side), []) => {
                 let at = place.key("self");
                 let side = bodies.side(scene, &at, side)?;
-                at.of(scene.self_contact(side))
+                at.of(scene.self_contact(side.clone()))?;
+                match self.friction {
+                    None => Ok(()),
+                    Some(friction) => {
+                        let at = place.key("friction");
+                        at.of(scene.contact_friction(&side, &side, friction))
+                    }
+                }
             }
             (None, None, None, [_, ..]) => {
                 for (k, side) in self.surfaces.iter().enumerate() {

@@ -434,6 +434,7 @@ pub(super) struct ContactKeys {
     pub(super) second: Option<SideKeys>,
     pub(super) passes: Option<PassKeys>,
     pub(super) offset: Option<f64>,
+    pub(super) friction: Option<f64>,
     pub(super) during: Option<DuringKeys>,
     #[serde(rename = "self")]
     pub(super) itself: Option<SideKeys>,
@@ -483,6 +484,7 @@ pub(super) struct ObstacleKeys {
     pub(super) surface: Option<MeshKeys>,
     #[serde(default)]
     pub(super) motion: Motions,
+    pub(super) friction: Option<f64>,
     pub(super) during: Option<DuringKeys>,
     pub(super) on: Vec<SideKeys>,
 }

@@ -38,6 +38,10 @@ impl SceneFile {
             for other in sides {
                 at.of(scene.contact_obstacle(other, obstacle))?;
             }
+            if let Some(friction) = keys.friction {
+                let given = scene.obstacle_friction(obstacle, friction);
+                place.key("friction").of(given)?;
+            }
             if let Some(during) = &keys.during {
                 let switched = scene.obstacle_during(obstacle, &during.0);
                 place.key("during").of(switched)?;
