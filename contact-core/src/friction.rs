@@ -13,12 +13,15 @@
 //! The terms |Δs_i| are exact: with further unknowns q_i and the rows q_i − Δs_i ≥ 0 and q_i + Δs_i ≥ 0, the energy
 //! E(u) + Σ τ_i q_i is as smooth as E, and any [`Method`](crate::Method) minimises it. The multipliers of the two rows differ by r_i.
 
+mod search;
 mod tresca;
 
-pub(crate) use tresca::{Thresholds, touching};
+pub(crate) use search::Search;
+pub(crate) use tresca::Thresholds;
+use tresca::touching;
 
 use crate::gaps::SparseRows;
-use crate::{Error, RowKey};
+use crate::{Error, Multipliers, RowKey};
 
 /// How contact nodes slip, and how much friction they have: one row of T for each row of gaps that has friction.
 #[derive(Clone, Debug, Default)]
@@ -236,6 +239,25 @@ pub struct Friction {
 }
 
 impl Friction {
+    /// Whether there is a number for each row, and each row is over `n` free unknowns, as in what was not damaged.
+    #[cfg(feature = "resume")]
+    pub(crate) fn is_whole(&self, n: usize) -> bool {
+        let rows = &self.rows;
+        let p = rows.keys.len();
+        let lengths = [
+            rows.constant.len(),
+            rows.coefficient.len(),
+            rows.bound.len(),
+            self.thresholds.len(),
+            self.forces.len(),
+        ];
+        lengths == [p; 5]
+            && self.last.len() == n
+            && rows.free.is_whole(p)
+            && rows.prescribed.is_whole(p)
+            && rows.free.columns() <= n
+    }
+
     /// Forces below this share of the largest threshold are none.
     const NONE: f64 = 1e-9;
 
@@ -257,10 +279,20 @@ impl Friction {
         all.map(status).collect()
     }
 
-    /// The work that friction takes in the increment to `u`, Σ r_i Δs_i (UF·UL): the last forces times the slips since the last
-    /// converged state. It is not negative.
-    pub fn dissipated(&self, u: &[f64]) -> f64 {
+    /// The work that friction takes in the increment to `u` (UF·UL), which is not negative: the forces times the slips, as if thresholds had grown in proportion
+    /// to slips from those of the increment `before`, or from nothing.
+    pub fn dissipated(&self, u: &[f64], before: Option<&Friction>) -> f64 {
+        let known: Multipliers = before.map_or_else(Multipliers::default, |own| {
+            let thresholds = own.thresholds.iter().copied();
+            own.rows.keys().iter().copied().zip(thresholds).collect()
+        });
         let slips = self.rows.slips(u);
-        self.forces.iter().zip(slips).map(|(r, s)| r * s).sum()
+        let all = self.rows.keys().iter().zip(&self.thresholds);
+        let all = all.zip(self.forces.iter().zip(&slips));
+        let work = |((key, now), (r, slip)): ((&RowKey, &f64), (&f64, &f64))| match *now > 0.0 {
+            true => 0.5 * (now + known.of(*key)) / now * r * slip,
+            false => 0.0,
+        };
+        all.map(work).sum()
     }
 }

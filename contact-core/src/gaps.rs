@@ -75,7 +75,7 @@ impl SparseRows {
 
     /// Whether these are `m` rows.
     #[cfg(feature = "resume")]
-    fn is_whole(&self, m: usize) -> bool {
+    pub(crate) fn is_whole(&self, m: usize) -> bool {
         let entries = self.columns.len();
         let ends = [self.starts.first(), self.starts.last()];
         self.starts.len() == m + 1

@@ -409,10 +409,11 @@ fn loops_of_loading_have_the_area_that_friction_takes() {
             };
             let start = problem.start();
             let (mut taken, mut last) = (0.0, start.u.clone());
-            let mut ends = Vec::new();
+            let (mut ends, mut before) = (Vec::new(), None);
             let run = steps.run(&mut problem, &mut Automatic::default(), start, |step| {
                 let friction = step.solution.friction.as_ref().expect("friction");
-                let work = friction.dissipated(&step.solution.state.u);
+                let work = friction.dissipated(&step.solution.state.u, before.as_ref());
+                before = Some(friction.clone());
                 assert!(work > -1e-9, "friction takes {work}");
                 let left = step.problem.errors(step.solution, &last, [full, 1.0]);
                 assert!(left < 1e-6, "{left:e} at {}", step.factor);

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use contact_core::equilibrium::Solution;
+use contact_core::friction::Friction;
 use contact_core::load_steps::{Attempt, LoadSteps, Phase, Run, Step};
 use contact_core::{ContactProblem, Ending, Equilibrium, State};
 
@@ -30,7 +31,7 @@ pub struct StepRecord<const D: usize> {
     pub stored_energy: f64,
     /// The work of each support, load and obstacle since the start.
     pub works: Vec<WorkRecord>,
-    /// The work that friction has taken since the start, by the forces at the end of each load step (UF·UL).
+    /// The work that friction has taken since the start, by the mean of what its forces may be at both ends of each load step (UF·UL).
     pub dissipated: f64,
     /// The reaction of the supports on each body (UF).
     pub reactions: Vec<Vector<D>>,
@@ -212,6 +213,7 @@ pub(crate) fn run<const D: usize>(
     let mut done = Done {
         external: External::at_rest(problem),
         works: Vec::new(),
+        friction: None,
         dissipated: 0.0,
     };
     let ends: Vec<f64> = match &load_steps.phases[..] {
@@ -233,10 +235,11 @@ pub(crate) fn run<const D: usize>(
     Ok(History { run, steps })
 }
 
-/// Supports and loads at the last step, the work until there, and what friction took of it.
+/// Supports, loads and friction at the last step, the work until there, and what friction took of it.
 struct Done<const D: usize> {
     external: External<D>,
     works: Vec<WorkRecord>,
+    friction: Option<Friction>,
     dissipated: f64,
 }
 
@@ -312,7 +315,8 @@ impl<const D: usize> StepRecord<D> {
         let until_there = works.iter_mut().zip(&done.works);
         until_there.for_each(|(now, then)| now.work += then.work);
         let friction = solution.friction.as_ref();
-        let dissipated = done.dissipated + friction.map_or(0.0, |own| own.dissipated(u));
+        let taken = friction.map_or(0.0, |own| own.dissipated(u, done.friction.as_ref()));
+        let dissipated = done.dissipated + taken;
         let energy = Some(problem.energy_at(u)).filter(|energy| energy.is_finite());
         // a law that answers otherwise than it did to the solver has no energy here
         let energy = energy.unwrap_or(solution.energy);
@@ -321,6 +325,7 @@ impl<const D: usize> StepRecord<D> {
         *done = Done {
             external,
             works: works.clone(),
+            friction: friction.cloned(),
             dissipated,
         };
         StepRecord {

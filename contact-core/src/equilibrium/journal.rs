@@ -5,11 +5,8 @@ use std::time::Instant;
 use super::accuracy::Accuracy;
 use super::anderson::Anderson;
 use super::cycles::CycleDetector;
-use super::{
-    Acceleration, FixedPoint, Iteration, Solution, check_independent, least_displacement,
-    relative_change,
-};
-use crate::friction::{Friction, SlipRows, Thresholds, touching};
+use super::{Acceleration, FixedPoint, Iteration, Solution, check_independent, least_displacement};
+use crate::friction::{Friction, Search, SlipRows, Thresholds};
 use crate::method::{Method, Minimum, Subproblem, check_bounds};
 use crate::{
     ContactProblem, Cost, Error, LinearGaps, Multipliers, Outcome, Scale, Solved, State, Stop,
@@ -31,13 +28,8 @@ pub(super) struct Journal<'a> {
     anderson: Anderson,
     accuracy: Accuracy,
     cycles: Option<CycleDetector>,
-    /// Whether nothing accelerates the iteration.
-    is_plain: bool,
-    /// Of friction: whether its thresholds are averaged, and those of the next iteration, by the keys of their rows.
-    averages: bool,
-    thresholds: Option<Multipliers>,
-    /// Those by the multipliers of the last iterate (p, UF).
-    renewed: Vec<f64>,
+    /// The thresholds of friction.
+    search: Search,
     solution: Solution,
     ended: Option<Outcome>,
     /// The start of this iteration, the time of its projections (s), and the accuracy asked of its subproblem.
@@ -49,19 +41,6 @@ pub(super) struct Journal<'a> {
 impl<'a> Journal<'a> {
     /// The relative change expected of the first iteration.
     const GUESS: f64 = 1.0;
-    /// The share of a force of friction that the next threshold allows at least where a row is closed, if the force is above the second share of the
-    /// largest.
-    const LETS_GO: f64 = 0.5;
-    /// With friction, so many iterations are accelerated at most, and the limit of iterations is so many times as large.
-    const ACCELERATED: usize = 15;
-    const FRICTION: usize = 3;
-    /// Thresholds are averaged in a plain iteration, and where u changes by less: multipliers of both passes are not unique, and may change
-    /// without end while u does not.
-    const SETTLED: f64 = 1e-6;
-    /// The relative change of thresholds that is accepted, or the tolerance of u if that is larger.
-    const LAWFUL: f64 = 1e-6;
-    /// See [`Self::LETS_GO`].
-    const HOLDS: f64 = 1e-2;
 
     /// Before the first iteration.
     pub fn new<M: Method>(
@@ -85,10 +64,7 @@ impl<'a> Journal<'a> {
             anderson: Anderson::of(settings.acceleration),
             accuracy: Accuracy::new(settings.acceleration, settings.max_iterations),
             cycles: Some(CycleDetector::default()),
-            is_plain: settings.acceleration == Acceleration::Plain,
-            averages: false,
-            thresholds: None,
-            renewed: Vec::new(),
+            search: Search::new(settings.acceleration == Acceleration::Plain),
             ended: (!energy.is_finite()).then_some(Outcome::InadmissibleStart),
             solution: Solution {
                 outcome: Outcome::InadmissibleStart,
@@ -148,10 +124,8 @@ impl<'a> Journal<'a> {
 
     /// The thresholds of friction for these slips and the rows of their gaps.
     pub fn thresholds(&self, rows: SlipRows, gaps: &LinearGaps) -> Thresholds {
-        match &self.thresholds {
-            Some(known) => Thresholds::known(rows, known),
-            None => Thresholds::first(rows, gaps, &self.point, &self.scale),
-        }
+        let at = (&self.point, &self.scale);
+        self.search.thresholds(rows, gaps, at)
     }
 
     /// The friction of the last iterate.
@@ -194,9 +168,11 @@ impl<'a> Journal<'a> {
         });
         let multipliers = Multipliers::new(&gaps, &minimum.lambda);
         let is_exact = gaps.is_exact() && friction.is_none();
-        let change = self.renew(friction.as_ref(), &multipliers);
+        let change = match &friction {
+            Some(friction) => self.renew(friction, &multipliers, error),
+            None => 0.0,
+        };
         self.ended = self.verdict(&minimum, [error, change], is_exact);
-        self.averages = self.is_plain || error < Self::SETTLED;
         self.solution.friction = friction;
         self.solution.flickering = match self.ended {
             None | Some(Outcome::Converged) => Vec::new(),
@@ -215,75 +191,42 @@ impl<'a> Journal<'a> {
         self.clock = Instant::now();
     }
 
-    /// Makes the thresholds by the multipliers of an iterate, and returns their relative change. They are unknowns of the fixed point,
-    /// too: where other rows have friction than before, or none had, the acceleration begins anew.
-    fn renew(&mut self, friction: Option<&Friction>, multipliers: &Multipliers) -> f64 {
-        let keys = |friction: Option<&Friction>| friction.map(|own| own.rows.keys().to_vec());
-        if keys(self.solution.friction.as_ref()) != keys(friction) {
+    /// Makes the thresholds of friction by the multipliers of an iterate, and returns their relative change. They are unknowns of the fixed point, too:
+    /// where other rows have friction than before, or none had, the acceleration begins anew.
+    fn renew(&mut self, friction: &Friction, multipliers: &Multipliers, error: f64) -> f64 {
+        let keys = friction.rows.keys();
+        let before = self.solution.friction.as_ref();
+        if before.is_none_or(|before| before.rows.keys() != keys) {
             self.anderson.restart();
         }
-        self.renewed = friction.map_or_else(Vec::new, |own| {
-            own.rows.thresholds(|key| multipliers.of(key))
-        });
-        let Some(own) = friction else { return 0.0 };
-        let n = self.point.u.len();
-        let [now, then] = [&self.renewed, &own.thresholds].map(|all| own.rows.capacities(all, n));
-        relative_change(&now, &then, 0.0)
+        self.search.renew(friction, multipliers, error)
     }
 
     /// The next iterate: the accelerated one, or the plain one if that is inadmissible.
     fn advance(&mut self) {
-        let n = self.point.u.len();
-        // forces in the unit of u
-        let unit = self.scale.length * self.scale.length / self.scale.energy;
         let mut image = self.solution.state.u.clone();
-        image.extend(self.renewed.iter().map(|threshold| threshold * unit));
-        let mut residual: Vec<f64> = {
-            let pairs = self.solution.state.u.iter().zip(&self.point.u);
-            pairs.map(|(now, then)| now - then).collect()
-        };
-        if let Some(own) = &self.solution.friction {
-            let [now, then] =
-                [&self.renewed, &own.thresholds].map(|all| own.rows.capacities(all, n));
-            residual.extend(now.iter().zip(&then).map(|(now, then)| (now - then) * unit));
+        let pairs = image.iter().zip(&self.point.u);
+        let mut residual: Vec<f64> = pairs.map(|(now, then)| now - then).collect();
+        // of forces (UL/UF)
+        let unit = self.scale.length * self.scale.length / self.scale.energy;
+        let has_friction = self.solution.friction.is_some();
+        if has_friction {
+            self.search.append(unit, &mut residual, &mut image);
         }
-        // the first thresholds are a guess
-        let is_guess = self.solution.friction.is_some() && self.thresholds.is_none();
-        let mut next = match is_guess {
+        let mut next = match has_friction && self.search.was_guessed() {
             true => image.clone(),
             false => self.anderson.next_by(residual, &image),
         };
         self.point.clone_from(&self.solution.state);
+        let n = self.point.u.len();
         if !self.problem.energy().value(&next[..n]).is_finite() {
             self.anderson.restart();
             next = image;
         }
-        if let Some(own) = &self.solution.friction {
-            let closed = touching(&self.solution.gaps, &self.solution.state.u, &self.scale);
-            let rows = own.rows.keys().iter().zip(&own.forces).zip(&own.thresholds);
-            let most = own
-                .forces
-                .iter()
-                .fold(0.0_f64, |m, force| m.max(force.abs()));
-            let mut is_bounded = false;
-            let next = next[n..].iter().map(|threshold| threshold / unit);
-            let next = next.zip(rows).map(|(next, ((&key, force), used))| {
-                // at once, a smaller one could let go what another one would still hold
-                let holds = force.abs() > Self::HOLDS * most && closed.binary_search(&key).is_ok();
-                let least = if holds {
-                    Self::LETS_GO * force.abs()
-                } else {
-                    0.0
-                };
-                let next = match self.averages {
-                    true => 0.5 * (next + used),
-                    false => next,
-                };
-                is_bounded |= next < least;
-                (key, next.max(least))
-            });
-            self.thresholds = Some(next.collect());
-            if is_bounded {
+        if let Some(friction) = &self.solution.friction {
+            let proposed = next[n..].iter().map(|threshold| threshold / unit);
+            let at = (&self.solution.gaps, &self.point.u[..], &self.scale);
+            if !self.search.take(proposed, friction, at) {
                 self.anderson.restart();
             }
         }
@@ -304,31 +247,29 @@ impl<'a> Journal<'a> {
             Solved::Optimal => {}
         }
         let is_accurate = self.asked == 0.0;
-        let is_lawful = change < self.tolerance.max(Self::LAWFUL);
+        let is_lawful = change < self.tolerance.max(Search::LAWFUL);
         if is_accurate && (error < self.tolerance && is_lawful || is_exact) {
             return Some(Outcome::Converged);
         }
-        // of converged u, thresholds are left
-        let cycles = self.cycles.as_mut().filter(|_| error >= self.tolerance);
+        let cycles = self.cycles.as_mut();
         let period = cycles.and_then(|cycles| cycles.period(&minimum.u, error));
-        let (made, has_friction) = (self.solution.history.len(), self.problem.has_friction());
-        if has_friction && !self.is_plain && (period.is_some() || made >= Self::ACCELERATED) {
-            // where points change between stick and slip, averages settle what accelerated iterates do not
-            self.is_plain = true;
-            self.anderson = Anderson::of(Acceleration::Plain);
-            return None;
+        let made = self.solution.history.len();
+        if self.problem.has_friction() {
+            if period.is_some() || made >= Search::ACCELERATED {
+                // where points change between stick and slip, averages settle what accelerated iterates do not
+                self.search.is_plain = true;
+                self.anderson = Anderson::of(Acceleration::Plain);
+            }
+            let is_last = made >= Search::LIMIT * self.max_iterations;
+            return is_last.then_some(Outcome::IterationLimit);
         }
-        let limit = match has_friction {
-            true => Self::FRICTION * self.max_iterations,
-            false => self.max_iterations,
-        };
-        match period {
-            Some(period) if !has_friction => Some(Outcome::Cycle {
+        if let Some(period) = period {
+            return Some(Outcome::Cycle {
                 period,
                 amplitude: error,
-            }),
-            _ => (made >= limit).then_some(Outcome::IterationLimit),
+            });
         }
+        (made == self.max_iterations).then_some(Outcome::IterationLimit)
     }
 
     /// The last iterate, its outcome and the history. The energy is that of the problem, whatever the method says.

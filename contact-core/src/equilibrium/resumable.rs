@@ -473,7 +473,10 @@ impl Answer {
     /// Whether its rows are rows.
     fn is_whole(&self) -> bool {
         let Solution { gaps, lambda, .. } = &self.solution;
-        gaps.is_whole(self.solution.state.u.len()) && lambda.len() == gaps.len()
+        let friction = self.solution.friction.as_ref();
+        let n = self.solution.state.u.len();
+        let has_friction = friction.is_none_or(|friction| friction.is_whole(n));
+        gaps.is_whole(n) && lambda.len() == gaps.len() && has_friction
     }
 }
 

@@ -158,7 +158,7 @@ const LARGE: f64 = 1e3;
 const TOUCHING: f64 = 1e-3;
 
 /// The keys of the rows that are closed at u, in order.
-pub(crate) fn touching(gaps: &LinearGaps, u: &[f64], scale: &Scale) -> Vec<RowKey> {
+pub(super) fn touching(gaps: &LinearGaps, u: &[f64], scale: &Scale) -> Vec<RowKey> {
     let mut c = vec![0.0; gaps.len()];
     gaps.value(u, &mut c);
     let all = gaps.keys().iter().zip(c);

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use super::*;
+use crate::friction::{Friction, SlipRow, SlipRows};
 use crate::gaps::{Row, RowKey};
 use crate::linear::SymmetricPattern;
 use crate::nlp::Bounds;
@@ -132,6 +133,18 @@ impl Equilibrium for Drifting {
             flickering: vec![RowKey { pass: 7, node: 9 }],
             held: vec![0.25, -0.5],
             softest: Some((vec![1.0, 0.5], -0.25)),
+            friction: {
+                let mut rows = SlipRows::default();
+                let key = RowKey { pass: 7, node: 9 };
+                rows.push(key, &SlipRow::default());
+                Some(Friction {
+                    rows,
+                    thresholds: vec![0.5],
+                    forces: vec![-0.25],
+                    last: vec![0.0],
+                    from: 0.1,
+                })
+            },
         })
     }
 }
@@ -195,6 +208,9 @@ fn run(
         bits.extend(numbers.map(|number| number.to_bits()));
         bits.extend(solution.gaps.constant().iter().map(|c| c.to_bits()));
         bits.push(solution.curvature.map_or(0, f64::to_bits));
+        let friction = solution.friction.as_ref().expect("friction");
+        let own = friction.rows.bounds().iter().chain(&friction.forces);
+        bits.extend(own.chain(&friction.last).map(|number| number.to_bits()));
         assert_eq!(solution.flickering, [RowKey { pass: 7, node: 9 }]);
     }
     Ok((bits, all.get()))

@@ -7,6 +7,7 @@ mod curvature;
 use std::collections::{BTreeMap, BTreeSet};
 
 use contact_core::equilibrium::Solution;
+use contact_core::friction::Status;
 use contact_core::{ContactProblem, RowKey};
 
 use self::contradiction::{Row, contradictory};
@@ -210,6 +211,15 @@ pub(super) fn undetermined<const D: usize>(
         {
             let (node, component) = places[j];
             rows[row].push((node, component, c));
+        }
+    }
+    if let Some(friction) = &solution.friction {
+        let statuses = friction.statuses(&solution.state.u);
+        let sticking = statuses.iter().enumerate();
+        for (i, _) in sticking.filter(|(_, status)| **status == Status::Stick) {
+            let entries = friction.rows.matrix().row(i);
+            let entries = entries.map(|(j, c)| (places[j].0, places[j].1, c));
+            rows.push(entries.collect());
         }
     }
     let mut found = Vec::new();

@@ -17,10 +17,16 @@ pub(super) fn unresisted<const D: usize>(
     pairs: &[Pair],
 ) -> Vec<String> {
     let (mut own, mut opposite) = (Vec::new(), Vec::new());
-    for side in pairs.iter().flat_map(|pair| [&pair.first, &pair.second]) {
-        for facet in facets(cluster, scene, side) {
-            own.push(facet.along(&facet.normal));
-            opposite.push(facet.along(&facet.normal));
+    for pair in pairs {
+        for side in [&pair.first, &pair.second] {
+            for facet in facets(cluster, scene, side) {
+                for rows in [&mut own, &mut opposite] {
+                    rows.push(facet.along(&facet.normal));
+                    if pair.friction > 0.0 {
+                        rows.push(facet.along(&turned(&facet.normal)));
+                    }
+                }
+            }
         }
     }
     for (side, number) in scene.obstructed() {
@@ -29,9 +35,16 @@ pub(super) fn unresisted<const D: usize>(
         };
         for facet in facets(cluster, scene, side) {
             let normal = Placed::new(obstacle, facet.size).normal(&facet.centre);
+            let has_friction = scene.obstacle_frictions()[*number] > 0.0;
             own.push(facet.along(&facet.normal));
+            if has_friction {
+                own.push(facet.along(&turned(&facet.normal)));
+            }
             if -facet.normal.dot(&normal) > MEETS {
                 opposite.push(facet.along(&normal));
+                if has_friction {
+                    opposite.push(facet.along(&turned(&normal)));
+                }
             }
         }
     }
@@ -42,6 +55,15 @@ pub(super) fn unresisted<const D: usize>(
         }
     }
     names
+}
+
+/// The direction of friction in the plane.
+fn turned<const D: usize>(normal: &Vector<D>) -> Vector<D> {
+    Vector::from_fn(|i, _| match i {
+        0 => -normal[1],
+        1 => normal[0],
+        _ => 0.0,
+    })
 }
 
 /// A facet that may touch something.

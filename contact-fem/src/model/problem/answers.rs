@@ -114,8 +114,8 @@ impl<const D: usize> Answers for Problem<D> {
     ) -> Result<SlipRows, Error> {
         Error::check_vector("u", u, self.dofs().free())?;
         Error::check_vector("last", last, self.dofs().free())?;
-        let before = self.kinematics.positions_at(last, from);
-        let since = (&before[..], from);
+        let then = self.kinematics.positions_at(last, from);
+        let since = (&then[..], from);
         let slips = self.contact.slips(&self.kinematics, u, gaps, since);
         slips.ok_or(Error::Interrupted)
     }

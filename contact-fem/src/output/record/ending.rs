@@ -348,7 +348,7 @@ fn contacts<const D: usize>(record: &StepRecord<D>, scene: &Scene<D>) -> Vec<Str
             false => format!("{} UF", rounded(force(pair), all[0])),
         };
         let friction = match pair.friction.norm() {
-            none if none == 0.0 => String::new(),
+            0.0 => String::new(),
             some => format!(", friction {} UF", rounded(some, all[0])),
         };
         format!(
