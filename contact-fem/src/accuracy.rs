@@ -6,8 +6,8 @@
 use std::collections::HashSet;
 use std::time::Instant;
 
-use contact_core::State;
 use contact_core::equilibrium::Solution;
+use contact_core::{ContactProblem, State};
 
 use crate::error::Error;
 use crate::mesh::Mesh;
@@ -205,12 +205,12 @@ impl Refinement {
     }
 
     /// The state of the last level on the meshes of this one, without forces of contact: where only the end of a run counts, it is the start of a run of one
-    /// increment ([`LoadSteps::guess`](contact_core::LoadSteps::guess)). `None` on level 0.
+    /// increment ([`LoadSteps::guess`](contact_core::LoadSteps::guess)). `None` on level 0, and with friction, which depends on the way.
     ///
     /// # Errors
     /// A problem whose meshes are not from [`Refinement::of`]; as [`Problem::unknowns`].
     pub fn start<const D: usize>(&self, problem: &Problem<D>) -> Result<Option<State>, Error> {
-        if self.marks.is_empty() {
+        if self.marks.is_empty() || problem.has_friction() {
             return Ok(None);
         }
         let (found, expected) = (self.last.len() / D, problem.reference().len());

@@ -113,14 +113,7 @@ impl<M: Method> FixedPoint<M> {
         journal: &Journal<'_>,
         context: &StepContext<'_>,
     ) -> Result<Thresholds, Error> {
-        if self.method.sampling() != Sampling::Nodes {
-            return Err(Error::Untreated {
-                solver: "FixedPoint",
-                what: "a method with rows of integration points, and friction",
-                value: self.method.name().into(),
-                remedy: "take a method with one row for each contact node, such as `InteriorPoint`",
-            });
-        }
+        self.check(problem)?;
         let before = &journal.point;
         let rows = problem.slips(&before.u, gaps, &context.last.u, context.from)?;
         rows.check(before.u.len())?;
@@ -138,6 +131,18 @@ impl<M: Method> Equilibrium for FixedPoint<M> {
         self.validate()?;
         let journal = Journal::new(self, problem, start)?;
         self.iterate(problem, journal, context)
+    }
+
+    fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        match problem.has_friction() && self.method.sampling() != Sampling::Nodes {
+            true => Err(Error::Untreated {
+                solver: "FixedPoint",
+                what: "friction by rows of integration points",
+                value: "true".into(),
+                remedy: "take a method with one row for each contact node, such as `InteriorPoint`",
+            }),
+            false => Ok(()),
+        }
     }
 
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {

@@ -106,6 +106,10 @@ impl Equilibrium for Literal {
         Ok(solution)
     }
 
+    fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        check_frictionless(problem, "Literal")
+    }
+
     fn validate(&self) -> Result<(), Error> {
         self.fixed_point().validate()?;
         check_tolerance("ipopt_tolerance", self.ipopt_tolerance)

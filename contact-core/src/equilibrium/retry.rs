@@ -50,6 +50,10 @@ impl<M: Method> Equilibrium for Retry<M> {
         Ok(solution)
     }
 
+    fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        self.fixed_point.check(problem)
+    }
+
     fn choice(&self, problem: &dyn ContactProblem) -> Choice {
         self.fixed_point.choice(problem)
     }

@@ -951,13 +951,16 @@ impl<const D: usize> Scene<D> {
 /// system has left is looked at first.
 const ENTRY: u64 = 44;
 const LARGE: u64 = 32 << 20;
+/// The largest coefficient of friction.
+const MOST_FRICTION: f64 = 1e3;
+
 fn check_friction(friction: f64) -> Result<(), Error> {
-    match friction >= 0.0 && friction.is_finite() {
+    match (0.0..=MOST_FRICTION).contains(&friction) {
         true => Ok(()),
         false => Err(Error::Setting {
             name: "friction",
             value: friction,
-            remedy: "choose a coefficient, at least 0",
+            remedy: "choose a coefficient from 0 to 1000; what sticks in any case is tied",
         }),
     }
 }

@@ -31,8 +31,8 @@ use self::rounds::{Iterate, Rounds};
 use self::rows::Rows;
 use self::stiffness::Stiffness;
 use super::{
-    Choice, Equilibrium, Iteration, Solution, StepContext, check_unbounded, least_displacement,
-    relative_change, unchanged,
+    Choice, Equilibrium, Iteration, Solution, StepContext, check_frictionless, check_unbounded,
+    least_displacement, relative_change, unchanged,
 };
 use crate::cost::FactorSize;
 use crate::{
@@ -252,6 +252,7 @@ impl Equilibrium for Condensed {
     }
 
     fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        check_frictionless(problem, "Condensed")?;
         check_energy(problem)?;
         match problem.has_exact_gaps() {
             true => Ok(()),

@@ -53,8 +53,8 @@ use self::tangent::Tangent;
 use self::watchdog::Watchdog;
 use super::condensed::halt::Halt;
 use super::{
-    Choice, Equilibrium, Iteration, Solution, StepContext, check_settings, check_unbounded,
-    least_displacement,
+    Choice, Equilibrium, Iteration, Solution, StepContext, check_frictionless, check_settings,
+    check_unbounded, least_displacement,
 };
 use crate::cost::FactorSize;
 use crate::{ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Outcome, RowKey, Scale, State};
@@ -195,6 +195,10 @@ impl Equilibrium for CondensedNewton {
             }
         }
         Ok(solution.checked())
+    }
+
+    fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
+        check_frictionless(problem, "CondensedNewton")
     }
 
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {

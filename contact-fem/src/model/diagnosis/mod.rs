@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use contact_core::equilibrium::Solution;
 use contact_core::friction::Status;
-use contact_core::{ContactProblem, RowKey};
+use contact_core::{ContactProblem, Outcome, RowKey};
 
 use self::contradiction::{Row, contradictory};
 pub use self::crease::Crease;
@@ -62,6 +62,12 @@ pub(super) fn cause<const D: usize>(problem: &Problem<D>, solution: &Solution) -
         causes.extend(instability(problem, solution));
     }
     causes.extend(flicker(problem, solution));
+    if solution.friction.is_some() && solution.outcome == Outcome::IterationLimit {
+        causes.push(
+            "thresholds of friction of both roles may change without end: take `Passes::FirstIsSlave`, or smaller steps"
+                .into(),
+        );
+    }
     let creases = creases(problem, solution);
     causes.extend(creases.iter().map(Crease::to_string));
     (!causes.is_empty()).then(|| causes.join("; "))

@@ -91,17 +91,26 @@ pub(super) fn offsets<const D: usize>(scene: &Scene<D>, reach: f64) -> Result<()
     }
 }
 
-/// Checks that nothing has friction in space.
+/// Checks that nothing has friction in space, and no pair friction beside a distance that its surfaces keep: a turn of both would count as a slip.
 pub(super) fn frictions<const D: usize>(scene: &Scene<D>) -> Result<(), Error> {
     let pairs = scene.pairs().iter().map(|pair| pair.friction);
     let obstacles = scene.obstacle_frictions().iter().copied();
-    match pairs.chain(obstacles).fold(0.0, f64::max) {
-        friction if friction > 0.0 && D == 3 => Err(Error::Setting {
-            name: "friction",
-            value: friction,
-            remedy: "leave it out in space, or take a section of the scene: friction is solved in the plane and of revolution",
+    let largest = pairs.chain(obstacles).fold(0.0, f64::max);
+    if largest > 0.0 && D == 3 {
+        return Err(Error::Setting {
+            name: "friction in space",
+            value: largest,
+            remedy: "leave it out, or take a section of the scene: friction is solved in the plane and of revolution",
+        });
+    }
+    let mut pairs = scene.pairs().iter();
+    match pairs.find(|pair| pair.friction > 0.0 && pair.offset > 0.0) {
+        Some(pair) => Err(Error::Setting {
+            name: "offset of a pair with friction",
+            value: pair.offset,
+            remedy: "leave one of them out: where both bodies turn, slips would count the turn of what is between them",
         }),
-        _ => Ok(()),
+        None => Ok(()),
     }
 }
 

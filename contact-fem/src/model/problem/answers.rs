@@ -204,6 +204,13 @@ impl<const D: usize> Answers for Problem<D> {
             true => f64::MAX,
             false => self.granted(bodies, from)[1],
         };
+        if let Some((name, angle)) = self.turns(from) {
+            let place = format!(
+                "slips are chords, so that a step may turn an obstacle with friction by {TURNS} rad: `{name}` turns by {angle:.2} rad"
+            );
+            let depth = angle * self.kinematics.diagonal();
+            return Some(Passage { depth, place });
+        }
         // cutting a step does not change the solution of a linear scene; its certificate tells
         let overlap = match (self.contact.geometry, self.scene.overlaps) {
             (Geometry::Current, Overlaps::Refused) => {
@@ -270,6 +277,38 @@ impl<const D: usize> Answers for Problem<D> {
         lifted
     }
 }
+
+/// An obstacle with friction may turn by this angle (rad) in a load step.
+const TURNS: f64 = 0.5;
+
+impl<const D: usize> Problem<D> {
+    /// An obstacle with friction that turns by more than [`TURNS`] from the load factor `from` to the present one, and its angle: the sum of those of ten parts of
+    /// the way, of which each is below half a turn.
+    fn turns(&self, from: f64) -> Option<(&str, f64)> {
+        let rough = self.scene.obstacle_frictions().iter();
+        let all = self.scene.obstacles().iter().zip(rough);
+        let mut all = all.zip(self.scene.obstacle_names());
+        all.find_map(|((obstacle, friction), name)| {
+            if !(*friction > 0.0) {
+                return None;
+            }
+            let pose = |k: u32| {
+                let share = f64::from(k) / f64::from(PARTS);
+                obstacle.pose(from + share * (self.load() - from)).R
+            };
+            let angle = |k: u32| {
+                let turned = pose(k + 1) * pose(k).transpose();
+                // of two directions in a plane
+                turned[(1, 0)].atan2(turned[(0, 0)]).abs()
+            };
+            let angle: f64 = (0..PARTS).map(angle).sum();
+            (angle > TURNS).then_some((name.as_str(), angle))
+        })
+    }
+}
+
+/// So many parts of a load step are looked at.
+const PARTS: u32 = 10;
 
 impl<const D: usize> Problem<D> {
     /// As [`Answers::lift`]; nodes that follow other nodes move along with these.
