@@ -280,7 +280,7 @@ impl Friction {
     }
 
     /// The work that friction takes in the increment to `u` (UF·UL), which is not negative: the forces times the slips, as if thresholds had grown in proportion
-    /// to slips from those of the increment `before`, or from nothing.
+    /// to slips, from the thresholds of the increment `before`, or from nothing.
     pub fn dissipated(&self, u: &[f64], before: Option<&Friction>) -> f64 {
         let known: Multipliers = before.map_or_else(Multipliers::default, |own| {
             let thresholds = own.thresholds.iter().copied();

@@ -6,9 +6,9 @@ use crate::{LinearGaps, Multipliers, Scale, State};
 
 /// The thresholds of the iterations at one load.
 pub(crate) struct Search {
-    /// Those of the next iteration, by the keys of their rows; `None` before the first.
+    /// Thresholds of the next iteration, by the keys of their rows; `None` before the first.
     next: Option<Multipliers>,
-    /// Those by the multipliers of the last iterate (p, UF), and how far the forces that friction can exert have changed with them (n, UF).
+    /// Thresholds by the multipliers of the last iterate (p, UF), and how far the forces that friction can exert have changed with them (n, UF).
     renewed: Vec<f64>,
     change: Vec<f64>,
     /// Whether they are averaged.
@@ -72,7 +72,7 @@ impl Search {
         relative_change(&now, &then, 0.0)
     }
 
-    /// Appends to a residual of u and to the image of u those of the thresholds, in units of u, which are `unit` (UL/UF) times as large.
+    /// Appends residual and image of the thresholds to a residual and an image of u, in the unit of u: `unit` is its ratio to the unit of forces (UL/UF).
     pub fn append(&self, unit: f64, residual: &mut Vec<f64>, image: &mut Vec<f64>) {
         residual.extend(self.change.iter().map(|force| force * unit));
         image.extend(self.renewed.iter().map(|threshold| threshold * unit));

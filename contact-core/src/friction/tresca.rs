@@ -20,7 +20,7 @@ pub(crate) struct Thresholds {
 }
 
 impl Thresholds {
-    /// Those that are known by key.
+    /// Thresholds that are known by key.
     pub fn known(rows: SlipRows, known: &Multipliers) -> Self {
         let values = rows.keys().iter().map(|&key| known.of(key)).collect();
         Thresholds { rows, values }
@@ -50,7 +50,7 @@ impl Thresholds {
         }
     }
 
-    /// The minimum of `subproblem` with Tresca's law, and the forces of friction r (p, UF) there. `known` are those of the last
+    /// The minimum of `subproblem` with Tresca's law, and the forces of friction r (p, UF) there. `known` has the forces of the last
     /// iterate, for a warm start.
     pub fn minimize<M: Method>(
         &self,
@@ -117,7 +117,7 @@ impl Thresholds {
         all
     }
 
-    /// The multipliers of the start: those of contact, and (τ ± r)/2.
+    /// The multipliers of the start: λ of contact, and (τ ± r)/2.
     fn multipliers(
         &self,
         gaps: &LinearGaps,

@@ -177,6 +177,9 @@ fn an_exact_state_leaves_round_off() {
                 Condition::OtherSide,
                 Condition::Held,
                 Condition::Instability,
+                Condition::FrictionLaw,
+                Condition::FrictionSlip,
+                Condition::RemeasuredFriction,
                 Condition::VirtualWork,
             ];
             for condition in Condition::all().filter(|c| !by_solvers.contains(c)) {

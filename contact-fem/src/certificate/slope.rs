@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use contact_core::equilibrium::Solution;
-use contact_core::{ContactProblem, Reduction};
+use contact_core::friction::Friction;
+use contact_core::{ContactProblem, LinearGaps, Reduction};
 
 use super::worse;
 use crate::model::Problem;
@@ -22,15 +22,15 @@ const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 /// energy does not resolve them.
 pub(super) fn apart<const D: usize>(
     problem: &Problem<D>,
-    solution: &Solution,
+    u: &[f64],
+    (gaps, lambda): (&LinearGaps, &[f64]),
+    (held, friction): (&[f64], Option<&Friction>),
     units: &[f64],
 ) -> Option<f64> {
-    let u = &solution.state.u;
     let mut forces = vec![0.0; u.len()];
-    let held = forces.iter_mut().zip(&solution.held);
-    held.for_each(|(f, held)| *f = *held);
-    solution.gaps.add_forces(&solution.lambda, &mut forces);
-    if let Some(friction) = &solution.friction {
+    forces.iter_mut().zip(held).for_each(|(f, held)| *f = *held);
+    gaps.add_forces(lambda, &mut forces);
+    if let Some(friction) = friction {
         friction.rows.add_forces(&friction.forces, &mut forces);
     }
     let reduction = problem.reduction();

@@ -131,9 +131,12 @@ impl Certificate {
                 closed: Limits::default().of(Condition::RemeasuredPenetration),
                 releases: (units.noticed, Limits::default().of(Condition::Inertia)),
             };
-            remeasured::measure(problem, solution, &units)
+            remeasured::measure(problem, u, (gaps, lambda), friction, &units)
         });
-        let slope = || slope::apart(problem, solution, &residual.forces);
+        let slope = || {
+            let others = (&solution.held[..], friction);
+            slope::apart(problem, u, (gaps, lambda), others, &residual.forces)
+        };
         let pairs = balance::of_pairs(problem, &positions, solution, any_force);
         let law = friction
             .map(|own| law_of_friction(problem, u, (&rows, &multipliers), own, &residual.forces));

@@ -21,8 +21,8 @@ mod tests;
 
 use std::collections::{HashMap, HashSet};
 
-use contact_core::equilibrium::Solution;
-use contact_core::{Multipliers, RowKey};
+use contact_core::friction::Friction;
+use contact_core::{LinearGaps, Multipliers, RowKey};
 
 use super::worse;
 use crate::assembly::Dof;
@@ -218,10 +218,11 @@ impl<const D: usize> Measured<'_, D> {
 /// Measures contact at a state with these rows and multipliers of the solver.
 pub(super) fn measure<const D: usize>(
     problem: &Problem<D>,
-    solution: &Solution,
+    u: &[f64],
+    (gaps, lambda): (&LinearGaps, &[f64]),
+    friction: Option<&Friction>,
     units: &Units<'_>,
 ) -> Remeasured {
-    let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda[..]);
     let contact = Contact::new(problem);
     let x = positions(problem, u);
     let searched = match problem.geometry() {
@@ -298,7 +299,7 @@ pub(super) fn measure<const D: usize>(
             let own = (units.forces, differs.works);
             found.work = follows.then(|| pairs::works_apart(problem, &measured, state, own));
         }
-        match &solution.friction {
+        match friction {
             Some(friction) => {
                 let own = differs.forces.map(|forces| (units.forces, forces));
                 found.friction =
@@ -306,7 +307,7 @@ pub(super) fn measure<const D: usize>(
             }
             None => {
                 let moving = if follows { &measured[..] } else { &[] };
-                let (state, rows) = ((&x[..], &u[..]), (gaps, lambda));
+                let (state, rows) = ((&x[..], u), (gaps, lambda));
                 found.releases = stability::releases(problem, moving, state, rows, units.releases);
             }
         }

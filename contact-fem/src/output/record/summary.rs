@@ -58,8 +58,7 @@ pub(super) struct Summary {
     energy: Option<f64>,
     stored_energy: Option<f64>,
     work: Option<f64>,
-    /// The work that friction has taken (UF·UL); left out without friction.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// The work that friction has taken (UF·UL), if there is friction.
     dissipated: Option<f64>,
     /// What the work is more than the stored energy and what friction has taken (UF·UL): see [`StepRecord::work`](crate::simulation::StepRecord::work).
     unstored_work: Option<f64>,
