@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// What a scene file calls the names of Rust that texts of the library have. Longer texts come before those that they begin with.
-const KEYS: [(&str, &str); 37] = [
+const KEYS: [(&str, &str); 36] = [
     (
         "`Condensed` does not treat `Energy::is_quadratic` = false",
         "the solver condensed takes laws for small strains alone, without pressures that follow",
@@ -31,10 +31,6 @@ const KEYS: [(&str, &str); 37] = [
     (
         "such as `InteriorPoint`",
         "such as `method = \"interior-point\"`",
-    ),
-    (
-        "take `Passes::FirstIsSlave`",
-        "take `passes = \"first-is-slave\"`",
     ),
     ("solve by `CondensedNewton`", "take `solver = \"newton\"`"),
     ("solve by `FixedPoint`", "take `solver = \"ipopt\"`"),

@@ -64,7 +64,7 @@ pub(super) fn cause<const D: usize>(problem: &Problem<D>, solution: &Solution) -
     causes.extend(flicker(problem, solution));
     if solution.friction.is_some() && solution.outcome == Outcome::IterationLimit {
         causes.push(
-            "thresholds of friction of both roles may change without end: take `Passes::FirstIsSlave`, or smaller steps"
+"thresholds of friction of both roles may change without end: give the pair one pass, with the finer side as slave, or take smaller steps"
                 .into(),
         );
     }

@@ -508,18 +508,16 @@ fn unstored<const D: usize>(records: &[StepRecord<D>], problem: &Problem<D>) -> 
     let last = records.last()?;
     let apart = (last.work() - last.stored_energy - last.dissipated).abs();
     let most = records.iter().map(|record| record.stored_energy);
-    let most = most.fold(0.0, f64::max);
+    let most = most.fold(last.dissipated, f64::max);
     // where nothing is strained, a rigid body has fallen freely
     let is_far = apart > UNSTORED * most && apart > roundoff && most > roundoff;
     is_far.then(|| {
         line("warning", format!(
-            "work and stored energy{} are {:.0} % of the largest stored energy apart: take more increments; if that does \
+            "work and stored energy{} are {:.0} % of the largest {} apart: take more increments; if that does \
              not help, a body has snapped from one equilibrium to another, or contact has begun or ended at once",
-            match problem.has_friction() {
-                true => " with the work of friction",
-                false => "",
-            },
-            100.0 * apart / most
+            if problem.has_friction() { " with the work of friction" } else { "" },
+            100.0 * apart / most,
+            if last.dissipated > 0.0 { "of these energies" } else { "stored energy" },
         ))
     })
 }
