@@ -48,6 +48,15 @@ fn cofactor3<const D: usize>(A: &Matrix<D>, i: usize, j: usize) -> f64 {
     A[(i1, j1)] * A[(i2, j2)] - A[(i1, j2)] * A[(i2, j1)]
 }
 
+/// v turned by a right angle in the first two directions: in the plane, a tangent of a normal.
+pub(crate) fn turned<const D: usize>(v: &Vector<D>) -> Vector<D> {
+    Vector::from_fn(|i, _| match i {
+        0 => -v[1],
+        1 => v[0],
+        _ => 0.0,
+    })
+}
+
 /// The eigenvalues of a symmetric matrix, and its eigenvectors as columns, by Jacobi's rotations. The columns are orthonormal to
 /// round-off, whatever eigenvalues coincide.
 pub(crate) fn principal_axes<const D: usize>(mut A: Matrix<D>) -> (Vector<D>, Matrix<D>) {

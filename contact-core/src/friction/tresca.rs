@@ -26,8 +26,8 @@ impl Thresholds {
         Thresholds { rows, values }
     }
 
-    /// By the multipliers of the last state. Where none are known yet, at the start of a run, nodes that touch stick: their thresholds are
-    /// those of a large force.
+    /// Thresholds by the multipliers of the last state. Where none are known yet, at the start of a run, nodes that touch stick: a large
+    /// force presses on them.
     pub fn first(rows: SlipRows, gaps: &LinearGaps, before: &State, scale: &Scale) -> Self {
         let touching = touching(gaps, &before.u, scale);
         let touches = |key: RowKey| touching.binary_search(&key).is_ok();

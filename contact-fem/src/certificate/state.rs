@@ -30,8 +30,8 @@ impl Certificate {
         let (gaps, lambda) = (&solution.gaps, &solution.lambda);
         let forces = problem.contact_forces(gaps, lambda);
         let friction = solution.friction.as_ref();
-        // with friction
-        let all_forces = problem.surface_forces(solution);
+        let with_friction = friction.map(|_| problem.surface_forces(solution));
+        let all_forces = with_friction.as_ref().unwrap_or(&forces);
         let holds = problem.held_forces(&solution.held);
         let of_passes = |key: &RowKey| (key.pass as usize) < problem.passes().len();
         let is_complete = all_forces
@@ -39,6 +39,8 @@ impl Certificate {
             .chain(holds.iter().flatten())
             .all(|force| force.iter().all(|f| f.is_finite()));
         let is_of_law = problem.has_friction() == friction.is_some();
+        let mut slips = friction.iter().flat_map(|own| own.rows.keys());
+        let is_of_law = is_of_law && slips.all(of_passes);
         let is_own = is_complete && is_of_law && gaps.keys().iter().all(of_passes);
         if !(problem.is_state(u) && is_own) {
             return Certificate::uniform(f64::NAN, 0.0);
@@ -53,7 +55,7 @@ impl Certificate {
         let residual = Residual::new(
             problem,
             u,
-            (&all_forces, &of_obstacles),
+            (all_forces, &of_obstacles),
             holds.as_deref(),
             &units,
         );
@@ -134,8 +136,8 @@ impl Certificate {
             remeasured::measure(problem, u, (gaps, lambda), friction, &units)
         });
         let slope = || {
-            let others = (&solution.held[..], friction);
-            slope::apart(problem, u, (gaps, lambda), others, &residual.forces)
+            let beside = (&solution.held[..], friction);
+            slope::apart(problem, u, (gaps, lambda), beside, &residual.forces)
         };
         let pairs = balance::of_pairs(problem, &positions, solution, any_force);
         let law = friction

@@ -12,7 +12,7 @@ use super::stencil::{Against, Projected, Stencil};
 use super::surface::Surface;
 use super::weighing::{self, Weighing};
 use crate::assembly::{Dof, DofMap};
-use crate::tensor::Vector;
+use crate::tensor::{Vector, turned};
 
 /// One pass of a pair: `slave` must not penetrate `master`. Both are indices of surfaces. The obstacles of a scene are numbered
 /// after its surfaces; they are never slaves.
@@ -479,7 +479,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
 }
 
 impl<const D: usize> PassRows<'_, D> {
-    /// Appends to `slips` how the nodes of these rows slip, of those rows that `has_row` names by their [`RowKey::node`]. A slip is a mean as
+    /// Appends the slips of the rows that `has_row` names by their [`RowKey::node`] to `slips`. A slip is a mean as
     /// the gap of its row is, with the tangent of each point for its normal:
     ///
     /// s_i = 1/a_i Σ_q w_q φ_i(q) ((x_q − x̄_q) − (x_q − x̄_q)_before)·t_q.
@@ -495,13 +495,6 @@ impl<const D: usize> PassRows<'_, D> {
         has_row: impl Fn(usize) -> bool,
         (friction, slips): (f64, &mut SlipRows),
     ) {
-        let turned = |normal: &Vector<D>| {
-            Vector::<D>::from_fn(|i, _| match i {
-                0 => -normal[1],
-                1 => normal[0],
-                _ => 0.0,
-            })
-        };
         let places: HashMap<usize, usize> = self
             .names
             .iter()

@@ -363,7 +363,7 @@ impl<const D: usize> ContactSet<D> {
         !self.frictions.is_empty()
     }
 
-    /// How the nodes of the rows `gaps` slip that were made at `u`, of those that have friction, since the nodes were at `before`, at the load
+    /// The slips of the rows `gaps` made at `u`, where they have friction, since all nodes were at `before`, at the load
     /// factor `from`; `None` if a stop was requested meanwhile.
     pub fn slips(
         &self,

@@ -51,7 +51,7 @@ impl<const D: usize> Problem<D> {
         Some(all.chunks_exact(D).map(Vector::from_column_slice).collect())
     }
 
-    /// The forces of contact and friction on all nodes (UF), as [`Problem::contact_forces`] has those without friction.
+    /// The forces of contact and friction on all nodes (UF); [`Problem::contact_forces`] leaves friction out.
     pub fn surface_forces(&self, solution: &Solution) -> Vec<Vector<D>> {
         let mut forces = self.contact_forces(&solution.gaps, &solution.lambda);
         let friction = self.forces_of_friction(solution.friction.as_ref(), |_| true);

@@ -3,7 +3,7 @@
 use super::supports::{Cluster, Row};
 use crate::contact::obstacle::Placed;
 use crate::model::{Pair, Scene, Side};
-use crate::tensor::{Vector, facet_normal};
+use crate::tensor::{Vector, facet_normal, turned};
 
 /// The cosine of the angle between a facet's normal and the inward one of an obstacle, from which on the two may meet.
 const MEETS: f64 = 0.5;
@@ -55,15 +55,6 @@ pub(super) fn unresisted<const D: usize>(
         }
     }
     names
-}
-
-/// The direction of friction in the plane.
-fn turned<const D: usize>(normal: &Vector<D>) -> Vector<D> {
-    Vector::from_fn(|i, _| match i {
-        0 => -normal[1],
-        1 => normal[0],
-        _ => 0.0,
-    })
 }
 
 /// A facet that may touch something.
