@@ -21,6 +21,14 @@
 //!
 //! Each level reports a [`Cost`]; costs are additive.
 //!
+//! A run writes lines by the crate `log`, with the target `contact`, for whichever logger the application has set.
+//!
+//! | level | what |
+//! |---|---|
+//! | `warn` | a run that ends before full load, and what is left out, repeated or leapt over |
+//! | `info` | the begin of a run and of each phase, each attempt at a load step with its outcome, the end of the run |
+//! | `debug` | each iteration of the fixed point, of Newton's method and of `Condensed`, as it ends |
+//!
 //! # Glossary
 //!
 //! | name | meaning |
@@ -35,6 +43,9 @@
 #![allow(non_snake_case)]
 // The front page links to a module that exists with the feature `ipopt` only.
 #![cfg_attr(not(feature = "ipopt"), allow(rustdoc::broken_intra_doc_links))]
+
+/// The target of the lines of a run, see the page of this crate.
+pub(crate) const LOG: &str = "contact";
 
 pub mod check;
 pub mod cost;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use crate::equilibrium::{Equilibrium, Failed, Iteration, Solution};
-use crate::{Budget, ContactProblem, Cost, Ending, Error, Outcome, State, Stop};
+use crate::{Budget, ContactProblem, Cost, Ending, Error, LOG, Outcome, State, Stop};
 use path::{Milestone, Path};
 
 mod pace;
@@ -425,6 +425,10 @@ impl LoadSteps {
                 (Ending::Failed { at, why }, Some(Arc::new(error)))
             }
         };
+        match ending {
+            Ending::Complete => log::info!(target: LOG, "the run is complete"),
+            _ => log::warn!(target: LOG, "the run ends: {ending}"),
+        }
         Ok(Run {
             ending,
             error,

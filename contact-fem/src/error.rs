@@ -25,6 +25,14 @@ pub enum Error {
         "`Body::with_averaged_volumes` is for linear cells, and the mesh is quadratic: take `Body::new`, which does not lock there"
     )]
     AveragedQuadratic,
+    /// The law of a body of another kind or mesh.
+    #[error(
+        "the law of the other body cannot be taken: {why}; make both bodies of one mesh, by the constructors for bodies that deform"
+    )]
+    LawOfAnother {
+        /// What is not the same.
+        why: &'static str,
+    },
     /// A node of a body of revolution on the other side of the axis.
     #[error(
         "node {node} of a body of revolution has the radius {radius:.3e}: mesh the half of its section with r = x₁ ≥ 0 alone, or move it by `Mesh::translated`"

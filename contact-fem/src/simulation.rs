@@ -69,7 +69,7 @@ pub struct StepRecord<const D: usize> {
 }
 
 /// A run and its records.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct History<const D: usize> {
     /// How the run ended, its last state, and every attempt at a load step.
     pub run: Run,

@@ -155,7 +155,8 @@ impl<'a> Journal<'a> {
             Solved::Optimal => error,
             _ => f64::INFINITY,
         };
-        self.solution.history.push(Iteration {
+        let number = self.solution.history.len() + 1;
+        let iteration = Iteration {
             solver: self.solver,
             error,
             rows: gaps.len(),
@@ -165,7 +166,8 @@ impl<'a> Journal<'a> {
                 wall: self.clock.elapsed().as_secs_f64(),
                 ..minimum.cost
             },
-        });
+        };
+        self.solution.history.push(iteration.told(number));
         let multipliers = Multipliers::new(&gaps, &minimum.lambda);
         let is_exact = gaps.is_exact() && friction.is_none();
         let change = match &friction {

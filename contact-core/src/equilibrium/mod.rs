@@ -57,7 +57,7 @@ use crate::cost::Name;
 use crate::friction::Friction;
 use crate::reduction;
 #[cfg(feature = "linear")]
-use crate::{Bounds, gaps::Sampling, method::check_bounds};
+use crate::{Bounds, LOG, gaps::Sampling, method::check_bounds};
 use crate::{ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Outcome, RowKey, State, Stop};
 
 /// A solver for equilibrium at one load.
@@ -257,6 +257,18 @@ pub struct Iteration {
     pub rows: usize,
     /// Its cost.
     pub cost: Cost,
+}
+
+impl Iteration {
+    /// The same, told to the application's logger as the one with this number at its load.
+    pub(crate) fn told(self, number: usize) -> Self {
+        log::debug!(
+            target: LOG,
+            "{}, iteration {number}: u changes by {:.1e}, {} rows, {} factorisations, {:.3} s",
+            self.solver, self.error, self.rows, self.cost.factorizations, self.cost.wall
+        );
+        self
+    }
 }
 
 /// The last iterate of the search for equilibrium, its outcome and the history.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Choice, Equilibrium, Solution, StepContext};
 use crate::gaps::Sampling;
-use crate::{ContactProblem, Error, LinearGaps, MemoryNeed, Outcome, State};
+use crate::{ContactProblem, Error, LOG, LinearGaps, MemoryNeed, Outcome, State};
 
 /// A solver whose answers are kept in a file, so that a run which was ended at any moment goes on.
 ///
@@ -407,6 +407,7 @@ impl Journal {
                     let lost = self.file.metadata().map_err(failed)?.len() - place;
                     if lost > 0 {
                         log::warn!(
+                            target: LOG,
                             "the last {lost} bytes of {} are no answers: those load steps are solved again",
                             path.display()
                         );
@@ -449,7 +450,7 @@ impl Drop for Journal {
             return;
         }
         if let Err(why) = self.write() {
-            log::warn!("the last answers of a run to resume are lost: {why}");
+            log::warn!(target: LOG, "the last answers of a run to resume are lost: {why}");
         }
     }
 }

@@ -7,7 +7,7 @@ use super::pace::Pace;
 use super::{Attempt, LoadStepped, LoadSteps, Passage, Phase, Step};
 use crate::equilibrium::{Equilibrium, Solution, StepContext};
 use crate::reduction;
-use crate::{Cost, Ending, Energy, Error, Interruption, Outcome, State, Stop, check};
+use crate::{Cost, Ending, Energy, Error, Interruption, LOG, Outcome, State, Stop, check};
 
 /// A converged state and its load factor.
 #[derive(Clone)]
@@ -29,6 +29,14 @@ pub(super) struct Path<'a> {
     pub(super) attempts: Vec<Attempt>,
 }
 
+/// The name of a phase before what is told of it.
+fn named(phase: &Phase) -> String {
+    match phase.name.is_empty() {
+        true => String::new(),
+        false => format!("phase `{}`, ", phase.name),
+    }
+}
+
 impl Path<'_> {
     pub(super) fn walk<P: LoadStepped>(
         &mut self,
@@ -48,6 +56,11 @@ impl Path<'_> {
                 problem.corners(),
                 (began, before),
                 [self.settings.max_halvings, self.settings.max_leaps],
+            );
+            log::info!(
+                target: LOG,
+                "{}from load factor {began} to {} in {} increments",
+                named(phase), phase.until, phase.increments
             );
             // loads may change their course here
             self.before = None;
@@ -127,6 +140,7 @@ impl Path<'_> {
             }
             if failed.take().is_some() {
                 log::warn!(
+                    target: LOG,
                     "no equilibrium was found beyond load factor {}: the step to {} leapt over it",
                     self.last.factor,
                     target.factor
@@ -230,7 +244,7 @@ impl Path<'_> {
                 solution.outcome = Outcome::Tunnelled { depth, place };
             }
         }
-        self.attempts.push(Attempt {
+        let attempt = Attempt {
             phase: phase.name.clone(),
             from: self.last.factor,
             to: target,
@@ -246,7 +260,13 @@ impl Path<'_> {
                 wall: clock.elapsed().as_secs_f64(),
                 ..solution.cost()
             },
-        });
+        };
+        log::info!(
+            target: LOG,
+            "{}load factor {target}: {}, {} iterations, {} factorisations, {:.2} s",
+            named(phase), attempt.outcome, attempt.iterations.len(), attempt.cost.factorizations, attempt.cost.wall
+        );
+        self.attempts.push(attempt);
         Ok(solution)
     }
 
@@ -287,7 +307,7 @@ impl Path<'_> {
             if plans >= LoadSteps::MOST_PLANS {
                 return Ok(solution);
             }
-            log::warn!("{what}, which was left out by plan: the load step is solved again");
+            log::warn!(target: LOG, "{what}, which was left out by plan: the load step is solved again");
             refuted = Some(solution);
         }
     }

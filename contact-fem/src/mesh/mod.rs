@@ -48,6 +48,11 @@ pub struct Mesh<const D: usize> {
 }
 
 impl<const D: usize> Mesh<D> {
+    /// Whether cells and nodes are those of another mesh.
+    pub(crate) fn has_cells_of(&self, other: &Mesh<D>) -> bool {
+        self.order == other.order && self.cells == other.cells && self.nodes == other.nodes
+    }
+
     /// The smallest volume of a cell, as a share of the D-th power of its longest edge: smaller
     /// cells are degenerate.
     const DEGENERATE: f64 = 1e-12;

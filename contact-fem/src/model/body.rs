@@ -49,6 +49,7 @@ pub use supports::{ALL_NODES, name_of_nodes};
 /// # Ok(())
 /// # }
 /// ```
+#[derive(Clone)]
 pub struct Body<const D: usize> {
     mesh: Mesh<D>,
     law: Arc<dyn Law<D>>,
@@ -167,6 +168,29 @@ impl<const D: usize> Body<D> {
             Order::Linear => Ok(Body::of(mesh, Arc::new(AveragedLaw(material)))),
             Order::Quadratic => Err(Error::AveragedQuadratic),
         }
+    }
+
+    /// Takes the law of `other`, a body of the same cells: of one material, of regions, graded, or with averaged volumes. Supports and loads
+    /// stay, and those of `other` do not count. See [`Scene::body_mut`](crate::Scene::body_mut).
+    ///
+    /// # Errors
+    /// [`Error::LawOfAnother`]: other cells, a body that does not deform, or one of revolution and one that is not.
+    pub fn take_law(&mut self, other: Self) -> Result<&mut Self, Error> {
+        let wrong = match (&self.mesh, &other.mesh) {
+            _ if self.is_rigid() || other.is_rigid() => {
+                Some("a body that does not deform has none")
+            }
+            (own, of) if own.is_of_revolution() != of.is_of_revolution() => {
+                Some("one of the two is a body of revolution, and the other is not")
+            }
+            (own, of) if !own.has_cells_of(of) => Some("their cells or nodes are not the same"),
+            _ => None,
+        };
+        if let Some(why) = wrong {
+            return Err(Error::LawOfAnother { why });
+        }
+        self.law = other.law;
+        Ok(self)
     }
 
     fn of(mesh: Mesh<D>, law: Arc<dyn Law<D>>) -> Self {
@@ -361,7 +385,7 @@ impl<const D: usize> Body<D> {
 mod tests {
     use super::*;
     use crate::mesh::generators::{Diagonals, rectangle};
-    use crate::{Amplitude, NeoHookean};
+    use crate::{Amplitude, LinearElastic, NeoHookean};
 
     fn square() -> Body<2> {
         let mesh = rectangle(&[0.0, 1.0], &[0.0, 1.0], Diagonals::Rising).expect("mesh");
@@ -375,6 +399,52 @@ mod tests {
         assert!(matches!(refused, Some(Error::Setting { value: 0.0, .. })));
         let refused = body.nodal_force(&[], [0.0, -5.0]).err();
         assert!(matches!(refused, Some(Error::Setting { value: 0.0, .. })));
+    }
+
+    /// A body that takes the law of another has the energy of one that was made with it, whatever law that is.
+    #[test]
+    fn laws_of_others() {
+        let law = |young: f64| LinearElastic::new(young, 0.3).expect("a law");
+        let mesh = square().mesh;
+        let averaged = || {
+            let law = crate::NeoHookean::new(3.0, 0.4).expect("a law");
+            Body::with_averaged_volumes(mesh.clone(), law).expect("linear cells")
+        };
+        let graded = || Body::graded(mesh.clone(), |X| LinearElastic::new(1.0 + X[0], 0.2));
+        let graded = || graded().expect("a law everywhere");
+        let makers: [&dyn Fn() -> Body<2>; 3] =
+            [&|| Body::new(mesh.clone(), law(7.0)), &averaged, &graded];
+        let u: Vec<f64> = (0..8).map(|i| 0.02 * ((3 * i % 5) as f64 - 2.0)).collect();
+        for make in makers {
+            let mut body = square();
+            body.take_law(make()).expect("the same cells");
+            let [own, of] = [body, make()].map(|body| body.energy().value(&u));
+            assert!(own == of && own > 0.0, "{own} {of}");
+        }
+    }
+
+    #[test]
+    fn laws_of_bodies_that_differ_are_refused() {
+        let grid = [0.0, 1.0];
+        let mesh = |diagonals| rectangle(&grid, &grid, diagonals).expect("a mesh");
+        let law = NeoHookean::new(1.0, 0.3).expect("a law");
+        let others = [
+            (Body::new(mesh(Diagonals::Falling), law), "cells"),
+            (Body::new(mesh(Diagonals::Rising).quadratic(), law), "cells"),
+            (Body::rigid(mesh(Diagonals::Rising)), "does not deform"),
+            (
+                Body::of_revolution(mesh(Diagonals::Rising), law).expect("a body"),
+                "of revolution",
+            ),
+        ];
+        for (other, word) in others {
+            let refused = square()
+                .take_law(other)
+                .err()
+                .map(|error| error.to_string());
+            let text = refused.expect("a refusal");
+            assert!(text.contains(word), "{text}");
+        }
     }
 
     /// Loads of all kinds add up at every load factor, and none is there before the first step.

@@ -226,6 +226,12 @@ impl Equilibrium for Condensed {
         };
         cost.wall = clock.elapsed().as_secs_f64();
         cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
+        let iteration = Iteration {
+            solver: NAME,
+            error,
+            rows: gaps.len(),
+            cost,
+        };
         let solution = Solution {
             outcome,
             energy: value,
@@ -239,12 +245,7 @@ impl Equilibrium for Condensed {
             held: Vec::new(),
             softest: None,
             friction: None,
-            history: vec![Iteration {
-                solver: NAME,
-                error,
-                rows: gaps.len(),
-                cost,
-            }],
+            history: vec![iteration.told(1)],
             gaps,
             lambda,
         };

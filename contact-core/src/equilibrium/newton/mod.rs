@@ -401,12 +401,13 @@ impl CondensedNewton {
             cost.wall = clock.elapsed().as_secs_f64();
             cost.optimizer = (cost.wall - cost.projection - cost.callbacks).max(0.0);
             cost.factor = Some(FactorSize::of_entries(tangent.fill()));
-            history.push(Iteration {
+            let iteration = Iteration {
                 solver: NAME,
                 error: moved.as_ref().map_or(f64::INFINITY, |moved| moved.error),
                 rows: iterate.at.gaps.len(),
                 cost,
-            });
+            };
+            history.push(iteration.told(history.len() + 1));
             match moved {
                 Ok(moved) if moved.is_over => break Ok(Outcome::Converged),
                 Ok(_) if iterate.left > before => left = self.max_iterations,
