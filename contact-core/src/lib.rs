@@ -26,7 +26,7 @@
 //! | level | what |
 //! |---|---|
 //! | `warn` | a run that ends before full load, and what is left out, repeated or leapt over |
-//! | `info` | the begin of a run and of each phase, each attempt at a load step with its outcome, the end of the run |
+//! | `info` | the begin of each phase, each attempt at a load step with its outcome, the end of the run |
 //! | `debug` | each iteration of the fixed point, of Newton's method and of `Condensed`, as it ends |
 //!
 //! # Glossary
