@@ -75,7 +75,7 @@ fn a_run_tells_its_phases_steps_iterations_and_end() -> Result<(), Error> {
             "{begin}: {lines:?}"
         );
     }
-    assert_eq!(of(Level::Info).last(), Some("the run is complete"));
+    assert_eq!(of(Level::Info).next_back(), Some("the run is complete"));
     let iterations: usize = attempts
         .iter()
         .map(|attempt| attempt.iterations.len())

@@ -53,11 +53,12 @@ use std::fmt;
 
 #[cfg(feature = "linear")]
 use self::condensed::halt::Halt;
+use crate::LOG;
 use crate::cost::Name;
 use crate::friction::Friction;
 use crate::reduction;
 #[cfg(feature = "linear")]
-use crate::{Bounds, LOG, gaps::Sampling, method::check_bounds};
+use crate::{Bounds, gaps::Sampling, method::check_bounds};
 use crate::{ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Outcome, RowKey, State, Stop};
 
 /// A solver for equilibrium at one load.
