@@ -26,7 +26,7 @@
 //! | level | what |
 //! |---|---|
 //! | `warn` | a run that ends before full load, and what is left out, repeated or leapt over |
-//! | `info` | the begin of each phase, each attempt at a load step with its outcome, the end of the run |
+//! | `info` | the beginning of each phase, each attempt at a load step with its outcome, the end of the run |
 //! | `debug` | each iteration of the fixed point, of Newton's method and of `Condensed`, as it ends |
 //!
 //! # Glossary
@@ -44,7 +44,7 @@
 // The front page links to a module that exists with the feature `ipopt` only.
 #![cfg_attr(not(feature = "ipopt"), allow(rustdoc::broken_intra_doc_links))]
 
-/// The target of the lines of a run, see the page of this crate.
+/// The target of the lines that runs log, see the front page of this crate.
 pub(crate) const LOG: &str = "contact";
 
 pub mod check;

@@ -1,4 +1,4 @@
-//! What a run tells the application's logger, by the target `contact`. A logger is one for a process: this test is alone in its own.
+//! What a run tells the application's logger, by the target `contact`. A process has one logger, so this test has a program of its own.
 
 use std::sync::Mutex;
 

@@ -155,7 +155,6 @@ impl<'a> Journal<'a> {
             Solved::Optimal => error,
             _ => f64::INFINITY,
         };
-        let number = self.solution.history.len() + 1;
         let iteration = Iteration {
             solver: self.solver,
             error,
@@ -167,7 +166,7 @@ impl<'a> Journal<'a> {
                 ..minimum.cost
             },
         };
-        self.solution.history.push(iteration.told(number));
+        iteration.record(&mut self.solution.history);
         let multipliers = Multipliers::new(&gaps, &minimum.lambda);
         let is_exact = gaps.is_exact() && friction.is_none();
         let change = match &friction {

@@ -261,14 +261,14 @@ pub struct Iteration {
 }
 
 impl Iteration {
-    /// The same, told to the application's logger as the one with this number at its load.
-    pub(crate) fn told(self, number: usize) -> Self {
+    /// Appends it to the history at its load, and tells the application's logger.
+    pub(crate) fn record(self, history: &mut Vec<Iteration>) {
         log::debug!(
             target: LOG,
-            "{}, iteration {number}: u changes by {:.1e}, {} rows, {} factorisations, {:.3} s",
-            self.solver, self.error, self.rows, self.cost.factorizations, self.cost.wall
+            "{}, iteration {}: u changes by {:.1e}, {} rows, {} factorisations, {:.3} s",
+            self.solver, history.len() + 1, self.error, self.rows, self.cost.factorizations, self.cost.wall
         );
-        self
+        history.push(self);
     }
 }
 

@@ -232,6 +232,8 @@ impl Equilibrium for Condensed {
             rows: gaps.len(),
             cost,
         };
+        let mut history = Vec::new();
+        iteration.record(&mut history);
         let solution = Solution {
             outcome,
             energy: value,
@@ -245,7 +247,7 @@ impl Equilibrium for Condensed {
             held: Vec::new(),
             softest: None,
             friction: None,
-            history: vec![iteration.told(1)],
+            history,
             gaps,
             lambda,
         };

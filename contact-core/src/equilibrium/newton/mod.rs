@@ -407,7 +407,7 @@ impl CondensedNewton {
                 rows: iterate.at.gaps.len(),
                 cost,
             };
-            history.push(iteration.told(history.len() + 1));
+            iteration.record(history);
             match moved {
                 Ok(moved) if moved.is_over => break Ok(Outcome::Converged),
                 Ok(_) if iterate.left > before => left = self.max_iterations,
