@@ -272,6 +272,7 @@ impl SceneFile {
         }
         if let Some(corners) = self.keys.corners {
             scene.corners = match corners {
+                CornerKeys::AsNeeded => Corners::AsNeeded,
                 CornerKeys::Held => Corners::Held,
                 CornerKeys::Weak => Corners::Weak,
             };

@@ -50,6 +50,13 @@ pub trait LoadStepped: ContactProblem {
         None
     }
 
+    /// Adds constraints that have been left out and may hold bodies that are inside each other in this converged solution, and tells why; `None` if there
+    /// are none. `tunnels` is what [`LoadStepped::tunnels`] has just found. The load step is then solved again from the same start. `Some` comes once for each kind
+    /// of constraints. The default adds none.
+    fn hold(&self, _solution: &Solution, _tunnels: Option<&Passage>) -> Option<String> {
+        None
+    }
+
     /// What acts at `u` although solvers were told that it cannot, such as rows between bodies planned as out of reach; found
     /// without the plan. Nothing is left out for this reason any more then, and the load step is solved again from the same
     /// start: `Some` may come once for each assumption. The default leaves nothing out.

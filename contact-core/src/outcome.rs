@@ -41,7 +41,7 @@ pub enum Outcome {
         /// The bodies and the place.
         place: String,
     },
-    /// Converged to a state at which something acts that was left out by plan, as given; the load step was solved again.
+    /// Converged to a state at which something acts whose constraints had been left out, as given; the load step was solved again with them.
     Unplanned(String),
     /// The energy is not finite at the start (J ≤ 0 somewhere, or a load that is no number), so that the iteration cannot
     /// start.
@@ -71,7 +71,9 @@ impl fmt::Display for Outcome {
                 f,
                 "{place} by {depth:.2e}: take smaller steps or a longer reach, and declare every surface that may touch"
             ),
-            Outcome::Unplanned(what) => write!(f, "{what}, which was left out by plan"),
+            Outcome::Unplanned(what) => {
+                write!(f, "{what}; constraints that had been left out are added")
+            }
             Outcome::InadmissibleStart => write!(
                 f,
                 "inadmissible start: the energy is not finite (J ≤ 0, or a load that is no number)"

@@ -161,6 +161,7 @@ pub(super) enum ProjectionKeys {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum CornerKeys {
+    AsNeeded,
     Held,
     Weak,
 }

@@ -235,15 +235,7 @@ impl Path<'_> {
         };
         let solved = self.planned(&*problem, solver, start, &context);
         problem.watch(None);
-        let mut solution = solved?;
-        if solution.outcome == Outcome::Converged {
-            let last = &self.last;
-            if let Some(Passage { depth, place }) =
-                problem.tunnels(&solution.state.u, &last.state.u, last.factor)
-            {
-                solution.outcome = Outcome::Tunnelled { depth, place };
-            }
-        }
+        let solution = solved?;
         let attempt = Attempt {
             phase: phase.name.clone(),
             from: self.last.factor,
@@ -270,7 +262,7 @@ impl Path<'_> {
         Ok(solution)
     }
 
-    /// Solves at the present load, and again where something acts that was left out by plan.
+    /// Solves at the present load, and again where something acts that was left out by plan, or where constraints hold what has tunnelled.
     fn planned<P: LoadStepped>(
         &self,
         problem: &P,
@@ -293,22 +285,33 @@ impl Path<'_> {
                     solution.after(first, name, None)
                 }
             };
-            let what = match solution.outcome {
-                Outcome::Converged => problem.unplanned(&solution.state.u),
-                _ => None,
-            };
-            let Some(what) = what else {
-                return Ok(solution);
-            };
             let solution = Solution {
-                outcome: Outcome::Unplanned(what.clone()),
+                outcome: self.examined(problem, &solution),
                 ..solution
             };
-            if plans >= LoadSteps::MOST_PLANS {
+            let is_unplanned = matches!(solution.outcome, Outcome::Unplanned(_));
+            if !is_unplanned || plans >= LoadSteps::MOST_PLANS {
                 return Ok(solution);
             }
-            log::warn!(target: LOG, "{what}, which was left out by plan: the load step is solved again");
+            log::warn!(target: LOG, "{}: the load step is solved again", solution.outcome);
             refuted = Some(solution);
+        }
+    }
+
+    /// The outcome with what the problem finds in a solution.
+    fn examined<P: LoadStepped>(&self, problem: &P, solution: &Solution) -> Outcome {
+        if solution.outcome != Outcome::Converged {
+            return solution.outcome.clone();
+        }
+        let (u, last) = (&solution.state.u, &self.last);
+        if let Some(what) = problem.unplanned(u) {
+            return Outcome::Unplanned(what);
+        }
+        let passage = problem.tunnels(u, &last.state.u, last.factor);
+        match (problem.hold(solution, passage.as_ref()), passage) {
+            (Some(what), _) => Outcome::Unplanned(what),
+            (None, Some(Passage { depth, place })) => Outcome::Tunnelled { depth, place },
+            (None, None) => Outcome::Converged,
         }
     }
 

@@ -9,6 +9,7 @@
 //! radius, near a rim and at right angles, where it falls to 0, so that no corner leaves its row with its force. A corner is a node of a
 //! body or, the other way around, a corner of an obstacle in front of a body.
 
+use super::edge::SharpEdge;
 use super::moving::Moving;
 use super::obstacle::Placed;
 use super::search::{FootPoint, Master, Own, Seeker};
@@ -18,14 +19,16 @@ use crate::element::Facet;
 use crate::mesh::Mesh;
 use crate::tensor::{Vector, unit_vector};
 
-/// Whether sharp corners have rows of their own.
+/// Whether sharp corners, and sharp edges that cross in space, have rows of their own. Only scenes with contact at the current positions, feet along
+/// normals and no overlaps at the start may have such rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Corners {
-    /// They have, in scenes with contact at the current positions, feet along normals and no overlaps at the start. In other scenes they have
-    /// none.
+    /// They have none until a converged state has bodies inside each other by more than the limit. From that load step on they have, and the step is solved again.
+    #[default]
+    AsNeeded,
+    /// They have from the start.
     Held,
     /// They have none: corners dig in by a share of a facet.
-    #[default]
     Weak,
 }
 
@@ -37,6 +40,11 @@ pub(super) const SHARP: f64 = 0.766;
 const LEAST: f64 = 1e-3;
 /// The depth inside the rim, as a share of a facet, from which on corners count in full.
 const INSIDE: f64 = 0.5;
+
+/// What is added to the gap of a corner, or of two edges, beside facets of this length (UL) that counts with this share; `None` if it has no row.
+pub(super) fn slack(size: f64, share: f64) -> Option<f64> {
+    (share > LEAST).then(|| size * (DIGS + 1.0 / share - 1.0))
+}
 
 /// A corner that counts.
 #[derive(Clone, Copy, Debug)]
@@ -50,11 +58,10 @@ pub struct Corner<const D: usize> {
 
 impl<const D: usize> Corner<D> {
     fn new(point: Projected<D>, is_of_obstacle: bool, (size, share): (f64, f64)) -> Option<Self> {
-        let slack = size * (DIGS + 1.0 / share - 1.0);
-        (share > LEAST).then_some(Corner {
+        Some(Corner {
             point,
             is_of_obstacle,
-            slack,
+            slack: slack(size, share)?,
         })
     }
 
@@ -98,12 +105,23 @@ pub fn sharp_nodes<const D: usize>(mesh: &Mesh<D>) -> Vec<usize> {
     sharp.map(|(a, _)| a).collect()
 }
 
-/// The sharp corners of a scene.
+/// The sharp corners and edges of a scene.
 pub struct SharpCorners<const D: usize> {
     /// Of each surface its nodes that are such, by their positions in [`Surface::nodes`].
     pub of_surfaces: Vec<Vec<usize>>,
+    /// Of each surface its sharp edges in space.
+    pub edges: Vec<Vec<SharpEdge>>,
     /// Of each obstacle, before it moves: the corners (UL) with the unit bisectors of their outward normals.
     pub of_obstacles: Vec<Vec<(Vector<D>, Vector<D>)>>,
+}
+
+impl<const D: usize> SharpCorners<D> {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        let corners = self.of_surfaces.iter().all(Vec::is_empty);
+        let edges = self.edges.iter().all(Vec::is_empty);
+        corners && edges && self.of_obstacles.iter().all(Vec::is_empty)
+    }
 }
 
 /// The corners among `nodes` of a slave that count against a master, for positions `x` of all scene nodes.

@@ -8,6 +8,7 @@ mod clip;
 mod closed_surface;
 pub mod corner;
 pub mod cut;
+pub mod edge;
 pub mod gap;
 pub mod motion;
 pub mod moving;

@@ -6,6 +6,7 @@ use contact_core::friction::{SlipRow, SlipRows};
 use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 
 use super::corner::Corner;
+use super::edge::Crossing;
 use super::moving::Moving;
 use super::search::FootPoint;
 use super::stencil::{Against, Projected, Stencil};
@@ -166,8 +167,10 @@ pub struct PassRows<'a, const D: usize> {
     names: Vec<usize>,
     rows: Vec<NodalRow<D>>,
     leaning: Leaning<D>,
-    /// Stencils from this one on are corners; the last rows are theirs.
+    /// Stencils from this one on are corners; their rows follow those that are means over facets.
     first_corner: usize,
+    /// Edges that cross; the last rows are theirs.
+    crossings: Vec<Crossing<D>>,
 }
 
 /// The rows that lean on their neighbours.
@@ -277,6 +280,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
         PassRows {
             sampling,
             first_corner: stencils.len(),
+            crossings: Vec::new(),
             stencils,
             names,
             rows,
@@ -310,6 +314,26 @@ impl<'a, const D: usize> PassRows<'a, D> {
             self.stencils.push(stencil);
         }
         self
+    }
+
+    /// With a row for each pair of these edges.
+    pub fn with_crossings(mut self, crossings: Vec<Crossing<D>>) -> Self {
+        let mut places = Places::default();
+        for crossing in &crossings {
+            let mut row = NodalRow::default();
+            row.add(crossing.weight(), crossing.gradient(), 0.0);
+            row.normalize(&mut places);
+            row.widening = crossing.slack();
+            self.names.push(crossing.name());
+            self.rows.push(row);
+        }
+        self.crossings = crossings;
+        self
+    }
+
+    /// The edges that cross, each of which has a row of its own.
+    pub fn crossings(&self) -> &[Crossing<D>] {
+        &self.crossings
     }
 
     /// Adds widths (UL) to the gaps: to the rows of nodes `of_row`, and to those of points what their test functions
@@ -423,9 +447,10 @@ impl<'a, const D: usize> PassRows<'a, D> {
         affected.into_iter().map(weigh).collect()
     }
 
-    /// The number of rows that are means over facets; those of corners follow them.
+    /// The number of rows that are means over facets; those of corners and edges follow them.
     fn weak_rows(&self) -> usize {
-        self.rows.len() + self.first_corner - self.stencils.len()
+        let corners = self.stencils.len() - self.first_corner;
+        self.rows.len() - corners - self.crossings.len()
     }
 
     /// Appends to `gaps` the rows that have support and at least one dof that is not prescribed,

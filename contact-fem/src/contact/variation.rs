@@ -19,6 +19,7 @@ use std::ops::AddAssign;
 use contact_core::GapVariation;
 use contact_core::gaps::SparseRows;
 
+use super::edge::Crossing;
 use super::gap::foot::Foot;
 use super::moving::Moving;
 use super::obstacle::Placed;
@@ -262,7 +263,25 @@ impl<const D: usize> Variation<D> {
         for (end, weighing) in pass.ends(x) {
             self.weigh(pass.weighed(&end, x), &end, of, &weighing, &multiplier);
         }
+        for crossing in pass.crossings() {
+            if let Some((index, lambda)) = multiplier(crossing.name()) {
+                self.add_crossing(crossing, index, lambda);
+            }
+        }
         true
+    }
+
+    /// Adds two edges that cross, whose row has this index and multiplier.
+    fn add_crossing(&mut self, crossing: &Crossing<D>, index: usize, lambda: f64) {
+        let nodes = &mut self.gaps[index].nodes;
+        crossing
+            .gradient()
+            .for_each(|(a, slope)| nodes.add(a, slope));
+        if lambda != 0.0 {
+            for (a, b, curvature) in crossing.hessian() {
+                self.forces[a].nodes.add(b, curvature * lambda);
+            }
+        }
     }
 
     /// Adds what `rows` vary by with the weight of a point.

@@ -17,6 +17,7 @@ use super::switches::Switches;
 use super::{Geometry, InitialGaps, Integration, Pair, Passes, Scene, Side};
 use crate::audit::{Audit, Fit};
 use crate::contact::corner::{self, Corners, SharpCorners, sharp_nodes};
+use crate::contact::edge::{self, sharp_edges};
 use crate::contact::obstacle::Placed;
 use crate::contact::rows::{PassRows, Unknowns};
 use crate::contact::stencil::{Projected, on_obstacle, projected_unless};
@@ -59,8 +60,10 @@ pub(super) struct ContactSet<const D: usize> {
     pub geometry: Geometry,
     integration: Integration,
     projection: Projection,
-    /// `None` where corners have no rows.
+    /// The corners and edges that may have rows, whether they have from the start, and whether they have at present.
     corners: Option<SharpCorners<D>>,
+    has_held: bool,
+    holds: AtomicBool,
     /// The search radius of integration points (UL).
     pub reach: f64,
     /// Whether the radius is the default.
@@ -167,7 +170,7 @@ impl<const D: usize> ContactSet<D> {
             Arc::new(Surface::of_body(body, mesh.order(), facets, &kinematics.X))
         };
         let surfaces: Vec<_> = sides.iter().map(surface).collect();
-        let has_corners = scene.corners == Corners::Held
+        let may_hold = scene.corners != Corners::Weak
             && geometry == Geometry::Current
             && scene.projection == Projection::AlongNormals
             && scene.initial_gaps == InitialGaps::Refuse
@@ -183,8 +186,9 @@ impl<const D: usize> ContactSet<D> {
             let places = sharp.map(|a| surface.nodes().binary_search(&(a + first)));
             places.flatten().collect()
         };
-        let corners = has_corners.then(|| SharpCorners {
+        let corners = may_hold.then(|| SharpCorners {
             of_surfaces: surfaces.iter().map(sharp).collect(),
+            edges: surfaces.iter().map(|own| sharp_edges(own)).collect(),
             of_obstacles: scene.obstacles().iter().map(Obstacle::corners).collect(),
         });
         let extent = |surface: &Arc<Surface<D>>| Extent::of(surface, &kinematics.X);
@@ -209,6 +213,8 @@ impl<const D: usize> ContactSet<D> {
             integration: scene.integration(),
             projection: scene.projection,
             corners,
+            has_held: scene.corners == Corners::Held,
+            holds: AtomicBool::new(scene.corners == Corners::Held),
             reach: match (scene.reach, geometry) {
                 (Some(reach), _) => reach,
                 (None, Geometry::Reference) => kinematics.diagonal(),
@@ -661,7 +667,23 @@ impl<const D: usize> ContactSet<D> {
         Some(self.with_corners(rows, located, pass, master))
     }
 
-    /// The same with the rows of corners.
+    /// At the start of a run: corners and edges have rows if they have from the start.
+    pub fn begin(&self) {
+        self.holds.store(self.has_held, Ordering::Relaxed);
+    }
+
+    /// Whether there are corners or edges that have no rows, and may have.
+    pub fn may_hold_corners(&self) -> bool {
+        let has_any = self.corners.as_ref().is_some_and(|own| !own.is_empty());
+        has_any && !self.holds.load(Ordering::Relaxed)
+    }
+
+    /// From now on, corners and edges have rows.
+    pub fn hold_corners(&self) {
+        self.holds.store(true, Ordering::Relaxed);
+    }
+
+    /// The same with the rows of corners and edges.
     fn with_corners<'a>(
         &'a self,
         rows: PassRows<'a, D>,
@@ -669,7 +691,8 @@ impl<const D: usize> ContactSet<D> {
         pass: Pass,
         against: impl Into<Against<'a, D>>,
     ) -> PassRows<'a, D> {
-        let Some(corners) = self.corners.as_ref().filter(|_| rows.is_of_nodes()) else {
+        let holds = self.holds.load(Ordering::Relaxed) && rows.is_of_nodes();
+        let Some(corners) = self.corners.as_ref().filter(|_| holds) else {
             return rows;
         };
         let (own, x) = (located.master(pass.slave), &located.x[..]);
@@ -691,7 +714,23 @@ impl<const D: usize> ContactSet<D> {
                 corner::on_surface(own.moving(), nodes, master, x, self.reach)
             }
         };
-        rows.with_corners(own.moving(), against, &found)
+        let rows = rows.with_corners(own.moving(), against, &found);
+        // edges that cross have no slave: one of the two passes has their rows
+        let [first, second] = self.bodies_of(pass);
+        let turned = self.turned(pass);
+        let turned = turned.filter(|turned| self.passes.contains(turned));
+        let is_second = turned.is_some_and(|turned| turned.slave < pass.slave);
+        if self.obstacle_of(pass).is_some() || first == second || is_second {
+            return rows;
+        }
+        let both = [pass.slave, pass.master];
+        let crossings = edge::crossings(
+            both.map(|k| located.master(k).moving()),
+            both.map(|k| &corners.edges[k][..]),
+            self.reach,
+            x.len(),
+        );
+        rows.with_crossings(crossings)
     }
 
     /// The variation of the rows `gaps` of all passes, frozen at `u`; `None` if they do not depend on

@@ -256,8 +256,7 @@ mod tests {
         assert_eq!(refuted, [0, 1]);
         let failed = &run.run.attempts[1].failed[0];
         assert!(matches!(failed.outcome, Outcome::Unplanned(_)), "{failed}");
-        let told =
-            "condensed: body `lower` and body `upper` came together, which was left out by plan";
+        let told = "condensed: body `lower` and body `upper` came together; constraints that had been left out are added";
         assert_eq!(failed.to_string(), told);
         let [a, b] = [&run, &sound].map(|run| run.last().expect("a step"));
         assert!((a.energy - b.energy).abs() < 1e-12 * b.energy);

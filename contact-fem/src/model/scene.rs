@@ -138,7 +138,7 @@ pub struct Scene<const D: usize> {
     /// [`Scene::initial_gaps`] refuses overlaps, as a share of the facet size: polygons of touching curves
     /// overlap slightly. 0.05 by default.
     pub overlap_tolerance: f64,
-    /// Whether sharp corners have rows of their own. [`Corners::Weak`] by default.
+    /// Whether sharp corners and edges have rows of their own. [`Corners::AsNeeded`] by default.
     pub corners: Corners,
     /// What becomes of contact surfaces that overlap in the reference configuration.
     pub initial_gaps: InitialGaps,

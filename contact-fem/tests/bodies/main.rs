@@ -2,6 +2,7 @@
 
 mod boundaries;
 mod common;
+mod edges;
 mod estimate;
 mod fits_and_corners;
 mod geometric_error;

@@ -503,6 +503,35 @@ fn corners() {
     assert_rows_of(&problem, is_corner, FLAT, "corners");
 }
 
+/// Bars that cross, with the rows of their edges alone: four edges of the upper one across two of the lower one.
+#[test]
+fn edges() {
+    let bar = |low: [f64; 3], size: [f64; 3]| {
+        let mut mesh = cuboid(low, size, [1; 3]).expect("a mesh");
+        mesh.name_boundary("all", |_| true);
+        neo_hookean(mesh)
+    };
+    let mut scene = Scene::new();
+    let lower = bar([-1.5, -0.5, -1.0], [3.0, 1.0, 1.0]);
+    let upper = bar([-0.5, -1.5, 0.1], [1.0, 3.0, 1.0]);
+    let [lower, upper] =
+        [("lower", lower, "bottom"), ("upper", upper, "top")].map(|(name, (mesh, law), held)| {
+            let mut body = Body::new(mesh, law);
+            body.prescribe(held, [Some(0.0); 3]).expect("a boundary");
+            scene.add(name, body).on("all")
+        });
+    scene.contact(lower, upper).expect("a pair");
+    scene.corners = Corners::Held;
+    let problem = scene.problem().expect("a problem");
+    let slave = problem.passes()[0].slave;
+    let first = problem.reference().len() + problem.surfaces()[slave].nodes().len();
+    let u = vec![0.0; problem.dofs().free()];
+    let gaps = rows(&problem, &u);
+    let of_edges = gaps.keys().iter().filter(|key| key.node as usize >= first);
+    assert!(of_edges.count() >= 4);
+    assert_rows_of(&problem, |name| name >= first, FLAT, "edges");
+}
+
 /// Rows on a distance of one's own are those on the shape that has it.
 #[test]
 fn a_shape_and_its_distance_have_the_same_rows() {

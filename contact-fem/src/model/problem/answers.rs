@@ -3,6 +3,8 @@
 //! [`Problem`] hands the calls of [`ContactProblem`](contact_core::ContactProblem) and [`LoadStepped`](contact_core::LoadStepped) over to [`Answers`], whose code is
 //! compiled in this crate: see [`instances`](crate::instances).
 
+use std::collections::BTreeMap;
+
 use contact_core::equilibrium::Solution;
 use contact_core::friction::SlipRows;
 use contact_core::gaps::{LinearGaps, Sampling};
@@ -50,6 +52,7 @@ pub(crate) trait Answers {
     ) -> Result<Option<Vec<f64>>, Error>;
     fn take_back(&mut self);
     fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage>;
+    fn hold(&self, solution: &Solution, tunnels: Option<&Passage>) -> Option<String>;
     fn unplanned(&self, u: &[f64]) -> Option<String>;
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64>;
 }
@@ -61,6 +64,47 @@ impl<const D: usize> Problem<D> {
 
     pub(super) fn answers_mut(&mut self) -> &mut dyn Answers {
         instance().answers_mut(self)
+    }
+}
+
+/// The relative depth from which corners and edges get rows where nothing keeps two bodies apart: so deep they would be with these rows.
+const UNOPPOSED: f64 = 0.05;
+/// The smallest force between two bodies that keeps them apart, as a share of the scene's unit of forces.
+const PUSHES: f64 = 1e-6;
+
+impl<const D: usize> Problem<D> {
+    fn passage(&self, found: &Overlap<D>) -> Passage {
+        let [first, second] = found.bodies.map(|body| self.scene.called(body));
+        let at: Vec<String> = found.at.iter().map(|x| format!("{x:.3e}")).collect();
+        Passage {
+            depth: found.depth,
+            place: format!("{first} is inside {second} at ({})", at.join(", ")),
+        }
+    }
+
+    /// The deepest overlap of two bodies that may touch, and between which no force acts.
+    fn unopposed_overlap(&self, solution: &Solution) -> Option<Passage> {
+        let mut forces: BTreeMap<[usize; 2], f64> = BTreeMap::new();
+        for (key, force) in solution.gaps.keys().iter().zip(&solution.lambda) {
+            let [a, b] = self.bodies_of(self.passes()[key.pass as usize]);
+            *forces.entry([a.min(b), a.max(b)]).or_default() += force;
+        }
+        let least = PUSHES * self.scale.energy / self.scale.length;
+        let beyond =
+            |found: &Overlap<D>| found.relative - self.granted(found.bodies, self.load())[0];
+        let is_unopposed = |found: &Overlap<D>| {
+            let [a, b] = found.bodies;
+            let is_pushed = forces
+                .get(&[a.min(b), a.max(b)])
+                .is_some_and(|force| *force > least);
+            beyond(found) > UNOPPOSED && self.contact.is_pair([a, b]) && !is_pushed
+        };
+        let overlaps = self
+            .audit
+            .overlaps(&self.kinematics.positions(&solution.state.u));
+        let found = overlaps.into_iter().filter(is_unopposed);
+        let deepest = found.max_by(|a, b| beyond(a).total_cmp(&beyond(b)))?;
+        Some(self.passage(&deepest))
     }
 }
 
@@ -186,6 +230,9 @@ impl<const D: usize> Answers for Problem<D> {
         u: &[f64],
         solution: Option<&Solution>,
     ) -> Result<Option<Vec<f64>>, Error> {
+        if span[0] == 0.0 {
+            self.contact.begin();
+        }
         self.switch_supports(span, u, solution)
     }
 
@@ -219,14 +266,7 @@ impl<const D: usize> Answers for Problem<D> {
             }
             _ => None,
         };
-        let inside = |found: Overlap<D>| {
-            let [first, second] = found.bodies.map(|body| self.scene.called(body));
-            let at: Vec<String> = found.at.iter().map(|x| format!("{x:.3e}")).collect();
-            Passage {
-                depth: found.depth,
-                place: format!("{first} is inside {second} at ({})", at.join(", ")),
-            }
-        };
+        let inside = |found| self.passage(&found);
         let through = || {
             let positions = (&before[..], &after[..]);
             let depth = self.contact.tunnels(&self.kinematics, u, positions, from)?;
@@ -248,6 +288,20 @@ impl<const D: usize> Answers for Problem<D> {
         };
         let found = overlap.map(inside).or_else(through);
         found.or_else(|| between_nodes().map(inside))
+    }
+
+    fn hold(&self, solution: &Solution, tunnels: Option<&Passage>) -> Option<String> {
+        if !self.contact.may_hold_corners() {
+            return None;
+        }
+        let unopposed = match (tunnels, self.scene.overlaps) {
+            (None, Overlaps::Refused) => self.unopposed_overlap(solution),
+            _ => None,
+        };
+        let Passage { place, depth } = tunnels.or(unopposed.as_ref())?;
+        self.contact.hold_corners();
+        let rows = "rows of sharp corners and edges may hold it";
+        Some(format!("{place} by {depth:.2e}, and {rows}"))
     }
 
     fn unplanned(&self, u: &[f64]) -> Option<String> {

@@ -36,6 +36,10 @@ impl<const D: usize> LoadStepped for Problem<D> {
         self.answers().tunnels(u, last, from)
     }
 
+    fn hold(&self, solution: &Solution, tunnels: Option<&Passage>) -> Option<String> {
+        self.answers().hold(solution, tunnels)
+    }
+
     fn unplanned(&self, u: &[f64]) -> Option<String> {
         self.answers().unplanned(u)
     }
