@@ -50,10 +50,10 @@ pub trait LoadStepped: ContactProblem {
         None
     }
 
-    /// Adds constraints that have been left out and may hold bodies that are inside each other in this converged solution, and tells why; `None` if there
-    /// are none. `tunnels` is what [`LoadStepped::tunnels`] has just found. The load step is then solved again from the same start. `Some` comes once for each kind
+    /// Adds constraints that have been left out and may hold bodies that are inside each other in this converged solution, although it does not tunnel, and tells why; `None`
+    /// if there are none. The load step is then solved again from the same start. `Some` comes once for each kind
     /// of constraints. The default adds none.
-    fn hold(&self, _solution: &Solution, _tunnels: Option<&Passage>) -> Option<String> {
+    fn hold(&self, _solution: &Solution) -> Option<String> {
         None
     }
 

@@ -262,7 +262,7 @@ impl Path<'_> {
         Ok(solution)
     }
 
-    /// Solves at the present load, and again where something acts that was left out by plan, or where constraints hold what has tunnelled.
+    /// Solves at the present load, and again where something acts that was left out by plan, or where more constraints hold bodies that are inside each other.
     fn planned<P: LoadStepped>(
         &self,
         problem: &P,
@@ -307,11 +307,12 @@ impl Path<'_> {
         if let Some(what) = problem.unplanned(u) {
             return Outcome::Unplanned(what);
         }
-        let passage = problem.tunnels(u, &last.state.u, last.factor);
-        match (problem.hold(solution, passage.as_ref()), passage) {
-            (Some(what), _) => Outcome::Unplanned(what),
-            (None, Some(Passage { depth, place })) => Outcome::Tunnelled { depth, place },
-            (None, None) => Outcome::Converged,
+        match problem.tunnels(u, &last.state.u, last.factor) {
+            Some(Passage { depth, place }) => Outcome::Tunnelled { depth, place },
+            None => match problem.hold(solution) {
+                Some(what) => Outcome::Unplanned(what),
+                None => Outcome::Converged,
+            },
         }
     }
 

@@ -23,7 +23,7 @@ struct Line {
     asked: RefCell<Vec<[f64; 3]>>,
     /// What was left out by plan, and acts at the load 1.
     left_out: RefCell<Vec<&'static str>>,
-    /// Whether constraints that hold longer steps, too, are there; `None` if there are none to add.
+    /// Whether constraints that may be added are there; `None` if there are none.
     holds: Cell<Option<bool>>,
     pattern: SymmetricPattern,
     bounds: Bounds,
@@ -92,21 +92,16 @@ impl LoadStepped for Line {
     }
     fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage> {
         self.asked.borrow_mut().push([u[0], last[0], from]);
-        let is_long = self.load - from > self.longest && self.holds.get() != Some(true);
-        is_long.then(|| Passage {
+        (self.load - from > self.longest).then(|| Passage {
             depth: 7.0,
             place: "here".into(),
         })
     }
-    fn hold(&self, solution: &Solution, tunnels: Option<&Passage>) -> Option<String> {
-        let adds = tunnels.is_some() && self.holds.get() == Some(false);
+    fn hold(&self, solution: &Solution) -> Option<String> {
+        let adds = self.holds.get() == Some(false);
         adds.then(|| {
             self.holds.set(Some(true));
-            format!(
-                "{} at {}",
-                tunnels.map_or("", |found| &found.place),
-                solution.state.u[0]
-            )
+            format!("deep at {}", solution.state.u[0])
         })
     }
     fn unplanned(&self, _: &[f64]) -> Option<String> {
@@ -454,35 +449,32 @@ fn steps_with_a_wrong_plan_are_solved_again() {
     assert_eq!(problem.asked.borrow().len(), 2);
 }
 
-/// Steps that tunnel are solved again from the same start with the constraints that hold them, once; without any, they are cut.
+/// Constraints are added once, in the first step that converges and does not tunnel, and the step is solved again from the same start. Steps that tunnel are cut, as without.
 #[test]
-fn constraints_are_added_where_steps_tunnel() {
-    let path = |holds| {
-        let problem = Line {
-            longest: 0.3,
-            holds: Cell::new(holds),
-            ..Line::default()
-        };
-        let solver = Follows::new(|t| t, |_| [0.0; 2], |_, _| Outcome::Converged);
-        (problem, solver)
+fn constraints_are_added_once() {
+    let mut problem = Line {
+        longest: 0.3,
+        holds: Cell::new(Some(false)),
+        ..Line::default()
     };
-    let (mut problem, mut solver) = path(Some(false));
+    let mut solver = Follows::new(|t| t, |_| [0.0; 2], |_, _| Outcome::Converged);
     let added = run(&in_increments(2), &mut problem, &mut solver);
     assert_eq!(added.ending, Ending::Complete);
-    assert_eq!(added.cuts(), 0);
-    assert_eq!(solver.asked.len(), 3);
-    assert_eq!(solver.asked[0], solver.asked[1]);
     let failed = added.attempts.iter().map(|attempt| &attempt.failed);
     let failed: Vec<Vec<Outcome>> = failed
         .map(|failed| failed.iter().map(|f| f.outcome.clone()).collect())
         .collect();
-    let found = Outcome::Unplanned("here at 0.5".into());
-    assert_eq!(failed, [vec![found], vec![]]);
-    let (mut problem, mut solver) = path(None);
-    let cut = run(&in_increments(2), &mut problem, &mut solver);
-    assert_eq!(cut.ending, Ending::Complete);
-    assert!(cut.cuts() > 0);
-    assert!(cut.attempts.iter().all(|attempt| attempt.failed.is_empty()));
+    assert!(matches!(
+        added.attempts[0].outcome,
+        Outcome::Tunnelled { .. }
+    ));
+    assert_eq!(
+        failed[..2],
+        [vec![], vec![Outcome::Unplanned("deep at 0.25".into())]]
+    );
+    assert!(failed[2..].iter().all(Vec::is_empty));
+    assert_eq!(solver.asked.len(), added.attempts.len() + 1);
+    assert_eq!(solver.asked[1], solver.asked[2]);
 }
 
 /// A problem that always finds something left out: the step has failed, and its halves do as well.

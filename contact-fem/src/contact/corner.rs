@@ -23,7 +23,7 @@ use crate::tensor::{Vector, unit_vector};
 /// normals and no overlaps at the start may have such rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Corners {
-    /// They have none until a converged state has bodies inside each other by more than the limit. From that load step on they have, and the step is solved again.
+    /// They have none until a converged state has bodies inside each other by a fifth of a facet, or by a twentieth without a force between them. From that load step on they have, and the step is solved again.
     #[default]
     AsNeeded,
     /// They have from the start.

@@ -52,7 +52,7 @@ pub(crate) trait Answers {
     ) -> Result<Option<Vec<f64>>, Error>;
     fn take_back(&mut self);
     fn tunnels(&self, u: &[f64], last: &[f64], from: f64) -> Option<Passage>;
-    fn hold(&self, solution: &Solution, tunnels: Option<&Passage>) -> Option<String>;
+    fn hold(&self, solution: &Solution) -> Option<String>;
     fn unplanned(&self, u: &[f64]) -> Option<String>;
     fn lift(&self, u: &[f64], from: f64) -> Vec<f64>;
 }
@@ -67,7 +67,10 @@ impl<const D: usize> Problem<D> {
     }
 }
 
-/// The relative depth from which corners and edges get rows where nothing keeps two bodies apart: so deep they would be with these rows.
+/// The relative depth of bodies from which on corners and edges get rows, and the depth of a node in facets. Sound scenes without such rows are at most so deep, at corners; from
+/// [`Overlap::LIMIT`] on, a run ends.
+const DEEP: f64 = 0.2;
+/// The same where no force keeps two bodies apart: so deep they would be with these rows.
 const UNOPPOSED: f64 = 0.05;
 /// The smallest force between two bodies that keeps them apart, as a share of the scene's unit of forces.
 const PUSHES: f64 = 1e-6;
@@ -82,8 +85,17 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    /// The deepest overlap of two bodies that may touch, and between which no force acts.
-    fn unopposed_overlap(&self, solution: &Solution) -> Option<Passage> {
+    /// What is so deep inside that corners and edges should have rows.
+    fn too_deep(&self, solution: &Solution) -> Option<String> {
+        if let Some(Passage { place, depth }) = self.deep_overlap(solution) {
+            return Some(format!("{place} by {depth:.2e}"));
+        }
+        let share = self.relative_penetration(&solution.state.u);
+        (share > DEEP).then(|| format!("a node is {share:.2} facets inside another surface"))
+    }
+
+    /// The deepest overlap of two bodies that may touch, if it is so deep.
+    fn deep_overlap(&self, solution: &Solution) -> Option<Passage> {
         let mut forces: BTreeMap<[usize; 2], f64> = BTreeMap::new();
         for (key, force) in solution.gaps.keys().iter().zip(&solution.lambda) {
             let [a, b] = self.bodies_of(self.passes()[key.pass as usize]);
@@ -92,17 +104,15 @@ impl<const D: usize> Problem<D> {
         let least = PUSHES * self.scale.energy / self.scale.length;
         let beyond =
             |found: &Overlap<D>| found.relative - self.granted(found.bodies, self.load())[0];
-        let is_unopposed = |found: &Overlap<D>| {
+        let is_deep = |found: &Overlap<D>| {
             let [a, b] = found.bodies;
-            let is_pushed = forces
-                .get(&[a.min(b), a.max(b)])
-                .is_some_and(|force| *force > least);
-            beyond(found) > UNOPPOSED && self.contact.is_pair([a, b]) && !is_pushed
+            let force = forces.get(&[a.min(b), a.max(b)]);
+            let is_pushed = force.is_some_and(|force| *force > least);
+            let limit = if is_pushed { DEEP } else { UNOPPOSED };
+            beyond(found) > limit && self.contact.is_pair([a, b])
         };
-        let overlaps = self
-            .audit
-            .overlaps(&self.kinematics.positions(&solution.state.u));
-        let found = overlaps.into_iter().filter(is_unopposed);
+        let x = self.kinematics.positions(&solution.state.u);
+        let found = self.audit.overlaps(&x).into_iter().filter(is_deep);
         let deepest = found.max_by(|a, b| beyond(a).total_cmp(&beyond(b)))?;
         Some(self.passage(&deepest))
     }
@@ -290,18 +300,15 @@ impl<const D: usize> Answers for Problem<D> {
         found.or_else(|| between_nodes().map(inside))
     }
 
-    fn hold(&self, solution: &Solution, tunnels: Option<&Passage>) -> Option<String> {
-        if !self.contact.may_hold_corners() {
+    fn hold(&self, solution: &Solution) -> Option<String> {
+        if !self.contact.may_hold_corners() || self.scene.overlaps == Overlaps::Allowed {
             return None;
         }
-        let unopposed = match (tunnels, self.scene.overlaps) {
-            (None, Overlaps::Refused) => self.unopposed_overlap(solution),
-            _ => None,
-        };
-        let Passage { place, depth } = tunnels.or(unopposed.as_ref())?;
+        let what = self.too_deep(solution)?;
         self.contact.hold_corners();
-        let rows = "rows of sharp corners and edges may hold it";
-        Some(format!("{place} by {depth:.2e}, and {rows}"))
+        Some(format!(
+            "{what}, and rows of sharp corners and edges may hold it"
+        ))
     }
 
     fn unplanned(&self, u: &[f64]) -> Option<String> {

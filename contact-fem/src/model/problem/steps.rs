@@ -36,8 +36,8 @@ impl<const D: usize> LoadStepped for Problem<D> {
         self.answers().tunnels(u, last, from)
     }
 
-    fn hold(&self, solution: &Solution, tunnels: Option<&Passage>) -> Option<String> {
-        self.answers().hold(solution, tunnels)
+    fn hold(&self, solution: &Solution) -> Option<String> {
+        self.answers().hold(solution)
     }
 
     fn unplanned(&self, u: &[f64]) -> Option<String> {
