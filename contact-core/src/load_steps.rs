@@ -50,9 +50,9 @@ pub trait LoadStepped: ContactProblem {
         None
     }
 
-    /// Adds constraints that have been left out and may hold bodies that are inside each other in this converged solution, although it does not tunnel, and tells why; `None`
-    /// if there are none. The load step is then solved again from the same start. `Some` comes once for each kind
-    /// of constraints. The default adds none.
+    /// Adds constraints that have been left out so far, if this solution needs them, and tells why. The solution has converged and does not tunnel, but bodies may
+    /// be deeper inside each other than they should be. After `Some`, which comes once for each kind of constraints, the load step is solved again from the same start.
+    /// The default adds none.
     fn hold(&self, _solution: &Solution) -> Option<String> {
         None
     }

@@ -41,7 +41,7 @@ pub enum Outcome {
         /// The bodies and the place.
         place: String,
     },
-    /// Converged to a state at which something acts whose constraints had been left out, as given; the load step was solved again with them.
+    /// Converged to a state that needs constraints which had been left out, for the reason given; the load step was solved again with them.
     Unplanned(String),
     /// The energy is not finite at the start (J ≤ 0 somewhere, or a load that is no number), so that the iteration cannot
     /// start.

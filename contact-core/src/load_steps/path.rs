@@ -262,7 +262,7 @@ impl Path<'_> {
         Ok(solution)
     }
 
-    /// Solves at the present load, and again where something acts that was left out by plan, or where more constraints hold bodies that are inside each other.
+    /// Solves at the present load, and again where a solution needs constraints that had been left out.
     fn planned<P: LoadStepped>(
         &self,
         problem: &P,
@@ -298,7 +298,7 @@ impl Path<'_> {
         }
     }
 
-    /// The outcome with what the problem finds in a solution.
+    /// The outcome of a solution, after the problem has looked at it.
     fn examined<P: LoadStepped>(&self, problem: &P, solution: &Solution) -> Outcome {
         if solution.outcome != Outcome::Converged {
             return solution.outcome.clone();

@@ -23,7 +23,7 @@ struct Line {
     asked: RefCell<Vec<[f64; 3]>>,
     /// What was left out by plan, and acts at the load 1.
     left_out: RefCell<Vec<&'static str>>,
-    /// Whether constraints that may be added are there; `None` if there are none.
+    /// Whether constraints have been added; `None` if there are none to add.
     holds: Cell<Option<bool>>,
     pattern: SymmetricPattern,
     bounds: Bounds,
@@ -449,7 +449,7 @@ fn steps_with_a_wrong_plan_are_solved_again() {
     assert_eq!(problem.asked.borrow().len(), 2);
 }
 
-/// Constraints are added once, in the first step that converges and does not tunnel, and the step is solved again from the same start. Steps that tunnel are cut, as without.
+/// A step that tunnels is cut. The first step that converges is solved again from the same start with more constraints, and no later step is.
 #[test]
 fn constraints_are_added_once() {
     let mut problem = Line {

@@ -19,16 +19,17 @@ use crate::element::Facet;
 use crate::mesh::Mesh;
 use crate::tensor::{Vector, unit_vector};
 
-/// Whether sharp corners, and sharp edges that cross in space, have rows of their own. Only scenes with contact at the current positions, feet along
+/// When sharp corners, and sharp edges that cross in space, have rows of their own. Only scenes with contact at the current positions, feet along
 /// normals and no overlaps at the start may have such rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Corners {
-    /// They have none until a converged state has bodies inside each other by a fifth of a facet, or by a twentieth without a force between them. From that load step on they have, and the step is solved again.
+    /// From the first load step on that ends with bodies inside each other: by a fifth of a facet, or by a twentieth without a force between the bodies. This step is solved
+    /// again.
     #[default]
     AsNeeded,
-    /// They have from the start.
+    /// From the start.
     Held,
-    /// They have none: corners dig in by a share of a facet.
+    /// Never: corners dig in by a share of a facet.
     Weak,
 }
 
@@ -41,7 +42,7 @@ const LEAST: f64 = 1e-3;
 /// The depth inside the rim, as a share of a facet, from which on corners count in full.
 const INSIDE: f64 = 0.5;
 
-/// What is added to the gap of a corner, or of two edges, beside facets of this length (UL) that counts with this share; `None` if it has no row.
+/// What is added to the gap of a corner beside facets of this length (UL), or of two edges, by the share with which it counts; `None` if it has no row.
 pub(super) fn slack(size: f64, share: f64) -> Option<f64> {
     (share > LEAST).then(|| size * (DIGS + 1.0 / share - 1.0))
 }
@@ -116,7 +117,7 @@ pub struct SharpCorners<const D: usize> {
 }
 
 impl<const D: usize> SharpCorners<D> {
-    /// Whether there are none.
+    /// Whether a scene has neither corners nor edges.
     pub fn is_empty(&self) -> bool {
         let corners = self.of_surfaces.iter().all(Vec::is_empty);
         let edges = self.edges.iter().all(Vec::is_empty);

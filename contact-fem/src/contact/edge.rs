@@ -5,11 +5,14 @@
 //!
 //! c = g + h/20 + h (1/s − 1) + f ≥ 0,  g = (x_a − x_b)·n,
 //!
-//! with the points x_a and x_b of the lines through both edges that are closest to each other, and their common normal n from b to a. The length h is half of the least height
-//! over the edges of the four facets at them, or of the least length of the facets around their ends. So edges hold before nodes on them do, whose rows have the whole length, and whose feet jump at edges. Beyond the end of an edge, f is how far the next one falls below its line. The share s falls to 0 at the ends of edges, towards the search radius, where edges become parallel, where n leaves the
-//! normals between the facets of an edge, and where the edges are two heights inside each other. Along quadratic facets, an edge is two chords.
+//! with the points x_a and x_b at which the lines through both edges are closest, and their common normal n from b to a. The length h is half of the least height of
+//! the four facets over the edges, or half of the least length of the facets around the ends if that is smaller. Rows of nodes have the whole length, and their feet jump at
+//! edges: so edges hold first. Beyond the end of an edge, f is how far the next edge falls below its line.
 //!
-//! The points are where the distance of two lines is stationary. So ∇g is n times the barycentric coordinates of these points at the four ends, and forces along it have a
+//! The share s falls to 0 at the ends of edges, towards the search radius, where edges become parallel, where n leaves the directions between the normals of the two
+//! facets of an edge, and where one edge is two heights beneath the other. Along quadratic facets, an edge is two chords. The paper has no such rows; they stand beside its equation (5).
+//!
+//! The distance of two lines is stationary at these points. So ∇g is n times the barycentric coordinates of the points at the four ends, and forces along it have a
 //! potential. Newton's method has ∇g and ∇²g; it leaves out how s and f vary.
 
 use std::collections::BTreeMap;
@@ -19,22 +22,22 @@ use rstar::{AABB, RTree};
 
 use super::corner::{SHARP, slack};
 use super::moving::Moving;
+use super::search::near_share;
+use super::seen::falling;
 use super::surface::Surface;
 use crate::element::facet_edge;
 use crate::tensor::{Matrix, Vector};
 
-/// Where another edge goes on, an edge counts beyond its end up to the first share of the other's length in full, and from the second on not.
+/// Where a next edge goes on, an edge counts beyond its end: in full up to the first share of the next edge's length, and no more from the second share on.
 const BEYOND: [f64; 2] = [0.2, 0.5];
-/// Where none goes on, an edge loses its share over this part of its length, or of its height if that is shorter, before its end.
+/// Where no edge goes on, an edge loses its share before its end, over this part of its length, or of its height if that is shorter.
 const END: f64 = 0.25;
 /// The sine of the angle between two edges up to which they are parallel and have no row, and from which on they count in full.
 const PARALLEL: [f64; 2] = [0.1, 0.3];
-/// The sine of the angle by which a normal may leave those between the facets of an edge in full, and from which on the edge has no row.
+/// The sine of the angle by which n leaves the directions between the normals of an edge's two facets, up to which the edge counts in full, and from which on it has no row.
 const TURNED: [f64; 2] = [0.25, 0.6];
 /// The depth, in heights, up to which edges count in full, and from which on they do not.
 const DEEP: [f64; 2] = [1.0, 2.0];
-/// The share of the search radius within which edges lose their share.
-const FAR: f64 = 0.1;
 
 /// A straight piece of a sharp convex edge, by nodes as positions in [`Surface::nodes`].
 #[derive(Clone, Debug)]
@@ -149,11 +152,11 @@ pub struct Crossing<const D: usize> {
     gap: f64,
     /// From the first to the second end of each edge (UL).
     edges: [Vector<D>; 2],
-    /// The inverse of [`Crossing::edges`]' Gram matrix (1/UL²).
-    inverse: [[f64; 2]; 2],
+    /// Γ⁻¹, the inverse of [`Crossing::edges`]' Gram matrix (1/UL²).
+    inverse: Matrix<2>,
     /// What is added to the gap (UL).
     slack: f64,
-    /// h² (UL²).
+    /// The square of the least height (UL²).
     weight: f64,
 }
 
@@ -194,7 +197,7 @@ impl<const D: usize> Crossing<D> {
             let mut sum = Matrix::<D>::zeros();
             for k in 0..2 {
                 for l in 0..2 {
-                    let c = self.inverse[k][l];
+                    let c = self.inverse[(k, l)];
                     let (q_i, q_j) = (of_edge(i, k), of_edge(j, l));
                     let e = &self.edges;
                     sum -= self.normal * e[l].transpose() * (c * q_i * self.shares[j]);
@@ -208,8 +211,7 @@ impl<const D: usize> Crossing<D> {
     }
 }
 
-/// The edges of two surfaces that cross within `reach` (UL); `names` is the number of the scene's nodes, after which and after the first surface's own nodes they are
-/// named.
+/// The edges of two surfaces that cross within `reach` (UL). Rows are named after the scene's nodes, whose number is `names`, and after as many corners as the first surface has nodes.
 pub fn crossings<const D: usize>(
     bodies: [&Moving<D>; 2],
     edges: [&[SharpEdge]; 2],
@@ -281,30 +283,18 @@ fn crossing<const D: usize>(
     let turned = of_first.map(|wing| -n.dot(&wing));
     let turned = turned.into_iter().chain(of_second.map(|wing| n.dot(&wing)));
     let turned = turned.fold(-1.0, f64::max);
-    // (x_a − x_b)·e = 0 for both edges
-    let gram = [
-        [e[0].dot(&e[0]), e[0].dot(&e[1])],
-        [e[0].dot(&e[1]), e[1].dot(&e[1])],
-    ];
-    let determinant = gram[0][0] * gram[1][1] - gram[0][1] * gram[1][0];
-    let inverse = [
-        [gram[1][1] / determinant, -gram[0][1] / determinant],
-        [-gram[1][0] / determinant, gram[0][0] / determinant],
-    ];
+    // (x_a − x_b)·e = 0 for both edges e, with x_a − x_b = apart + s e_a − t e_b
+    let gram = Matrix::<2>::from_fn(|k, l| e[k].dot(&e[l]));
+    let inverse = gram.try_inverse()?;
     let apart = x(0, edges[0].ends[0]) - x(1, edges[1].ends[0]);
-    let along = e.map(|e| apart.dot(&e));
-    let s = -(inverse[0][0] * along[0] + inverse[0][1] * along[1]);
-    let t = inverse[1][0] * along[0] + inverse[1][1] * along[1];
+    let along = -inverse * Vector::<2>::from_fn(|k, _| apart.dot(&e[k]));
+    let (s, t) = (along[0], -along[1]);
     let gap = apart.dot(&n);
     let height = edges[0].height.min(edges[1].height);
-    let near = match reach.is_finite() {
-        true => (reach - gap) / (FAR * reach),
-        false => 1.0,
-    };
-    let share = rising(sine, PARALLEL)
-        * (1.0 - rising(turned, TURNED))
-        * (1.0 - rising(-gap / height, DEEP))
-        * near.clamp(0.0, 1.0);
+    let share = (1.0 - falling(sine, PARALLEL))
+        * falling(turned, TURNED)
+        * falling(-gap / height, DEEP)
+        * near_share(gap, reach);
     let ends = [
         End::of(s, (bodies[0], edges[0]), &-n),
         End::of(t, (bodies[1], edges[1]), &n),
@@ -325,7 +315,7 @@ fn crossing<const D: usize>(
     })
 }
 
-/// What a place along an edge, at an end or beyond it, does to a row.
+/// What the end of an edge does to a row, by the place of its point along the edge.
 struct End {
     share: f64,
     /// How far the edge that goes on falls below this one there (UL).
@@ -333,10 +323,10 @@ struct End {
 }
 
 impl End {
-    /// At `s` along an edge of a body, 0 at its first end and 1 at the second, whose body is on the other side of the normal `outward`.
+    /// At `s` along an edge of a body: 0 is its first end, 1 the second. `outward` is the normal that points away from the body.
     ///
-    /// Beyond the end, the row of an edge is that of the next one where the edges are convex, since it has what that one falls. Where they are concave, it is inactive.
-    /// So the rows of both hold bodies that meet at their common node.
+    /// Beyond a convex end, the row of an edge is the next edge's, since f is added to its gap. Beyond a concave end, it is inactive: the next edge is nearer to the other body.
+    /// So the rows of both edges hold bodies that meet at the common node of the edges.
     fn of<const D: usize>(
         s: f64,
         (body, edge): (&Moving<D>, &SharpEdge),
@@ -348,22 +338,17 @@ impl End {
         let Some(next) = edge.next[k] else {
             let fades = END * (edge.height / length).min(1.0);
             return End {
-                share: rising(inside, [0.0, fades]),
+                share: 1.0 - falling(inside, [0.0, fades]),
                 falls: 0.0,
             };
         };
         let way = x(next) - x(edge.ends[k]);
         let beyond = (-inside * length).max(0.0) / way.norm();
         End {
-            share: 1.0 - rising(beyond, BEYOND),
+            share: falling(beyond, BEYOND),
             falls: (-way.dot(outward)).max(0.0) * beyond,
         }
     }
-}
-
-/// 0 up to `from`, 1 from `to` on.
-fn rising(value: f64, [from, to]: [f64; 2]) -> f64 {
-    ((value - from) / (to - from)).clamp(0.0, 1.0)
 }
 
 /// What of a vector is across a unit vector.
@@ -414,7 +399,7 @@ mod tests {
         let mesh = if quadratic { mesh.quadratic() } else { mesh };
         let X: Vec<Vec3> = mesh.nodes().iter().map(placed).collect();
         let turned = |mesh: &Mesh<3>| -> Vec<Vec<usize>> {
-            // a mirror image has its facets the other way around
+            // in a mirror image, the nodes of a facet go around it in the opposite direction
             let swap = |nodes: &[usize]| match (is_below, nodes) {
                 (true, [a, b, c]) => vec![*a, *c, *b],
                 (true, [a, b, c, ab, bc, ca]) => vec![*a, *c, *b, *ca, *bc, *ab],
@@ -434,7 +419,7 @@ mod tests {
         rows.filter(|row| row.slack < LEAST + 1e-3).collect()
     }
 
-    /// A bar of three by one by one cells has twelve edges, in 20 pieces; between cells, those along it go on.
+    /// A bar of three by one by one cells has twelve edges, in 20 pieces. The edges along it go on from cell to cell.
     #[test]
     fn edges_of_a_bar() {
         for (quadratic, pieces) in [(false, 1), (true, 2)] {
@@ -478,7 +463,7 @@ mod tests {
         }
     }
 
-    /// No row of parallel ridges, of a ridge beyond the end of the other, of one on the wrong side, and of bars deep inside each other.
+    /// Parallel ridges have no row, nor has a ridge beyond the end of another ridge, one that looks the same way, and one out of reach.
     #[test]
     fn edges_that_have_no_row() {
         let lower = bar(0.0, false, (0.0, 0.0, 0.0), false);
@@ -496,66 +481,50 @@ mod tests {
         assert!(none(bar(1.2, true, (1.5, 0.0, 0.0), false)), "out of reach");
     }
 
-    /// The common normal of two edges on the side of `n`.
-    fn normal(e: &[Vec3; 2], n: &Vec3) -> Vec3 {
-        let across = e[0].cross(&e[1]).normalize();
-        if across.dot(n) < 0.0 { -across } else { across }
-    }
-
-    /// g by its definition, a distance of two lines with a sign.
-    fn gap(x: &[Vec3; 4], n: &Vec3) -> f64 {
-        (x[0] - x[2]).dot(&normal(&[x[1] - x[0], x[3] - x[2]], n))
-    }
-
     /// First and second derivatives against differences of the distance of two lines.
     #[test]
     fn derivatives_of_the_distance() {
-        let lower = bar(0.0, false, (0.3, 0.05, 0.1), false);
-        let upper = bar(-0.2, true, (1.4, -0.05, -0.2), false);
+        // bent, so that n is along no axis
+        let bend = |x: &Vec3| x + Vec3::new(0.1 * x[1] * x[0], 0.0, 0.3 * x[0] + 0.1 * x[1] * x[1]);
+        let bent = |body: Moving<3>| {
+            let x: Vec<Vec3> = body.positions().iter().map(bend).collect();
+            Moving::new(&Arc::new(body.surface().clone()), &x)
+        };
+        let lower = bent(bar(0.0, false, (0.3, 0.05, 0.1), false));
+        let upper = bent(bar(-0.2, true, (1.4, -0.05, -0.2), false));
         let rows = found([&lower, &upper]);
         let row = &rows[0];
         let bodies = [&lower, &lower, &upper, &upper];
         let x: [Vec3; 4] = std::array::from_fn(|i| bodies[i].positions()[row.nodes[i]]);
-        // tilted, so that n is along no axis
-        let x = x.map(|x| x + Vec3::new(0.1 * x[1] * x[0], 0.0, 0.3 * x[0] + 0.1 * x[1] * x[1]));
-        let e = [x[1] - x[0], x[3] - x[2]];
-        let n = normal(&e, &row.normal);
-        let gram = Matrix::<3>::from_columns(&[e[0], -e[1], -n]);
-        let at = gram.try_inverse().expect("edges that cross") * (x[2] - x[0]);
-        let (s, t) = (at[0], at[1]);
-        let square = |k: usize, l: usize| e[k].dot(&e[l]);
-        let determinant = square(0, 0) * square(1, 1) - square(0, 1) * square(0, 1);
-        let crossing = Crossing::<3> {
-            name: 0,
-            nodes: [0, 1, 2, 3],
-            shares: [1.0 - s, s, t - 1.0, -t],
-            normal: n,
-            gap: gap(&x, &n),
-            edges: e,
-            inverse: [
-                [square(1, 1) / determinant, -square(0, 1) / determinant],
-                [-square(0, 1) / determinant, square(0, 0) / determinant],
-            ],
-            slack: 0.0,
-            weight: 1.0,
-        };
-        assert!(
-            (crossing.gap - at[2]).abs() < 1e-12,
-            "{} {}",
-            crossing.gap,
-            at[2]
-        );
         let along =
             |k: usize| Vec3::new((k as f64).sin(), (2.0 * k as f64).cos(), (k as f64).cos());
         let ways: [Vec3; 4] = std::array::from_fn(|i| along(i + 1));
-        let moved = |h: f64| gap(&std::array::from_fn(|i| x[i] + ways[i] * h), &n);
-        let slope: f64 = crossing.gradient().map(|(a, c)| c.dot(&ways[a])).sum();
+        // g of ends that have moved by h along their ways
+        let gap = |h: f64| {
+            let x: [Vec3; 4] = std::array::from_fn(|i| x[i] + ways[i] * h);
+            let across = (x[1] - x[0]).cross(&(x[3] - x[2])).normalize();
+            (x[0] - x[2]).dot(&across) * across.dot(&row.normal).signum()
+        };
+        assert!(
+            (row.gap - gap(0.0)).abs() < 1e-12,
+            "{} {}",
+            row.gap,
+            gap(0.0)
+        );
+        let slope: f64 = row
+            .gradient()
+            .zip(&ways)
+            .map(|((_, c), way)| c.dot(way))
+            .sum();
         let h = 1e-4;
-        let differences = (moved(h) - moved(-h)) / (2.0 * h);
+        let differences = (gap(h) - gap(-h)) / (2.0 * h);
         assert!((slope - differences).abs() < 1e-7, "{slope} {differences}");
-        let blocks = crossing.hessian();
-        let curvature: f64 = blocks.map(|(a, b, H)| ways[a].dot(&(H * ways[b]))).sum();
-        let differences = (moved(h) - 2.0 * moved(0.0) + moved(-h)) / (h * h);
+        // blocks come row by row
+        let blocks = row.hessian().enumerate();
+        let curvature: f64 = blocks
+            .map(|(k, (.., H))| ways[k / 4].dot(&(H * ways[k % 4])))
+            .sum();
+        let differences = (gap(h) - 2.0 * gap(0.0) + gap(-h)) / (h * h);
         assert!(
             (curvature - differences).abs() < 1e-5,
             "{curvature} {differences}"

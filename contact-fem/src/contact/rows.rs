@@ -167,7 +167,7 @@ pub struct PassRows<'a, const D: usize> {
     names: Vec<usize>,
     rows: Vec<NodalRow<D>>,
     leaning: Leaning<D>,
-    /// Stencils from this one on are corners; their rows follow those that are means over facets.
+    /// Stencils from this one on are corners; their rows follow the rows that are means over facets.
     first_corner: usize,
     /// Edges that cross; the last rows are theirs.
     crossings: Vec<Crossing<D>>,
@@ -316,7 +316,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
         self
     }
 
-    /// With a row for each pair of these edges.
+    /// With a row for each pair of edges that cross.
     pub fn with_crossings(mut self, crossings: Vec<Crossing<D>>) -> Self {
         let mut places = Places::default();
         for crossing in &crossings {
@@ -447,7 +447,7 @@ impl<'a, const D: usize> PassRows<'a, D> {
         affected.into_iter().map(weigh).collect()
     }
 
-    /// The number of rows that are means over facets; those of corners and edges follow them.
+    /// The number of rows that are means over facets; the rows of corners and edges follow.
     fn weak_rows(&self) -> usize {
         let corners = self.stencils.len() - self.first_corner;
         self.rows.len() - corners - self.crossings.len()

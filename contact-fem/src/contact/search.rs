@@ -132,6 +132,14 @@ const FACING: f64 = 0.2;
 /// The share of the search radius within which points lose their weight.
 const FAR: f64 = 0.1;
 
+/// The share with which what is so far away counts towards the search radius (UL).
+pub(super) fn near_share(distance: f64, reach: f64) -> f64 {
+    match reach.is_finite() {
+        true => ((reach - distance) / (FAR * reach)).clamp(0.0, 1.0),
+        false => 1.0,
+    }
+}
+
 impl<const D: usize> Seeker<'_, D> {
     /// The share of its weight with which a point counts. It falls to zero towards the search radius, where slave and
     /// master are at right angles, and where the foot comes out of sight, so that no point leaves its row at once.
@@ -141,11 +149,7 @@ impl<const D: usize> Seeker<'_, D> {
             return 1.0;
         }
         let facing = -self.facing.dot(&p.normal) / self.facing.norm();
-        let near = match self.reach.is_finite() {
-            true => (self.reach - p.distance) / (FAR * self.reach),
-            false => 1.0,
-        };
-        Self::facing_share(facing) * near.clamp(0.0, 1.0) * p.seen
+        Self::facing_share(facing) * near_share(p.distance, self.reach) * p.seen
     }
 
     /// The same by the cosine between the slave's normal and the reversed normal of the master.

@@ -32,7 +32,7 @@ const SHALLOW: f64 = 0.05;
 const INSIDE: f64 = 0.25;
 
 /// 1 up to `from`, 0 beyond `to`.
-fn falling(value: f64, [from, to]: [f64; 2]) -> f64 {
+pub(super) fn falling(value: f64, [from, to]: [f64; 2]) -> f64 {
     ((to - value) / (to - from)).clamp(0.0, 1.0)
 }
 

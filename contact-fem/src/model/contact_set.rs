@@ -60,9 +60,10 @@ pub(super) struct ContactSet<const D: usize> {
     pub geometry: Geometry,
     integration: Integration,
     projection: Projection,
-    /// The corners and edges that may have rows, whether they have from the start, and whether they have at present.
+    /// The corners and edges that may have rows.
     corners: Option<SharpCorners<D>>,
-    has_held: bool,
+    /// Whether they have rows from the start of a run, and whether they have at present.
+    holds_from_start: bool,
     holds: AtomicBool,
     /// The search radius of integration points (UL).
     pub reach: f64,
@@ -213,7 +214,7 @@ impl<const D: usize> ContactSet<D> {
             integration: scene.integration(),
             projection: scene.projection,
             corners,
-            has_held: scene.corners == Corners::Held,
+            holds_from_start: scene.corners == Corners::Held,
             holds: AtomicBool::new(scene.corners == Corners::Held),
             reach: match (scene.reach, geometry) {
                 (Some(reach), _) => reach,
@@ -667,12 +668,12 @@ impl<const D: usize> ContactSet<D> {
         Some(self.with_corners(rows, located, pass, master))
     }
 
-    /// At the start of a run: corners and edges have rows if they have from the start.
+    /// At the start of a run: corners and edges have rows only if the scene asks for them.
     pub fn begin(&self) {
-        self.holds.store(self.has_held, Ordering::Relaxed);
+        self.holds.store(self.holds_from_start, Ordering::Relaxed);
     }
 
-    /// Whether there are corners or edges that have no rows, and may have.
+    /// Whether there are corners or edges without rows that may have rows.
     pub fn may_hold_corners(&self) -> bool {
         let has_any = self.corners.as_ref().is_some_and(|own| !own.is_empty());
         has_any && !self.holds.load(Ordering::Relaxed)
@@ -681,6 +682,16 @@ impl<const D: usize> ContactSet<D> {
     /// From now on, corners and edges have rows.
     pub fn hold_corners(&self) {
         self.holds.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether a pass has the rows of edges that cross: it is between two bodies, and the only one between their surfaces or the first of two, since these rows have
+    /// no slave.
+    fn has_crossings(&self, pass: Pass) -> bool {
+        let [first, second] = self.bodies_of(pass);
+        let mut turned = self.turned(pass).into_iter();
+        let is_second =
+            turned.any(|turned| turned.slave < pass.slave && self.passes.contains(&turned));
+        self.obstacle_of(pass).is_none() && first != second && !is_second
     }
 
     /// The same with the rows of corners and edges.
@@ -715,12 +726,7 @@ impl<const D: usize> ContactSet<D> {
             }
         };
         let rows = rows.with_corners(own.moving(), against, &found);
-        // edges that cross have no slave: one of the two passes has their rows
-        let [first, second] = self.bodies_of(pass);
-        let turned = self.turned(pass);
-        let turned = turned.filter(|turned| self.passes.contains(turned));
-        let is_second = turned.is_some_and(|turned| turned.slave < pass.slave);
-        if self.obstacle_of(pass).is_some() || first == second || is_second {
+        if !self.has_crossings(pass) {
             return rows;
         }
         let both = [pass.slave, pass.master];

@@ -10,8 +10,8 @@ use contact_fem::{Body, Mesh, NeoHookean, Scene, Simulation};
 
 use crate::common::ended;
 
-/// A square bar of length 4 and side ½ from z = 0 downwards, with a ridge on top along x, which has `cells` edges; turned about z, with the ridge at a height, and for
-/// `is_above` turned upside down.
+/// A square bar of length 4 and side ½. Its ridge is on top and along x, at a height, and has `cells` edges. The bar is turned about z, and turned upside down if
+/// `is_above`.
 fn ridge(cells: usize, (turn, height, is_above): (f64, f64, bool)) -> Mesh<3> {
     let mut mesh = cuboid([-2.0, 0.0, -0.5], [4.0, 0.5, 0.5], [cells, 2, 2]).expect("a mesh");
     mesh.name_boundary("all", |_| true);

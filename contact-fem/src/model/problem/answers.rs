@@ -67,15 +67,16 @@ impl<const D: usize> Problem<D> {
     }
 }
 
-/// The relative depth of bodies from which on corners and edges get rows, and the depth of a node in facets. Sound scenes without such rows are at most so deep, at corners; from
+/// The relative depth of two bodies, and the depth of a node in facets, from which on corners and edges get rows. Sound scenes without such rows are at most so deep, at corners. From
 /// [`Overlap::LIMIT`] on, a run ends.
 const DEEP: f64 = 0.2;
-/// The same where no force keeps two bodies apart: so deep they would be with these rows.
+/// The relative depth for two bodies without a force between them: with their rows, corners would be as deep.
 const UNOPPOSED: f64 = 0.05;
 /// The smallest force between two bodies that keeps them apart, as a share of the scene's unit of forces.
 const PUSHES: f64 = 1e-6;
 
 impl<const D: usize> Problem<D> {
+    /// An overlap in words.
     fn passage(&self, found: &Overlap<D>) -> Passage {
         let [first, second] = found.bodies.map(|body| self.scene.called(body));
         let at: Vec<String> = found.at.iter().map(|x| format!("{x:.3e}")).collect();
@@ -85,7 +86,7 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    /// What is so deep inside that corners and edges should have rows.
+    /// What is so deep inside that corners and edges get rows, as a clause.
     fn too_deep(&self, solution: &Solution) -> Option<String> {
         if let Some(Passage { place, depth }) = self.deep_overlap(solution) {
             return Some(format!("{place} by {depth:.2e}"));
@@ -94,7 +95,7 @@ impl<const D: usize> Problem<D> {
         (share > DEEP).then(|| format!("a node is {share:.2} facets inside another surface"))
     }
 
-    /// The deepest overlap of two bodies that may touch, if it is so deep.
+    /// The deepest overlap of two bodies that may touch, if it is deep enough.
     fn deep_overlap(&self, solution: &Solution) -> Option<Passage> {
         let mut forces: BTreeMap<[usize; 2], f64> = BTreeMap::new();
         for (key, force) in solution.gaps.keys().iter().zip(&solution.lambda) {
