@@ -51,7 +51,7 @@ use crate::tensor::Vector;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
-    /// The largest [`ErrorEstimate::relative`].
+    /// The largest error in the energy norm. In the plane [`ErrorEstimate::relative`] is to be at most this, in space at most 0.7 of it.
     pub asked: f64,
     /// The most levels; 30 by default.
     pub levels: usize,
@@ -142,6 +142,9 @@ const ROUND_OFF: f64 = 1e-9;
 const TOLD: f64 = 1.5;
 /// The first mesh has the accuracy where its estimate is at most this share of it.
 const SURE: f64 = 0.3;
+/// In space a mesh has the accuracy where its estimate is at most this share of it: in the energy norm, the estimates of balls on a plane are 0.72 to 0.77 of
+/// their true errors.
+const SURE_IN_SPACE: f64 = 0.7;
 
 /// The number of levels over which the error must fall, and the share below which it has fallen: each level cuts the cells with most of the error. Both
 /// were chosen on a beam that rests on two nodes.
@@ -223,8 +226,7 @@ impl Refinement {
         }))
     }
 
-    /// The mesh of a body on this level from that of level 0: in the plane refined where cells are marked, in space all over if a cell of the
-    /// body is.
+    /// The mesh of a body on this level from that of level 0, refined where cells are marked.
     ///
     /// # Errors
     /// A body that the first level did not have; another mesh than that of level 0; as [`Mesh::refined`].
@@ -351,6 +353,7 @@ impl Accuracy {
             let may_touch = is_marked && found.levels.len() <= UNSTRAINED;
             refinement.names = problem.scene().names().to_vec();
             found.solved = Some(Solved { problem, history });
+            let sure = if D == 3 { SURE_IN_SPACE } else { 1.0 };
             let ended = match self.limit(&found.levels) {
                 _ if level.estimated_error == 0.0 && !may_touch => Some(Ended::Unstrained),
                 _ if level.estimated_error == 0.0 => None,
@@ -358,7 +361,7 @@ impl Accuracy {
                 limit if found.levels.len() == 1 && level.estimated_error > SURE * self.asked => {
                     limit.map(Ended::Limit)
                 }
-                _ if level.estimated_error <= self.asked => Some(Ended::Reached),
+                _ if level.estimated_error <= sure * self.asked => Some(Ended::Reached),
                 _ if level.estimated_error.is_nan() => Some(Ended::NoEstimate),
                 _ if is_stalled(&found.levels) => Some(stalled_at(&refinement.names, &estimate)),
                 limit => limit.map(Ended::Limit),
@@ -545,6 +548,71 @@ mod tests {
             ..second
         };
         assert_eq!(raised(first, higher), 1.0);
+    }
+
+    /// An eighth of a ball on a plane in quadratic cells, and the energy norm of the difference between its displacements on each level and those on the
+    /// last, finer one. Energies tell less: penetration lowers them.
+    #[cfg(feature = "ipopt")]
+    #[test]
+    fn estimates_in_space_are_those_of_the_energy_norm() {
+        use contact_core::LoadStepped;
+
+        use crate::mesh::generators::{eighth_sphere, onto_sphere};
+        use crate::{Body, LinearElastic, Obstacle, Scene, Simulation};
+
+        let draw = |mesh: Mesh<3>| {
+            let mesh = mesh.drawn("surface", onto_sphere(1.0))?;
+            mesh.curved("surface", onto_sphere(1.0))
+        };
+        let ball = eighth_sphere(1.0, 4).map(Mesh::quadratic).and_then(draw);
+        let ball = ball.expect("a ball");
+        let (mut states, mut marks) = (Vec::new(), Vec::new());
+        let solve = |refinement: &Refinement| -> Result<Solved<3>, Error> {
+            let mut body = Body::new(
+                refinement.drawn("ball", ball.clone(), draw)?,
+                LinearElastic::new(1000.0, 0.3)?,
+            );
+            body.prescribe("left", [Some(0.0), None, None])?;
+            body.prescribe("front", [None, Some(0.0), None])?;
+            body.prescribe("flat", [None, None, Some(-0.04)])?;
+            let mut scene = Scene::new();
+            let body = scene.add("ball", body);
+            let plane = Obstacle::half_space([0.0, 0.0, -1.0], [0.0, 0.0, 1.0])?;
+            scene.obstacle("plane", body.on("surface"), plane)?;
+            let mut problem = scene.problem()?;
+            let history = Simulation::with_increments(1).run(&mut problem)?;
+            let solution = history.run.solution.as_ref().expect("it converges");
+            states.push(problem.displacements(&solution.state.u));
+            marks = refinement.marks.clone();
+            Ok(Solved { problem, history })
+        };
+        let reached = Accuracy::of(0.045).reach(solve, |_| {});
+        let reached = reached.expect("a sound scene");
+        assert_eq!(reached.ended, Ended::Reached);
+        let mut last = reached.solved.expect("a level").problem;
+        last.set_load(0.0).expect("no load");
+        let told = |level: &Level| level.estimated_energy_error / level.raised;
+        let (finest, coarser) = reached.levels.split_last().expect("levels");
+        for (k, level) in coarser.iter().enumerate() {
+            let (mut mesh, mut U) = (ball.clone(), states[k].clone());
+            for (n, marks) in marks.iter().enumerate() {
+                let finer = match n < k {
+                    true => mesh.refined_where(&marks[0]),
+                    false => mesh.refined_with(&marks[0], &mut U),
+                };
+                mesh = finer.and_then(draw).expect("sound cells");
+            }
+            let apart: Vec<Vector<3>> = U
+                .iter()
+                .zip(&states[coarser.len()])
+                .map(|(a, b)| a - b)
+                .collect();
+            let e = last.unknowns(&apart).expect("the same at supports");
+            let truth = last.energy().value(&e) + told(finest);
+            let ratio = (told(level) / truth).sqrt();
+            assert!((SURE_IN_SPACE..1.3).contains(&ratio), "{k}: {ratio}");
+        }
+        assert!(coarser.len() > 2);
     }
 
     #[test]

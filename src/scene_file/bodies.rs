@@ -98,7 +98,7 @@ impl SceneFile {
             false => keys.mesh.with_regions(&at, &self.folder, keys.merge_nodes),
         };
         let mut mesh = match found? {
-            Found::Mesh(mesh) => mesh,
+            Found::Mesh(mesh) => *mesh,
             Found::Regions(names) => {
                 let names = names.join(", ");
                 return Err(at.wrong(format!(

@@ -260,7 +260,7 @@ impl MeshKeys {
         match self {
             MeshKeys::File(path) => {
                 let file = place.of(read(&folder.join(path), merge))?;
-                Ok(Found::Mesh(place.of(file.with_regions())?))
+                Ok(Found::Mesh(Box::new(place.of(file.with_regions())?)))
             }
             MeshKeys::Made(_) => self.mesh(place, folder, (None, None)),
         }
@@ -278,19 +278,17 @@ impl MeshKeys {
             MeshKeys::File(path) => {
                 let file = place.of(read(&folder.join(path), merge))?;
                 if let Some(region) = region {
-                    return Ok(Found::Mesh(place.of(file.body(region))?));
+                    return Ok(Found::Mesh(Box::new(place.of(file.body(region))?)));
                 }
                 let mut all = place.of(file.bodies::<D>())?;
                 Ok(match all.len() {
-                    1 => Found::Mesh(all.swap_remove(0).1),
+                    1 => Found::Mesh(Box::new(all.swap_remove(0).1)),
                     _ => Found::Regions(all.into_iter().map(|(name, _)| name).collect()),
                 })
             }
             MeshKeys::Made(made) => {
                 let mesh: Box<dyn Any> = made.mesh(place, folder)?;
-                Ok(mesh
-                    .downcast()
-                    .map_or(Found::OtherDimension, |mesh| Found::Mesh(*mesh)))
+                Ok(mesh.downcast().map_or(Found::OtherDimension, Found::Mesh))
             }
         }
     }
@@ -306,7 +304,7 @@ fn read(path: &Path, merge: Option<f64>) -> Result<MeshFile, contact_fem::Error>
 
 /// What a mesh key leads to.
 pub(super) enum Found<const D: usize> {
-    Mesh(Mesh<D>),
+    Mesh(Box<Mesh<D>>),
     /// A file with these bodies, of which none is named.
     Regions(Vec<String>),
     OtherDimension,

@@ -21,6 +21,9 @@ const CELLS: usize = 2;
 const CELLS_ON_BORDERS: usize = 4;
 /// A monomial belongs to a fit if so much of its square is independent of the monomials before it.
 const INDEPENDENT: f64 = 1e-6;
+/// The largest variance of the value of a fit at its corner, as a multiple of the variance of a sample there, if weights are the inverse of variances. It is
+/// at most 16 on meshes of equal cells, and 500 and more where all samples are on one side in a thin wedge.
+const VARIANCE: f64 = 64.0;
 /// Samples at the distance d of the corner, relative to the farthest one, count 1/(this + d²).
 const NEARBY: f64 = 0.1;
 
@@ -188,7 +191,8 @@ impl<const D: usize> Recovered<D> {
                 let found = Fit::new(centre, &own, count);
                 let is_enough = patch.len() >= least
                     && own.len() >= SAMPLES * count
-                    && found.coefficients.len() == count;
+                    && found.coefficients.len() == count
+                    && found.variance <= VARIANCE;
                 if is_enough {
                     break found;
                 }
@@ -224,6 +228,8 @@ struct Fit<const D: usize> {
     radius: f64,
     /// Those of the first monomials of [`monomials`], in (X − centre)/radius.
     coefficients: Vec<Matrix<D>>,
+    /// See [`VARIANCE`].
+    variance: f64,
 }
 
 impl<const D: usize> Default for Fit<D> {
@@ -232,6 +238,7 @@ impl<const D: usize> Default for Fit<D> {
             centre: Vector::zeros(),
             radius: 1.0,
             coefficients: Vec::new(),
+            variance: 0.0,
         }
     }
 }
@@ -250,10 +257,12 @@ impl<const D: usize> Fit<D> {
         };
         let degrees = [coefficients::<D>(Order::Quadratic), D + 1, 1];
         let mut lower = degrees.iter().filter(|degree| **degree <= count);
+        let (coefficients, variance) = lower.find_map(fit).unwrap_or_default();
         Fit {
             centre,
             radius,
-            coefficients: lower.find_map(fit).unwrap_or_default(),
+            coefficients,
+            variance,
         }
     }
 
@@ -266,12 +275,13 @@ impl<const D: usize> Fit<D> {
     }
 }
 
-/// The N coefficients of the polynomial in (X − centre)/radius that is closest to the samples; `None` if they do not determine it.
+/// The N coefficients of the polynomial in (X − centre)/radius that is closest to the samples, and the variance at the centre; `None` if samples do
+/// not determine it.
 fn least_squares<const D: usize, const N: usize>(
     centre: Vector<D>,
     radius: f64,
     samples: &[Sample<D>],
-) -> Option<Vec<Matrix<D>>> {
+) -> Option<(Vec<Matrix<D>>, f64)> {
     let mut normal = SMatrix::<f64, N, N>::zeros();
     let mut right = [Matrix::<D>::zeros(); N];
     for Sample { X, gradient } in samples {
@@ -294,7 +304,9 @@ fn least_squares<const D: usize, const N: usize>(
         let own = coefficients.iter_mut().zip(solution.iter());
         own.for_each(|(matrix, value)| matrix[c] = *value);
     }
-    Some(coefficients)
+    let at_centre = SVector::<f64, N>::from_fn(|i, _| if i == 0 { 1.0 } else { 0.0 });
+    let variance = factor.solve(&at_centre)[0] / NEARBY;
+    Some((coefficients, variance))
 }
 
 /// 1, r_i, and r_i r_j; unused ones are zero.

@@ -45,6 +45,8 @@ pub struct Mesh<const D: usize> {
     regions: BTreeMap<String, Vec<usize>>,
     /// Whether it is the half-plane section of a body of revolution.
     is_revolved: bool,
+    /// Where the cells are bisected next; empty if none has been so far.
+    marks: Vec<refine::Marks>,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -114,6 +116,7 @@ impl<const D: usize> Mesh<D> {
             region: None,
             regions: BTreeMap::new(),
             is_revolved: false,
+            marks: Vec::new(),
         };
         mesh.check_edges()?;
         mesh.check_cells()?;

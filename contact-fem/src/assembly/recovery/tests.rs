@@ -4,7 +4,7 @@ use super::super::{AveragedVolume, BodyEnergy, DofMap, Laws, Revolution, StrainE
 use super::*;
 use crate::element::{P1, P2, RingP2};
 use crate::material::{LinearElastic, NeoHookean};
-use crate::mesh::generators::{Diagonals, cuboid, rectangle};
+use crate::mesh::generators::{Diagonals, cuboid, eighth_sphere, rectangle};
 
 const LAMBDA: f64 = 3.0;
 const MU: f64 = 2.0;
@@ -150,6 +150,31 @@ fn errors_of_smooth_fields_are_estimated_closely() {
     check::<3, P1>(&cube(6), [0.8, 1.2]);
     check::<2, P2>(&square(8).quadratic(), [0.9, 1.2]);
     check::<3, P2>(&cube(4).quadratic(), [0.9, 1.3]);
+}
+
+/// An eighth of a ball, bisected around its pole again and again: corners there have cells of many sizes around them, and on the edges of the ball few.
+#[test]
+fn errors_of_graded_meshes_are_estimated_closely() {
+    fn check<E: Element<3>>(mesh: Mesh<3>) {
+        let mut mesh = mesh;
+        for round in 1..=4 {
+            let pole = Vector::<3>::new(0.0, 0.0, -1.0);
+            let centre = |k: usize| {
+                let corners = mesh.corners(k).iter().map(|&a| mesh.nodes()[a]);
+                corners.sum::<Vector<3>>() / 4.0
+            };
+            let is_near = |k: usize| (centre(k) - pole).norm() < 1.2 * 0.6_f64.powi(round);
+            let marked: Vec<bool> = (0..mesh.len()).map(is_near).collect();
+            mesh = mesh.refined_where(&marked).expect("sound cells");
+            let U = field(&mesh, |X| wave(X).0);
+            let [square, _] = sums(&errors::<3, E>(&mesh, &U));
+            let ratio = (square / truth::<3, E>(&mesh, &U)).sqrt();
+            assert!((0.7..1.4).contains(&ratio), "{round}: {ratio}");
+        }
+    }
+    let ball = || eighth_sphere(1.0, 4).expect("a mesh");
+    check::<P1>(ball());
+    check::<P2>(ball().quadratic());
 }
 
 /// The stress of a bar of two materials is the same everywhere, its strain is not.
