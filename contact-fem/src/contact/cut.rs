@@ -44,7 +44,7 @@ pub enum Integration {
 
 /// The integration points of one pass, facet by facet.
 pub(super) enum Points<const D: usize> {
-    /// The same on every facet, and the depth (see [`Rim::depth`](super::rim::Rim::depth)) from which they count in full.
+    /// The same on every facet, and the least of their barycentric coordinates.
     Same(Vec<Place<D>>, f64),
     Cut(Box<Cutter<D>>),
 }
@@ -75,7 +75,7 @@ impl<const D: usize> Points<D> {
     pub fn new(integration: Integration, slave: &Surface<D>, master: &Master<D>) -> Self {
         let (other, by) = (master.surface(), master.by());
         match integration {
-            Integration::Gauss(points) => Points::uncut(points, slave, other),
+            Integration::Gauss(points) => Points::uncut(points),
             Integration::Exact => {
                 let shapes = slave.order().degree().max(other.order().degree());
                 // 2πR of bodies of revolution
@@ -98,17 +98,15 @@ impl<const D: usize> Points<D> {
         Points::Cut(Box::new(Cutter::new(degree)))
     }
 
-    /// Gauss points. Where the surfaces end together, the outermost points of the slave have their whole weight.
-    fn uncut(points: usize, slave: &Surface<D>, master: &Surface<D>) -> Self {
+    /// Gauss points.
+    fn uncut(points: usize) -> Self {
         let rule = FacetRule::<D>::gauss(points);
         let places = rule.points().iter();
         let places: Vec<_> = places.map(|point| Place::of(point, false)).collect();
         let outermost = places
             .iter()
             .fold(1.0, |least: f64, place| least.min(place.lambda.min()));
-        let ratio = slave.smallest_facet() / master.smallest_facet();
-        // the depth rises by at least 2 from a side of the rim to the next one
-        Points::Same(places, (2.0 * outermost * ratio).min(1.0))
+        Points::Same(places, outermost)
     }
 
     /// Finds the points on `facet` of the slave. `seeker` returns the slave point with given coordinates.
@@ -131,23 +129,31 @@ impl<const D: usize> Points<D> {
         }
     }
 
-    /// The share of its weight with which a point counts whose foot is `p`, by what is known of the master's rim, and what kind of point it is.
-    pub fn share(&self, place: &Place<D>, p: &FootPoint<D>, master: &Master<D>) -> (f64, Kind) {
+    /// The share of its weight with which a point counts whose foot is `p`, by what is known of the master's rim, and what kind of point it is. Its
+    /// facet is as long as `length` (UL). Where the surfaces end together, the outermost points have their whole weight.
+    pub fn share(
+        &self,
+        (place, length): (&Place<D>, f64),
+        p: &FootPoint<D>,
+        master: &Master<D>,
+    ) -> (f64, Kind) {
         match self {
             Points::Same(..) if master.by() == Projection::Closest => (1.0, Kind::Whole),
             Points::Cut(_) if master.by() == Projection::Closest => (1.0, Kind::Piece),
-            Points::Same(_, full) => {
+            Points::Same(_, outermost) => {
                 let surface = master.surface();
-                let depth = surface
-                    .rim()
-                    .depth(p.facet, surface.facet(p.facet), &p.lambda);
+                let (rim, nodes) = (surface.rim(), surface.facet(p.facet));
+                let depth = rim.depth(p.facet, nodes, &p.lambda);
                 #[cfg(planted)]
                 let depth = match contact_core::planted!("points near the rim weigh in full") {
                     true => 1.0,
                     false => depth,
                 };
-                match depth < *full {
-                    true => (depth / full, Kind::Fading),
+                // the depth rises by at least 2 from a side of the rim to the next one
+                let full = 2.0 * outermost * length / rim.size(nodes, &p.lambda);
+                let by_length = full < 1.0;
+                match depth < full.min(1.0) {
+                    true => (depth / full.min(1.0), Kind::Fading { by_length }),
                     false => (1.0, Kind::Whole),
                 }
             }

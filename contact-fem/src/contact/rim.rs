@@ -14,6 +14,8 @@ pub(super) struct Rim<const D: usize> {
     sides: Vec<[bool; D]>,
     /// For each node, whether it is a corner on the rim.
     corners: Vec<bool>,
+    /// For each node, the mean length of the facets around it (UL).
+    sizes: Vec<f64>,
 }
 
 impl<const D: usize> Rim<D> {
@@ -42,7 +44,12 @@ impl<const D: usize> Rim<D> {
                 side(facet, k).iter().for_each(|&a| corners[a] = true);
             }
         }
-        Rim { sides, corners }
+        let sizes = surface.node_sizes();
+        Rim {
+            sides,
+            corners,
+            sizes,
+        }
     }
 
     /// Whether the point λ of a facet with these nodes is on the rim: on a side without a neighbour, or in a corner that is on the rim.
@@ -92,6 +99,27 @@ impl<const D: usize> Rim<D> {
         }
         (slope.dot(lambda), slope)
     }
+
+    /// The length of the facets around the point λ of a facet with these nodes (UL), which is interpolated between its corners.
+    pub fn size(&self, nodes: &[usize], lambda: &Vector<D>) -> f64 {
+        self.sizes(nodes).dot(lambda)
+    }
+
+    fn sizes(&self, nodes: &[usize]) -> Vector<D> {
+        Vector::from_fn(|k, _| self.sizes[nodes[k]])
+    }
+
+    /// The depth as a length (UL), depth by size, with its derivatives by the components of λ.
+    pub fn length_and_slope(
+        &self,
+        facet: usize,
+        nodes: &[usize],
+        lambda: &Vector<D>,
+    ) -> (f64, Vector<D>) {
+        let (depth, slope) = self.depth_and_slope(facet, nodes, lambda);
+        let size = self.size(nodes, lambda);
+        (depth * size, slope * size + self.sizes(nodes) * depth)
+    }
 }
 
 #[cfg(test)]
@@ -106,6 +134,52 @@ mod tests {
         let mesh = cuboid([0.0; 3], [3.0, 3.0, 1.0], [3, 3, 1]).expect("mesh");
         let facets = mesh.boundary("top").expect("named");
         Surface::new(0, Order::Linear, facets.into_iter(), mesh.nodes())
+    }
+
+    /// The length varies as differences of it do, on facets of unequal sizes. It is continuous between facets, and so is the depth.
+    #[test]
+    fn slopes_of_the_length() {
+        let mesh = cuboid([0.0; 3], [3.0, 3.0, 1.0], [3, 3, 1]).expect("mesh");
+        let uneven = |X: &Vector<3>| Vector::<3>::new(X[0] + X[0] * X[0], X[1].exp(), X[2]);
+        let mesh = mesh.mapped(uneven).expect("mesh");
+        let facets = mesh.boundary("top").expect("named");
+        let surface = Surface::new(0, Order::Linear, facets.into_iter(), mesh.nodes());
+        let mut random = Random(9);
+        for (f, _) in surface.reference().iter().enumerate() {
+            let nodes = surface.facet(f);
+            let length = |lambda: &Vector<3>| surface.rim().length_and_slope(f, nodes, lambda);
+            for _ in 0..200 {
+                let lambda = Vector::<3>::from_fn(|_, _| -random.next().ln());
+                let lambda = lambda / lambda.sum();
+                let (here, slope) = length(&lambda);
+                let depth = surface.rim().depth(f, nodes, &lambda);
+                let size = surface.rim().size(nodes, &lambda);
+                assert!((here - depth * size).abs() < 1e-14 * size);
+                for k in 0..3 {
+                    let way = Vector::<3>::from_fn(|i, _| if i == k { 1e-6 } else { -0.5e-6 });
+                    let [there, back] = [way, -way].map(|way| length(&(lambda + way)).0);
+                    let ahead = (there - here - slope.dot(&way)).abs();
+                    let behind = (back - here + slope.dot(&way)).abs();
+                    assert!(ahead.min(behind) < 1e-10 * size, "{lambda}: {slope}");
+                }
+                // on a side, both facets have the same
+                let mut on_side = lambda;
+                on_side[0] = 0.0;
+                on_side /= on_side.sum();
+                let [a, b] = [nodes[1], nodes[2]];
+                let of = |g: usize, node: usize| surface.facet(g).iter().position(|&c| c == node);
+                let across = (0..surface.len()).find_map(|g| {
+                    let (p, q) = (of(g, a)?, of(g, b)?);
+                    (g != f).then_some((g, p, q))
+                });
+                if let Some((g, p, q)) = across {
+                    let mut same = Vector::<3>::zeros();
+                    (same[p], same[q]) = (on_side[1], on_side[2]);
+                    let there = surface.rim().length_and_slope(g, surface.facet(g), &same).0;
+                    assert!((length(&on_side).0 - there).abs() < 1e-14 * size);
+                }
+            }
+        }
     }
 
     /// The slope of the depth is that of differences.

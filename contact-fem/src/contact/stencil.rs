@@ -30,8 +30,11 @@ pub struct Projected<const D: usize> {
 pub enum Kind {
     /// By a rule on a whole facet.
     Whole,
-    /// Likewise, less what it has lost near a rim.
-    Fading,
+    /// Likewise, less what it has lost near a rim: it counts in proportion to the length from there, or to the depth.
+    Fading {
+        /// Whether it is the length.
+        by_length: bool,
+    },
     /// By a rule on a piece of a facet.
     Piece,
     /// It is a corner.
@@ -346,6 +349,7 @@ fn on_facets<const D: usize>(
         }
         let facet = Facet::gather(slave.order(), slave.facet(index), positions);
         let reference = &slave.reference()[index];
+        let length = slave.length(index);
         let seeker = |lambda: &Vector<D>| Seeker {
             x: facet.point(lambda),
             facing: facet.normal(lambda),
@@ -367,7 +371,7 @@ fn on_facets<const D: usize>(
                 ..seeker(lambda)
             };
             let found = master.find(&seeker).map(|projection| {
-                let (share, kind) = rule.share(place, &projection, master);
+                let (share, kind) = rule.share((place, length), &projection, master);
                 let share = seeker.share(&projection) * share;
                 Projected {
                     number,

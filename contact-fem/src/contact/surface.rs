@@ -253,8 +253,8 @@ impl<const D: usize> Surface<D> {
     /// For each node, the mean length of the adjacent facets (UL).
     pub fn node_sizes(&self) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.nodes.len()];
-        for (facet, measure) in self.facets().zip(self.measures()) {
-            let size = measure.powf(1.0 / (D as f64 - 1.0));
+        for (f, facet) in self.facets().enumerate() {
+            let size = self.length(f);
             for &a in facet {
                 sums[a] = (sums[a].0 + size, sums[a].1 + 1.0);
             }
@@ -352,6 +352,13 @@ impl<const D: usize> Surface<D> {
             lambda[k] = own;
         }
         lambda
+    }
+
+    /// The length of facet `f` (UL): the (D−1)-th root of its measure.
+    pub fn length(&self, f: usize) -> f64 {
+        let centre = Vector::repeat(1.0 / D as f64);
+        let measure = self.reference[f].normal(&centre).norm();
+        measure.powf(1.0 / (D as f64 - 1.0))
     }
 
     /// The length of the smallest facet (UL).

@@ -10,7 +10,8 @@
 //! - In the plane, pieces of cut facets end where the normal n of the master's last node x̄ meets the slave's facet, at the t at which
 //!   (x(t) − x̄)×n = 0. The end gains |X,t| δt, δt = −((δx − δx̄)×n + (x − x̄)×δn)/(x,t×n), or loses it. Where pieces meet elsewhere,
 //!   one gains what the other loses.
-//! - Gauss points fade near a rim, in proportion to the [depth](super::rim::Rim::depth) of their feet.
+//! - Gauss points fade near a rim, in proportion to the [depth](super::rim::Rim::depth) of their feet, as a length where facets of the slave
+//!   are not much longer than those of the master.
 //!
 //! Left out are the ends of polygons in space, and the shares near the search radius, at right angles and out of sight.
 
@@ -39,16 +40,16 @@ pub(super) fn of_point<const D: usize>(
     foot: &Foot<'_, D>,
     near: impl Iterator<Item = (usize, Matrix<D>)>,
 ) -> Option<Weighing<D>> {
-    if stencil.kind() != Kind::Fading {
+    let Kind::Fading { by_length } = stencil.kind() else {
         return None;
-    }
+    };
     let p = stencil.projection();
-    let (depth, slope) = foot
-        .master
-        .surface()
-        .rim()
-        .depth_and_slope(p.facet, foot.nodes, &p.lambda);
-    let by_lambda = slope * (stencil.weight() / depth);
+    let rim = foot.master.surface().rim();
+    let (value, slope) = match by_length {
+        true => rim.length_and_slope(p.facet, foot.nodes, &p.lambda),
+        false => rim.depth_and_slope(p.facet, foot.nodes, &p.lambda),
+    };
+    let by_lambda = slope * (stencil.weight() / value);
     let by_normals = foot.lambda_by_normals().tr_mul(&by_lambda);
     let normals = foot.nodes.iter().zip(&foot.N);
     Some(Weighing {

@@ -28,6 +28,8 @@ pub(super) struct Faces<const D: usize> {
     is_end: Vec<bool>,
     /// The length of each facet at X (UL).
     sizes: Vec<f64>,
+    /// For each node the mean length of the facets around it (UL).
+    lengths: Vec<f64>,
 }
 
 /// The nodes of one facet with a vector each, which are interpolated by own shape functions.
@@ -212,6 +214,7 @@ impl<const D: usize> Faces<D> {
             nodes: own.iter().map(|a| a + first).collect(),
             is_end: vec![false; own.len()],
             sizes: Vec::new(),
+            lengths: Vec::new(),
         };
         for f in 0..faces.len() {
             for k in (0..D).filter(|&k| faces.rim[f][k]) {
@@ -224,6 +227,7 @@ impl<const D: usize> Faces<D> {
         let measure = |f: usize| faces.patch(f, &faces.X).normal(&middle()).norm();
         let sizes = (0..faces.len()).map(|f| measure(f).powf(1.0 / (D as f64 - 1.0)));
         faces.sizes = sizes.collect();
+        faces.lengths = faces.node_sizes();
         Some(faces)
     }
 
@@ -310,9 +314,15 @@ impl<const D: usize> Faces<D> {
         }
     }
 
-    /// The length of the smallest facet (UL).
-    pub fn smallest(&self) -> f64 {
-        self.sizes.iter().copied().fold(f64::INFINITY, f64::min)
+    /// The length of a facet (UL).
+    pub fn length(&self, f: usize) -> f64 {
+        self.sizes[f]
+    }
+
+    /// The length of the facets around λ (UL), linear between the corners of a facet.
+    pub fn length_at(&self, f: usize, lambda: &Vector<D>) -> f64 {
+        let corners = self.facet(f)[..D].iter().zip(lambda.iter());
+        corners.map(|(&a, l)| l * self.lengths[a]).sum()
     }
 
     /// The mean length of the facets (UL).

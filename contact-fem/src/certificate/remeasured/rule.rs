@@ -43,11 +43,11 @@ const DIVISIONS: usize = 2;
 
 /// Where the points of a slave's facets are.
 pub(super) enum Places<const D: usize> {
-    /// At the points of the scene's Gauss rule, as (weight, λ). A point counts in part where its foot is less than `full` inside the rim of the
-    /// master, as a share of a facet.
+    /// At the points of the scene's Gauss rule, as (weight, λ). A point counts in part where its foot is nearer to the end of the master than
+    /// the `outermost` point of the slave's facet is to that facet's sides.
     Gauss {
         points: Vec<(f64, Vector<D>)>,
-        full: f64,
+        outermost: f64,
     },
     /// On pieces, by a rule of another degree than the solver's: in the plane that of these points, as (weight, λ).
     Pieces(Vec<(f64, Vector<D>)>),
@@ -66,13 +66,11 @@ impl<const D: usize> Places<D> {
         };
         let points = gauss::<D>(count);
         let coordinates = points.iter().map(|(_, lambda)| lambda.min());
-        let outermost = coordinates.fold(1.0, f64::min);
-        let ratio = slave.smallest() / master.smallest();
-        let full = match projection {
-            Projection::AlongNormals => (2.0 * outermost * ratio).min(1.0),
+        let outermost = match projection {
+            Projection::AlongNormals => coordinates.fold(1.0, f64::min),
             Projection::Closest => 0.0,
         };
-        Places::Gauss { points, full }
+        Places::Gauss { points, outermost }
     }
 
     /// Pieces between two boundaries.
@@ -82,10 +80,12 @@ impl<const D: usize> Places<D> {
         Places::Pieces(gauss::<D>(count))
     }
 
-    /// The share with which a point counts by the place of its foot.
-    fn share(&self, master: &Faces<D>, foot: &Foot<D>) -> f64 {
+    /// The share with which a point of a facet counts by the place of its foot.
+    fn share(&self, (slave, facet): (&Faces<D>, usize), master: &Faces<D>, foot: &Foot<D>) -> f64 {
         match self {
-            Places::Gauss { full, .. } if *full > 0.0 => {
+            Places::Gauss { outermost, .. } if *outermost > 0.0 => {
+                let ratio = slave.length(facet) / master.length_at(foot.facet, &foot.lambda);
+                let full = (2.0 * outermost * ratio).min(1.0);
                 (master.depth(foot.facet, &foot.lambda) / full).clamp(0.0, 1.0)
             }
             _ => 1.0,
@@ -207,10 +207,11 @@ impl<const D: usize> Slave<'_, D> {
         let cosine = -facing.dot(&foot.normal) / facing.norm();
         let near = (self.reach.radius - foot.distance) / (FAR * self.reach.radius);
         let near = if near.is_nan() { 1.0 } else { near };
+        let own = (self.surfaces.0, self.facet);
         let counts = (cosine / FACING).clamp(0.0, 1.0)
             * near.clamp(0.0, 1.0)
             * feet::seen(self.surfaces.1, &self.point(&lambda), &foot, self.reach)
-            * self.places.share(self.surfaces.1.faces, &foot);
+            * self.places.share(own, self.surfaces.1.faces, &foot);
         let weight = share * counts * self.surfaces.0.measure(self.facet, &lambda);
         points.are_whole &= counts == 1.0;
         if weight > 0.0 {

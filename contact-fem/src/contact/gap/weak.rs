@@ -113,10 +113,11 @@ impl<const D: usize> Pair<D> {
         (!is_on_rim).then_some((facet, lambda, n))
     }
 
-    /// The share of its weight with which a Gauss point counts whose foot is at λ: the foot's depth inside the rim over that of the outermost
-    /// of the rule's points on a facet of the slave, with facets of the same size. The depth is linear on the parts of a facet between a corner, the middle of
-    /// a side and the centre: 0 at each of these three that is on the rim, 1 at each that is not.
-    fn share(&self, facet: usize, lambda: &Vector<D>, points: usize) -> f64 {
+    /// The share of its weight with which a Gauss point of a facet counts whose foot is at λ: the foot's depth inside the rim over that of the
+    /// outermost of the rule's points on its facet, if facets there were as long as this one. The depth is linear on the parts of a facet between a corner, the
+    /// middle of a side and the centre: 0 at each of these three that is on the rim, 1 at each that is not. Lengths of the master are means around
+    /// corners, and linear between corners.
+    fn share(&self, slave: &[usize], (facet, lambda): (usize, &Vector<D>), points: usize) -> f64 {
         if self.case.by == Projection::Closest {
             return 1.0;
         }
@@ -158,21 +159,26 @@ impl<const D: usize> Pair<D> {
         let rule = FacetRule::<D>::gauss(points);
         let outermost = rule.points().iter().map(|(_, xi)| xi.min());
         let outermost = outermost.fold(1.0, f64::min) * 2.0;
-        let size = |facets: &[Vec<usize>]| {
-            let X = Case {
-                x: self.X.clone(),
-                slave: vec![],
-                master: vec![],
-                ..self.case
-            };
-            let middle = Vector::repeat(1.0 / D as f64);
-            let measures = facets.iter().map(|f| X.measure(f, &middle).norm());
-            measures
-                .fold(f64::INFINITY, f64::min)
+        let X = Case {
+            x: self.X.clone(),
+            slave: vec![],
+            master: vec![],
+            ..self.case
+        };
+        let middle = Vector::repeat(1.0 / D as f64);
+        let length = |facet: &[usize]| {
+            X.measure(facet, &middle)
+                .norm()
                 .powf(1.0 / (D as f64 - 1.0))
         };
-        let ratio = size(&self.case.slave) / size(&self.case.master);
-        (depth / (outermost * ratio)).min(1.0)
+        let around = |node: usize| {
+            let facets = self.case.master.iter().filter(|f| f.contains(&node));
+            let lengths: Vec<f64> = facets.map(|f| length(f)).collect();
+            lengths.iter().sum::<f64>() / lengths.len() as f64
+        };
+        let there: f64 = (0..D).map(|k| lambda[k] * around(nodes[k])).sum();
+        let full = outermost * length(slave) / there;
+        (depth / full.min(1.0)).min(1.0)
     }
 
     /// a_i and the coefficients of all nodes in a_i c_i; and how many rows lean on their neighbours.
@@ -197,7 +203,7 @@ impl<const D: usize> Pair<D> {
                 let Some((foot, lambda, n)) = self.foot(&at) else {
                     continue;
                 };
-                let w = w * self.share(foot, &lambda, points);
+                let w = w * self.share(facet, (foot, &lambda), points);
                 let own = facet.iter().zip(facet_shapes(*order, xi));
                 let nodes = self.case.master[foot].iter();
                 let foot = nodes.zip(facet_shapes(*order, &lambda).map(|N| -N));
