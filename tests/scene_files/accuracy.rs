@@ -119,6 +119,87 @@ fn both_orders_come_to_the_contact_of_the_circle() {
     );
 }
 
+/// An eighth of a ball that is pressed on a rigid plane.
+fn ball(shells: usize) -> String {
+    format!(
+        r#"
+increments = 1
+
+[[body]]
+name = "ball"
+mesh = {{ eighth-sphere = {{ radius = 50, shells = {shells} }} }}
+quadratic = true
+curved = [{{ on = "surface", radius = 50 }}]
+translated = [0, 0, 50]
+law = "linear-elastic"
+young = 20000
+poisson = 0.3
+supports = [{{ on = "left", x = 0 }}, {{ on = "front", y = 0 }}, {{ on = "flat", z = -2 }}]
+
+[[obstacle]]
+name = "plane"
+half-space = {{ point = [0, 0, 0], normal = [0, 0, 1] }}
+on = [["ball", "surface"]]
+"#
+    )
+}
+
+/// In space cells are cut where the errors are: a mesh that is fine all over needs three times the unknowns, and has another partition.
+#[test]
+fn meshes_in_space_are_fine_where_the_contact_is() {
+    let (code, text, out) = run("accuracy_ball", &ball(4), &["--accuracy", "10%"]);
+    assert_eq!(code, Some(0), "{text}");
+    let levels = levels(&out);
+    let [unknowns, estimated, energy] = levels[levels.len() - 1];
+    assert!(unknowns < 5000.0, "{unknowns}");
+    let (code, text, out) = run("accuracy_ball_uniform", &ball(14), &[]);
+    assert_eq!(code, Some(0), "{text}");
+    let text = fs::read_to_string(out.join("summary.json")).expect("a summary");
+    let uniform: Value = serde_json::from_str(&text).expect("JSON");
+    let of = |name: &str| uniform[name].as_f64().expect("a number");
+    let free = uniform["mesh"]["free_dofs"].as_f64().expect("a number");
+    assert!(free > 3.0 * unknowns, "{free} {unknowns}");
+    assert!(of("estimated_error") > 0.8 * estimated);
+    // each is off by no more than what it is estimated to be off by
+    let apart = (energy - of("energy")).abs();
+    let told = (estimated.powi(2) + of("estimated_error").powi(2)) * energy;
+    assert!(apart < told, "{apart} {told}");
+}
+
+/// A ball of flat facets that ends at planes of symmetry, beside which feet are beyond its end: the second measurement leaves them out, as rows do.
+#[test]
+fn balls_that_are_refined_beside_planes_of_symmetry_are_certified() {
+    let scene = r#"
+geometry = "current"
+increments = 3
+
+[[body]]
+name = "block"
+mesh = { cuboid = { low = [0, 0, -0.8], size = [1.2, 1.2, 0.8], divisions = [3, 5, 1] } }
+law = "linear-elastic"
+young = 25
+poisson = 0.4
+symmetry = ["left", "front"]
+supports = [{ on = "bottom", x = 0, y = 0, z = 0 }]
+
+[[body]]
+name = "ball"
+mesh = { eighth-sphere = { radius = 1, shells = 4 } }
+law = "linear-elastic"
+young = 1000
+poisson = 0.45
+symmetry = ["left", "front"]
+translated = [0, 0, 1]
+supports = [{ on = "flat", x = 0, y = 0, z = -0.018 }]
+
+[[contact]]
+first = ["block", "top"]
+second = ["ball", "surface"]
+"#;
+    let (code, text, _) = run("accuracy_symmetry", scene, &["--accuracy", "30%"]);
+    assert_eq!(code, Some(0), "{text}");
+}
+
 /// Meshes that begin where the last one ended come to the states of whole paths.
 #[test]
 fn starts_on_finer_meshes_do_not_change_what_they_end_with() {

@@ -344,6 +344,14 @@ fn decide<const D: usize>(
         return Decision::None;
     }
     let patches = master.patches(closest.facet);
+    // beside the end, the foot may be beyond it although the closest point is not
+    let is_beyond = |(lambda, _): (Vector<D>, f64)| {
+        let mut sides = (0..D).filter(|&k| lambda[k] < -ROUND_OFF);
+        sides.any(|k| master.faces.is_rim(closest.facet, k))
+    };
+    if solve(&patches, &point.x, (&closest.lambda, 0.0)).is_some_and(is_beyond) {
+        return Decision::None;
+    }
     let offset = point.x - patches[0].at(&closest.lambda);
     let normal = patches[1].at(&closest.lambda).normalize();
     let foot = Foot {
