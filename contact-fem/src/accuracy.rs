@@ -82,13 +82,15 @@ pub struct Level {
     pub estimated_error: f64,
     /// [`ErrorEstimate::energy`] (UF·UL), raised by `raised`.
     pub estimated_energy_error: f64,
-    /// The largest ratio of the energy's fall since a recent level to what that level's estimate said, at least 1. A recent level has a quarter of this
-    /// level's unknowns or more. The ratio is large at strong singularities, and grows without end where a point carries a force.
+    /// The largest ratio of the energy's fall since a recent level, or of its rise since the last one, to what that level's estimate said, at least 1. Recent levels
+    /// are the last one, and those with a quarter of this level's unknowns or more. Energies rise as penetration becomes less. The ratio is large at strong singularities, and grows without end where a point carries a force.
     pub raised: f64,
     /// The total energy (UF·UL).
     pub energy: f64,
     /// The fewest facets in contact of a pair with a force.
     pub contact_facets_touching: Option<usize>,
+    /// The number of pairs whose contact zone facets do not resolve ([`ContactFacets::is_unresolved`](crate::model::ContactFacets::is_unresolved)).
+    pub unresolved_contacts: usize,
 }
 
 impl std::fmt::Display for Level {
@@ -104,13 +106,17 @@ impl std::fmt::Display for Level {
             self.seconds,
             self.seconds_so_far
         )?;
-        match self.raised > TOLD {
-            true => write!(
+        if self.raised > TOLD {
+            write!(
                 f,
-                ", errors raised by {:.1} since energies fall by more than estimated",
+                ", errors raised by {:.1} since energies change by more than estimated",
                 self.raised
-            ),
-            false => Ok(()),
+            )?;
+        }
+        match self.unresolved_contacts {
+            0 => Ok(()),
+            1 => write!(f, ", a contact is not resolved"),
+            count => write!(f, ", {count} contacts are not resolved"),
         }
     }
 }
@@ -119,11 +125,17 @@ impl Level {
     /// With its errors raised by what the levels before tell, see [`Level::raised`].
     fn raised_by(self, before: &[Level]) -> Self {
         // contact that no facet saw, and round-off, tell nothing
-        let is_recent = |of: &&Level| 4 * of.unknowns >= self.unknowns && of.estimated_error > 0.0;
+        let is_strained = |of: &&Level| of.estimated_error > 0.0;
         let fallen = |of: &Level| of.energy - self.energy;
-        let recent = before.iter().filter(is_recent);
-        let recent = recent.filter(|of| fallen(of) > ROUND_OFF * self.energy.abs());
-        let ratios = recent.map(|of| fallen(of) / (of.estimated_energy_error / of.raised));
+        let (earlier, last) = before.split_at(before.len().saturating_sub(1));
+        let earlier = earlier.iter().filter(|of| 4 * of.unknowns >= self.unknowns);
+        let recent = last.iter().chain(earlier).filter(is_strained);
+        let falls = recent.map(|of| (of, fallen(of)));
+        let rises = last.iter().filter(is_strained);
+        let rises = rises.map(|of| (of, -fallen(of)));
+        let changes = falls.chain(rises);
+        let changes = changes.filter(|(_, change)| *change > ROUND_OFF * self.energy.abs());
+        let ratios = changes.map(|(of, change)| change * of.raised / of.estimated_energy_error);
         let raised = ratios.fold(1.0, f64::max);
         Level {
             raised,
@@ -208,16 +220,18 @@ impl Refinement {
     }
 
     /// The state of the last level on the meshes of this one, without forces of contact: where only the end of a run counts, it is the start of a run of one
-    /// increment ([`LoadSteps::guess`](contact_core::LoadSteps::guess)). `None` on level 0, and with friction, which depends on the way.
+    /// increment ([`LoadSteps::guess`](contact_core::LoadSteps::guess)). `None` on level 0, with friction, which depends on the way, and for other meshes, as
+    /// where a body was [cut as a whole](Refinement::drawn).
     ///
     /// # Errors
-    /// A problem whose meshes are not from [`Refinement::of`]; as [`Problem::unknowns`].
+    /// As [`Problem::unknowns`].
     pub fn start<const D: usize>(&self, problem: &Problem<D>) -> Result<Option<State>, Error> {
         if self.marks.is_empty() || problem.has_friction() {
             return Ok(None);
         }
-        let (found, expected) = (self.last.len() / D, problem.reference().len());
-        contact_core::Error::check_length_of("nodes of the refined meshes", found, expected)?;
+        if self.last.len() != D * problem.reference().len() {
+            return Ok(None);
+        }
         let U = self.last.chunks_exact(D).map(Vector::from_column_slice);
         let u = problem.unknowns(&U.collect::<Vec<_>>())?;
         Ok(Some(State {
@@ -234,7 +248,8 @@ impl Refinement {
         self.drawn(body, mesh, Ok)
     }
 
-    /// As [`Refinement::of`], where `draw` moves the nodes of a new mesh to where they belong, as with [`Mesh::curved`].
+    /// As [`Refinement::of`], where `draw` moves the nodes of a new mesh to where they belong, as with [`Mesh::curved`]. Where it cannot, as in a thin
+    /// curved body, whose new nodes would come through the other side, all cells are cut.
     ///
     /// # Errors
     /// As [`Refinement::of`], and the errors of `draw`.
@@ -256,7 +271,10 @@ impl Refinement {
         for level in &self.marks {
             let marked = &level[index];
             if marked.contains(&true) {
-                mesh = draw(mesh.refined_where(marked)?)?;
+                mesh = match draw(mesh.refined_where(marked)?) {
+                    Ok(finer) => finer,
+                    Err(_) => draw(mesh.refined_where(&vec![true; mesh.len()])?)?,
+                };
             }
         }
         Ok(mesh)
@@ -332,6 +350,8 @@ impl Accuracy {
             };
             let estimate = problem.error_estimate(solution)?;
             let facets = estimate.contacts.iter().filter_map(|pair| pair.touching);
+            let unresolved = estimate.contacts.iter();
+            let unresolved = unresolved.filter(|pair| pair.is_unresolved(D));
             let seconds_so_far = clock.elapsed().as_secs_f64();
             let level = Level {
                 number: refinement.level(),
@@ -344,6 +364,7 @@ impl Accuracy {
                 raised: 1.0,
                 energy: solution.energy,
                 contact_facets_touching: facets.min(),
+                unresolved_contacts: unresolved.count(),
             };
             let level = level.raised_by(&found.levels);
             observe(&level);
@@ -353,6 +374,8 @@ impl Accuracy {
             let may_touch = is_marked && found.levels.len() <= UNSTRAINED;
             refinement.names = problem.scene().names().to_vec();
             found.solved = Some(Solved { problem, history });
+            let unresolved = found.levels.iter().filter(|of| of.unresolved_contacts > 0);
+            let is_resolved = level.unresolved_contacts == 0 || unresolved.count() > UNRESOLVED;
             let sure = if D == 3 { SURE_IN_SPACE } else { 1.0 };
             let ended = match self.limit(&found.levels) {
                 _ if level.estimated_error == 0.0 && !may_touch => Some(Ended::Unstrained),
@@ -361,7 +384,9 @@ impl Accuracy {
                 limit if found.levels.len() == 1 && level.estimated_error > SURE * self.asked => {
                     limit.map(Ended::Limit)
                 }
-                _ if level.estimated_error <= sure * self.asked => Some(Ended::Reached),
+                _ if level.estimated_error <= sure * self.asked && is_resolved => {
+                    Some(Ended::Reached)
+                }
                 _ if level.estimated_error.is_nan() => Some(Ended::NoEstimate),
                 _ if is_stalled(&found.levels) => Some(stalled_at(&refinement.names, &estimate)),
                 limit => limit.map(Ended::Limit),
@@ -434,9 +459,12 @@ fn carried<const D: usize>(
 
 /// The most levels without strain, on which facets are too long to see a contact.
 const UNSTRAINED: usize = 8;
+/// The most levels on which a contact is not resolved that do not count for that reason: where a corner touches, more facets never do.
+const UNRESOLVED: usize = 8;
 
-/// The cells to be cut, body by body: cells with the largest errors, and pressed cells of bodies that do not deform. Where nothing is strained, cells at
-/// nodes that are closer to another surface than their facets are long.
+/// The cells to be cut, body by body: cells with the largest errors, pressed cells of bodies that do not deform, and, where facets do not resolve a contact,
+/// cells with pressed nodes and with nodes inside the other surface. Where nothing is strained, cells at nodes that are closer to another surface than
+/// their facets are long.
 fn marks<const D: usize>(
     problem: &Problem<D>,
     solution: &Solution,
@@ -452,13 +480,21 @@ fn marks<const D: usize>(
     let is_strained = marks.iter().flatten().any(|marked| *marked);
     let (u, gaps, lambda) = (&solution.state.u, &solution.gaps, &solution.lambda);
     let states = problem.pair_states(u, gaps, lambda)?;
-    for side in states.iter().flat_map(|state| &state.sides) {
+    let unresolved = estimate.contacts.iter().map(|pair| pair.is_unresolved(D));
+    let sides = states.iter().zip(unresolved);
+    let sides = sides
+        .flat_map(|(state, unresolved)| state.sides.iter().map(move |side| (side, unresolved)));
+    for (side, is_unresolved) in sides {
         let surface = &problem.surfaces()[side.surface];
         let body = surface.body();
         let deforms = problem.body_energies()[body].assembled_cells() > 0;
         let sizes = surface.node_sizes();
         let is_near = |k: &usize| match is_strained {
-            true => !deforms && side.pressures[*k] > 0.0,
+            true => {
+                let is_inside = side.gaps[*k].is_some_and(|gap| gap < 0.0);
+                let presses = side.pressures[*k] > 0.0;
+                presses && !deforms || is_unresolved && (presses || is_inside)
+            }
             false => side.gaps[*k].is_some_and(|gap| gap < sizes[*k]),
         };
         let near = (0..surface.nodes().len()).filter(is_near);
@@ -491,6 +527,7 @@ mod tests {
                 raised: 1.0,
                 energy: 16.0 + truth,
                 contact_facets_touching: None,
+                unresolved_contacts: 0,
             };
             levels.push(level.raised_by(&levels));
         }
@@ -530,7 +567,8 @@ mod tests {
             unknowns: 200,
             ..first
         };
-        assert_eq!(raised(coarse, second), 1.0);
+        // the last level counts, however coarse it is
+        assert!(raised(coarse, second) > 10.0);
         let unstrained = Level {
             estimated_error: 0.0,
             estimated_energy_error: 1e-30,
@@ -543,11 +581,15 @@ mod tests {
             ..first
         };
         assert_eq!(raised(same, second), 1.0);
+        assert_eq!(second.raised_by(&[coarse, same]).raised, 1.0);
+        assert!(second.raised_by(&[first, same]).raised > 10.0);
         let higher = Level {
             energy: 20.0,
             ..second
         };
-        assert_eq!(raised(first, higher), 1.0);
+        assert!(raised(first, higher) > 10.0);
+        // a rise since an earlier level tells of its penetration, not of this one's
+        assert_eq!(higher.raised_by(&[first, higher]).raised, 1.0);
     }
 
     /// An eighth of a ball on a plane in quadratic cells, and the energy norm of the difference between its displacements on each level and those on the

@@ -78,14 +78,28 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// If the boundary is unknown, a point not finite, or a cell is folded.
     pub fn drawn(
-        mut self,
+        self,
         boundary: &str,
         onto: impl Fn(&Vector<D>) -> Vector<D>,
     ) -> Result<Self, Error> {
-        let facets = self.boundary(boundary)?;
-        let corners = facets.iter().flat_map(|facet| facet[..D].to_vec());
-        let moves = corners.map(|node| (node, onto(&self.nodes[node]) - self.nodes[node]));
-        let moves: HashMap<usize, Vector<D>> = moves.collect();
+        self.drawn_together([(boundary, onto)])
+    }
+
+    /// As [`Mesh::drawn`], of several boundaries at once: those of a thin body may come through each other one after the other. A node of more than one moves
+    /// as the last of them has it.
+    ///
+    /// # Errors
+    /// As [`Mesh::drawn`].
+    pub fn drawn_together<'a>(
+        mut self,
+        boundaries: impl IntoIterator<Item = (&'a str, impl Fn(&Vector<D>) -> Vector<D>)>,
+    ) -> Result<Self, Error> {
+        let mut moves: HashMap<usize, Vector<D>> = HashMap::new();
+        for (boundary, onto) in boundaries {
+            let facets = self.boundary(boundary)?;
+            let corners = facets.iter().flat_map(|facet| facet[..D].to_vec());
+            moves.extend(corners.map(|node| (node, onto(&self.nodes[node]) - self.nodes[node])));
+        }
         Error::check_finite("drawn boundary point", moves.values().flatten())?;
         let mut middles = HashMap::new();
         if self.order == Order::Quadratic {
