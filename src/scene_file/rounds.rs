@@ -40,17 +40,19 @@ impl MeshKeys {
         mesh: Mesh<D>,
         offset: Vector<D>,
     ) -> Result<Mesh<D>, Error> {
-        let is_there = |round: &Round| mesh.boundary_names().any(|name| name == round.boundary);
-        let rounds = self.rounds(place)?.into_iter().filter(is_there);
-        let rounds = rounds.map(|round| {
+        let mut mesh = mesh;
+        for round in self.rounds(place)? {
+            let is_there = mesh.boundary_names().any(|name| name == round.boundary);
+            if !is_there {
+                continue;
+            }
             let axis = match D == 3 && round.is_around_axis {
                 true => Vector::from_fn(|i, _| if i + 1 == D { 1.0 } else { 0.0 }),
                 false => Vector::zeros(),
             };
-            (round.boundary, onto(offset, axis, round.radius))
-        });
-        let rounds: Vec<_> = rounds.collect();
-        place.of(mesh.drawn_together(rounds))
+            mesh = place.of(mesh.drawn(round.boundary, onto(offset, axis, round.radius)))?;
+        }
+        Ok(mesh)
     }
 
     /// The boundaries that a generator puts on circles, cylinders and spheres, with their radii; the axis of a cylinder is the third one.

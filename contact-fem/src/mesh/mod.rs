@@ -187,13 +187,18 @@ impl<const D: usize> Mesh<D> {
             "mapped coordinate",
             self.nodes.iter().flat_map(|X| X.iter()),
         )?;
+        self.check_moved_cells()?;
+        Ok(self)
+    }
+
+    /// Checks the cells after nodes have moved.
+    fn check_moved_cells(&self) -> Result<(), Error> {
         self.check_cells().map_err(|error| match error {
             Error::InvertedCell { cell, volume }
             | Error::DegenerateCell { cell, volume, .. }
             | Error::CurvedCell { cell, volume } => Error::MappedCell { cell, volume },
             other => other,
-        })?;
-        Ok(self)
+        })
     }
 
     /// The order of the cells: linear or quadratic.

@@ -76,30 +76,16 @@ impl<const D: usize> Mesh<D> {
     /// are moved by [`Mesh::curved`].
     ///
     /// # Errors
-    /// If the boundary is unknown, a point not finite, or a cell is folded.
+    /// If the boundary is unknown, or a point not finite; [`Error::MappedCell`] if a cell is folded.
     pub fn drawn(
-        self,
+        mut self,
         boundary: &str,
         onto: impl Fn(&Vector<D>) -> Vector<D>,
     ) -> Result<Self, Error> {
-        self.drawn_together([(boundary, onto)])
-    }
-
-    /// As [`Mesh::drawn`], of several boundaries at once: those of a thin body may come through each other one after the other. A node of more than one moves
-    /// as the last of them has it.
-    ///
-    /// # Errors
-    /// As [`Mesh::drawn`].
-    pub fn drawn_together<'a>(
-        mut self,
-        boundaries: impl IntoIterator<Item = (&'a str, impl Fn(&Vector<D>) -> Vector<D>)>,
-    ) -> Result<Self, Error> {
-        let mut moves: HashMap<usize, Vector<D>> = HashMap::new();
-        for (boundary, onto) in boundaries {
-            let facets = self.boundary(boundary)?;
-            let corners = facets.iter().flat_map(|facet| facet[..D].to_vec());
-            moves.extend(corners.map(|node| (node, onto(&self.nodes[node]) - self.nodes[node])));
-        }
+        let facets = self.boundary(boundary)?;
+        let corners = facets.iter().flat_map(|facet| facet[..D].to_vec());
+        let moves = corners.map(|node| (node, onto(&self.nodes[node]) - self.nodes[node]));
+        let moves: HashMap<usize, Vector<D>> = moves.collect();
         Error::check_finite("drawn boundary point", moves.values().flatten())?;
         let mut middles = HashMap::new();
         if self.order == Order::Quadratic {
@@ -113,7 +99,7 @@ impl<const D: usize> Mesh<D> {
         for (node, by) in moves.into_iter().chain(middles) {
             self.nodes[node] += by;
         }
-        self.check_cells()?;
+        self.check_moved_cells()?;
         Ok(self)
     }
 
