@@ -2,8 +2,8 @@
 //! (2000) 431–448.
 //!
 //! Each facet has a marked edge, of which the cells on both of its sides know. A cell is halved across its refinement edge, which is the marked edge of
-//! both facets at it. Marks of the halves follow from those of the cell, so that no more than a certain number of shapes ever descend
-//! from one cell, and cells that halve the same edge fit together.
+//! both facets at it. The marks of its halves follow from its own. Therefore no more than 72 shapes ever descend from one cell, and cells that halve
+//! the same edge fit together.
 
 use std::cmp::Reverse;
 use std::collections::HashSet;
@@ -20,7 +20,8 @@ pub(in crate::mesh) struct Marks {
     edge: [usize; 2],
     /// The marked edge of the facet opposite each corner.
     facets: [[usize; 2]; 4],
-    /// Whether three marked edges in one plane were in one plane before the last bisection, too.
+    /// Whether this is half of a cell without this flag whose refinement edge and other two marked edges were in one plane. It decides how the facet between
+    /// its own halves is marked.
     is_flagged: bool,
 }
 
