@@ -200,8 +200,8 @@ second = ["ball", "surface"]
     assert_eq!(code, Some(0), "{text}");
 }
 
-/// A cantilever whose tip comes down on a cylinder of a tenth of its facets: force or none, and the energy, are those of a mesh of which the end is fine from the
-/// beginning. Its first meshes see the cylinder with hardly a point, while most of the error is where the beam is clamped.
+/// A cantilever whose tip comes down on a small disc. Its first meshes see the disc with hardly a point, while most of the error is where the beam is clamped. The
+/// energy is that of a mesh whose end is fine from the beginning.
 #[test]
 fn contacts_that_facets_miss_are_found() {
     let beam = |x: &str| {
@@ -235,7 +235,7 @@ on = [["beam", "bottom"]]
         let levels = levels(&out);
         levels[levels.len() - 1][2]
     });
-    // both are within 3 % of one energy norm; without the post, the energy is many times as large
+    // without the disc, the energy is ten times as large
     assert!((ends[0] / ends[1] - 1.0).abs() < 0.01, "{ends:?}");
 }
 

@@ -152,8 +152,9 @@ impl<const D: usize> Points<D> {
                 // the depth rises by at least 2 from a side of the rim to the next one
                 let full = 2.0 * outermost * length / rim.size(nodes, &p.lambda);
                 let by_length = full < 1.0;
-                match depth < full.min(1.0) {
-                    true => (depth / full.min(1.0), Kind::Fading { by_length }),
+                let share = depth / full.min(1.0);
+                match share < 1.0 {
+                    true => (share, Kind::Fading { by_length }),
                     false => (1.0, Kind::Whole),
                 }
             }

@@ -246,8 +246,7 @@ impl<const D: usize> Surface<D> {
 
     /// The typical length of a facet (UL): the (D−1)-th root of the mean measure.
     pub fn facet_size(&self) -> f64 {
-        let mean = self.measures().sum::<f64>() / self.len().max(1) as f64;
-        mean.powf(1.0 / (D as f64 - 1.0))
+        Self::root(self.measures().sum::<f64>() / self.len().max(1) as f64)
     }
 
     /// For each node, the mean length of the adjacent facets (UL).
@@ -356,23 +355,27 @@ impl<const D: usize> Surface<D> {
 
     /// The length of facet `f` (UL): the (D−1)-th root of its measure.
     pub fn length(&self, f: usize) -> f64 {
-        let centre = Vector::repeat(1.0 / D as f64);
-        let measure = self.reference[f].normal(&centre).norm();
+        Self::root(self.measure_of(f))
+    }
+
+    /// The (D−1)-th root: a length from a measure.
+    fn root(measure: f64) -> f64 {
         measure.powf(1.0 / (D as f64 - 1.0))
     }
 
     /// The length of the smallest facet (UL).
     pub fn smallest_facet(&self) -> f64 {
-        let smallest = self.measures().fold(f64::INFINITY, f64::min);
-        smallest.powf(1.0 / (D as f64 - 1.0))
+        Self::root(self.measures().fold(f64::INFINITY, f64::min))
     }
 
-    /// The reference measures of the facets (UL in the plane, UL² in space); of curved facets up to
-    /// terms of their curvature.
+    /// The reference measures of the facets.
     fn measures(&self) -> impl Iterator<Item = f64> {
+        (0..self.len()).map(|f| self.measure_of(f))
+    }
+
+    /// The reference measure of facet `f` (UL in the plane, UL² in space); of a curved facet up to terms of its curvature.
+    fn measure_of(&self, f: usize) -> f64 {
         let centre = Vector::repeat(1.0 / D as f64);
-        self.reference
-            .iter()
-            .map(move |facet| facet.normal(&centre).norm())
+        self.reference[f].normal(&centre).norm()
     }
 }

@@ -92,7 +92,7 @@ fn is_even<const D: usize>(corners: &[usize; D]) -> bool {
 }
 
 /// The corners, numbered within the cell, of the facet opposite one of them.
-fn local_facet<const D: usize>(omitted: usize) -> [usize; D] {
+pub(super) fn local_facet<const D: usize>(omitted: usize) -> [usize; D] {
     let mut corners = std::array::from_fn(|k| if k < omitted { k } else { k + 1 });
     if omitted % 2 == 1 {
         corners.swap(0, 1);

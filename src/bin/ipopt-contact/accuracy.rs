@@ -44,7 +44,7 @@ pub fn asked(words: &Words) -> Result<Option<Accuracy>, String> {
     Ok(Some(accuracy))
 }
 
-/// The most factorisations of a run that begins at the end of the last level; one that needs more walks the whole path instead. In 45 random scenes in space
+/// The most factorisations of a run that begins at the end of the last level. A mesh that needs more walks the whole path instead. In 45 random scenes in space
 /// such runs took five at most, or came to no end.
 const BEGINS: usize = 10;
 
@@ -197,13 +197,13 @@ const PICTURE: &str = "error_against_time.svg";
 /// Writes the curve of the levels so far, and where the next one is expected.
 fn write(out: &Path, levels: &[Level]) -> Result<(), String> {
     let mut table = String::from(
-        "level,cells,unknowns,seconds,seconds_so_far,estimated_error,estimated_energy_error,raised,energy,contact_facets_touching\n",
+        "level,cells,unknowns,seconds,seconds_so_far,estimated_error,estimated_energy_error,raised,energy,contact_facets_touching,unresolved_contacts\n",
     );
     for level in levels {
         let facets = level.contact_facets_touching;
         let facets = facets.map_or(String::new(), |count| count.to_string());
         table += &format!(
-            "{},{},{},{:.4},{:.4},{:e},{:e},{:e},{:e},{facets}\n",
+            "{},{},{},{:.4},{:.4},{:e},{:e},{:e},{:e},{facets},{}\n",
             level.number,
             level.cells,
             level.unknowns,
@@ -212,7 +212,8 @@ fn write(out: &Path, levels: &[Level]) -> Result<(), String> {
             level.estimated_error,
             level.estimated_energy_error,
             level.raised,
-            level.energy
+            level.energy,
+            level.unresolved_contacts
         );
     }
     let path = out.join(TABLE);

@@ -1,9 +1,9 @@
 //! Bisection of tetrahedra, after D. N. Arnold, A. Mukherjee and L. Pouly, Locally adapted tetrahedral meshes using bisection, SIAM J. Sci. Comput. 22
 //! (2000) 431–448.
 //!
-//! Each facet has a marked edge, of which the cells on both of its sides know. A cell is halved across its refinement edge, which is the marked edge of
-//! both facets at it. The marks of its halves follow from its own. Therefore no more than 72 shapes ever descend from one cell, and cells that halve
-//! the same edge fit together.
+//! Each facet has a marked edge, the same in the cells on both sides. A cell is halved across its refinement edge, which is the marked edge of the two
+//! facets that meet there. The marks of the halves follow from those of the cell alone. Therefore no more than 72 shapes ever descend from one cell, and
+//! neighbours that are halved across the same edge fit together.
 
 use std::cmp::Reverse;
 use std::collections::HashSet;
@@ -31,7 +31,7 @@ impl Marks {
         let nodes = mesh.corners(cell);
         let length = |[a, b]: [usize; 2]| {
             let square = (mesh.nodes[nodes[a]] - mesh.nodes[nodes[b]]).norm_squared();
-            // lengths that round-off tells apart are the same, and node numbers decide
+            // without the last digits, which are round-off: node numbers decide between equal lengths
             square.to_bits() >> 24
         };
         let longest = |is_there: &dyn Fn([usize; 2]) -> bool| {
@@ -105,10 +105,9 @@ impl<const D: usize> Mesh<D> {
         let mut leaves: Vec<Leaf<D>> = (0..self.len()).map(leaf).collect();
         let mut halved: HashSet<[usize; 2]> = HashSet::new();
         for generation in 1..=GENERATIONS {
-            let mut is_conforming = false;
-            while !is_conforming {
-                is_conforming = true;
-                let mut next = Vec::with_capacity(leaves.len());
+            loop {
+                let before = leaves.len();
+                let mut next = Vec::with_capacity(before);
                 for leaf in leaves {
                     let nodes = leaf.piece.corners;
                     let has_hanging = || {
@@ -120,7 +119,6 @@ impl<const D: usize> Mesh<D> {
                         next.push(leaf);
                         continue;
                     }
-                    is_conforming = false;
                     let [a, b] = leaf.marks.edge;
                     halved.insert(edge(nodes[a], nodes[b]));
                     let halves = cutter.halves(&leaf.piece, [a, b]);
@@ -132,6 +130,9 @@ impl<const D: usize> Mesh<D> {
                     }));
                 }
                 leaves = next;
+                if leaves.len() == before {
+                    break;
+                }
             }
         }
         let pieces: Vec<Piece<D>> = leaves.iter().map(|leaf| leaf.piece).collect();

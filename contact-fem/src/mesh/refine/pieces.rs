@@ -7,6 +7,7 @@ use crate::element::Order;
 use crate::element::cell_rule::corner;
 use crate::element::p2::{self, CELL_EDGES};
 use crate::error::Error;
+use crate::mesh::boundary::local_facet;
 use crate::tensor::{Matrix, Vector, determinant};
 
 /// The ends of an edge, ascending.
@@ -71,7 +72,7 @@ impl<'a, const D: usize> Cutter<'a, D> {
         }
     }
 
-    /// The pieces of a cell, by the numbers that their corners have in a quadratic cell; they may be inverted.
+    /// The pieces of a cell, by the numbers that their corners have in a quadratic cell. An inverted piece is turned.
     pub(super) fn pieces(&mut self, cell: usize, pieces: &[[Local; 4]]) -> Vec<Piece<D>> {
         let whole = self.whole(cell);
         let mut piece = |locals: &[Local; 4]| {
@@ -92,8 +93,8 @@ impl<'a, const D: usize> Cutter<'a, D> {
         pieces.iter().map(&mut piece).collect()
     }
 
-    /// The two halves of a piece on both sides of the middle of an edge: the first one has that in place of the second end, the second one in place of
-    /// the first end.
+    /// The halves of a piece on both sides of the middle of an edge. The middle is in place of the second end in the first half, and of the first end in the
+    /// second half.
     pub(super) fn halves(&mut self, piece: &Piece<D>, [a, b]: [usize; 2]) -> [Piece<D>; 2] {
         let (node, xi) = self.half_way(piece, [a, b]);
         [b, a].map(|replaced| {
@@ -172,7 +173,7 @@ impl<const D: usize> Mesh<D> {
         numbered.for_each(|(k, piece)| children[piece.cell].push(k));
         let renamed = |sets: &BTreeMap<String, Vec<usize>>, parts: &[Vec<usize>]| {
             let new = sets.iter().map(|(name, own)| {
-                let mut new: Vec<usize> = own.iter().flat_map(|&k| parts[k].clone()).collect();
+                let mut new: Vec<usize> = own.iter().flat_map(|&k| &parts[k]).copied().collect();
                 new.sort_unstable();
                 (name.clone(), new)
             });
@@ -194,9 +195,8 @@ impl<const D: usize> Mesh<D> {
             facet.sort_unstable();
             facet
         };
-        let without = |corners: &[usize], omitted: usize| -> [usize; D] {
-            std::array::from_fn(|k| corners[if k < omitted { k } else { k + 1 }])
-        };
+        let opposite =
+            |corners: &[usize], omitted: usize| local_facet::<D>(omitted).map(|k| corners[k]);
         let inner: HashSet<[usize; D]> = inner.iter().map(|facet| sorted(*facet)).collect();
         let (mut seen, mut parts) = (HashSet::new(), Vec::new());
         for piece in pieces {
@@ -204,8 +204,8 @@ impl<const D: usize> Mesh<D> {
                 let Some(side) = piece.side(|a| a != omitted) else {
                     continue;
                 };
-                let whole = sorted(without(self.corners(piece.cell), side));
-                let part = without(&piece.corners, omitted);
+                let whole = sorted(opposite(self.corners(piece.cell), side));
+                let part = opposite(&piece.corners, omitted);
                 if inner.contains(&whole) && seen.insert(sorted(part)) {
                     parts.push(part);
                 }
