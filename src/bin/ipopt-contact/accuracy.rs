@@ -1,5 +1,6 @@
 //! `ipopt-contact run SCENE.toml --accuracy 1%`: finer and finer meshes, and the error against the time that they took.
 
+use std::cell::Cell;
 use std::error::Error;
 use std::path::Path;
 use std::process::{ExitCode, Termination};
@@ -10,6 +11,7 @@ use ipopt_contact::contact_fem::Simulation;
 use ipopt_contact::contact_fem::accuracy::{Accuracy, Ended, Level, Refined, Refinement, Solved};
 use ipopt_contact::contact_fem::certificate::Limits;
 use ipopt_contact::contact_fem::element::{Element, P1, P2};
+use ipopt_contact::contact_fem::model::FindingKind;
 use ipopt_contact::contact_fem::output::picture::{Curve, Curves};
 use ipopt_contact::contact_fem::output::record::{Recorded, print};
 use ipopt_contact::scene_file::SceneFile;
@@ -44,8 +46,8 @@ pub fn asked(words: &Words) -> Result<Option<Accuracy>, String> {
     Ok(Some(accuracy))
 }
 
-/// The most factorisations of a run that begins at the end of the last level. A mesh that needs more walks the whole path instead. In 45 random scenes in space
-/// such runs took five at most, or came to no end.
+/// The fewest factorisations that a run from the end of the last level may take, if the path on the first mesh took less. A mesh that needs more walks the whole path
+/// instead. In 45 random scenes in space such runs took five at most, or came to no end.
 const BEGINS: usize = 10;
 
 /// Solves the scene on its own meshes and on finer ones, each recorded in a folder of its own.
@@ -63,6 +65,8 @@ where
     let mut levels: Vec<Level> = Vec::new();
     let mut unwritten = None;
     let clock = Instant::now();
+    // what the path on the first mesh took, which is no more than that on a finer one
+    let walked = Cell::new(BEGINS);
     // the scene on the meshes of a level, from the end of the last one on or by its whole path
     let solve = |refinement: &Refinement, begins: bool| -> Result<Solved<D>, Box<dyn Error>> {
         let file = file.refined(refinement);
@@ -75,10 +79,13 @@ where
             budget.seconds = Some(budget.seconds.map_or(left, |own| own.min(left)));
         }
         if let Some(start) = refinement.start(&problem)?.filter(|_| begins) {
-            let most = budget.factorizations.map_or(BEGINS, |own| own.min(BEGINS));
-            budget.factorizations = Some(most);
+            let own = budget.factorizations.unwrap_or(usize::MAX);
+            budget.factorizations = Some(own.min(walked.get()));
             simulation.load_steps.guess = Some(start);
             simulation.load_steps.increments = 1;
+            // bodies are where they belong already
+            let findings = problem.findings_mut();
+            findings.retain(|finding| finding.kind != FindingKind::LongStep);
         }
         let checked = file.check(&simulation, &mut problem);
         checked.map_err(|why| in_file(&why))?;
@@ -88,10 +95,11 @@ where
         recording.plan.quiet = true;
         let recorded = recording.run(&mut problem);
         let recorded = recorded.map_err(|why| in_file(&file.refused(why)))?;
-        Ok(Solved {
-            problem,
-            history: recorded.history,
-        })
+        let history = recorded.history;
+        if refinement.level() == 0 {
+            walked.set(history.run.cost().factorizations.max(BEGINS));
+        }
+        Ok(Solved { problem, history })
     };
     let begins = !walks_paths && simulation()?.load_steps.phases.is_empty();
     let reached = accuracy.reach(
@@ -101,7 +109,7 @@ where
                 Ending::NotConverged { .. } => true,
                 Ending::Interrupted { why, .. } => matches!(
                     why,
-                    Interruption::Factorizations { limit } if limit == BEGINS
+                    Interruption::Factorizations { limit } if limit == walked.get()
                 ),
                 _ => false,
             };
