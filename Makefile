@@ -10,7 +10,7 @@ FUZZ_SCENES ?= $(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes 
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick report-peers pressures extremes extremes-quick meshes errors needs features mutants planted planted-quick package msrv bindings fuzz-readers fuzz-binding fuzz-scenes random-scenes
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick report-peers report-browse pressures extremes extremes-quick meshes errors needs features mutants planted planted-quick package msrv bindings fuzz-readers fuzz-binding fuzz-scenes random-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -28,6 +28,7 @@ help:
 	@echo "make report            error against run time: a page, tables and data in out/report, within an hour"
 	@echo "make report-peers      error against run time of this library, GetFEM, CalculiX and FreeFEM on the same meshes; installs them"
 	@echo "make report-quick      the same on few and coarse meshes, in out/report-quick; fails where bounds do not hold"
+	@echo "make report-browse     opens the pages of FOLDER (out/report-quick) in Chromium, which it installs, and tells what a browser shows wrong"
 	@echo "make pressures         errors of contact pressures and of work, in out/pressures, within some minutes"
 	@echo "make extremes          scenes at the limits with their truths, by each solver: tables and data in out/extremes*, within an hour"
 	@echo "make extremes-quick    two dozen of them, and all on coarse meshes by Newton's method; fails where a wrong result is claimed to be right"
@@ -121,6 +122,11 @@ report-peers: install
 	$(CARGO) build --release --bin ipopt-contact
 	PYTHONDONTWRITEBYTECODE=1 report/peers/campaign.py
 	$(REPORT) --peers out/report-peers
+
+# FOLDER is that of a report's pages; PICTURE=docs/report.png keeps a picture of the first page.
+FOLDER ?= out/report-quick
+report-browse:
+	@scripts/browse_report.sh $(FOLDER) $(if $(PICTURE),--picture $(PICTURE))
 
 # MESHES="a.mesh b.mesh" are further meshes of the ball, as scripts/ball.geo makes them.
 pressures: install

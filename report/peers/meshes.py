@@ -58,6 +58,52 @@ Physical Volume("body", 10) = {{out[1]}};
 Field[1] = MathEval; Field[1].F = "{size}";
 """
 
+BLOCK = """
+far = {size};
+Point(1) = {{0, {low}, 0}}; Point(2) = {{{wide}, {low}, 0}}; Point(3) = {{{wide}, {high}, 0}}; Point(4) = {{0, {high}, 0}};
+Line(1) = {{1, 2}}; Line(2) = {{2, 3}}; Line(3) = {{3, 4}}; Line(4) = {{4, 1}};
+Line Loop(1) = {{1, 2, 3, 4}}; Plane Surface(1) = {{1}};
+Transfinite Line {{1, 3}} = {along} + 1; Transfinite Line {{2, 4}} = {up} + 1; Transfinite Surface {{1}} Alternated;
+Physical Line("bottom", 2) = {{1}}; Physical Line("right", 5) = {{2}}; Physical Line("top", 6) = {{3}}; Physical Line("left", 4) = {{4}};
+Physical Surface("body", 10) = {{1}};
+Field[1] = MathEval; Field[1].F = "{size}";
+"""
+
+ANNULUS = """
+far = 1;
+Point(1) = {{0, 0, 0}};
+Point(2) = {{{inside}, 0, 0}}; Point(3) = {{0, {inside}, 0}}; Point(4) = {{-{inside}, 0, 0}}; Point(5) = {{0, -{inside}, 0}};
+Point(6) = {{{outside}, 0, 0}}; Point(7) = {{0, {outside}, 0}}; Point(8) = {{-{outside}, 0, 0}}; Point(9) = {{0, -{outside}, 0}};
+Circle(1) = {{2, 1, 3}}; Circle(2) = {{3, 1, 4}}; Circle(3) = {{4, 1, 5}}; Circle(4) = {{5, 1, 2}};
+Circle(5) = {{6, 1, 7}}; Circle(6) = {{7, 1, 8}}; Circle(7) = {{8, 1, 9}}; Circle(8) = {{9, 1, 6}};
+Line Loop(1) = {{1, 2, 3, 4}}; Line Loop(2) = {{5, 6, 7, 8}}; Plane Surface(1) = {{2, 1}};
+Physical Line("contact", 1) = {{1, 2, 3, 4}}; Physical Line("outside", 3) = {{5, 6, 7, 8}}; Physical Surface("body", 10) = {{1}};
+Field[1] = MathEval; Field[1].F = "{size} * (1 + 1.5*(Sqrt(x*x + y*y) - {inside}))";
+"""
+
+DISC = """
+far = {size}; t = 0.3;
+Point(1) = {{0, 0, 0}};
+Point(2) = {{{radius}*Cos(t), {radius}*Sin(t), 0}}; Point(3) = {{-{radius}*Sin(t), {radius}*Cos(t), 0}};
+Point(4) = {{-{radius}*Cos(t), -{radius}*Sin(t), 0}}; Point(5) = {{{radius}*Sin(t), -{radius}*Cos(t), 0}};
+Circle(1) = {{2, 1, 3}}; Circle(2) = {{3, 1, 4}}; Circle(3) = {{4, 1, 5}}; Circle(4) = {{5, 1, 2}};
+Line Loop(1) = {{1, 2, 3, 4}}; Plane Surface(1) = {{1}};
+Physical Line("contact", 1) = {{1, 2, 3, 4}}; Physical Surface("body", 10) = {{1}};
+Field[1] = MathEval; Field[1].F = "{size}";
+"""
+
+DIE = """
+far = {size};
+Point(1) = {{{middle}, {low} + {radius}, 0}};
+Point(2) = {{{middle} - {half}, {low} + {radius} - Sqrt({radius}^2 - {half}^2), 0}}; Point(3) = {{{middle}, {low}, 0}};
+Point(4) = {{{middle} + {half}, {low} + {radius} - Sqrt({radius}^2 - {half}^2), 0}};
+Point(5) = {{{middle} + {half}, {high}, 0}}; Point(6) = {{{middle} - {half}, {high}, 0}};
+Circle(1) = {{2, 1, 3}}; Circle(2) = {{3, 1, 4}}; Line(3) = {{4, 5}}; Line(4) = {{5, 6}}; Line(5) = {{6, 2}};
+Line Loop(1) = {{1, 2, 3, 4, 5}}; Plane Surface(1) = {{1}};
+Physical Line("bottom", 2) = {{1, 2}}; Physical Line("top", 6) = {{4}}; Physical Surface("body", 10) = {{1}};
+Field[1] = MathEval; Field[1].F = "{size}";
+"""
+
 OPTIONS = """
 Background Field = 1;
 Mesh.CharacteristicLengthExtendFromBoundary = 0; Mesh.CharacteristicLengthFromPoints = 0; Mesh.CharacteristicLengthMax = far;

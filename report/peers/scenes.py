@@ -2,12 +2,14 @@
 
 import math
 
+import numpy as np
+
 import meshes
 
 # the label of the boundary in contact, where there is one
 CONTACT = 1
 # seconds after which a run is given up
-LIMIT = 150
+LIMIT = 120
 
 
 class HalfDisc:
@@ -21,9 +23,19 @@ class HalfDisc:
 
     @classmethod
     def mesh(cls, folder, fineness, degree):
-        path = folder / f"{cls.name}_{fineness}_P{degree}.msh"
+        path = folder / f"{cls.name}_{fineness:.3g}_P{degree}.msh"
         meshes.write(path, meshes.HALF_DISC, 2, cls.zone / fineness, degree, zone=cls.zone)
         return meshes.Mesh(path, fineness)
+
+    @classmethod
+    def coarse(cls, folder, degree):
+        """A mesh that knows nothing of the contact: facets of 2.4 a everywhere."""
+        return cls.mesh(folder, 1 / 2.4, degree)
+
+    @staticmethod
+    def is_measured(x):
+        """Which places are on the boundary that is measured."""
+        return abs(np.hypot(x[:, 0], x[:, 1] - 1) - 1) < 1e-6
 
 
 class Ball:
@@ -36,9 +48,19 @@ class Ball:
 
     @classmethod
     def mesh(cls, folder, fineness, degree):
-        path = folder / f"{cls.name}_{fineness}_P{degree}.msh"
+        path = folder / f"{cls.name}_{fineness:.3g}_P{degree}.msh"
         meshes.write(path, meshes.BALL, 3, cls.zone / fineness, degree, zone=cls.zone)
         return meshes.Mesh(path, fineness)
+
+    @classmethod
+    def coarse(cls, folder, degree):
+        """A mesh that knows nothing of the contact: facets of 1.2 a everywhere."""
+        return cls.mesh(folder, 1 / 1.2, degree)
+
+    @staticmethod
+    def is_measured(x):
+        """Which places are on the boundary that is measured."""
+        return abs(np.linalg.norm(x - [0, 0, 50], axis=1) - 50) < 5e-5
 
 
 class PressFit:
@@ -59,10 +81,20 @@ class PressFit:
         other = None
         for name in ("outer", "inner"):
             inside, outside, contact, larger = rings[name]
-            path = folder / f"{cls.name}_{name}_{fineness}_P{degree}.msh"
+            path = folder / f"{cls.name}_{name}_{fineness:.3g}_P{degree}.msh"
             meshes.write(path, meshes.RING, 2, larger * size, degree, inside=inside, outside=outside, contact=contact)
             other = meshes.Mesh(path, fineness, other)
         return other
+
+    @classmethod
+    def coarse(cls, folder, degree):
+        """The coarsest of the meshes."""
+        return cls.mesh(folder, 8, degree)
+
+    @classmethod
+    def is_measured(cls, x):
+        """Which places are on the boundary that is measured."""
+        return abs(np.hypot(x[:, 0], x[:, 1]) - cls.radii[1] - cls.interference) < 1e-7
 
 
 class Beams:
@@ -81,10 +113,124 @@ class Beams:
         for number in range(3):
             # the beam in the middle has one cell more along, so that nodes do not meet
             divisions = {"along": 4 * fineness + (number == 1), "across": fineness, "low": 25 * number}
-            path = folder / f"{cls.name}_{number + 1}_{fineness}_P{degree}.msh"
+            path = folder / f"{cls.name}_{number + 1}_{fineness:.3g}_P{degree}.msh"
             meshes.write(path, meshes.BEAM, 3, 25 / fineness, degree, **divisions)
             other = meshes.Mesh(path, fineness, other)
         return other
 
+    @classmethod
+    def coarse(cls, folder, degree):
+        """One layer of cells."""
+        return cls.mesh(folder, 1, degree)
 
-ALL = [HalfDisc, Ball, PressFit, Beams]
+    @staticmethod
+    def is_measured(x):
+        """Which places are on the boundary that is measured."""
+        return abs(x[:, 2] - 75) < 1e-9
+
+
+class FiniteBeams(Beams):
+    """The same beams, neo-Hookean: psi = mu/2 (tr C - 3 - 2 ln J), since nu = 0. The traction keeps its direction and is per area at rest."""
+
+    name = "finite_beams"
+    sizes = {2: "H/2", 3: "H/3", 4: "H/4"}
+
+
+class Blocks:
+    """Three blocks of height 1 in a stack, in plane strain, of half-widths 3, 2.5 and 0.5 from below, of which the halves x > 0 are meshed: free of
+    friction, held below, and under a traction of 1 on the top of the upper one. Corners press into flat sides, and the one in the middle
+    lifts off beyond 1.3. Small strains."""
+
+    name = "blocks"
+    young, poisson, zone = 1000.0, 0.3, 1.0
+    # the plane of symmetry has the label `left`; the lower block's bottom is held in y
+    bottom, left, top, measured = 2, 4, 6, 6
+    traction = 1.0
+    widths = 3.0, 2.5, 0.5
+    sizes = {4: "H/4", 8: "H/8", 16: "H/16", 32: "H/32"}
+
+    @classmethod
+    def mesh(cls, folder, fineness, degree):
+        """The upper block and those below it."""
+        other = None
+        for number, wide in enumerate(cls.widths):
+            # one more cell along the block in the middle, so that nodes do not meet
+            along = round(wide * fineness) + (number == 1)
+            path = folder / f"{cls.name}_{number + 1}_{fineness:.3g}_P{degree}.msh"
+            places = {"low": number, "high": number + 1, "wide": wide, "along": along, "up": fineness}
+            meshes.write(path, meshes.BLOCK, 2, 1 / fineness, degree, **places)
+            other = meshes.Mesh(path, fineness, other)
+        return other
+
+    @classmethod
+    def coarse(cls, folder, degree):
+        """The coarsest of the meshes."""
+        return cls.mesh(folder, 4, degree)
+
+    @staticmethod
+    def is_measured(x):
+        """Which places are on the boundary that is measured."""
+        return abs(x[:, 1] - 3) < 1e-9
+
+
+class Discs:
+    """Section 6.1 of the paper: a rigid disc of radius 0.6 comes down by 1.125 inside a neo-Hookean ring of radii 0.7 and 2, held at its outside, in
+    plane strain: psi = mu/2 (tr C - 3 - 2 ln J), since nu = 0. Measured is the force that presses the disc down, at the end."""
+
+    name = "discs"
+    young, poisson, zone = 1000.0, 0.0, 0.7
+    outside, measured = 3, None
+    descent = 1.125
+    radii = 0.6, 0.7, 2.0
+    sizes = {6: "R/6", 10: "R/10", 16: "R/16"}
+
+    @classmethod
+    def mesh(cls, folder, fineness, degree):
+        """The disc, and the ring around it."""
+        radius, inside, outside = cls.radii
+        size = inside / fineness
+        path = folder / f"{cls.name}_ring_{fineness:.3g}_P{degree}.msh"
+        meshes.write(path, meshes.ANNULUS, 2, size, degree, inside=inside, outside=outside)
+        ring = meshes.Mesh(path, fineness)
+        path = folder / f"{cls.name}_disc_{fineness:.3g}_P{degree}.msh"
+        meshes.write(path, meshes.DISC, 2, 1.1 * size, degree, radius=radius)
+        return meshes.Mesh(path, fineness, ring)
+
+    @classmethod
+    def coarse(cls, folder, degree):
+        """The coarsest of the meshes."""
+        return cls.mesh(folder, 6, degree)
+
+
+class Ironing:
+    """A stiff die with a round bottom of radius 3 is pressed by 0.75 into a soft slab of 9 x 3, which is held below, and slid along by 2, in plane
+    strain; both are neo-Hookean: psi = mu/2 (tr C - 3 - 2 ln J), since nu = 0. Measured is the force that presses the die down, as the mean of ten
+    places 0.2, 0.4, ... 2 of the way along the slab."""
+
+    name = "ironing"
+    young, poisson, zone = 1.0, 0.0, 3.0
+    stiff = 1000.0
+    bottom, top, measured = 2, 6, None
+    press, slide, places = 0.75, 2.0, 10
+    sizes = {6: "H/6", 9: "H/9", 14: "H/14"}
+
+    @classmethod
+    def mesh(cls, folder, fineness, degree):
+        """The die, and the slab below it."""
+        size = 3 / fineness
+        path = folder / f"{cls.name}_slab_{fineness:.3g}_P{degree}.msh"
+        places = {"low": 0, "high": 3, "wide": 9, "along": 3 * fineness, "up": fineness}
+        meshes.write(path, meshes.BLOCK, 2, size, degree, **places)
+        slab = meshes.Mesh(path, fineness)
+        path = folder / f"{cls.name}_die_{fineness:.3g}_P{degree}.msh"
+        places = {"middle": 2.5, "low": 3, "high": 4.8, "radius": 3, "half": 2.25}
+        meshes.write(path, meshes.DIE, 2, 0.9 * size, degree, **places)
+        return meshes.Mesh(path, fineness, slab)
+
+    @classmethod
+    def coarse(cls, folder, degree):
+        """The coarsest of the meshes."""
+        return cls.mesh(folder, 6, degree)
+
+
+ALL = [HalfDisc, Ball, PressFit, Blocks, Beams, FiniteBeams, Discs, Ironing]

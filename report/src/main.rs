@@ -91,12 +91,9 @@ fn peers_file() -> PathBuf {
 fn peers_of(folder: &Path) -> Result<ExitCode, Failure> {
     let environment = environment::environment(&revision::revision()?);
     let stored = peers::store(folder, &environment, &peers_file())?;
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
     for scene in &peers::SCENES {
-        let picture = page::peers::picture(&stored, scene);
-        fs::write(docs.join(format!("peers_{}.svg", scene.name)), picture)?;
         println!("{}", scene.title);
-        for target in peers::TARGETS {
+        for target in scene.targets() {
             println!("  {}", stored.sentence(scene, target));
         }
     }

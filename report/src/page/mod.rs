@@ -184,6 +184,7 @@ impl Page<'_> {
         Plot {
             x: axis.label().into(),
             y: format!("error: {}", quantity.title),
+            in_percent: false,
             front: match is_cost {
                 true => front(&all).into_iter().map(|k| all[k]).collect(),
                 false => Vec::new(),

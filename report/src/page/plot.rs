@@ -1,6 +1,16 @@
-//! Log–log plots and bars as SVG. Colours are those of the page's style, so that they follow its light or dark mode.
+//! Log–log plots by plotters, which draws the pictures of runs, too; and bars, whose colours are those of the page's style.
 
 use std::fmt::Write;
+
+use plotters::backend::SVGBackend;
+use plotters::chart::ChartBuilder;
+use plotters::coord::Shift;
+use plotters::coord::combinators::{BindKeyPoints, IntoLogRange};
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::element::{Circle, PathElement, Polygon, Text};
+use plotters::series::{DashedLineSeries, LineSeries};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, IntoTextStyle, RGBColor, ShapeStyle, WHITE};
 
 /// The shape of a series' points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +36,7 @@ pub enum Marker {
 /// How a series looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
-    /// The number of its colour in the style.
+    /// The number of its colour.
     pub colour: usize,
     /// Its points.
     pub marker: Marker,
@@ -56,72 +66,77 @@ pub struct Plot {
     pub x: String,
     /// Label of the vertical axis.
     pub y: String,
+    /// Whether the vertical axis is in per cent of its values.
+    pub in_percent: bool,
     /// The curves.
     pub curves: Vec<Curve>,
     /// Points that no other beats, by rising x: a line below everything.
     pub front: Vec<(f64, f64)>,
 }
 
-const WIDTH: f64 = 400.0;
-const HEIGHT: f64 = 300.0;
-/// Left, top, right, bottom.
-const MARGINS: [f64; 4] = [56.0, 10.0, 14.0, 42.0];
+/// Pixels of a plot, which the page shows at half the size.
+const SIZE: (u32, u32) = (800, 600);
+const COLOURS: [RGBColor; 11] = [
+    RGBColor(0x1f, 0x6f, 0xd1),
+    RGBColor(0xd1, 0x49, 0x1f),
+    RGBColor(0x6f, 0xa8, 0xe8),
+    RGBColor(0xe8, 0x9a, 0x6f),
+    RGBColor(0x2a, 0x9d, 0x5c),
+    RGBColor(0x8e, 0x4e, 0xc6),
+    RGBColor(0x6b, 0x72, 0x80),
+    RGBColor(0x0f, 0x8b, 0x8d),
+    RGBColor(0x11, 0x11, 0x11),
+    RGBColor(0xc2, 0x18, 0x5b),
+    RGBColor(0x79, 0x55, 0x48),
+];
+const FRONT: RGBColor = RGBColor(0xf0, 0xdf, 0xa0);
+const RULE: RGBColor = RGBColor(0xd8, 0xdd, 0xe3);
+const FONT: &str = "sans-serif";
 
-/// A logarithmic axis on a range of pixels.
-#[derive(Clone, Copy, Debug)]
-struct Scale {
-    low: f64,
-    high: f64,
-    from: f64,
-    to: f64,
+type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type DrawError<'a> =
+    DrawingAreaErrorKind<<SVGBackend<'a> as plotters::backend::DrawingBackend>::ErrorType>;
+
+/// The logarithms of the ends of an axis around all positive values, with some room; at least a decade.
+fn around(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let logs = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
+    let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
+    if low > high {
+        return (0.0, 1.0);
+    }
+    let middle = 0.5 * (low + high);
+    let half = (0.5 * (high - low)).max(0.5) * 1.08;
+    (middle - half, middle + half)
 }
 
-impl Scale {
-    /// Around all positive values, with some room; at least a decade.
-    fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
-        let logs = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
-        let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        });
-        if low > high {
-            return Scale {
-                low: 0.0,
-                high: 1.0,
-                from,
-                to,
-            };
-        }
-        let middle = 0.5 * (low + high);
-        let half = (0.5 * (high - low)).max(0.5) * 1.08;
-        Scale {
-            low: middle - half,
-            high: middle + half,
-            from,
-            to,
-        }
-    }
+/// Values with a line and a label: every decade, or every second or third if there are many, or also their doubles and halves if there are few.
+fn ticks((low, high): (f64, f64)) -> Vec<f64> {
+    let powers = low.floor() as i32..=high.floor() as i32;
+    let step = ((high - low) / 6.0).ceil().max(1.0) as i32;
+    let mantissas: &[f64] = match high - low < 2.0 {
+        true => &[1.0, 2.0, 5.0],
+        false => &[1.0],
+    };
+    let all = powers.filter(|k| k % step == 0);
+    let all = all.flat_map(|k| mantissas.iter().map(move |m| m * 10f64.powi(k)));
+    all.filter(|v| (low..=high).contains(&v.log10())).collect()
+}
 
-    fn at(&self, value: f64) -> f64 {
-        let share = (value.log10() - self.low) / (self.high - self.low);
-        self.from + share * (self.to - self.from)
+/// A value as a decimal number, or as m · 10ᵏ where that is shorter.
+fn number(value: f64) -> String {
+    let k = (value.log10() + 1e-9).floor() as i32;
+    if (-3..=3).contains(&k) {
+        return format!("{value:.*}", (-k).max(0) as usize);
     }
-
-    /// Values in range with a line and a label as (mantissa, power of ten): every decade, or every second or third if
-    /// there are many, or also their doubles and halves if there are few.
-    fn ticks(&self) -> Vec<(f64, i32)> {
-        let powers = self.low.floor() as i32..=self.high.floor() as i32;
-        let step = ((self.high - self.low) / 6.0).ceil().max(1.0) as i32;
-        let mantissas: &[f64] = match self.high - self.low < 2.0 {
-            true => &[1.0, 2.0, 5.0],
-            false => &[1.0],
-        };
-        let all = powers.filter(|k| k % step == 0);
-        let all = all.flat_map(|k| mantissas.iter().map(move |&m| (m, k)));
-        let inside = |(m, k): &(f64, i32)| {
-            let log = m.log10() + f64::from(*k);
-            (self.low..=self.high).contains(&log)
-        };
-        all.filter(inside).collect()
+    let m = (value / 10f64.powi(k)).round();
+    let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().collect::<Vec<_>>();
+    let superscript = |c: char| c.to_digit(10).map_or('⁻', |d| digits[d as usize]);
+    let power: String = k.to_string().chars().map(superscript).collect();
+    match m as i32 {
+        1 => format!("10{power}"),
+        m => format!("{m}·10{power}"),
     }
 }
 
@@ -133,197 +148,187 @@ impl Plot {
 
     /// As an SVG element.
     pub fn svg(&self) -> String {
-        let [left, top, right, bottom] = MARGINS;
-        let all = || self.curves.iter().flat_map(|curve| &curve.points);
-        let x = Scale::around(all().map(|p| p.0), left, WIDTH - right);
-        let y = Scale::around(all().map(|p| p.1), HEIGHT - bottom, top);
-        let mut svg = format!(
-            "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{} against {}\">\n",
-            escape(&self.y),
-            escape(&self.x)
+        let mut svg = String::new();
+        let mut titles = String::new();
+        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        if let Err(error) = self
+            .draw(&canvas, &mut titles)
+            .and_then(|()| canvas.present())
+        {
+            unreachable!("drawing into a string failed: {error}");
+        }
+        drop(canvas);
+        let label = format!("{} against {}", escape(&self.y), escape(&self.x));
+        let svg = svg.replacen(
+            "<svg ",
+            &format!("<svg role=\"img\" aria-label=\"{label}\" "),
+            1,
         );
-        self.grid(&x, &y, &mut svg);
-        let place = |&(a, b): &(f64, f64)| (x.at(a), y.at(b));
-        let front: Vec<_> = self.front.iter().map(place).collect();
-        line(&front, "front", &mut svg);
-        // from, to and height of what is written
-        let mut notes: Vec<[f64; 3]> = Vec::new();
+        svg.replace("</svg>", &format!("{titles}</svg>"))
+    }
+
+    /// Draws everything, and writes what points show when the mouse is over them.
+    fn draw<'a>(&self, canvas: &Canvas<'a>, titles: &mut String) -> Result<(), DrawError<'a>> {
+        canvas.fill(&WHITE)?;
+        let all = || self.curves.iter().flat_map(|curve| &curve.points);
+        let (x, y) = (around(all().map(|p| p.0)), around(all().map(|p| p.1)));
+        let ends = |(low, high): (f64, f64)| 10f64.powf(low)..10f64.powf(high);
+        let mut chart = ChartBuilder::on(canvas)
+            .margin(20)
+            .x_label_area_size(64)
+            .y_label_area_size(104)
+            .build_cartesian_2d(
+                ends(x).log_scale().with_key_points(ticks(x)),
+                ends(y).log_scale().with_key_points(ticks(y)),
+            )?;
+        let of_y = |value: &f64| match self.in_percent {
+            true => number(100.0 * value) + " %",
+            false => number(*value),
+        };
+        chart
+            .configure_mesh()
+            .x_desc(&self.x)
+            .y_desc(&self.y)
+            .x_label_formatter(&|value| number(*value))
+            .y_label_formatter(&of_y)
+            .label_style((FONT, 21))
+            .axis_desc_style((FONT, 23))
+            .bold_line_style(RULE)
+            .light_line_style(RULE.mix(0.0))
+            .draw()?;
+        chart.draw_series(LineSeries::new(
+            self.front.iter().copied(),
+            FRONT.stroke_width(14),
+        ))?;
         for curve in &self.curves {
-            let points: Vec<_> = curve.points.iter().map(place).collect();
-            let Look {
-                colour,
-                marker,
-                dashed,
-            } = curve.look;
-            if curve.joined {
-                let dash = if dashed { " dashed" } else { "" };
-                line(&points, &format!("line s{colour}{dash}"), &mut svg);
+            let colour = COLOURS[curve.look.colour % COLOURS.len()];
+            let points = curve.points.iter().copied();
+            let style = colour.stroke_width(3);
+            if curve.joined && curve.look.dashed {
+                chart.draw_series(DashedLineSeries::new(points, 10, 7, style))?;
+            } else if curve.joined {
+                chart.draw_series(LineSeries::new(points, style))?;
             }
-            for (point, title) in points.iter().zip(&curve.titles) {
-                mark(*point, marker, colour, title, &mut svg);
-            }
-            if let (Some(note), Some((a, b))) = (&curve.note, points.last()) {
-                let (anchor, off) = if *a > WIDTH - 90.0 {
-                    ("end", -7.0)
-                } else {
-                    ("start", 7.0)
-                };
-                let near_bottom = *b > HEIGHT - bottom - 18.0;
-                let (mut height, step) = match near_bottom {
-                    true => (b - 8.0, -12.0),
-                    false => (b + 13.0, 12.0),
-                };
-                let width = 7.0 * note.chars().count() as f64;
-                let from = if anchor == "end" {
-                    a + off - width
-                } else {
-                    a + off
-                };
-                let to = from + width;
-                let is_taken = |[left, right, y]: &[f64; 3], height: f64| {
-                    *left < to && from < *right && (y - height).abs() < 12.0
-                };
-                while notes.iter().any(|note| is_taken(note, height)) {
-                    height += step;
-                }
-                notes.push([from, to, height]);
+            for (&point, title) in curve.points.iter().zip(&curve.titles) {
+                let at = chart.backend_coord(&point);
+                mark(canvas, at, curve.look)?;
                 let _ = writeln!(
-                    svg,
-                    "<text class=\"note f{colour}\" x=\"{:.1}\" y=\"{height:.1}\" text-anchor=\"{anchor}\">{}</text>",
-                    a + off,
-                    escape(note)
+                    titles,
+                    "<circle cx=\"{}\" cy=\"{}\" r=\"12\" fill=\"transparent\"><title>{}</title></circle>",
+                    at.0,
+                    at.1,
+                    escape(title)
                 );
             }
         }
-        svg + "</svg>\n"
-    }
-
-    /// Frame, decades and labels.
-    fn grid(&self, x: &Scale, y: &Scale, svg: &mut String) {
-        let (left, right, top, bottom) = (x.from, x.to, y.to, y.from);
-        for (m, k) in x.ticks() {
-            let a = x.at(m * 10f64.powi(k));
-            let _ = writeln!(
-                svg,
-                "<path class=\"grid\" d=\"M{a:.1} {top:.1}V{bottom:.1}\"/>\
-                 <text class=\"tick\" x=\"{a:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-                bottom + 14.0,
-                power(m, k)
-            );
+        // words lie above everything
+        let mut notes: Vec<[i32; 3]> = Vec::new();
+        for curve in &self.curves {
+            if let (Some(word), Some(point)) = (&curve.note, curve.points.last()) {
+                let colour = COLOURS[curve.look.colour % COLOURS.len()];
+                let at = chart.backend_coord(point);
+                note(canvas, word, at, colour, &mut notes)?;
+            }
         }
-        for (m, k) in y.ticks() {
-            let b = y.at(m * 10f64.powi(k));
-            let _ = writeln!(
-                svg,
-                "<path class=\"grid\" d=\"M{left:.1} {b:.1}H{right:.1}\"/>\
-                 <text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                left - 5.0,
-                b + 3.5,
-                power(m, k)
-            );
-        }
-        let (cx, cy) = (0.5 * (left + right), 0.5 * (top + bottom));
-        let _ = writeln!(
-            svg,
-            "<rect class=\"frame\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>\n\
-             <text class=\"label\" x=\"{cx:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\n\
-             <text class=\"label\" transform=\"translate(12 {cy:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            right - left,
-            bottom - top,
-            HEIGHT - 8.0,
-            escape(&self.x),
-            escape(&self.y)
-        );
+        Ok(())
     }
 }
 
-/// m · 10ᵏ, m being left out if it is 1.
-fn power(m: f64, k: i32) -> String {
-    let factor = if m == 1.0 {
-        String::new()
-    } else {
-        format!("{m}·")
+/// Writes a word beside a point, where no other word is.
+fn note<'a>(
+    canvas: &Canvas<'a>,
+    word: &str,
+    (a, b): (i32, i32),
+    colour: RGBColor,
+    notes: &mut Vec<[i32; 3]>,
+) -> Result<(), DrawError<'a>> {
+    let width = 13 * word.chars().count() as i32;
+    let is_left = a + 14 + width > SIZE.0 as i32;
+    let (from, anchor) = match is_left {
+        true => (a - 14 - width, HPos::Right),
+        false => (a + 14, HPos::Left),
     };
-    format!("{factor}10<tspan class=\"power\" dy=\"-4\">{k}</tspan>")
-}
-
-fn line(points: &[(f64, f64)], class: &str, svg: &mut String) {
-    if points.len() < 2 {
-        return;
-    }
-    let path: Vec<String> = points
-        .iter()
-        .map(|(a, b)| format!("{a:.1} {b:.1}"))
-        .collect();
-    let _ = writeln!(svg, "<path class=\"{class}\" d=\"M{}\"/>", path.join("L"));
-}
-
-/// A marker with what it is as its title.
-fn mark((a, b): (f64, f64), marker: Marker, colour: usize, title: &str, svg: &mut String) {
-    let polygon = |corners: &[(f64, f64)]| {
-        let corners: Vec<String> = corners
-            .iter()
-            .map(|(x, y)| format!("{:.1} {:.1}", a + x, b + y))
-            .collect();
-        format!("M{}Z", corners.join("L"))
+    let is_free = |height: &i32| {
+        let over = |[left, right, y]: &[i32; 3]| {
+            *left < from + width && from < *right && (y - height).abs() < 24
+        };
+        !notes.iter().any(over)
     };
-    const SQUARE: [(f64, f64); 4] = [(-3.2, -3.2), (3.2, -3.2), (3.2, 3.2), (-3.2, 3.2)];
-    let (class, path) = match marker {
-        Marker::Disc | Marker::Ring => {
-            let circle = format!(
-                "M{:.1} {b:.1}a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0Z",
-                a - 3.5
-            );
-            (
-                if marker == Marker::Disc {
-                    "fill"
-                } else {
-                    "open"
-                },
-                circle,
-            )
+    let below = (0..).map(|k| b + 20 + 24 * k);
+    let below = below.take_while(|height| *height < SIZE.1 as i32 - 100);
+    let above = (0..).map(|k| b - 20 - 24 * k);
+    let height = below.chain(above).find(is_free).unwrap_or(b);
+    notes.push([from, from + width, height]);
+    let style = (FONT, 23)
+        .into_text_style(canvas)
+        .color(&colour)
+        .pos(Pos::new(anchor, VPos::Center));
+    let at = if is_left { a - 14 } else { a + 14 };
+    canvas.draw(&Text::new(word.to_string(), (at, height), style))
+}
+
+/// A marker.
+fn mark<'a>(canvas: &Canvas<'a>, (a, b): (i32, i32), look: Look) -> Result<(), DrawError<'a>> {
+    let colour = COLOURS[look.colour % COLOURS.len()];
+    let full = colour.filled();
+    let open = colour.stroke_width(3);
+    let ring = |style: ShapeStyle| Circle::new((a, b), 7, style);
+    let corners = |own: &[(i32, i32)]| own.iter().map(|(x, y)| (a + x, b + y)).collect::<Vec<_>>();
+    let polygon = |own: &[(i32, i32)]| Polygon::new(corners(own), full);
+    const SQUARE: [(i32, i32); 5] = [(-6, -6), (6, -6), (6, 6), (-6, 6), (-6, -6)];
+    match look.marker {
+        Marker::Disc => canvas.draw(&ring(full)),
+        Marker::Ring => {
+            canvas.draw(&ring(WHITE.filled()))?;
+            canvas.draw(&ring(open))
         }
-        Marker::Square => ("fill", polygon(&SQUARE)),
-        Marker::Frame => ("open", polygon(&SQUARE)),
-        Marker::Triangle => ("fill", polygon(&[(0.0, -4.8), (4.3, 3.2), (-4.3, 3.2)])),
-        Marker::Diamond => (
-            "fill",
-            polygon(&[(0.0, -5.0), (4.2, 0.0), (0.0, 5.0), (-4.2, 0.0)]),
-        ),
+        Marker::Square => canvas.draw(&polygon(&SQUARE)),
+        Marker::Frame => {
+            canvas.draw(&Polygon::new(corners(&SQUARE), WHITE.filled()))?;
+            canvas.draw(&PathElement::new(corners(&SQUARE), open))
+        }
+        Marker::Triangle => canvas.draw(&polygon(&[(0, -10), (9, 6), (-9, 6)])),
+        Marker::Diamond => canvas.draw(&polygon(&[(0, -10), (8, 0), (0, 10), (-8, 0)])),
         Marker::Plus => {
-            let (left, top) = (a - 3.5, b - 3.5);
-            ("open", format!("M{left:.1} {b:.1}h7M{a:.1} {top:.1}v7"))
+            canvas.draw(&PathElement::new(corners(&[(-7, 0), (7, 0)]), open))?;
+            canvas.draw(&PathElement::new(corners(&[(0, -7), (0, 7)]), open))
         }
         Marker::Star => {
             let corner = |k: usize| {
-                let r = if k % 2 == 0 { 6.0 } else { 2.6 };
+                let r = if k % 2 == 0 { 12.0 } else { 5.0 };
                 let angle = std::f64::consts::PI * (k as f64 / 5.0 - 0.5);
-                (r * angle.cos(), r * angle.sin())
+                (
+                    (r * angle.cos()).round() as i32,
+                    (r * angle.sin()).round() as i32,
+                )
             };
-            let corners: Vec<_> = (0..10).map(corner).collect();
-            ("fill", polygon(&corners))
+            canvas.draw(&polygon(&(0..10).map(corner).collect::<Vec<_>>()))
         }
-    };
-    let _ = writeln!(
-        svg,
-        "<path class=\"{class} s{colour} f{colour}\" d=\"{path}\"><title>{}</title></path>",
-        escape(title)
-    );
+    }
 }
 
 /// A look's line and marker, for legends.
 pub fn key(look: Look, joined: bool) -> String {
-    let mut svg = String::from("<svg class=\"key\" viewBox=\"0 0 34 14\">");
-    if joined {
-        let dash = if look.dashed { " dashed" } else { "" };
-        line(
-            &[(1.0, 7.0), (33.0, 7.0)],
-            &format!("line s{}{dash}", look.colour),
-            &mut svg,
-        );
+    let mut svg = String::new();
+    let canvas = SVGBackend::with_string(&mut svg, (68, 28)).into_drawing_area();
+    let style = COLOURS[look.colour % COLOURS.len()].stroke_width(3);
+    let pieces: &[(i32, i32)] = match (joined, look.dashed) {
+        (false, _) => &[],
+        (true, false) => &[(2, 66)],
+        (true, true) => &[(2, 14), (20, 32), (38, 50), (56, 66)],
+    };
+    let line = |&(from, to): &(i32, i32)| {
+        canvas.draw(&PathElement::new(vec![(from, 14), (to, 14)], style))
+    };
+    let drawn = pieces
+        .iter()
+        .try_for_each(line)
+        .and_then(|()| mark(&canvas, (34, 14), look));
+    if let Err(error) = drawn.and_then(|()| canvas.present()) {
+        unreachable!("drawing into a string failed: {error}");
     }
-    mark((17.0, 7.0), look.marker, look.colour, "", &mut svg);
-    svg + "</svg>"
+    drop(canvas);
+    svg.replacen("<svg ", "<svg class=\"key\" ", 1)
 }
 
 /// Shares of a whole as one stacked bar: (number of the colour, share, title).
@@ -362,14 +367,16 @@ mod tests {
 
     #[test]
     fn decades_are_where_they_belong() {
-        let scale = Scale::around([1e-3, 1.0].into_iter(), 0.0, 100.0);
-        assert_eq!(scale.ticks(), [-3, -2, -1, 0].map(|k| (1.0, k)));
-        let (a, b, c) = (scale.at(1e-3), scale.at(1e-2), scale.at(1e-1));
-        assert!((c - b - (b - a)).abs() < 1e-12 && a > 0.0 && scale.at(1.0) < 100.0);
-        let wide = Scale::around([1e-14, 1.0].into_iter(), 0.0, 100.0);
-        assert!((4..=7).contains(&wide.ticks().len()));
-        let narrow = Scale::around([0.1, 0.3].into_iter(), 0.0, 100.0);
-        assert_eq!(narrow.ticks(), [(5.0, -2), (1.0, -1), (2.0, -1), (5.0, -1)]);
+        let range = around([1e-3, 1.0].into_iter());
+        assert!(range.0 < -3.0 && range.1 > 0.0);
+        let names = |range| ticks(range).into_iter().map(number).collect::<Vec<_>>();
+        assert_eq!(names(range), ["0.001", "0.01", "0.1", "1"]);
+        assert!((4..=7).contains(&ticks(around([1e-14, 1.0].into_iter())).len()));
+        assert_eq!(
+            names(around([0.1, 0.3].into_iter())),
+            ["0.05", "0.1", "0.2", "0.5"]
+        );
+        assert_eq!([1e-12, 5e-6, 1e4].map(number), ["10⁻¹²", "5·10⁻⁶", "10⁴"]);
     }
 
     #[test]
@@ -382,6 +389,7 @@ mod tests {
         let mut plot = Plot {
             x: "h".into(),
             y: "a < b".into(),
+            in_percent: true,
             curves: Vec::new(),
             front: Vec::new(),
         };
