@@ -313,7 +313,7 @@ class Report:
             self.check_marks(page, f"the picture {source}", self.pictures[file])
 
     def read_sentences(self):
-        """Prints the sentences of the first page under their charts, and tells those that its tables do not have."""
+        """Prints the sentences of the first page under their charts, and tells each one that its tables do not have."""
         findings = self.pages[FIRST]
         charts = {}
         chart = None

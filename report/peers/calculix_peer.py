@@ -17,10 +17,10 @@ SETTINGS = {"K = E/h": 1.0, "K = 10 E/h": 10.0, "K = 100 E/h": 100.0, "K = 1000 
 # the slopes of scenes where not the first three apply
 SLOPES = {"blocks": (10.0, 100.0, 1000.0), "finite_beams": (10.0, 100.0), "discs": (100.0, 1000.0), "ironing": (100.0, 1000.0)}
 
-# scenes whose upper body's top comes down under a traction, and those at large strains
+# scenes with a traction on the top of the upper body, and scenes at large strains
 STACKED = ("blocks", "beams", "finite_beams")
 FINITE = ("finite_beams", "discs", "ironing")
-# the first increment and the time of a ramp, those of each further place of the die, and how many increments hold the load after it
+# the first increment and the time of a ramp, the same for each further place of the die, and the number of increments that hold the load after it
 RAMPS = {"finite_beams": "1., 1.", "discs": "0.05, 1., 1e-5, 0.05", "ironing": "0.1, 1."}
 SLIDE = "1., 1."
 HELD = {"finite_beams": 3, "discs": 3, "ironing": 2}
@@ -152,7 +152,7 @@ def dead_load(mesh, label, traction):
     forces = np.zeros(len(mesh.nodes))
     for facet in mesh.facets[label]:
         a, b, c = mesh.nodes[facet[:3]]
-        # those of the corners of quadratic triangles are zero
+        # forces on corners of quadratic triangles are zero
         forces[facet[3:] if len(facet) == 6 else facet] += traction * np.linalg.norm(np.cross(b - a, c - a)) / 6
     return forces
 
@@ -166,8 +166,8 @@ def share(path, text):
 
 
 def step(load, times, asked, direct=False):
-    """A step at large displacements. Pairs of facets and normals are those at the start of an increment, so a few increments that hold
-    the load follow each ramp, by which both come to fit the state."""
+    """A step at large displacements. CalculiX takes pairs of facets and normals from the start of an increment. A few
+    increments that hold the load follow each ramp, so that pairs and normals fit the state."""
     return ["*STEP, INC=1000, NLGEOM", "*STATIC" + (", DIRECT" if direct else ""), times, *load, *asked, "*END STEP"]
 
 

@@ -618,7 +618,7 @@ def shape(l, count):
 
 
 def write_medit(path, mesh, labels):
-    """Writes a linear mesh in Medit's format, of its facets those in `labels`: from a label of the mesh to the one that is written."""
+    """Writes a linear mesh in Medit's format. Of its facets the labels in `labels` are written, each with the new label that it leads to."""
     kinds = {2: ("Edges", "Triangles"), 3: ("Triangles", "Tetrahedra")}[mesh.dimension]
     facets = [[*(facet + 1), own] for label, own in labels.items() for facet in mesh.facets[label]]
     x = mesh.nodes[mesh.cells]

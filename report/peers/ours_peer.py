@@ -21,7 +21,7 @@ PRESSURES = {"consistent": "contact_pressure_consistent"}
 # what the command line has in addition
 SETTINGS = {"recovered": [], "consistent": [], "as it comes": [], "by Ipopt": ["--solver", "ipopt"], "accuracy asked": ["--accuracy"]}
 HAVE_PRESSURES = ("half_disc", "ball", "press_fit")
-# what is asked, from the coarsest to the finest mesh of the others (%)
+# the accuracy that is asked for (%), for each mesh of the other programs from the coarsest on
 ACCURACIES = {
     "half_disc": [5, 2, 0.7, 0.3],
     "ball": [10, 5, 3],
@@ -193,21 +193,21 @@ def force_of(scene, table):
 
 
 def boundary(scene, places, cells):
-    """The facets of a mesh that are measured: of one cell each, with all nodes on the boundary."""
+    """The facets that are measured, of a mesh of quadratic cells: sides of one cell alone, with all corners on the boundary."""
     corners = places.shape[1] + 1
+    edges = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+    # nodes of the sides within a cell: corners, then middles
     sides = {3: [(0, 1), (1, 2), (2, 0)], 4: [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)]}[corners]
-    middles = {frozenset(pair): corners + k for k, pair in enumerate([(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)])}
+    middles = {frozenset(edge): corners + k for k, edge in enumerate(edges)}
+    around = {2: [(0, 1)], 3: [(0, 1), (1, 2), (2, 0)]}[corners - 1]
+    whole = [[*side, *(middles[frozenset((side[i], side[j]))] for i, j in around)] for side in sides]
     seen = {}
     for cell in cells:
-        for side in sides:
-            seen.setdefault(frozenset(cell[list(side)].tolist()), []).append((cell, side))
-    facets = []
-    for of in seen.values():
-        cell, side = of[0]
-        if len(of) == 1 and scene.is_measured(places[cell[list(side)]]).all():
-            of_side = [middles[frozenset((side[i], side[(i + 1) % len(side)]))] for i in range(len(side) if len(side) > 2 else 1)]
-            facets.append(cell[[*side, *of_side]])
-    return np.array(facets)
+        for side in whole:
+            own = cell[side]
+            seen.setdefault(frozenset(own[: corners - 1].tolist()), []).append(own)
+    alone = [of[0] for of in seen.values() if len(of) == 1]
+    return np.array([own for own in alone if scene.is_measured(places[own[: corners - 1]]).all()])
 
 
 def solve(scene, mesh, setting):

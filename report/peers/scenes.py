@@ -12,13 +12,23 @@ CONTACT = 1
 LIMIT = 120
 
 
-class HalfDisc:
+class Scene:
+    """What scenes have in common. Each has `mesh(folder, fineness, degree)`, the mesh of its first body, which leads to the meshes of the next bodies."""
+
+    @classmethod
+    def coarse(cls, folder, degree):
+        """The mesh that refining programs begin with. It knows nothing of the contact."""
+        return cls.mesh(folder, cls.coarsest, degree)
+
+
+class HalfDisc(Scene):
     """The lower half of a disc of radius 1 on a rigid line, in plane strain, pressed by a traction on its flat top. Hertz: a = 0.05."""
 
     name = "half_disc"
     young, poisson, zone = 1000.0, 0.3, 0.05
     top, measured = 3, CONTACT
     sizes = {4: "a/4", 8: "a/8", 16: "a/16", 32: "a/32"}
+    coarsest = 1 / 2.4
     force = math.pi * young / (1 - poisson**2) * zone**2 / 4
 
     @classmethod
@@ -27,24 +37,20 @@ class HalfDisc:
         meshes.write(path, meshes.HALF_DISC, 2, cls.zone / fineness, degree, zone=cls.zone)
         return meshes.Mesh(path, fineness)
 
-    @classmethod
-    def coarse(cls, folder, degree):
-        """A mesh that knows nothing of the contact: facets of 2.4 a everywhere."""
-        return cls.mesh(folder, 1 / 2.4, degree)
-
     @staticmethod
     def is_measured(x):
         """Which places are on the boundary that is measured."""
         return abs(np.hypot(x[:, 0], x[:, 1] - 1) - 1) < 1e-6
 
 
-class Ball:
+class Ball(Scene):
     """An eighth of a ball of radius 50 on a rigid plane, whose flat top comes down by 2."""
 
     name = "ball"
     young, poisson, zone = 20000.0, 0.3, 10.0
     top, descent, measured = 4, 2.0, CONTACT
     sizes = {2: "a/2", 3: "a/3", 4: "a/4", 6: "a/6"}
+    coarsest = 1 / 1.2
 
     @classmethod
     def mesh(cls, folder, fineness, degree):
@@ -52,18 +58,13 @@ class Ball:
         meshes.write(path, meshes.BALL, 3, cls.zone / fineness, degree, zone=cls.zone)
         return meshes.Mesh(path, fineness)
 
-    @classmethod
-    def coarse(cls, folder, degree):
-        """A mesh that knows nothing of the contact: facets of 1.2 a everywhere."""
-        return cls.mesh(folder, 1 / 1.2, degree)
-
     @staticmethod
     def is_measured(x):
         """Which places are on the boundary that is measured."""
         return abs(np.linalg.norm(x - [0, 0, 50], axis=1) - 50) < 5e-5
 
 
-class PressFit:
+class PressFit(Scene):
     """Two rings of radii 0.5, 1 and 1.5 in plane strain, a quarter of each, of which the inner one is larger by a thousandth of its radius."""
 
     name = "press_fit"
@@ -71,6 +72,7 @@ class PressFit:
     interference, measured = 1e-3, CONTACT
     radii = 0.5, 1.0, 1.5
     sizes = {8: "R/8", 16: "R/16", 32: "R/32", 64: "R/64"}
+    coarsest = 8
 
     @classmethod
     def mesh(cls, folder, fineness, degree):
@@ -87,17 +89,12 @@ class PressFit:
         return other
 
     @classmethod
-    def coarse(cls, folder, degree):
-        """The coarsest of the meshes."""
-        return cls.mesh(folder, 8, degree)
-
-    @classmethod
     def is_measured(cls, x):
         """Which places are on the boundary that is measured."""
         return abs(np.hypot(x[:, 0], x[:, 1]) - cls.radii[1] - cls.interference) < 1e-7
 
 
-class Beams:
+class Beams(Scene):
     """Three cantilevers in a stack, clamped at one end, the upper one pulled down by a traction of 100 on its top: section 6.2 of the paper, linear."""
 
     name = "beams"
@@ -105,10 +102,11 @@ class Beams:
     bottom, left, top, measured = 2, 4, 6, 6
     traction = 100.0
     sizes = {2: "H/2", 3: "H/3", 4: "H/4"}
+    coarsest = 1
 
     @classmethod
     def mesh(cls, folder, fineness, degree):
-        """The upper beam and those below it."""
+        """The upper beam and the beams below it."""
         other = None
         for number in range(3):
             # the beam in the middle has one cell more along, so that nodes do not meet
@@ -117,11 +115,6 @@ class Beams:
             meshes.write(path, meshes.BEAM, 3, 25 / fineness, degree, **divisions)
             other = meshes.Mesh(path, fineness, other)
         return other
-
-    @classmethod
-    def coarse(cls, folder, degree):
-        """One layer of cells."""
-        return cls.mesh(folder, 1, degree)
 
     @staticmethod
     def is_measured(x):
@@ -133,10 +126,9 @@ class FiniteBeams(Beams):
     """The same beams, neo-Hookean: psi = mu/2 (tr C - 3 - 2 ln J), since nu = 0. The traction keeps its direction and is per area at rest."""
 
     name = "finite_beams"
-    sizes = {2: "H/2", 3: "H/3", 4: "H/4"}
 
 
-class Blocks:
+class Blocks(Scene):
     """Three blocks of height 1 in a stack, in plane strain, of half-widths 3, 2.5 and 0.5 from below, of which the halves x > 0 are meshed: free of
     friction, held below, and under a traction of 1 on the top of the upper one. Corners press into flat sides, and the one in the middle
     lifts off beyond 1.3. Small strains."""
@@ -148,10 +140,11 @@ class Blocks:
     traction = 1.0
     widths = 3.0, 2.5, 0.5
     sizes = {4: "H/4", 8: "H/8", 16: "H/16", 32: "H/32"}
+    coarsest = 4
 
     @classmethod
     def mesh(cls, folder, fineness, degree):
-        """The upper block and those below it."""
+        """The upper block and the blocks below it."""
         other = None
         for number, wide in enumerate(cls.widths):
             # one more cell along the block in the middle, so that nodes do not meet
@@ -162,18 +155,13 @@ class Blocks:
             other = meshes.Mesh(path, fineness, other)
         return other
 
-    @classmethod
-    def coarse(cls, folder, degree):
-        """The coarsest of the meshes."""
-        return cls.mesh(folder, 4, degree)
-
     @staticmethod
     def is_measured(x):
         """Which places are on the boundary that is measured."""
         return abs(x[:, 1] - 3) < 1e-9
 
 
-class Discs:
+class Discs(Scene):
     """Section 6.1 of the paper: a rigid disc of radius 0.6 comes down by 1.125 inside a neo-Hookean ring of radii 0.7 and 2, held at its outside, in
     plane strain: psi = mu/2 (tr C - 3 - 2 ln J), since nu = 0. Measured is the force that presses the disc down, at the end."""
 
@@ -183,6 +171,7 @@ class Discs:
     descent = 1.125
     radii = 0.6, 0.7, 2.0
     sizes = {6: "R/6", 10: "R/10", 16: "R/16"}
+    coarsest = 6
 
     @classmethod
     def mesh(cls, folder, fineness, degree):
@@ -196,13 +185,8 @@ class Discs:
         meshes.write(path, meshes.DISC, 2, 1.1 * size, degree, radius=radius)
         return meshes.Mesh(path, fineness, ring)
 
-    @classmethod
-    def coarse(cls, folder, degree):
-        """The coarsest of the meshes."""
-        return cls.mesh(folder, 6, degree)
 
-
-class Ironing:
+class Ironing(Scene):
     """A stiff die with a round bottom of radius 3 is pressed by 0.75 into a soft slab of 9 x 3, which is held below, and slid along by 2, in plane
     strain; both are neo-Hookean: psi = mu/2 (tr C - 3 - 2 ln J), since nu = 0. Measured is the force that presses the die down, as the mean of ten
     places 0.2, 0.4, ... 2 of the way along the slab."""
@@ -213,6 +197,7 @@ class Ironing:
     bottom, top, measured = 2, 6, None
     press, slide, places = 0.75, 2.0, 10
     sizes = {6: "H/6", 9: "H/9", 14: "H/14"}
+    coarsest = 6
 
     @classmethod
     def mesh(cls, folder, fineness, degree):
@@ -226,11 +211,6 @@ class Ironing:
         places = {"middle": 2.5, "low": 3, "high": 4.8, "radius": 3, "half": 2.25}
         meshes.write(path, meshes.DIE, 2, 0.9 * size, degree, **places)
         return meshes.Mesh(path, fineness, slab)
-
-    @classmethod
-    def coarse(cls, folder, degree):
-        """The coarsest of the meshes."""
-        return cls.mesh(folder, 6, degree)
 
 
 ALL = [HalfDisc, Ball, PressFit, Blocks, Beams, FiniteBeams, Discs, Ironing]

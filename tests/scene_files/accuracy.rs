@@ -267,6 +267,62 @@ fn starts_on_finer_meshes_do_not_change_what_they_end_with() {
     }
 }
 
+/// A disc in a ring. From the end of the first mesh the second one takes more than ten factorisations, and fewer than its path: it gets there in one step, which is not
+/// told to be long, and ends where its path ends.
+#[test]
+fn starts_that_take_their_time_are_quicker_than_paths() {
+    let scene = r#"
+increments = 5
+
+[[body]]
+name = "ring"
+mesh = { annulus = { radii = { from = 0.7, to = 2, count = 5 }, segments = 20 } }
+quadratic = true
+curved = [{ on = "inner", radius = 0.7 }, { on = "outer", radius = 2 }]
+law = "neo-hookean"
+young = 1000
+poisson = 0
+supports = [{ on = "outer", x = 0, y = 0 }]
+
+[[body]]
+name = "disc"
+mesh = { disc = { radius = 0.6, segments = 18, rings = 1, phase = 0.03 } }
+quadratic = true
+curved = [{ on = "boundary", radius = 0.6 }]
+law = "neo-hookean"
+young = 1000
+poisson = 0
+supports = [{ x = 0, y = -1.125 }]
+
+[[contact]]
+first = ["ring", "inner"]
+second = ["disc", "boundary"]
+"#;
+    let last = |name: &str, options: &[&str]| {
+        let (_, text, out) = run(name, scene, options);
+        let summary = fs::read_to_string(out.join("level_1/summary.json"));
+        let summary: Value = serde_json::from_str(&summary.expect(&text)).expect("JSON");
+        let number = |name: &str| summary[name].as_f64().expect("a number");
+        (
+            number("steps"),
+            number("factorisations"),
+            number("energy"),
+            summary["findings"].clone(),
+        )
+    };
+    let start = last("accuracy_start", &["--accuracy", "8%"]);
+    let path = last("accuracy_start_path", &["--accuracy", "8%", "--path"]);
+    assert_eq!((start.0, path.0), (1.0, 5.0));
+    assert!(start.1 < path.1, "{} {}", start.1, path.1);
+    assert!(
+        (start.2 / path.2 - 1.0).abs() < 1e-8,
+        "{} {}",
+        start.2,
+        path.2
+    );
+    assert_eq!(start.3, Value::Array(Vec::new()));
+}
+
 #[test]
 fn what_is_not_reached_is_told() {
     let (code, text, out) = run(

@@ -15,13 +15,13 @@ const INTRODUCTION: &str = "<p>Eight scenes, solved by four programs on one mach
 const HOW: &str = "<h2>How was this measured?</h2>\n<p>Gmsh made the meshes. All runs are of one campaign, one at a time, with one thread. The error is relative: that of the contact pressure in L² over \
     the contact boundary, of a mean displacement, or of a force, by one function for all programs. Time is processor time: of this library and CalculiX that of the whole program with its files, of \
     GetFEM and FreeFEM that from reading the mesh to the solution. Short runs are repeated, and the least time counts. Runs beside which other processes worked are left out.</p>\n\
-    <p>A line joins the runs of a program that no other run of it beats in both time and error. A dashed line joins runs on meshes that a program refines by itself, from a coarse mesh \
+    <p>A solid line joins the best runs of a program: no other run of the program is both faster and more accurate. A dashed line joins runs on meshes that a program refines by itself, from a coarse mesh \
     that knows nothing of the contact, with the time of all its meshes: <code>--accuracy</code> of this library, where the accuracy that is asked for is that of the energy norm, and <code>adaptmesh</code> of FreeFEM.</p>\n\
     <p>Programs ran with several settings. This library, ipopt-contact, writes two pressures, a recovered one and that of the multipliers (consistent), and solves by its default solver and by Ipopt. FreeFEM has cells \
     with straight sides; its pressures are projected or lumped. GetFEM's multiplier has the degree of the cells, or is linear, and r is its augmentation. K is the slope of CalculiX's penalty.</p>\n";
 
 const ENDINGS: &str = "<p>Runs that a program says it solved, of all runs with all settings. Those of this library count only if its certificate holds. The \
-    tables below say how each of the others ended.</p>\n";
+    tables below say how each other run ended.</p>\n";
 
 /// What a program looks like: its place among all of them.
 fn look(place: usize) -> Look {
