@@ -27,10 +27,16 @@ use crate::Stop;
 ///
 /// Each round finds most of the rows that act in the next one. From 1e-9 at once, Newton's method took up to a hundred
 /// times as many steps. From 0.1, most of the 3 600 rows of the linear beams act at first, and their factors cost a third of
-/// the time. Below 1e-8 the round-off of W shows.
+/// the time.
 const FIRST: f64 = 0.01;
 const LAST: f64 = 1e-8;
 const RATIO: f64 = 0.1;
+/// Where a round leaves more than the first share, ε shrinks further: rows that nearly depend on each other have compliances
+/// below [`LAST`], beside that of a body that floats. What such an ε leaves counts if it is less than the second share of the best.
+const SLOW: f64 = 0.1;
+const STUCK: f64 = 0.9;
+/// The least ε, relative to the largest sum of a column of W, whose round-off it is above.
+const LEAST: f64 = 8.0 * f64::EPSILON;
 /// ε of the first round from multipliers that are known, relative to what is left of the condition over the largest λ.
 const WARM: f64 = 0.01;
 /// The round-off of the gaps, relative to the largest one of the start.
@@ -82,9 +88,12 @@ pub(in crate::equilibrium) fn solve(
         gaps: Col::from_fn(m, |i| gaps[i] / lengths[i]),
         bound: bound.max(ROUNDOFF * largest),
         lengths,
+        least: 0.0,
         factor: Active::new(),
         steps: 0,
     };
+    let sums = proximal.W.col_iter().map(|column| column.norm_l1());
+    proximal.least = LEAST * sums.fold(1.0, f64::max);
     let left = proximal.solve(stop)?;
     if !left.is_finite() {
         return Err(Halt::Failed(
@@ -110,6 +119,8 @@ struct Proximal {
     /// √W_ii, the length that each row's gap is measured in, and the bound on |min(W_ii λᵢ, cᵢ)|.
     lengths: Vec<f64>,
     bound: f64,
+    /// The least ε.
+    least: f64,
     factor: Active,
     steps: usize,
 }
@@ -235,17 +246,39 @@ impl Proximal {
         let scaled = natural(&self.center, &self.gaps).fold(0.0, f64::max);
         let mut epsilon = (WARM * scaled / self.center.norm_max()).clamp(LAST, FIRST);
         let mut left = self.residual(&self.center, &self.gaps) / self.bound;
+        let mut best = (self.center.clone(), self.gaps.clone(), left);
         for _ in 0..ROUNDS {
             if left <= 1.0 {
                 break;
             }
-            let (z, gaps) = self.proximal_point(epsilon, stop)?;
-            self.center = Col::from_fn(z.nrows(), |i| z[i].max(0.0));
-            self.gaps = gaps + self.product(&(&self.center - z));
-            left = self.residual(&self.center, &self.gaps) / self.bound;
-            epsilon = (RATIO * epsilon).max(LAST);
+            let before = left;
+            left = match self.round(epsilon, stop) {
+                // the round-off of W shows
+                Err(Halt::Failed(_)) if epsilon < LAST => break,
+                left => left?,
+            };
+            // a smaller ε has to gain something: where no λ closes the gaps, λ becomes larger for nothing
+            if epsilon >= LAST || left <= STUCK * best.2 {
+                best = (self.center.clone(), self.gaps.clone(), left);
+            } else if epsilon <= self.least {
+                break;
+            }
+            epsilon = match epsilon > LAST {
+                true => (RATIO * epsilon).max(LAST),
+                false if left > SLOW * before => (RATIO * epsilon).max(self.least),
+                false => epsilon,
+            };
         }
+        (self.center, self.gaps, left) = best;
         Ok(left)
+    }
+
+    /// λ becomes the proximal point of λ̄; what is left then, relative to the bound.
+    fn round(&mut self, epsilon: f64, stop: &Stop) -> Result<f64, Halt> {
+        let (z, gaps) = self.proximal_point(epsilon, stop)?;
+        self.center = Col::from_fn(z.nrows(), |i| z[i].max(0.0));
+        self.gaps = gaps + self.product(&(&self.center - z));
+        Ok(self.residual(&self.center, &self.gaps) / self.bound)
     }
 
     /// Newton's method from z = λ̄ until the rows that act repeat, or z is a solution; z and its gaps.

@@ -186,6 +186,40 @@ fn dense_problems_have_the_gaps_of_the_active_set_that_enumeration_finds() {
     assert!(found > 200, "{found}");
 }
 
+/// Pairs of rows that differ by 1e-5 of what a body yields, beside a motion of the whole body that yields a hundred times more:
+/// the compliance of their differences is 1e-10 of that of the rows.
+#[test]
+fn rows_that_nearly_depend_on_each_other_are_complementary_beside_a_soft_motion() {
+    let mut random = Rng::with_seed(7);
+    for case in 0..20 {
+        let (pairs, m) = (20, 40);
+        let mut C = DMatrix::from_fn(m, 1 + pairs, |_, j| match j {
+            0 => 1.0,
+            _ => 0.01 * (2.0 * random.f64() - 1.0),
+        });
+        for i in 0..pairs {
+            let near = C.row(i).map(|a| a + 1e-5 * (2.0 * random.f64() - 1.0));
+            C.set_row(pairs + i, &near);
+        }
+        let W = &C * C.transpose();
+        // a solution: every second pair acts, and the others are open
+        let acts = |i: usize| i % 2 == 0;
+        let force = DVector::from_fn(m, |i, _| if acts(i) { 0.1 + random.f64() } else { 0.0 });
+        let open = DVector::from_fn(m, |i, _| if acts(i) { 0.0 } else { 0.1 + random.f64() });
+        let gaps = &open - &W * &force;
+        let dense = Mat::from_fn(m, m, |i, j| W[(i, j)]);
+        let start = vec![0.0; m];
+        let solved = complementarity::solve(&dense, gaps.as_slice(), &start, 1e-13, &Stop::new())
+            .expect("solvable");
+        assert!(solved.left <= 1.0, "{case}: {:.1e}", solved.left);
+        let lambda = DVector::from_vec(solved.lambda);
+        // without the round-off of W times λ
+        let gaps = &C * (C.transpose() * (&lambda - &force)) + &open;
+        let left = lambda.zip_map(&gaps, |l, c| l.min(c).abs()).max();
+        assert!(left < 1e-12, "{case}: {left:e}");
+    }
+}
+
 /// A definite matrix that couples neighbours on a line, a grid or a cube, and its factor.
 fn grid(n: usize, dim: u32) -> (crate::linear::Cholesky, DMatrix<f64>) {
     use crate::linear::{Analysis, Cholesky, Factor, Kind, Ordering};
