@@ -117,12 +117,12 @@ def anticlockwise(mesh):
     return turned
 
 
-def put_together(bodies, kind, sets):
+def put_together(bodies, kinds, sets):
     """Nodes and cells of several bodies, each with its set of cells; for each, the nodes before its own, and faces by label; all nodes."""
     dimension = bodies[0].dimension
     out, places = [], []
     first = cells = 0
-    for own, name in zip(bodies, sets):
+    for own, kind, name in zip(bodies, kinds, sets):
         out.append("*NODE, NSET=NALL")
         out += [f"{first + k}, " + ", ".join(map(short, x)) for k, x in enumerate(own.nodes, 1)]
         out.append(f"*ELEMENT, TYPE={kind}, ELSET={name}")
@@ -158,11 +158,11 @@ def dead_load(mesh, label, traction):
 
 
 def share(path, text):
-    """The share of all ramps that a run has done, by its list of increments; ramps are the odd steps."""
+    """The share of all ramps that a run has done, by its list of increments; ramps are the odd steps, or the only one."""
     rows = [line.split() for line in path.read_text().splitlines()[2:]] if path.exists() else []
     done = {int(row[0]): float(row[5]) for row in rows if len(row) == 7 and not row[2].endswith("U")}
     steps = text.count("*STEP")
-    return sum(done.get(k, 0.0) for k in range(1, steps, 2)) / (steps // 2)
+    return sum(done.get(k, 0.0) for k in range(1, steps + 1, 2)) / max(steps // 2, 1)
 
 
 def step(load, times, asked, direct=False):
@@ -180,7 +180,7 @@ def several(scene, mesh, stiffness):
     if stacked:
         held = [(scene.left, axis) for axis in ((1, 2, 3) if dimension == 3 else (1,))]
     bodies = mesh.all()
-    out, places, count = put_together(bodies, kind, ["BODY"] * len(bodies))
+    out, places, count = put_together(bodies, [kind] * len(bodies), ["BODY"] * len(bodies))
     surfaces, boundary, load = [], ["*BOUNDARY"], []
     fixed = 0
     for place, (own, (first, on)) in enumerate(zip(bodies, places)):
@@ -221,7 +221,7 @@ def moved(scene, mesh, stiffness, softer):
     disc = scene.name == "discs"
     kind = {1: "CPE3", 2: "CPE6"}[mesh.degree]
     bodies = mesh.all()
-    out, ((_, on), (first, below)), count = put_together(bodies, kind, ["UPPER", "LOWER"])
+    out, ((_, on), (first, below)), count = put_together(bodies, [kind] * 2, ["UPPER", "LOWER"])
     face, facing, support = (CONTACT, CONTACT, scene.outside) if disc else (scene.bottom, scene.top, scene.bottom)
     held = [first + a + 1 for a in mesh.other.on(support)]
     led = list(range(1, len(mesh.nodes) + 1)) if disc else [a + 1 for a in mesh.on(scene.top)]
@@ -245,13 +245,18 @@ def moved(scene, mesh, stiffness, softer):
     return "\n".join(out) + "\n", 2 * (count - len(held) - len(led))
 
 
-def reactions(path):
-    """The total vertical reactions that are printed, by whole total times."""
-    found = {}
+def totals(path):
+    """The total forces that are printed: the name of the set, the total time and the components."""
     lines = [line for line in path.read_text().splitlines() if line.strip()]
     for head, row in zip(lines, lines[1:]):
         if head.startswith(" total force"):
-            found[float(head.split()[-1])] = float(row.split()[1])
+            words = head.split()
+            yield words[words.index("set") + 1], float(words[-1]), [float(word) for word in row.split()]
+
+
+def reactions(path):
+    """The total vertical reactions that are printed, by whole total times."""
+    found = {time: forces[1] for _, time, forces in totals(path)}
     return {round(time): force for time, force in found.items() if abs(time - round(time)) < 1e-6}
 
 

@@ -9,7 +9,6 @@ displacements of a loaded face, or the forces that are written here, one file a 
 
 import argparse
 import json
-import multiprocessing
 import os
 import pathlib
 import sys
@@ -22,6 +21,7 @@ import calculix_peer
 import freefem_peer
 import getfem_peer
 import ours_peer
+import processes
 import scenes
 
 PROGRAMS = [ours_peer, getfem_peer, calculix_peer, freefem_peer]
@@ -46,27 +46,16 @@ def failed(why):
 
 
 def in_a_process(program, scene, mesh, setting):
-    """A run in a process of its own, since a peer may stop it, or not end."""
-    mine, its = multiprocessing.Pipe(duplex=False)
+    """A run in a process of its own."""
 
     def run():
         try:
-            result = program.solve(scene, mesh, setting)
+            return program.solve(scene, mesh, setting)
         except Exception as error:  # a peer that stops is a result
-            result = failed(f"{type(error).__name__}: {error}")
-        its.send(result)
+            return failed(f"{type(error).__name__}: {error}")
 
-    child = multiprocessing.get_context("fork").Process(target=run)
-    child.start()
-    its.close()
-    try:
-        result = mine.recv() if mine.poll(scenes.LIMIT + 10) else failed(f"not done after {scenes.LIMIT} s")
-    except EOFError:
-        child.join()
-        result = failed(f"the program ended by signal {-child.exitcode}")
-    child.kill()
-    child.join()
-    return result
+    result, why = processes.in_a_process(run, scenes.LIMIT + 10)
+    return result or failed(f"not done after {scenes.LIMIT} s" if why == "late" else why)
 
 
 def measured(program, scene, mesh, setting):

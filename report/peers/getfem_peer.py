@@ -196,22 +196,29 @@ class Body:
 
 
 class Pair:
-    """Large sliding of the boundary of a body, which has the multiplier p, on another body, that is found along the deformed normals."""
+    """Large sliding of the boundary of a body, which has the multiplier p, on another body, that is found along the deformed normals. With
+    names of fields that are zero, `still`, points that face each other are found at rest, once for all: contact at small strains. What is
+    not to be closed of the gap is `spared`, an expression. Where nothing is found, `is_balanced` leaves out the slave's force, too."""
 
-    def __init__(self, model, name, slave, of_slave, master, of_master, reach):
+    def __init__(self, model, name, slave, of_slave, master, of_master, reach, still=None, spared="", r="r", is_balanced=False):
         self.slave, self.region = slave, of_slave
         rays, a, b = f"rays_{name}", slave.name, master.name
         kept = slave.pressures.basic_dof_on_region(of_slave)
         model.add_fem_variable(name, gf.MeshFem("partial", slave.pressures, kept))
         model.add_raytracing_transformation(rays, reach)
-        model.add_slave_contact_boundary_to_raytracing_transformation(rays, slave.grid, a, of_slave)
-        model.add_master_contact_boundary_to_raytracing_transformation(rays, master.grid, b, of_master)
-        normal = f"Transformed_unit_vector(Grad_{a}, Normal)"
+        of_a, of_b = still or (a, b)
+        model.add_slave_contact_boundary_to_raytracing_transformation(rays, slave.grid, of_a, of_slave)
+        model.add_master_contact_boundary_to_raytracing_transformation(rays, master.grid, of_b, of_master)
+        normal = "Normal" if still else f"Transformed_unit_vector(Grad_{a}, Normal)"
+        on_slave = f"-{name}*(Test_{a}.{normal})"
+        if is_balanced:
+            on_slave = f"Interpolate_filter({rays}, {on_slave}, 1)"
         gap = f"((Interpolate({b}, {rays}) + Interpolate(X, {rays}) - X - {a}).{normal})"
+        gap = f"({gap} - {spared})" if spared else gap
         model.add_nonlinear_term(
             slave.points,
-            f"-{name}*(Test_{a}.{normal}) + Interpolate_filter({rays}, {name}*(Interpolate(Test_{b}, {rays}).{normal}), 1)"
-            f" - (1/r)*{name}*Test_{name} - Interpolate_filter({rays}, (1/r)*neg_part({name} + r*{gap})*Test_{name}, 1)",
+            f"{on_slave} + Interpolate_filter({rays}, {name}*(Interpolate(Test_{b}, {rays}).{normal}), 1)"
+            f" - (1/{r})*{name}*Test_{name} - Interpolate_filter({rays}, (1/{r})*neg_part({name} + {r}*{gap})*Test_{name}, 1)",
             of_slave,
         )
         self.upward = f"{name}*([0;1].{normal})"
@@ -221,7 +228,12 @@ class Pair:
         return float(gf.asm_generic(self.slave.points, 0, self.upward, self.region, model))
 
 
-def followed(model, bodies, load, places, cuts=6):
+def newton(model):
+    """Iterations of Newton's method by full steps, unless the residual becomes very large, and whether they converge."""
+    return model.solve("max_res", 1e-9, "max_iter", 15, "lsolver", "mumps", "lsearch", "simplest", "alpha max ratio", 1e3)
+
+
+def followed(model, bodies, load, places, cuts=6, solved=newton):
     """Goes by load(place) through all places, with cuts where Newton's method fails. Yields the place and the number of iterations."""
     done = 0.0
     for place in places:
@@ -230,10 +242,7 @@ def followed(model, bodies, load, places, cuts=6):
             to = place if step > 0.999 * (place - done) else done + step
             kept = model.from_variables()
             load(to)
-            # full steps, unless the residual becomes very large
-            iterations, converged = model.solve(
-                "max_res", 1e-9, "max_iter", 15, "lsolver", "mumps", "lsearch", "simplest", "alpha max ratio", 1e3
-            )
+            iterations, converged = solved(model)
             if converged and all(body.intact(model) for body in bodies):
                 done = to
             else:

@@ -11,6 +11,12 @@ pub fn write(path: impl AsRef<Path>, text: impl AsRef<[u8]>) -> Result<(), Failu
     std::fs::write(path, text).map_err(|error| cannot("write", path, error))
 }
 
+/// Reads a file.
+pub fn read(path: impl AsRef<Path>) -> Result<String, Failure> {
+    let path = path.as_ref();
+    std::fs::read_to_string(path).map_err(|error| cannot("read", path, error))
+}
+
 /// Creates a folder and its parents if they do not exist.
 pub fn make_folder(path: impl AsRef<Path>) -> Result<(), Failure> {
     let path = path.as_ref();

@@ -9,7 +9,7 @@
 #![forbid(unsafe_code)]
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
@@ -42,6 +42,12 @@ struct Arguments {
     /// Seconds after which a case is given up
     #[arg(long, default_value_t = 120)]
     limit: u64,
+    /// Write the cases as files for other programs into this folder, and solve none
+    #[arg(long)]
+    export: Option<PathBuf>,
+    /// Print how the runs in this file compare with the truths, by program and class, and solve none
+    #[arg(long)]
+    judge: Option<PathBuf>,
     /// Run one case in this process and print its entry
     #[arg(long, hide = true)]
     only: Option<String>,
@@ -59,6 +65,11 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         println!("{}", serde_json::to_string(&case.run(arguments.solver))?);
         return Ok(ExitCode::SUCCESS);
     }
+    if let Some(file) = &arguments.judge {
+        let runs: Vec<extremes::Foreign> = serde_json::from_str(&files::read(file)?)?;
+        print!("{}", extremes::judged(&runs)?);
+        return Ok(ExitCode::SUCCESS);
+    }
     let is_wanted = |case: &Case| {
         let is_left_out = (arguments.quick && !case.quick) || (arguments.coarse && case.fine);
         case.name.contains(&arguments.filter) && !is_left_out
@@ -66,6 +77,9 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     cases.retain(is_wanted);
     if cases.is_empty() {
         return Err(format!("no case has `{}` in its name", arguments.filter).into());
+    }
+    if let Some(folder) = &arguments.export {
+        return export(&cases, folder);
     }
     files::make_folder(&arguments.out)?;
     let mut entries = Vec::new();
@@ -97,6 +111,26 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     })
 }
 
+/// Writes all cases that other programs can be told.
+fn export(cases: &[Case], folder: &Path) -> Result<ExitCode, Failure> {
+    files::make_folder(folder)?;
+    let mut count = 0;
+    for (k, case) in cases.iter().enumerate() {
+        let exchanged = case.exchanged();
+        let exchanged = exchanged.map_err(|error| format!("case `{}`: {error}", case.name))?;
+        if let Some(case) = exchanged {
+            count += 1;
+            files::write(folder.join(format!("{k:03}.json")), case.to_string())?;
+        }
+    }
+    println!(
+        "{count} of {} cases are in {}",
+        cases.len(),
+        folder.display()
+    );
+    Ok(ExitCode::SUCCESS)
+}
+
 fn in_a_child(case: &Case, solver: Solver, limit: Duration) -> Result<Entry, Failure> {
     let clock = Instant::now();
     let mut child = Command::new(std::env::current_exe()?)
@@ -113,6 +147,7 @@ fn in_a_child(case: &Case, solver: Solver, limit: Duration) -> Result<Entry, Fai
         reason: String::new(),
         factorisations: 0,
         iterations: 0,
+        reactions: Vec::new(),
         twin: case.twin.clone(),
         seconds: clock.elapsed().as_secs_f64(),
     };

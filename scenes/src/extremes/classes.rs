@@ -8,7 +8,8 @@ mod unsolvable;
 use contact_fem::model::InitialGaps;
 
 use super::Case;
-use super::stack::{Law, Stack};
+use super::exchange::Law;
+use super::stack::Stack;
 
 /// All classes.
 pub(super) fn all() -> Vec<Case> {

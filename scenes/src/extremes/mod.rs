@@ -4,7 +4,10 @@
 //! A truth is independent of the solver: an analytic value, a balance, a symmetry, a scaling. `make extremes` runs them all.
 
 mod classes;
+mod exchange;
 mod stack;
+
+pub use exchange::{Foreign, Must, Reaction, judged};
 
 use contact_fem::model::Problem;
 use contact_fem::simulation::History;
@@ -28,6 +31,10 @@ pub struct Case {
     pub fine: bool,
     /// The number of load increments.
     increments: usize,
+    /// Only where it is an aim: the most factorisations of a solver that does without an interior point method.
+    most_factorisations: Option<usize>,
+    /// The laws of all bodies, where other programs are to know them.
+    laws: Vec<exchange::Elastic>,
     dimension: Dimension,
 }
 
@@ -47,6 +54,8 @@ type Measure<const D: usize> = Box<dyn Fn(&Problem<D>, &History<D>) -> Vec<Check
 
 /// What is right.
 enum Truth<const D: usize> {
+    /// Forces of supports at full load.
+    Reactions(Box<dyn Fn() -> Vec<Reaction>>),
     /// Values at full load.
     Values(Measure<D>),
     /// There is no solution, or none that the scene can have; the reason that is given contains one of these words.
@@ -93,6 +102,13 @@ impl Check {
     }
 }
 
+impl<const D: usize> Truth<D> {
+    /// Forces of supports, which are found when they are asked for.
+    fn reactions(all: impl Fn() -> Vec<Reaction> + 'static) -> Self {
+        Truth::Reactions(Box::new(all))
+    }
+}
+
 /// How a case went.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Entry {
@@ -112,6 +128,9 @@ pub struct Entry {
     pub factorisations: usize,
     /// Iterations of the fixed point.
     pub iterations: usize,
+    /// The forces of the supports on each body at full load (UF), of a complete run.
+    #[serde(default)]
+    pub reactions: Vec<Vec<f64>>,
     /// The name of the benign twin.
     pub twin: Option<String>,
     /// Wall time (s).
@@ -159,6 +178,8 @@ impl Case {
             quick: false,
             fine: false,
             increments: 1,
+            most_factorisations: None,
+            laws: Vec::new(),
             dimension,
         }
     }
@@ -191,12 +212,13 @@ impl Case {
             reason: String::new(),
             factorisations: 0,
             iterations: 0,
+            reactions: Vec::new(),
             twin: self.twin.clone(),
             seconds: 0.0,
         };
         let run = match &self.dimension {
-            Dimension::Plane(setting) => setting.run(solver, self.increments, &mut entry),
-            Dimension::Space(setting) => setting.run(solver, self.increments, &mut entry),
+            Dimension::Plane(setting) => setting.run(solver, self, &mut entry),
+            Dimension::Space(setting) => setting.run(solver, self, &mut entry),
         };
         if let Err(error) = run {
             entry.reason = error.to_string();
@@ -207,9 +229,9 @@ impl Case {
 }
 
 impl<const D: usize> Setting<D> {
-    fn run(&self, solver: Solver, increments: usize, entry: &mut Entry) -> Result<(), Failure> {
+    fn run(&self, solver: Solver, case: &Case, entry: &mut Entry) -> Result<(), Failure> {
         let refusals = match self.truth {
-            Truth::Values(_) => &[][..],
+            Truth::Reactions(_) | Truth::Values(_) => &[][..],
             Truth::Refused(words) => words,
         };
         let names_it = |reason: &str| refusals.iter().any(|word| reason.contains(word));
@@ -222,7 +244,7 @@ impl<const D: usize> Setting<D> {
             }
         };
         let solver = solver.with_tolerance(Some(1e-8));
-        let mut simulation = Simulation::solved_by(solver, increments);
+        let mut simulation = Simulation::solved_by(solver, case.increments);
         let history = simulation.run(&mut problem)?;
         let certificate = history.certificate();
         let holds = |c: Certificate| c.holds(&Default::default());
@@ -238,9 +260,22 @@ impl<const D: usize> Setting<D> {
             return Ok(());
         }
         entry.outcome = ending;
+        let forces = history.last().map(|step| &step.reactions);
+        let forces = forces.into_iter().flatten();
+        entry.reactions = forces.map(|force| force.as_slice().to_vec()).collect();
         let mut reasons = Vec::new();
-        if let Truth::Values(measure) = &self.truth {
-            let checks = measure(&problem, &history);
+        let mut checks = match &self.truth {
+            Truth::Reactions(all) => all().iter().map(|r| r.check(&entry.reactions)).collect(),
+            Truth::Values(measure) => measure(&problem, &history),
+            Truth::Refused(_) => Vec::new(),
+        };
+        if let Some(most) = case.most_factorisations {
+            let iterations = history.run.attempts.iter().flat_map(|a| &a.iterations);
+            let is_direct = iterations.into_iter().all(|i| i.solver != "ipopt");
+            let few = !is_direct || cost.factorizations <= most;
+            checks.push(Check::that("few factorisations", few));
+        }
+        if !matches!(self.truth, Truth::Refused(_)) {
             entry.truth_ok = !checks.is_empty() && checks.iter().all(Check::holds);
             let wrong = checks.iter().filter(|check| !check.holds());
             reasons.extend(wrong.map(|check| {

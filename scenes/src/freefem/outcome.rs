@@ -25,7 +25,7 @@ impl Outcome {
     /// If a file is missing or contains something other than numbers; pressures may be missing.
     pub fn read(case: &Case, folder: &Path) -> Result<Self, Failure> {
         let mut values = BTreeMap::new();
-        for line in text(&folder.join("result.txt"))?.lines() {
+        for line in files::read(folder.join("result.txt"))?.lines() {
             if let Some((key, value)) = line.split_once(' ') {
                 values.insert(key.to_string(), number(value, "result.txt")?);
             }
@@ -36,7 +36,7 @@ impl Outcome {
         };
         for body in case.bodies {
             let name = format!("displacement_{body}.txt");
-            let all = text(&folder.join(&name))?;
+            let all = files::read(folder.join(&name))?;
             let numbers: Result<Vec<f64>, Failure> = all
                 .split_whitespace()
                 .map(|word| number(word, &name))
@@ -44,7 +44,7 @@ impl Outcome {
             outcome.displacements.push(numbers?);
             let name = format!("pressure_{body}.txt");
             let mut pressures = BTreeMap::new();
-            for line in text(&folder.join(&name)).unwrap_or_default().lines() {
+            for line in files::read(folder.join(&name)).unwrap_or_default().lines() {
                 if let Some((node, pressure)) = line.trim().split_once(' ') {
                     pressures.insert(number(node, &name)?, number(pressure, &name)?);
                 }
@@ -112,10 +112,6 @@ pub fn difference(a: &[f64], b: &[f64]) -> f64 {
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
     values.fold(0.0, larger)
-}
-
-fn text(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|error| files::cannot("read", path, error))
 }
 
 fn number<T: FromStr>(word: &str, file: &str) -> Result<T, Failure> {

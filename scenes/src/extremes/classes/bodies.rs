@@ -4,8 +4,22 @@ use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
 use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
 
 use crate::Failure;
+use crate::extremes::exchange::{Elastic, Law, Must, Reaction};
 use crate::extremes::{Case, Check, Truth};
 use crate::sliding_disc;
+
+/// A law of Young's modulus 1000 and Poisson's ratio 0.3.
+fn elastic(is_linear: bool) -> Elastic {
+    Elastic {
+        law: if is_linear {
+            Law::Linear
+        } else {
+            Law::NeoHookean
+        },
+        young: 1e3,
+        poisson: 0.3,
+    }
+}
 
 pub(super) fn all() -> Vec<Case> {
     let mut cases = resting();
@@ -54,17 +68,12 @@ fn resting() -> Vec<Case> {
                 }
                 Ok(scene)
             };
-            let weight_of_all = weight * high as f64;
-            let truth = Truth::Values(Box::new(move |_, history| {
-                let carried = history.last().map_or(f64::NAN, |step| step.reactions[0][1]);
-                vec![Check::relative(
-                    "weight carried",
-                    carried,
-                    weight_of_all,
-                    1e-5,
-                )]
-            }));
-            let case = Case::plane(name(law, high, weight), "at rest", scene, truth);
+            let carried = Must::Be(weight * high as f64);
+            let truth = Truth::reactions(move || {
+                vec![Reaction::new("weight carried", [0, 1], carried, 1e-5)]
+            });
+            let case = Case::plane(name(law, high, weight), "at rest", scene, truth)
+                .with_laws(vec![elastic(is_linear); high + 1]);
             cases.push(case.twin(name(law, 1, 1.0)));
         }
     }
@@ -115,16 +124,16 @@ fn resting_in_space() -> Vec<Case> {
                 }
                 Ok(scene)
             };
-            let truth = Truth::Values(Box::new(move |_, history| {
-                let carried = history.last().map_or(f64::NAN, |step| step.reactions[0][2]);
-                let weight = Check::relative("weight carried", carried, high as f64, 1e-5);
-                // an aim of Newton's method and condensation; the interior point method has its own counts
-                let iterations = history.run.attempts.iter().flat_map(|a| &a.iterations);
-                let is_direct = iterations.into_iter().all(|i| i.solver != "ipopt");
-                let few = !is_direct || history.run.cost().factorizations <= 30;
-                vec![weight, Check::that("at most 30 factorisations", few)]
-            }));
-            let case = Case::space(name(law, high, held), "at rest", scene, truth);
+            let carried = Must::Be(high as f64);
+            let truth = Truth::reactions(move || {
+                vec![Reaction::new("weight carried", [0, 2], carried, 1e-5)]
+            });
+            let case = Case::space(name(law, high, held), "at rest", scene, truth)
+                .with_laws(vec![elastic(is_linear); high + 1]);
+            let case = Case {
+                most_factorisations: Some(30),
+                ..case
+            };
             let is_quick = high == 3 && (is_linear || is_held);
             let case = if is_quick { case.quick() } else { case };
             cases.push(case.twin(name(law, 1, "held")));
@@ -152,18 +161,16 @@ fn crossing() -> Vec<Case> {
                 upper.prescribe("ends", [Some(0.0), Some(0.0), Some(-0.6)])?;
                 Ok(crate::pair((lower, "all"), (upper, "all"))?)
             };
-            let truth = Truth::Values(Box::new(|_, history| {
-                let forces = history
-                    .last()
-                    .map(|step| [step.contact_forces[0][2], step.contact_forces[1][2]]);
-                let [lower, upper] = forces.unwrap_or([f64::NAN; 2]);
+            // what the bars exert on each other, their supports carry
+            let truth = Truth::reactions(move || {
                 vec![
-                    Check::that("upper bar held", upper > 1e-3),
-                    Check::relative("force on the other", lower, -upper, 1e-9),
+                    Reaction::new("upper bar held", [0, 2], Must::Exceed(1e-3), 0.0),
+                    Reaction::new("force on the other", [0, 2], Must::Oppose(1), 1e-6),
                 ]
-            }));
+            });
             let name = format!("bars of {along} cells cross, {increments} increments");
-            cases.push(Case::space(name, "edge on edge", scene, truth).increments(increments));
+            let case = Case::space(name, "edge on edge", scene, truth).increments(increments);
+            cases.push(case.with_laws(vec![elastic(false); 2]));
         }
     }
     cases
@@ -186,18 +193,15 @@ fn tips() -> Vec<Case> {
                 tip.prescribe_nodes(&[1, 2], [Some(0.0), Some(-0.3)])?;
                 Ok(crate::pair((lower, "all"), (tip, "all"))?)
             };
-            let truth = Truth::Values(Box::new(|_, history| {
-                let forces = history
-                    .last()
-                    .map(|step| [step.contact_forces[0][1], step.contact_forces[1][1]]);
-                let [lower, tip] = forces.unwrap_or([f64::NAN; 2]);
+            let truth = Truth::reactions(move || {
                 vec![
-                    Check::that("tip held", tip > 1e-3),
-                    Check::relative("force on the other", lower, -tip, 1e-9),
+                    Reaction::new("tip held", [0, 1], Must::Exceed(1e-3), 0.0),
+                    Reaction::new("force on the other", [0, 1], Must::Oppose(1), 1e-6),
                 ]
-            }));
+            });
             let name = format!("tip at {x} of a rim, {increments} increments");
-            cases.push(Case::plane(name, "rims", scene, truth).increments(increments));
+            let case = Case::plane(name, "rims", scene, truth).increments(increments);
+            cases.push(case.with_laws(vec![elastic(false); 2]));
         }
     }
     cases
