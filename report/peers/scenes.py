@@ -196,6 +196,8 @@ class Ironing(Scene):
     stiff = 1000.0
     bottom, top, measured = 2, 6, None
     press, slide, places = 0.75, 2.0, 10
+    # of the round bottom, and where its middle is across
+    radius, middle = 3.0, 2.5
     sizes = {6: "H/6", 9: "H/9", 14: "H/14"}
     coarsest = 6
 
@@ -208,7 +210,7 @@ class Ironing(Scene):
         meshes.write(path, meshes.BLOCK, 2, size, degree, **places)
         slab = meshes.Mesh(path, fineness)
         path = folder / f"{cls.name}_die_{fineness:.3g}_P{degree}.msh"
-        places = {"middle": 2.5, "low": 3, "high": 4.8, "radius": 3, "half": 2.25}
+        places = {"middle": cls.middle, "low": 3, "high": 4.8, "radius": cls.radius, "half": 2.25}
         meshes.write(path, meshes.DIE, 2, 0.9 * size, degree, **places)
         return meshes.Mesh(path, fineness, slab)
 

@@ -181,7 +181,7 @@ pub const SCENES: [Scene; 8] = [
         title: "A press fit of two rings",
         about: "Plane strain, small strains, E = 1000, ν = 0.3, a quarter of rings of radii 0.5, 1 and 1.5, the inner one larger by a thousandth of its radius; facets do not \
             match. Lamé's pressure is constant. It is exact to a share of the order of the interference, 0.1 %. Chords of linear cells leave gaps and overlaps that are larger than the interference \
-            until they are shorter than a tenth of the radius. Of FreeFEM's settings two know that the rings are circles.",
+            until they are shorter than a tenth of the radius. Of FreeFEM's settings those with the gap of the circles and `adaptmesh` know that the rings are circles.",
         quantity: "contact pressure",
         known: 1e-3,
         measure: Measure::Pressure(|_, _| LAME, Force::None),
@@ -211,7 +211,7 @@ pub const SCENES: [Scene; 8] = [
         name: "finite_beams",
         title: "Three beams, neo-Hookean",
         about: "The same beams at large strains: ψ = μ/2 (tr C − 3 − 2 ln J), since ν = 0, and contact at the current positions. CalculiX has this law as that of Ciarlet. The reference is \
-            extrapolated from quadratic cells of H/4 to H/7 of this library. FreeFEM's script has linear cells.",
+            extrapolated from quadratic cells of H/4 to H/7 of this library. FreeFEM's script has linear cells in space.",
         quantity: "descent of the loaded face",
         known: 1e-5,
         measure: Measure::Mean(FINITE_DESCENT),
@@ -220,8 +220,8 @@ pub const SCENES: [Scene; 8] = [
         name: "discs",
         title: "A disc in a ring",
         about: "Section 6.1 of the paper: a rigid disc of radius 0.6 comes down by 1.125 inside a neo-Hookean ring (E = 1000, ν = 0) of radii 0.7 and 2, plane strain. Measured is the force \
-            that presses it down, at the end. The reference is that of fine quadratic cells of this library. Each program takes as few increments as it can. FreeFEM's two scripts, a tuned one and the paper's, have linear \
-            cells; the latter is stopped at changes of 0.1 %, since its plain fixed point ends in cycles.",
+            that presses it down, at the end. The reference is that of fine quadratic cells of this library. Each program takes as few increments as it can. FreeFEM's two scripts are a tuned one and the paper's; \
+            the latter is stopped at changes of 0.1 %, since its plain fixed point ends in cycles. Sides of FreeFEM's cells are straight.",
         quantity: "force on the disc",
         known: 2e-5,
         measure: Measure::Scalar(DISC_FORCE),

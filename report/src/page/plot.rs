@@ -221,50 +221,89 @@ impl Plot {
                 );
             }
         }
-        // words lie above everything
-        let mut notes: Vec<[i32; 3]> = Vec::new();
+        // words lie above everything, where least is below them
+        let at = |point: &(f64, f64)| chart.backend_coord(point);
+        let mut taken: Vec<(i32, i32)> = Vec::new();
+        for curve in &self.curves {
+            taken.extend(curve.points.iter().map(at));
+            for ends in curve.points.windows(2).filter(|_| curve.joined) {
+                taken.extend(between(at(&ends[0]), at(&ends[1])));
+            }
+        }
         for curve in &self.curves {
             if let (Some(word), Some(point)) = (&curve.note, curve.points.last()) {
                 let colour = COLOURS[curve.look.colour % COLOURS.len()];
-                let at = chart.backend_coord(point);
-                note(canvas, word, at, colour, &mut notes)?;
+                let place = Place::of(word, at(point), &taken);
+                let style = (FONT, 23).into_text_style(canvas).color(&colour);
+                let style = style.pos(Pos::new(HPos::Left, VPos::Center));
+                let left = (place.left, place.height);
+                canvas.draw(&Text::new(word.to_string(), left, style))?;
+                taken.extend(place.all());
             }
         }
         Ok(())
     }
 }
 
-/// Writes a word beside a point, where no other word is.
-fn note<'a>(
-    canvas: &Canvas<'a>,
-    word: &str,
-    (a, b): (i32, i32),
-    colour: RGBColor,
-    notes: &mut Vec<[i32; 3]>,
-) -> Result<(), DrawError<'a>> {
-    let width = 13 * word.chars().count() as i32;
-    let is_left = a + 14 + width > SIZE.0 as i32;
-    let (from, anchor) = match is_left {
-        true => (a - 14 - width, HPos::Right),
-        false => (a + 14, HPos::Left),
-    };
-    let is_free = |height: &i32| {
-        let over = |[left, right, y]: &[i32; 3]| {
-            *left < from + width && from < *right && (y - height).abs() < 24
+/// Points along a line, some pixels apart.
+fn between(a: (i32, i32), b: (i32, i32)) -> impl Iterator<Item = (i32, i32)> {
+    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+    let count = dx.abs().max(dy.abs()) / 8;
+    (1..count).map(move |k| (a.0 + dx * k / count, a.1 + dy * k / count))
+}
+
+/// Where a word is.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    left: i32,
+    width: i32,
+    /// Of its middle.
+    height: i32,
+}
+
+impl Place {
+    /// A place near a point, that covers as few as may be of the `taken` points and is as near as may be.
+    fn of(word: &str, (a, b): (i32, i32), taken: &[(i32, i32)]) -> Self {
+        let width = 12 * word.chars().count() as i32;
+        let [left, top] = [130, 30];
+        let [right, bottom] = [SIZE.0 as i32 - 24 - width, SIZE.1 as i32 - 100];
+        let sides = [a + 16, a - 16 - width, a - width / 2];
+        let heights = (0..10).flat_map(|k| [b + 22 * k, b - 22 * k]);
+        let places = heights.flat_map(|height| {
+            sides.map(|left| Place {
+                left,
+                width,
+                height,
+            })
+        });
+        let inside = places.filter(|place| {
+            (left..=right.max(left)).contains(&place.left) && (top..=bottom).contains(&place.height)
+        });
+        let cost = |place: &Place| {
+            let covered = taken.iter().filter(|point| place.covers(**point)).count() as i32;
+            let away = (place.left + width / 2 - a).abs() / 2 + (place.height - b).abs();
+            40 * covered + away
         };
-        !notes.iter().any(over)
-    };
-    let below = (0..).map(|k| b + 20 + 24 * k);
-    let below = below.take_while(|height| *height < SIZE.1 as i32 - 100);
-    let above = (0..).map(|k| b - 20 - 24 * k);
-    let height = below.chain(above).find(is_free).unwrap_or(b);
-    notes.push([from, from + width, height]);
-    let style = (FONT, 23)
-        .into_text_style(canvas)
-        .color(&colour)
-        .pos(Pos::new(anchor, VPos::Center));
-    let at = if is_left { a - 14 } else { a + 14 };
-    canvas.draw(&Text::new(word.to_string(), (at, height), style))
+        let here = Place {
+            left: a.clamp(left, right.max(left)),
+            width,
+            height: b,
+        };
+        inside.min_by_key(cost).unwrap_or(here)
+    }
+
+    /// Whether a marker there would be below the word.
+    fn covers(&self, (x, y): (i32, i32)) -> bool {
+        (self.left - 8..self.left + self.width + 8).contains(&x) && (y - self.height).abs() < 20
+    }
+
+    /// Points all over it.
+    fn all(&self) -> impl Iterator<Item = (i32, i32)> + use<> {
+        let height = self.height;
+        (self.left..self.left + self.width)
+            .step_by(8)
+            .map(move |x| (x, height))
+    }
 }
 
 /// A marker.
@@ -377,6 +416,27 @@ mod tests {
             ["0.05", "0.1", "0.2", "0.5"]
         );
         assert_eq!([1e-12, 5e-6, 1e4].map(number), ["10⁻¹²", "5·10⁻⁶", "10⁴"]);
+    }
+
+    #[test]
+    fn words_lie_beside_points_and_lines() {
+        let all: Vec<(i32, i32)> = between((200, 200), (600, 200)).collect();
+        assert!(all.len() > 30 && all.iter().all(|p| p.1 == 200));
+        let place = Place::of("GetFEM", (600, 200), &all);
+        assert!(!all.iter().any(|point| place.covers(*point)), "{place:?}");
+        // at the edge it is on the other side of the point, and of the line
+        let all: Vec<(i32, i32)> = between((300, 300), (770, 300)).collect();
+        let place = Place::of("CalculiX", (770, 300), &all);
+        assert!(place.left + place.width <= SIZE.0 as i32);
+        assert!(!all.iter().any(|point| place.covers(*point)), "{place:?}");
+        // one word does not lie on another
+        let first = Place::of("FreeFEM", (400, 100), &[]);
+        let words: Vec<(i32, i32)> = first.all().collect();
+        let second = Place::of("GetFEM", (400, 100), &words);
+        assert!(
+            !words.iter().any(|point| second.covers(*point)),
+            "{second:?}"
+        );
     }
 
     #[test]
