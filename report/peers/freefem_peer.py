@@ -5,8 +5,8 @@ Cells have straight sides, since FreeFEM reads no curved ones. The forces on nod
 projection on the facets' shape functions, or forces over the integrals of these.
 
 The setting "adaptmesh" starts from a coarse mesh that knows nothing of the contact and adapts it in rounds to von Mises's stress; its time is
-that of all rounds. Large strains are solved by the project's own scripts, tuned or as the paper has them, or by one of both kinds that has
-quadratic cells and two bodies.
+that of all rounds. Large strains are solved by the project's own scripts, tuned or as the paper has them, or, of two bodies in the plane with
+linear or quadratic cells, by `SLIDING`, in both forms.
 """
 
 import pathlib
@@ -1161,7 +1161,7 @@ def solve(scene, mesh, setting):
     options.write_text(OPTIONS if scene.name == "beams" else TIGHT)
     names = dict(
         young=scene.young, poisson=scene.poisson, mesh=straight.path, degree=mesh.degree, out=out, options=options,
-        force=getattr(scene, "force", getattr(scene, "traction", 0.0)), descent=getattr(scene, "descent", 0.0), other=straight.other and straight.other.path,
+        force=getattr(scene, "force", getattr(scene, "traction", 0.0)), descent=getattr(scene, "descent", 0.0),
         circles=int(SETTINGS[setting][1]), interference=getattr(scene, "interference", 0.0), both=int(setting == "projected"),
         gap=CIRCLES[scene.name] if SETTINGS[setting][1] and scene.name in CIRCLES else "height[][i]",
         facets=facets_file, rounds=ROUNDS if is_adapted else 1, growth=GROWTH, target=0.0,

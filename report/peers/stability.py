@@ -8,6 +8,7 @@ computed again. OUT/stability.json has all runs.
 """
 
 import argparse
+import hashlib
 import json
 import os
 import pathlib
@@ -71,6 +72,11 @@ def in_a_folder(program, case, setting):
     return found, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
+def identity(*parts):
+    """The name of a run's file: another case, version, setting or binary of this library has another one."""
+    return hashlib.sha256(b"\0".join(hashlib.sha256(part).digest() for part in parts)).hexdigest()[:16]
+
+
 def rounded(record):
     """A record with as many digits as matter."""
     reactions = record["reactions"] and [[float(f"{force:.9g}") for force in row] for row in record["reactions"]]
@@ -88,6 +94,11 @@ def main():
     programs = [Ours(arguments.extremes), getfem_cases, calculix_cases]
     programs = [program for program in programs if not names or program.NAME in names]
     versions = {program.NAME: program.version() for program in programs}
+    # what a run is done by: the version, and of this library the binary
+    by = {program.NAME: versions[program.NAME].encode() for program in programs}
+    if Ours.NAME in by:
+        by[Ours.NAME] += arguments.extremes.read_bytes()
+    records = []
     runs = arguments.out / "runs"
     runs.mkdir(parents=True, exist_ok=True)
     for path in sorted((arguments.out / "cases").glob("*.json")):
@@ -95,10 +106,13 @@ def main():
         if arguments.filter not in case.name:
             continue
         for program in programs:
-            for number, setting in enumerate(program.SETTINGS):
-                kept = runs / f"{path.stem}_{program.NAME}_{number}.json"
+            for setting in program.SETTINGS:
+                kept = runs / f"{identity(path.read_bytes(), program.NAME.encode(), by[program.NAME], setting.encode())}.json"
                 applies = getattr(program, "applies", lambda *_: True)
-                if kept.exists() or not applies(case, setting):
+                if not applies(case, setting):
+                    continue
+                if kept.exists():
+                    records.append(json.loads(kept.read_text()))
                     continue
                 found, seconds = in_a_folder(program, case, setting)
                 record = {
@@ -108,8 +122,8 @@ def main():
                 part = kept.with_suffix(".part")
                 part.write_text(json.dumps(record))
                 part.rename(kept)
+                records.append(record)
                 print(f"{case.name}, {program.NAME}, {setting}: {found['outcome']}, {seconds:.1f} s. {found['reason']}", flush=True)
-    records = [json.loads(path.read_text()) for path in sorted(runs.glob("*.json"))]
     lines = ",\n".join(json.dumps(rounded(record)) for record in records)
     (arguments.out / "stability.json").write_text(f"[\n{lines}\n]\n")
 

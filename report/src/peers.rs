@@ -211,7 +211,7 @@ pub const SCENES: [Scene; 8] = [
         name: "finite_beams",
         title: "Three beams, neo-Hookean",
         about: "The same beams at large strains: ψ = μ/2 (tr C − 3 − 2 ln J), since ν = 0, and contact at the current positions. CalculiX has this law as that of Ciarlet. The reference is \
-            extrapolated from quadratic cells of H/4 to H/7 of this library. FreeFEM's script has linear cells in space.",
+            extrapolated from quadratic cells of H/4 to H/7 of this library. FreeFEM's script for bodies in space has linear cells only.",
         quantity: "descent of the loaded face",
         known: 1e-5,
         measure: Measure::Mean(FINITE_DESCENT),
@@ -221,7 +221,7 @@ pub const SCENES: [Scene; 8] = [
         title: "A disc in a ring",
         about: "Section 6.1 of the paper: a rigid disc of radius 0.6 comes down by 1.125 inside a neo-Hookean ring (E = 1000, ν = 0) of radii 0.7 and 2, plane strain. Measured is the force \
             that presses it down, at the end. The reference is that of fine quadratic cells of this library. Each program takes as few increments as it can. FreeFEM's two scripts are a tuned one and the paper's; \
-            the latter is stopped at changes of 0.1 %, since its plain fixed point ends in cycles. Sides of FreeFEM's cells are straight.",
+            the latter is stopped at changes of 0.1 %, since its plain fixed point ends in cycles. FreeFEM's cells have straight sides; contact of its quadratic cells knows the circles.",
         quantity: "force on the disc",
         known: 2e-5,
         measure: Measure::Scalar(DISC_FORCE),
@@ -230,7 +230,7 @@ pub const SCENES: [Scene; 8] = [
         name: "ironing",
         title: "Ironing",
         about: "A stiff die (E = 1000) with a round bottom of radius 3 is pressed by 0.75 into a soft slab (E = 1) of 9 × 3 and slid along it by 2; both neo-Hookean, ν = 0, plane strain. Measured is \
-            the force that presses the die down, as the mean of ten places of its way. The reference is that of fine quadratic cells of this library, known to 0.005 %.",
+            the force that presses the die down, as the mean of ten places of its way. The reference is that of fine quadratic cells of this library, known to 0.005 %. FreeFEM's cells have straight sides; contact of its quadratic cells knows the circle.",
         quantity: "force on the die",
         known: 5e-5,
         measure: Measure::Scalar(DIE_FORCE),

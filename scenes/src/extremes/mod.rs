@@ -273,7 +273,7 @@ impl<const D: usize> Setting<D> {
             let iterations = history.run.attempts.iter().flat_map(|a| &a.iterations);
             let is_direct = iterations.into_iter().all(|i| i.solver != "ipopt");
             let few = !is_direct || cost.factorizations <= most;
-            checks.push(Check::that("few factorisations", few));
+            checks.push(Check::that("as few factorisations as asked", few));
         }
         if !matches!(self.truth, Truth::Refused(_)) {
             entry.truth_ok = !checks.is_empty() && checks.iter().all(Check::holds);

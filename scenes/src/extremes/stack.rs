@@ -2,7 +2,7 @@
 
 use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
 use contact_fem::model::InitialGaps;
-use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
+use contact_fem::{Body, Mesh, Scene};
 
 use super::exchange::{Elastic, Law, Must, Reaction};
 use super::{Case, Truth};
@@ -70,12 +70,7 @@ impl Stack {
             // the lower support carries the force, and nothing else does
             vec![of("force", last, -1.0), of("force below", 0, 1.0)]
         };
-        let elastic = |young: &f64| Elastic {
-            law: self.law,
-            young: *young,
-            poisson: self.nu,
-        };
-        let laws = self.young.iter().map(elastic).collect();
+        let laws = (0..self.young.len()).map(|k| self.elastic(k)).collect();
         let case = if stack.dimension == 2 {
             Case::plane(
                 name,
@@ -109,12 +104,7 @@ impl Stack {
                 let y = linspace(foot, foot + self.length * self.heights[k], over);
                 Ok(rectangle(&x, &y, Diagonals::Alternating)?)
             },
-            |mesh, k| {
-                Ok(match self.law {
-                    Law::Linear => Body::new(mesh, self.linear(k)?),
-                    Law::NeoHookean => Body::new(mesh, self.hyperelastic(k)?),
-                })
-            },
+            |mesh, k| self.elastic(k).body(mesh),
         )
     }
 
@@ -129,21 +119,16 @@ impl Stack {
                     [along, along, over],
                 )?)
             },
-            |mesh, k| {
-                Ok(match self.law {
-                    Law::Linear => Body::new(mesh, self.linear(k)?),
-                    Law::NeoHookean => Body::new(mesh, self.hyperelastic(k)?),
-                })
-            },
+            |mesh, k| self.elastic(k).body(mesh),
         )
     }
 
-    fn linear(&self, k: usize) -> Result<LinearElastic, Failure> {
-        Ok(LinearElastic::new(self.young[k], self.nu)?)
-    }
-
-    fn hyperelastic(&self, k: usize) -> Result<NeoHookean, Failure> {
-        Ok(NeoHookean::new(self.young[k], self.nu)?)
+    fn elastic(&self, k: usize) -> Elastic {
+        Elastic {
+            law: self.law,
+            young: self.young[k],
+            poisson: self.nu,
+        }
     }
 
     fn scene<const D: usize>(

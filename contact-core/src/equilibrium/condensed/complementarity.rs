@@ -247,6 +247,7 @@ impl Proximal {
         let mut epsilon = (WARM * scaled / self.center.norm_max()).clamp(LAST, FIRST);
         let mut left = self.residual(&self.center, &self.gaps) / self.bound;
         let mut best = (self.center.clone(), self.gaps.clone(), left);
+        let mut least = self.least;
         for _ in 0..ROUNDS {
             if left <= 1.0 {
                 break;
@@ -254,18 +255,21 @@ impl Proximal {
             let before = left;
             left = match self.round(epsilon, stop) {
                 // the round-off of W shows
-                Err(Halt::Failed(_)) if epsilon < LAST => break,
+                Err(Halt::Failed(_)) if epsilon < LAST => f64::INFINITY,
                 left => left?,
             };
             // a smaller ε has to gain something: where no λ closes the gaps, λ becomes larger for nothing
-            if epsilon >= LAST || left <= STUCK * best.2 {
+            let gain = if epsilon < LAST { STUCK } else { 1.0 };
+            if epsilon > LAST || left <= 1.0 || left <= gain * best.2 {
                 best = (self.center.clone(), self.gaps.clone(), left);
-            } else if epsilon <= self.least {
-                break;
+            } else if epsilon < LAST && (epsilon <= least || left == f64::INFINITY) {
+                (self.center, self.gaps, left) = best.clone();
+                (least, epsilon) = (LAST, LAST);
+                continue;
             }
             epsilon = match epsilon > LAST {
                 true => (RATIO * epsilon).max(LAST),
-                false if left > SLOW * before => (RATIO * epsilon).max(self.least),
+                false if left > SLOW * before => (RATIO * epsilon).max(least),
                 false => epsilon,
             };
         }
@@ -276,6 +280,11 @@ impl Proximal {
     /// λ becomes the proximal point of λ̄; what is left then, relative to the bound.
     fn round(&mut self, epsilon: f64, stop: &Stop) -> Result<f64, Halt> {
         let (z, gaps) = self.proximal_point(epsilon, stop)?;
+        if !(z.is_all_finite() && gaps.is_all_finite()) {
+            return Err(Halt::Failed(
+                "the multipliers of the condensed problem are not finite".into(),
+            ));
+        }
         self.center = Col::from_fn(z.nrows(), |i| z[i].max(0.0));
         self.gaps = gaps + self.product(&(&self.center - z));
         Ok(self.residual(&self.center, &self.gaps) / self.bound)

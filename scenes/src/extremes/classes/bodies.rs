@@ -1,7 +1,7 @@
 //! Bodies that contact alone holds, that rest by their weight, that slide over rims or cross each other.
 
 use contact_fem::mesh::generators::{Diagonals, cuboid, linspace, rectangle};
-use contact_fem::{Body, LinearElastic, Mesh, NeoHookean, Scene};
+use contact_fem::{Mesh, Scene};
 
 use crate::Failure;
 use crate::extremes::exchange::{Elastic, Law, Must, Reaction};
@@ -47,12 +47,7 @@ fn resting() -> Vec<Case> {
         let law = if is_linear { "linear" } else { "neo-hookean" };
         for (high, weight) in [(1, 1.0), (1, 1e-3), (3, 1.0), (10, 1.0)] {
             let scene = move || -> Result<Scene<2>, Failure> {
-                let body = |mesh: Mesh<2>| -> Result<Body<2>, Failure> {
-                    Ok(match is_linear {
-                        true => Body::new(mesh, LinearElastic::new(1e3, 0.3)?),
-                        false => Body::new(mesh, NeoHookean::new(1e3, 0.3)?),
-                    })
-                };
+                let body = |mesh: Mesh<2>| elastic(is_linear).body(mesh);
                 let mut scene = Scene::new();
                 let mut foundation = body(block([-1.0, -1.0], [3.0, 1.0], [9, 3])?)?;
                 foundation.prescribe("bottom", [Some(0.0); 2])?;
@@ -100,10 +95,7 @@ fn resting_in_space() -> Vec<Case> {
                     let mut mesh = cuboid(low, size, cells)?;
                     mesh.name_boundary("lower", |x| x[2] == low[2]);
                     mesh.name_boundary("upper", |x| x[2] == low[2] + size[2]);
-                    Ok::<_, Failure>(match is_linear {
-                        true => Body::new(mesh, LinearElastic::new(1e3, 0.3)?),
-                        false => Body::new(mesh, NeoHookean::new(1e3, 0.3)?),
-                    })
+                    elastic(is_linear).body(mesh)
                 };
                 let mut scene = Scene::new();
                 let mut foundation = body([-1.0, -1.0, -1.0], [3.0, 3.0, 1.0], [5, 5, 2])?;
@@ -153,7 +145,7 @@ fn crossing() -> Vec<Case> {
                     mesh.name_boundary("all", |_| true);
                     let long = if size[0] > size[1] { 0 } else { 1 };
                     mesh.name_boundary("ends", |x| x[long].abs() == 2.0);
-                    Ok::<_, Failure>(Body::new(mesh, NeoHookean::new(1e3, 0.3)?))
+                    elastic(false).body(mesh)
                 };
                 let mut lower = bar([-2.0, -0.1, -0.2], [4.0, 0.2, 0.2], [along, 1, 1])?;
                 let mut upper = bar([-0.1, -2.0, 0.05], [0.2, 4.0, 0.2], [1, along, 1])?;
@@ -185,7 +177,7 @@ fn tips() -> Vec<Case> {
                 let wedge = |corners: [[f64; 2]; 3]| {
                     let mut mesh = Mesh::new(corners.to_vec(), vec![0, 1, 2])?;
                     mesh.name_boundary("all", |_| true);
-                    Ok::<_, Failure>(Body::new(mesh, NeoHookean::new(1e3, 0.3)?))
+                    elastic(false).body(mesh)
                 };
                 let mut lower = wedge([[0.0, -1.0], [1.0, 0.0], [0.0, 0.0]])?;
                 let mut tip = wedge([[x, 0.05], [x + 0.4, 1.0], [x - 0.4, 1.0]])?;

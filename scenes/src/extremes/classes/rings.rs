@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use contact_fem::Scene;
 use contact_fem::mesh::generators::{Diagonals, annulus, disc, linspace};
-use contact_fem::{Body, LinearElastic, NeoHookean, Scene};
 
 use crate::Failure;
 use crate::disc_in_disc::{self, Fineness, Roles};
@@ -58,12 +58,15 @@ fn elastic_discs() -> Vec<Case> {
     let all = ratios
         .map(|ratio| [40, 80, 160].map(|segments| [5, 10, 20, 100].map(|n| (ratio, segments, n))));
     for (ratio, segments, increments) in all.into_iter().flatten().flatten() {
+        let elastic = |young: f64| Elastic {
+            law: Law::NeoHookean,
+            young,
+            poisson: 0.3,
+        };
+        let laws = [1.0, ratio].map(|ratio| elastic(1e3 * ratio));
         let scene = move || -> Result<Scene<2>, Failure> {
             let rings = linspace(1.0, 1.5, segments / 8);
-            let mut ring = Body::new(
-                annulus(&rings, segments, Diagonals::Alternating)?,
-                NeoHookean::new(1e3, 0.3)?,
-            );
+            let mut ring = laws[0].body(annulus(&rings, segments, Diagonals::Alternating)?)?;
             ring.prescribe("outer", [Some(0.0); 2])?;
             let mesh = disc(0.9, segments * 7 / 8, segments / 6, 0.05)?;
             let nodes = mesh.nodes().iter().enumerate();
@@ -71,16 +74,11 @@ fn elastic_discs() -> Vec<Case> {
                 .filter(|(_, x)| x.norm() < 0.25)
                 .map(|(a, _)| a)
                 .collect();
-            let mut inner = Body::new(mesh, NeoHookean::new(1e3 * ratio, 0.3)?);
+            let mut inner = laws[1].body(mesh)?;
             inner.prescribe_nodes(&core, [Some(0.0), Some(-0.4)])?;
             Ok(crate::pair((ring, "inner"), (inner, "boundary"))?)
         };
         let balance = Reaction::new("reaction of the ring", [0, 1], Must::Oppose(1), 1e-5);
-        let elastic = |young: f64| Elastic {
-            law: Law::NeoHookean,
-            young,
-            poisson: 0.3,
-        };
         // the softer one yields, and it touches
         let touches = Must::Exceed(10.0 * ratio.min(1.0));
         let carries = Reaction::new("force on the ring", [0, 1], touches, 0.0);
@@ -92,7 +90,7 @@ fn elastic_discs() -> Vec<Case> {
             truth,
         );
         let case = case.increments(increments).twin(name(1.0, 40, 20));
-        let case = case.with_laws([1.0, ratio].map(|ratio| elastic(1e3 * ratio)).into());
+        let case = case.with_laws(laws.into());
         cases.push(Case {
             fine: segments > 40,
             ..case
@@ -107,6 +105,11 @@ fn pins() -> Vec<Case> {
     for is_quadratic in [false, true] {
         let order = 1 + usize::from(is_quadratic);
         let name = |clearance: f64| format!("pin in a hole P{order}, clearance {clearance:e}");
+        let elastic = Elastic {
+            law: Law::Linear,
+            young: 1e4,
+            poisson: 0.3,
+        };
         for clearance in [1e-1, 1e-2, 1e-3, 1e-4, 0.0] {
             let scene = move || -> Result<Scene<2>, Failure> {
                 // nodes of both at the same angles, so that clearance is clearance everywhere
@@ -114,10 +117,9 @@ fn pins() -> Vec<Case> {
                 let pin = disc(1.0 - clearance, 40, 6, 0.0)?;
                 let of =
                     |mesh: contact_fem::Mesh<2>| if is_quadratic { mesh.quadratic() } else { mesh };
-                let law = || LinearElastic::new(1e4, 0.3);
-                let mut plate = Body::new(of(outer), law()?);
+                let mut plate = elastic.body(of(outer))?;
                 plate.prescribe("outer", [Some(0.0); 2])?;
-                let mut pin = Body::new(of(pin), law()?);
+                let mut pin = elastic.body(of(pin))?;
                 let nodes = pin.mesh().nodes().iter().enumerate();
                 let axis: Vec<usize> = nodes
                     .filter(|(_, x)| x[0].abs() < 1e-12)
@@ -129,11 +131,6 @@ fn pins() -> Vec<Case> {
             };
             let area = 0.5 * 40.0 * (TAU / 40.0).sin() * (1.0 - clearance).powi(2);
             let carried = Reaction::new("weight carried", [0, 1], Must::Be(area), 1e-5);
-            let elastic = Elastic {
-                law: Law::Linear,
-                young: 1e4,
-                poisson: 0.3,
-            };
             let truth = Truth::reactions(move || vec![carried]);
             let case = Case::plane(name(clearance), "pin in hole", scene, truth);
             cases.push(case.with_laws(vec![elastic; 2]).twin(name(1e-2)));
