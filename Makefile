@@ -32,7 +32,7 @@ help:
 	@echo "make pressures         errors of contact pressures and of work, in out/pressures, within some minutes"
 	@echo "make extremes          scenes at the limits with their truths, by each solver: tables and data in out/extremes*, within an hour"
 	@echo "make extremes-quick    two dozen of them, and all on coarse meshes by Newton's method; fails where a wrong result is claimed to be right"
-	@echo "make extremes-peers    those that other programs can be told, by GetFEM and CalculiX beside this library; installs them, within an hour"
+	@echo "make extremes-peers    scenes at the limits by GetFEM and CalculiX, which it installs, and by this library, within an hour"
 	@echo "make meshes            standard scenes on many meshes: how many are complete and certified, data in out/meshes; ARGUMENTS are its options"
 	@echo "make errors            estimated against true discretisation errors: data in out/errors, within two minutes"
 	@echo "make needs             what runs cost beside what their scenes need: data in out/needs, within two minutes"

@@ -11,6 +11,7 @@ import argparse
 import json
 import os
 import pathlib
+import subprocess
 import sys
 import time
 
@@ -51,6 +52,8 @@ def in_a_process(program, scene, mesh, setting):
     def run():
         try:
             return program.solve(scene, mesh, setting)
+        except subprocess.TimeoutExpired:
+            return failed(f"not done after {scenes.LIMIT} s")
         except Exception as error:  # a peer that stops is a result
             return failed(f"{type(error).__name__}: {error}")
 

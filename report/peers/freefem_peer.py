@@ -69,6 +69,20 @@ def applies(scene, mesh, setting):
     return scene.measured == CONTACT or setting == "projected"
 
 
+# small strains
+STRAIN_2D = """
+macro strain(u, v) [dx(u), dy(v), (dy(u) + dx(v)) / sqrt(2.)] //
+macro div(u, v) (dx(u) + dy(v)) //
+"""
+STRAIN_3D = """
+macro strain(u, v, w) [dx(u), dy(v), dz(w), (dy(u) + dx(v)) / sqrt(2.), (dz(u) + dx(w)) / sqrt(2.), (dz(v) + dy(w)) / sqrt(2.)] //
+macro div(u, v, w) (dx(u) + dy(v) + dz(w)) //
+"""
+# four points of a side
+GAUSS = """
+real[int] gaussAt = [-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526];
+real[int] gaussWeight = [0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538];
+"""
 COMMON = """
 load "ff-Ipopt"
 real E = {young}, nu = {poisson};
@@ -100,8 +114,9 @@ PLANE = (
 load "gmsh"
 mesh Th = gmshload("{mesh}");
 fespace Vh(Th, [P{degree}, P{degree}]);
-macro strain(u, v) [dx(u), dy(v), (dy(u) + dx(v)) / sqrt(2.)] //
-macro div(u, v) (dx(u) + dy(v)) //
+"""
+    + STRAIN_2D
+    + """
 varf stiffness([u1, u2], [v1, v2]) = int2d(Th)((strain(u1, u2)' * strain(v1, v2)) / (1 + nu) + nu / ((1 + nu) * (1 - 2 * nu)) * div(u1, u2) * div(v1, v2));
 varf pull([u1, u2], [v1, v2]) = int1d(Th, 3)(-{force} / 2 / E * v2);
 varf contact([u1, u2], [v1, v2]) = on(1, u2 = 1);
@@ -143,6 +158,9 @@ NewMacro VonMises(Th, u, v, result)
         result = sqrt(sxx#result^2 + syy#result^2 - sxx#result * syy#result + 3 * sxy#result^2);
     }}
 EndMacro
+NewMacro Adapted(Th, stress)
+    Th = adaptmesh(Th, stress, err = err, iso = 1, hmin = 1e-6, nbvx = 500000, ratio = 1.8, abserror = 1);
+EndMacro
 """
 
 # The target of adaptmesh grows by `GROWTH` from a round to the one before it; the last mesh has the target itself.
@@ -159,8 +177,9 @@ border right(t = 3 * pi / 2, 2 * pi) {{ x = cos(t); y = 1 + sin(t); label = 1; }
 border east(t = 1, 0) {{ x = t; y = 1; label = 3; }}
 border west(t = 0, -1) {{ x = t; y = 1; label = 4; }}
 mesh Th = buildmesh(left(12) + right(12) + east(6) + west(6));
-macro strain(u, v) [dx(u), dy(v), (dy(u) + dx(v)) / sqrt(2.)] //
-macro div(u, v) (dx(u) + dy(v)) //
+"""
+    + STRAIN_2D
+    + """
 real scale = 100;
 for (int round = 1; round <= {rounds}; round++) {{
     fespace Vh(Th, [P{degree}, P{degree}]);
@@ -197,7 +216,7 @@ for (int round = 1; round <= {rounds}; round++) {{
     }}
     VonMises(Th, u1, u2, stress)
     real err = {target} * {growth}^({rounds} - 1 - round);
-    Th = adaptmesh(Th, stress, err = err, iso = 1, hmin = 1e-6, nbvx = 500000, ratio = 1.8, abserror = 1);
+    Adapted(Th, stress)
     // nodes of the arc onto the circle
     fespace Mh(Th, P1);
     varf arc(p, q) = on(1, 2, p = 1);
@@ -220,8 +239,9 @@ load "msh3"
 load "gmsh"
 mesh3 Th = gmshload3("{mesh}");
 fespace Vh(Th, [P{degree}, P{degree}, P{degree}]);
-macro strain(u, v, w) [dx(u), dy(v), dz(w), (dy(u) + dx(v)) / sqrt(2.), (dz(u) + dx(w)) / sqrt(2.), (dz(v) + dy(w)) / sqrt(2.)] //
-macro div(u, v, w) (dx(u) + dy(v) + dz(w)) //
+"""
+    + STRAIN_3D
+    + """
 varf stiffness([u1, u2, u3], [v1, v2, v3]) = int3d(Th)((strain(u1, u2, u3)' * strain(v1, v2, v3)) / (1 + nu) + nu / ((1 + nu) * (1 - 2 * nu)) * div(u1, u2, u3) * div(v1, v2, v3));
 varf contact([u1, u2, u3], [v1, v2, v3]) = on(1, u3 = 1);
 varf supports([u1, u2, u3], [v1, v2, v3]) = on(3, u1 = 1) + on(2, u2 = 1) + on(4, u3 = 1);
@@ -242,11 +262,13 @@ RINGS = (
 load "gmsh"
 int[int] sidesI = [2, 1, 3, 4], sidesO = [2, 4, 3, 1];
 mesh ThI = {first_mesh}, ThO = {second_mesh};
-macro strain(u, v) [dx(u), dy(v), (dy(u) + dx(v)) / sqrt(2.)] //
-macro div(u, v) (dx(u) + dy(v)) //
+"""
+    + STRAIN_2D
+    + """
 macro elastic(u, v, p, q) ((strain(u, v)' * strain(p, q)) / (1 + nu) + nu / ((1 + nu) * (1 - 2 * nu)) * div(u, v) * div(p, q)) //
-real[int] gaussAt = [-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526];
-real[int] gaussWeight = [0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538];
+"""
+    + GAUSS
+    + """
 // the points of a slave's facets, and where the radius through them meets the other ring's polygon
 func int points(mesh & Th, mesh & Other, real[int] & px, real[int] & py, real[int] & qx, real[int] & qy, real[int] & w)
 {{
@@ -390,8 +412,8 @@ for (int round = 1; round <= {rounds}; round++) {{
     VonMises(ThI, uI, vI, stressI)
     VonMises(ThO, uO, vO, stressO)
     real err = {target} * {growth}^({rounds} - 1 - round);
-    ThI = adaptmesh(ThI, stressI, err = err, iso = 1, hmin = 1e-6, nbvx = 500000, ratio = 1.8, abserror = 1);
-    ThO = adaptmesh(ThO, stressO, err = err, iso = 1, hmin = 1e-6, nbvx = 500000, ratio = 1.8, abserror = 1);
+    Adapted(ThI, stressI)
+    Adapted(ThO, stressO)
     Rounded(ThI, {inside}, {middle} + {interference})
     Rounded(ThO, {outside}, {middle})
 }}
@@ -408,8 +430,9 @@ fespace V0(Th0, [P{degree}, P{degree}, P{degree}]); fespace V1(Th1, [P{degree}, 
 fespace S0(Th0, P{degree}); fespace S1(Th1, P{degree}); fespace S2(Th2, P{degree});
 fespace L0(Th0, P1); fespace L1(Th1, P1); fespace L2(Th2, P1);
 int first1 = V0.ndof, first2 = first1 + V1.ndof, n = first2 + V2.ndof;
-macro strain(u, v, w) [dx(u), dy(v), dz(w), (dy(u) + dx(v)) / sqrt(2.), (dz(u) + dx(w)) / sqrt(2.), (dz(v) + dy(w)) / sqrt(2.)] //
-macro div(u, v, w) (dx(u) + dy(v) + dz(w)) //
+"""
+    + STRAIN_3D
+    + """
 macro elastic(Th) int3d(Th)((strain(u, v, w)' * strain(p, q, r)) / (1 + nu) + nu / ((1 + nu) * (1 - 2 * nu)) * div(u, v, w) * div(p, q, r)) //
 varf stiff0([u, v, w], [p, q, r]) = elastic(Th0);
 varf stiff1([u, v, w], [p, q, r]) = elastic(Th1);
@@ -483,15 +506,17 @@ BLOCKS = (
 load "gmsh"
 int[int] sides = [2, 5, 6, 4];
 mesh Th0 = {first_mesh}, Th1 = {second_mesh}, Th2 = {third_mesh};
-macro strain(u, v) [dx(u), dy(v), (dy(u) + dx(v)) / sqrt(2.)] //
-macro div(u, v) (dx(u) + dy(v)) //
+"""
+    + STRAIN_2D
+    + """
 macro elastic(Th) int2d(Th)(scale * ((strain(u, v)' * strain(p, q)) / (1 + nu) + nu / ((1 + nu) * (1 - 2 * nu)) * div(u, v) * div(p, q))) //
 real scale = 100;
 int[int] I(0), J(0);
 real[int] V(0), clow(0);
 int entry = 0, rows = 0;
-real[int] gaussAt = [-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526];
-real[int] gaussWeight = [0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538];
+"""
+    + GAUSS
+    + """
 // Gauss points of the common part of an upper block's bottom and a lower block's top, between the nodes of both
 func int points(mesh & Upper, mesh & Lower, real[int] & px, real[int] & py, real[int] & w)
 {{
@@ -606,9 +631,9 @@ for (int round = 1; round <= {rounds}; round++) {{
     VonMises(Th1, u1, v1, stress1)
     VonMises(Th2, u2, v2, stress2)
     real err = {target} * {growth}^({rounds} - 1 - round);
-    Th0 = adaptmesh(Th0, stress0, err = err, iso = 1, hmin = 1e-6, nbvx = 500000, ratio = 1.8, abserror = 1);
-    Th1 = adaptmesh(Th1, stress1, err = err, iso = 1, hmin = 1e-6, nbvx = 500000, ratio = 1.8, abserror = 1);
-    Th2 = adaptmesh(Th2, stress2, err = err, iso = 1, hmin = 1e-6, nbvx = 500000, ratio = 1.8, abserror = 1);
+    Adapted(Th0, stress0)
+    Adapted(Th1, stress1)
+    Adapted(Th2, stress2)
 }}
 """
 )

@@ -181,7 +181,7 @@ pub const SCENES: [Scene; 8] = [
         title: "A press fit of two rings",
         about: "Plane strain, small strains, E = 1000, ν = 0.3, a quarter of rings of radii 0.5, 1 and 1.5, the inner one larger by a thousandth of its radius; facets do not \
             match. Lamé's pressure is constant. It is exact to a share of the order of the interference, 0.1 %. Chords of linear cells leave gaps and overlaps that are larger than the interference \
-            until they are shorter than a tenth of the radius. Of FreeFEM's settings those with the gap of the circles and `adaptmesh` know that the rings are circles.",
+            until they are shorter than a tenth of the radius. FreeFEM's settings with the gap of the circles, and `adaptmesh`, know that the rings are circles.",
         quantity: "contact pressure",
         known: 1e-3,
         measure: Measure::Pressure(|_, _| LAME, Force::None),

@@ -111,7 +111,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     })
 }
 
-/// Writes all cases that other programs can be told.
+/// Writes all cases that other programs can read.
 fn export(cases: &[Case], folder: &Path) -> Result<ExitCode, Failure> {
     files::make_folder(folder)?;
     let mut count = 0;

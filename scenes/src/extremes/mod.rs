@@ -5,9 +5,11 @@
 
 mod classes;
 mod exchange;
+mod judge;
 mod stack;
 
-pub use exchange::{Foreign, Must, Reaction, judged};
+pub use exchange::{Must, Reaction};
+pub use judge::{Foreign, judged};
 
 use contact_fem::model::Problem;
 use contact_fem::simulation::History;

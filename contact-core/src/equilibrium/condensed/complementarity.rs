@@ -88,12 +88,9 @@ pub(in crate::equilibrium) fn solve(
         gaps: Col::from_fn(m, |i| gaps[i] / lengths[i]),
         bound: bound.max(ROUNDOFF * largest),
         lengths,
-        least: 0.0,
         factor: Active::new(),
         steps: 0,
     };
-    let sums = proximal.W.col_iter().map(|column| column.norm_l1());
-    proximal.least = LEAST * sums.fold(1.0, f64::max);
     let left = proximal.solve(stop)?;
     if !left.is_finite() {
         return Err(Halt::Failed(
@@ -119,8 +116,6 @@ struct Proximal {
     /// √W_ii, the length that each row's gap is measured in, and the bound on |min(W_ii λᵢ, cᵢ)|.
     lengths: Vec<f64>,
     bound: f64,
-    /// The least ε.
-    least: f64,
     factor: Active,
     steps: usize,
 }
@@ -247,7 +242,8 @@ impl Proximal {
         let mut epsilon = (WARM * scaled / self.center.norm_max()).clamp(LAST, FIRST);
         let mut left = self.residual(&self.center, &self.gaps) / self.bound;
         let mut best = (self.center.clone(), self.gaps.clone(), left);
-        let mut least = self.least;
+        let sums = self.W.col_iter().map(|column| column.norm_l1());
+        let mut least = LEAST * sums.fold(1.0, f64::max);
         for _ in 0..ROUNDS {
             if left <= 1.0 {
                 break;

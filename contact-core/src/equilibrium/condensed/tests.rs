@@ -220,34 +220,36 @@ fn rows_that_nearly_depend_on_each_other_are_complementary_beside_a_soft_motion(
     }
 }
 
-/// With a W whose round-off is larger than the least ε, smaller ε fail, and what larger ones reach is kept.
+/// Where more rows act than a body has motions, errors of W leave it indefinite, and no λ closes all gaps. Factors with a small ε fail
+/// then; λ is what a larger one gives, with the errors of W in the gaps.
 #[test]
-fn a_compliance_that_is_definite_but_for_its_errors_is_solved_as_far_as_it_goes() {
+fn a_compliance_that_errors_leave_indefinite_is_solved_up_to_these_errors() {
+    const ERROR: f64 = 1e-10;
     let mut random = Rng::with_seed(8);
-    for case in 0..20 {
-        let (m, rank) = (30, 15);
+    for case in 0..40 {
+        let (m, rank) = (30, 8);
         let C = DMatrix::from_fn(m, rank, |_, _| 2.0 * random.f64() - 1.0);
         let mut W = &C * C.transpose();
         for i in 0..m {
             for j in 0..=i {
-                let error = 1e-9 * (2.0 * random.f64() - 1.0);
-                W[(i, j)] += error;
+                W[(i, j)] += ERROR * (2.0 * random.f64() - 1.0);
                 W[(j, i)] = W[(i, j)];
             }
         }
-        let force = DVector::from_fn(m, |i, _| if i % 2 == 0 { 0.1 + random.f64() } else { 0.0 });
-        let open = DVector::from_fn(m, |i, _| if i % 2 == 0 { 0.0 } else { 0.1 + random.f64() });
-        let gaps = &open - &C * (C.transpose() * &force);
+        let acts = |i: usize| i % 2 == 0;
+        let force = DVector::from_fn(m, |i, _| if acts(i) { 0.1 + random.f64() } else { 0.0 });
+        let open = DVector::from_fn(m, |i, _| if acts(i) { 0.0 } else { 0.1 + random.f64() });
+        let free = &open - &C * (C.transpose() * &force);
         let dense = Mat::from_fn(m, m, |i, j| W[(i, j)]);
         let start = vec![0.0; m];
-        let solved = complementarity::solve(&dense, gaps.as_slice(), &start, 1e-13, &Stop::new())
+        let solved = complementarity::solve(&dense, free.as_slice(), &start, 1e-13, &Stop::new())
             .expect("solvable but for the errors");
         let lambda = DVector::from_vec(solved.lambda);
-        let gaps = &W * &lambda + &gaps;
+        let gaps = &W * &lambda + &free;
         let left = lambda.zip_map(&gaps, |l, c| l.min(c).abs()).max();
-        // the errors of W times the forces, and no more
-        assert!(left < 1e-7, "{case}: {left:e}");
-        assert!(lambda.max() < 1e2, "{case}: {}", lambda.max());
+        // an error of each coefficient, times forces of this size
+        let bound = 10.0 * ERROR * force.sum();
+        assert!(left < bound, "{case}: {left:e} of {bound:e}");
     }
 }
 
