@@ -20,8 +20,12 @@ pub(crate) use search::Search;
 pub(crate) use tresca::Thresholds;
 use tresca::touching;
 
+#[cfg(feature = "linear")]
+use crate::Multipliers;
+#[cfg(feature = "linear")]
+use crate::equilibrium::StepContext;
 use crate::gaps::SparseRows;
-use crate::{Error, Multipliers, RowKey};
+use crate::{Error, RowKey};
 
 /// How contact nodes slip, and how much friction they have: one row of T for each row of gaps that has friction.
 #[derive(Clone, Debug, Default)]
@@ -119,6 +123,15 @@ impl SlipRows {
         }
     }
 
+    /// Whether both have the same rows with the same friction; their constants may be others.
+    #[cfg(feature = "linear")]
+    pub(crate) fn has_rows_of(&self, other: &SlipRows) -> bool {
+        self.keys == other.keys
+            && self.free == other.free
+            && self.coefficient == other.coefficient
+            && self.bound == other.bound
+    }
+
     /// Δs = T u + d (p, UL).
     pub fn slips(&self, u: &[f64]) -> Vec<f64> {
         let rows = self.constant.iter().enumerate();
@@ -153,13 +166,7 @@ impl SlipRows {
     /// The forces that friction with these thresholds can exert on each unknown, Σ |T_ij| τ_i (n, UF). Where rows of both roles hold the same
     /// place, their thresholds add up, and how they share the sum is not unique.
     pub fn capacities(&self, thresholds: &[f64], n: usize) -> Vec<f64> {
-        let mut all = vec![0.0; n];
-        for (i, threshold) in thresholds.iter().enumerate() {
-            self.free
-                .row(i)
-                .for_each(|(j, a)| all[j] += a.abs() * threshold);
-        }
-        all
+        capacities(&self.free, thresholds, n)
     }
 
     /// Checks the numbers, and that each row belongs to a row of gaps of its own, for `n` unknowns.
@@ -211,6 +218,15 @@ impl SlipRows {
     }
 }
 
+/// Σ |T_ij| τ_i of each column.
+fn capacities(rows: &SparseRows, thresholds: &[f64], columns: usize) -> Vec<f64> {
+    let mut all = vec![0.0; columns];
+    for (i, threshold) in thresholds.iter().enumerate() {
+        rows.row(i).for_each(|(j, a)| all[j] += a.abs() * threshold);
+    }
+    all
+}
+
 /// What a contact node does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
@@ -258,6 +274,31 @@ impl Friction {
             && rows.free.columns() <= n
     }
 
+    /// At an equilibrium with these multipliers of contact. `force` has r of each row that free unknowns move; the other rows slip as is
+    /// prescribed.
+    #[cfg(feature = "linear")]
+    pub(crate) fn at(
+        rows: SlipRows,
+        multipliers: &Multipliers,
+        force: impl Fn(usize) -> Option<f64>,
+        context: &StepContext<'_>,
+    ) -> Self {
+        let thresholds = rows.thresholds(|key| multipliers.of(key));
+        let all = thresholds.iter().zip(&rows.constant).enumerate();
+        let force = |(i, (tau, slip)): (usize, (&f64, &f64))| match force(i) {
+            Some(force) => force.clamp(-tau, *tau),
+            None if *slip == 0.0 => 0.0,
+            None => tau * slip.signum(),
+        };
+        Friction {
+            forces: all.map(force).collect(),
+            thresholds,
+            rows,
+            last: context.last.u.clone(),
+            from: context.from,
+        }
+    }
+
     /// Forces below this share of the largest threshold are none.
     const NONE: f64 = 1e-9;
 
@@ -280,19 +321,33 @@ impl Friction {
     }
 
     /// The work that friction takes in the increment to `u` (UF·UL), which is not negative: the forces times the slips, as if thresholds had grown in proportion
-    /// to slips, from the thresholds of the increment `before`, or from nothing.
+    /// to slips, from those of the increment `before`, or from nothing. Thresholds are compared by the forces that they allow on each unknown:
+    /// rows of both roles may share the same sum in other ways than before.
     pub fn dissipated(&self, u: &[f64], before: Option<&Friction>) -> f64 {
-        let known: Multipliers = before.map_or_else(Multipliers::default, |own| {
-            let thresholds = own.thresholds.iter().copied();
-            own.rows.keys().iter().copied().zip(thresholds).collect()
+        let n = u.len();
+        let before = before.filter(|own| own.last.len() == n);
+        let kinds: [fn(&SlipRows) -> &SparseRows; 2] = [|rows| &rows.free, |rows| &rows.prescribed];
+        let capacities = kinds.map(|of| {
+            let columns = before.map_or(0, |own| of(&own.rows).columns());
+            let columns = columns.max(of(&self.rows).columns());
+            let allowed = |own: &Friction| capacities(of(&own.rows), &own.thresholds, columns);
+            let then = before.map_or_else(|| vec![0.0; columns], allowed);
+            (of(&self.rows), allowed(self), then)
         });
         let slips = self.rows.slips(u);
-        let all = self.rows.keys().iter().zip(&self.thresholds);
-        let all = all.zip(self.forces.iter().zip(&slips));
-        let work = |((key, now), (r, slip)): ((&RowKey, &f64), (&f64, &f64))| match *now > 0.0 {
-            true => 0.5 * (now + known.of(*key)) / now * r * slip,
-            false => 0.0,
+        let work = |(i, (r, slip)): (usize, (&f64, &f64))| {
+            let (mut whole, mut known) = (0.0, 0.0);
+            for (rows, now, then) in &capacities {
+                for (j, a) in rows.row(i) {
+                    whole += a.abs() * now[j];
+                    known += a.abs() * then[j];
+                }
+            }
+            match whole > 0.0 {
+                true => 0.5 * (1.0 + known / whole) * r * slip,
+                false => 0.0,
+            }
         };
-        all.map(work).sum()
+        self.forces.iter().zip(&slips).enumerate().map(work).sum()
     }
 }

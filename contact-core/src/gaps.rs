@@ -48,7 +48,7 @@ impl Default for Row {
 }
 
 /// A sparse matrix in compressed rows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "resume", derive(serde::Serialize, serde::Deserialize))]
 pub struct SparseRows {
     starts: Vec<usize>,

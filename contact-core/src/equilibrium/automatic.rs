@@ -13,7 +13,7 @@ use crate::{Outcome, Scale, memory};
 ///
 /// | problem | solver |
 /// |---|---|
-/// | some unknowns have bounds, or some rows friction | `Retry<InteriorPoint>`, the paper's fixed point with Ipopt |
+/// | some unknowns have bounds | `Retry<InteriorPoint>`, the paper's fixed point with Ipopt |
 /// | quadratic energy and exact rows: small strains, contact in the reference geometry | [`Condensed`] |
 /// | all others | [`CondensedNewton`] |
 ///
@@ -66,10 +66,6 @@ impl Automatic {
         #[cfg(feature = "ipopt")]
         if finite_bound(problem.bounds()).is_some() {
             return (Way::FixedPoint, "unknowns have bounds");
-        }
-        #[cfg(feature = "ipopt")]
-        if problem.has_friction() {
-            return (Way::FixedPoint, "contact has friction");
         }
         let energy = problem.energy();
         match (energy.is_quadratic(), problem.has_exact_gaps()) {
@@ -157,7 +153,9 @@ impl Equilibrium for Automatic {
                     false => (context.lifted)(),
                 };
                 let mut second = self.fixed_point.solve(problem, start, context)?;
-                if way == Way::Newton && second.outcome == Outcome::Converged {
+                let is_found = second.outcome == Outcome::Converged;
+                // stability with friction is not examined
+                if way == Way::Newton && is_found && !problem.has_friction() {
                     second = self.examined(problem, second, context)?;
                 }
                 let cause = problem.diagnose(&first);

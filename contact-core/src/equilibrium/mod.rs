@@ -475,7 +475,6 @@ fn check_unbounded(
     solver: &'static str,
 ) -> Result<(), Error> {
     check_independent(problem, solver)?;
-    check_frictionless(problem, solver)?;
     let (bounds, dofs) = (problem.bounds(), problem.energy().dofs());
     Error::check_vector("start.u", &start.u, dofs)?;
     check_bounds(bounds, dofs)?;

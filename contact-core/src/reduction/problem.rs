@@ -191,7 +191,7 @@ impl<'a> Reduced<'a> {
         let softest = softest.map(|(v, k)| (self.map.expanded(v, &still), *k));
         // they were made from the slips that were asked for last
         let friction = solution.friction.map(|own| Friction {
-            rows: self.slips.take(),
+            rows: self.slips.borrow().clone(),
             last: self.last.to_vec(),
             ..own
         });

@@ -10,6 +10,9 @@
 //! c_A = ε (λ̄_A − z_A), the others being zero; an exact line search makes it end after finitely many steps. Rows that
 //! depend on each other are harmless, since ε makes every W_AA definite. Repeating this from λ̄ = λ removes the error of
 //! ε. All steps are increments: c is never the difference of large numbers.
+//!
+//! Friction with given thresholds has two limits, −τ ≤ λ ≤ τ, with c ≥ 0 at the lower one and c ≤ 0 at the upper one. The same holds with
+//! these limits in place of 0 and ∞: (·)₊ becomes the nearest value between them, and a row of A is one strictly between them.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
@@ -62,6 +65,9 @@ pub(in crate::equilibrium) struct Complementary {
     pub left: f64,
 }
 
+/// The limits of the multipliers of contact.
+pub(super) const OF_CONTACT: [f64; 2] = [0.0, f64::INFINITY];
+
 /// Solves from the multipliers `start` and their gaps c (m, UL) until every |min(W_ii λᵢ, cᵢ)| is within `bound` (UL), or
 /// within round-off of the gaps, or until [`ROUNDS`] have passed: [`Complementary::left`] tells. `W` (m × m, UL/UF) is
 /// symmetric, with both triangles.
@@ -72,20 +78,29 @@ pub(in crate::equilibrium) fn solve(
     bound: f64,
     stop: &Stop,
 ) -> Result<Complementary, Halt> {
+    solve_between(W, gaps, start, |_| OF_CONTACT, bound, stop)
+}
+
+/// As [`solve`], with two limits of each multiplier, the lower one not above the upper one (UF). What is small is W_ii times the change from λᵢ to the
+/// value between its limits that is nearest to λᵢ − cᵢ/W_ii.
+pub(super) fn solve_between(
+    W: &Mat<f64>,
+    gaps: &[f64],
+    start: &[f64],
+    limits: impl Fn(usize) -> [f64; 2],
+    bound: f64,
+    stop: &Stop,
+) -> Result<Complementary, Halt> {
     let m = gaps.len();
-    let lengths: Vec<f64> = (0..m).map(|i| W[(i, i)].sqrt()).collect();
-    let is_sound = |i: usize| lengths[i] > 0.0 && lengths[i].is_finite() && gaps[i].is_finite();
-    if let Some(i) = (0..m).find(|&i| !is_sound(i)) {
-        let (w, c) = (W[(i, i)], gaps[i]);
-        return Err(Halt::Failed(format!(
-            "row {i} of the condensed problem has compliance {w} and gap {c}: both must be finite, and the first positive"
-        )));
-    }
+    let lengths = lengths(W, gaps)?;
     let largest = gaps.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
     let mut proximal = Proximal {
         W: Mat::from_fn(m, m, |i, j| W[(i, j)] / (lengths[i] * lengths[j])),
         center: Col::from_fn(m, |i| start[i] * lengths[i]),
         gaps: Col::from_fn(m, |i| gaps[i] / lengths[i]),
+        limits: (0..m)
+            .map(|i| limits(i).map(|limit| limit * lengths[i]))
+            .collect(),
         bound: bound.max(ROUNDOFF * largest),
         lengths,
         factor: Active::new(),
@@ -107,12 +122,29 @@ pub(in crate::equilibrium) fn solve(
     })
 }
 
+/// √W_ii of each row, all of which must be positive, and the gaps finite.
+pub(super) fn lengths(W: &Mat<f64>, gaps: &[f64]) -> Result<Vec<f64>, Halt> {
+    let lengths: Vec<f64> = (0..gaps.len()).map(|i| W[(i, i)].sqrt()).collect();
+    let is_sound = |i: usize| lengths[i] > 0.0 && lengths[i].is_finite() && gaps[i].is_finite();
+    match (0..gaps.len()).find(|&i| !is_sound(i)) {
+        Some(i) => {
+            let (w, c) = (W[(i, i)], gaps[i]);
+            Err(Halt::Failed(format!(
+                "row {i} of the condensed problem has compliance {w} and gap {c}: both must be finite, and the first positive"
+            )))
+        }
+        None => Ok(lengths),
+    }
+}
+
 /// The problem with unit diagonal, and the method's state.
 struct Proximal {
     W: Mat<f64>,
     /// λ̄ and its gaps.
     center: Col<f64>,
     gaps: Col<f64>,
+    /// The limits of each λ.
+    limits: Vec<[f64; 2]>,
     /// √W_ii, the length that each row's gap is measured in, and the bound on |min(W_ii λᵢ, cᵢ)|.
     lengths: Vec<f64>,
     bound: f64,
@@ -238,7 +270,7 @@ fn beyond(all: &[usize], known: &[usize]) -> Vec<usize> {
 impl Proximal {
     /// What is left, relative to the bound.
     fn solve(&mut self, stop: &Stop) -> Result<f64, Halt> {
-        let scaled = natural(&self.center, &self.gaps).fold(0.0, f64::max);
+        let scaled = self.natural(&self.center, &self.gaps).fold(0.0, f64::max);
         let mut epsilon = (WARM * scaled / self.center.norm_max()).clamp(LAST, FIRST);
         let mut left = self.residual(&self.center, &self.gaps) / self.bound;
         let mut best = (self.center.clone(), self.gaps.clone(), left);
@@ -281,7 +313,7 @@ impl Proximal {
                 "the multipliers of the condensed problem are not finite".into(),
             ));
         }
-        self.center = Col::from_fn(z.nrows(), |i| z[i].max(0.0));
+        self.center = Col::from_fn(z.nrows(), |i| clamped(z[i], self.limits[i]));
         self.gaps = gaps + self.product(&(&self.center - z));
         Ok(self.residual(&self.center, &self.gaps) / self.bound)
     }
@@ -293,14 +325,17 @@ impl Proximal {
         for _ in 0..STEPS {
             Halt::if_requested(stop)?;
             let margin = epsilon * &self.center - &gaps;
-            let active: Vec<usize> = (0..z.nrows()).filter(|&i| margin[i] > 0.0).collect();
+            let limits = |i: usize| self.limits[i].map(|limit| epsilon * limit);
+            let is_between = |i: &usize| margin[*i] > limits(*i)[0] && margin[*i] < limits(*i)[1];
+            let active: Vec<usize> = (0..z.nrows()).filter(is_between).collect();
             let is_settled = last.as_ref() == Some(&active);
             self.steps += usize::from(!is_settled);
             let (direction, change) = self.newton(&active, epsilon, &z, &margin)?;
+            let limits = |i: usize| self.limits[i].map(|limit| epsilon * limit);
             let work = epsilon * (change.transpose() * &z);
             let curvature = epsilon * (change.transpose() * &direction);
             // without descent W d is zero, and z + d the one of these z that is the proximal point
-            let descent = exact_step(work, curvature, &margin, &change);
+            let descent = exact_step(work, curvature, &margin, &change, limits);
             let step = descent.filter(|_| !is_settled).unwrap_or(1.0);
             z += step * &direction;
             gaps += step * &change;
@@ -315,7 +350,7 @@ impl Proximal {
     }
 
     /// The step d to the minimum with the `active` rows A, and W d: (W_AA + ε) d_A = (ε λ̄ − ε z − c − W d_I)_A, where
-    /// d_I = −z_I on the other rows and `margin` is ε λ̄ − c.
+    /// d_I leads to the limits of the other rows, and `margin` is ε λ̄ − c.
     fn newton(
         &mut self,
         active: &[usize],
@@ -323,7 +358,8 @@ impl Proximal {
         z: &Col<f64>,
         margin: &Col<f64>,
     ) -> Result<(Col<f64>, Col<f64>), Halt> {
-        let mut direction = -z;
+        let at_limit = |i: usize| clamped(margin[i] / epsilon, self.limits[i]) - z[i];
+        let mut direction = Col::from_fn(z.nrows(), at_limit);
         active.iter().for_each(|&i| direction[i] = 0.0);
         let mut change = self.product(&direction);
         if active.is_empty() {
@@ -385,17 +421,32 @@ impl Proximal {
         y
     }
 
-    /// max |min(W_ii λᵢ, cᵢ)| (UL).
+    /// max W_ii |λᵢ − P(λᵢ − cᵢ/W_ii)| (UL), with the nearest value P between the limits: |min(W_ii λᵢ, cᵢ)| for contact.
     fn residual(&self, lambda: &Col<f64>, gaps: &Col<f64>) -> f64 {
-        let rows = natural(lambda, gaps).zip(&self.lengths);
+        let rows = self.natural(lambda, gaps).zip(&self.lengths);
         rows.fold(0.0, |worst, (left, length)| worst.max(left * length))
+    }
+
+    /// The same of each row, with unit diagonal.
+    fn natural(&self, lambda: &Col<f64>, gaps: &Col<f64>) -> impl Iterator<Item = f64> {
+        let pairs = lambda.iter().zip(gaps.iter()).zip(&self.limits);
+        pairs.map(|((l, c), limits)| natural(*l, *c, *limits))
     }
 }
 
-/// |min(λᵢ, cᵢ)| of each row.
-fn natural(lambda: &Col<f64>, gaps: &Col<f64>) -> impl Iterator<Item = f64> {
-    let pairs = lambda.iter().zip(gaps.iter());
-    pairs.map(|(l, c)| l.min(*c).abs())
+/// |λ − P(λ − c)| with the nearest value P between two limits.
+pub(super) fn natural(lambda: f64, c: f64, [low, high]: [f64; 2]) -> f64 {
+    // not as a difference of large numbers
+    match lambda - c {
+        below if below < low => (lambda - low).abs(),
+        above if above > high => (lambda - high).abs(),
+        _ => c.abs(),
+    }
+}
+
+/// The nearest value between two limits.
+pub(super) fn clamped(value: f64, [low, high]: [f64; 2]) -> f64 {
+    value.max(low).min(high)
 }
 
 #[cfg(test)]

@@ -2,37 +2,47 @@
 
 use faer::Col;
 
-/// The t > 0 at which ψ'(t) = `work` + t `curvature` − Σ eᵢ (sᵢ − t eᵢ)₊ vanishes, s being `margin` and e `change`;
-/// nothing where ψ does not fall from t = 0.
+/// The t > 0 at which ψ'(t) = `work` + t `curvature` − Σ eᵢ Pᵢ(sᵢ − t eᵢ) vanishes, s being `margin` and e `change`, and Pᵢ the nearest value
+/// between the two `limits` of i; nothing where ψ does not fall from t = 0.
 pub(super) fn exact_step(
     work: f64,
     curvature: f64,
     margin: &Col<f64>,
     change: &Col<f64>,
+    limits: impl Fn(usize) -> [f64; 2],
 ) -> Option<f64> {
-    let pairs = || margin.iter().copied().zip(change.iter().copied());
+    let all = || (0..margin.nrows()).map(|i| (margin[i], change[i], limits(i)));
     // ψ' = a + b t between two kinks
     let (mut a, mut b) = (work, curvature);
-    for (s, e) in pairs().filter(|&(s, e)| s > 0.0 || (s == 0.0 && e < 0.0)) {
-        a -= e * s;
-        b += e * e;
+    for (s, e, [low, high]) in all() {
+        let enters = s == low && e < 0.0 || s == high && e > 0.0;
+        let is_between = s > low && s < high || enters && low < high;
+        a -= e * s.max(low).min(high);
+        if is_between {
+            b += e * e;
+        }
     }
     if !(a < 0.0) {
         return None;
     }
-    let mut kinks: Vec<(f64, f64, f64)> = pairs()
-        .filter(|(s, e)| s * e > 0.0)
-        .map(|(s, e)| (s / e, s, e))
+    // beyond a kink, the term is constant where it has become the limit, and linear where it was
+    let kink = |(s, e, limit): (f64, f64, f64), is_low: bool| {
+        let t = (s - limit) / e;
+        let sign = if (e > 0.0) == is_low { 1.0 } else { -1.0 };
+        (t > 0.0 && t.is_finite()).then_some((t, sign * e * (s - limit), sign * e * e))
+    };
+    let mut kinks: Vec<(f64, f64, f64)> = all()
+        .filter(|(_, e, [low, high])| *e != 0.0 && low < high)
+        .flat_map(|(s, e, [low, high])| [kink((s, e, low), true), kink((s, e, high), false)])
+        .flatten()
         .collect();
     kinks.sort_unstable_by(|left, right| left.0.total_cmp(&right.0));
-    for (t, s, e) in kinks {
+    for (t, more, less) in kinks {
         if a + b * t >= 0.0 {
             break;
         }
-        // beyond it the term of e > 0 is gone, that of e < 0 is there
-        let sign = if e > 0.0 { 1.0 } else { -1.0 };
-        a += sign * e * s;
-        b -= sign * e * e;
+        a += more;
+        b -= less;
     }
     let t = -a / b;
     (t.is_finite() && t > 0.0).then_some(t)
@@ -42,11 +52,18 @@ pub(super) fn exact_step(
 mod tests {
     use super::*;
 
+    /// The limits of some variables: of contact, of friction, of friction without a force.
+    fn limits(i: usize) -> [f64; 2] {
+        [[0.0, f64::INFINITY], [-0.4, 0.4], [0.0, 0.0]][i % 3]
+    }
+
     /// ψ' at t, term by term.
     fn slope(work: f64, curvature: f64, s: &Col<f64>, e: &Col<f64>, t: f64) -> f64 {
-        let terms = s.iter().zip(e.iter());
-        let terms = terms.map(|(s, e)| e * (s - t * e).max(0.0));
-        work + t * curvature - terms.sum::<f64>()
+        let term = |i: usize| {
+            let [low, high] = limits(i);
+            e[i] * (s[i] - t * e[i]).clamp(low, high)
+        };
+        work + t * curvature - (0..s.nrows()).map(term).sum::<f64>()
     }
 
     #[test]
@@ -56,11 +73,16 @@ mod tests {
         for _ in 0..2000 {
             let m = random.usize(1..9);
             let mut next = || 2.0 * random.f64() - 1.0;
-            let s = Col::from_fn(m, |i| if i % 4 == 3 { 0.0 } else { next() });
+            let s = Col::from_fn(m, |i| match i % 8 {
+                3 => 0.0,
+                4 => 0.4,
+                7 => -0.4,
+                _ => next(),
+            });
             let e = Col::from_fn(m, |_| next());
             let (work, curvature) = (next(), next().abs() + 1e-3);
             let at_rest = slope(work, curvature, &s, &e, 0.0);
-            match exact_step(work, curvature, &s, &e) {
+            match exact_step(work, curvature, &s, &e, limits) {
                 Some(t) => {
                     found += 1;
                     let left = slope(work, curvature, &s, &e, t);

@@ -7,12 +7,14 @@
 //! | `compliance` | W = C M⁻¹ Cᵀ of the working set |
 //! | `pruned` | W of one block |
 //! | `complementarity` | 0 ≤ λ ⟂ W λ + q ≥ 0 |
+//! | `coulomb` | the same with friction |
 //! | `line_search` | its exact line search |
 //! | `rounds` | the iteration on u and λ |
 //! | `halt` | what ends a solve before its result |
 
 pub(super) mod complementarity;
 mod compliance;
+pub(super) mod coulomb;
 pub(super) mod halt;
 mod line_search;
 pub(super) mod pruned;
@@ -31,10 +33,11 @@ use self::rounds::{Iterate, Rounds};
 use self::rows::Rows;
 use self::stiffness::Stiffness;
 use super::{
-    Choice, Equilibrium, Iteration, Solution, StepContext, check_frictionless, check_unbounded,
-    least_displacement, relative_change, unchanged,
+    Choice, Equilibrium, Iteration, Solution, StepContext, check_unbounded, least_displacement,
+    relative_change, unchanged,
 };
 use crate::cost::FactorSize;
+use crate::friction::{Friction, SlipRows};
 use crate::{
     ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Multipliers, Outcome, Scale, State, Stop,
 };
@@ -82,7 +85,7 @@ impl Condensed {
     fn prepare(
         &mut self,
         problem: &dyn ContactProblem,
-        gaps: &LinearGaps,
+        (gaps, slips): (&LinearGaps, &SlipRows),
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<&mut Kept, Halt> {
@@ -97,14 +100,14 @@ impl Condensed {
         let kept = match kept.filter(|kept| kept.stiffness.is_of(energy, &values)) {
             Some(kept) => {
                 self.values = values;
-                match kept.rows.are_of(gaps) {
+                match kept.rows.are_of(gaps, slips) {
                     true => kept,
-                    false => Kept::new(kept.stiffness, problem, gaps),
+                    false => Kept::new(kept.stiffness, problem, (gaps, slips)),
                 }
             }
             None => {
                 let stiffness = Stiffness::new(energy, values, stop, cost)?;
-                Kept::new(stiffness, problem, gaps)
+                Kept::new(stiffness, problem, (gaps, slips))
             }
         };
         cost.factor = Some(FactorSize::of_entries(kept.stiffness.fill()));
@@ -113,8 +116,12 @@ impl Condensed {
 }
 
 impl Kept {
-    fn new(stiffness: Stiffness, problem: &dyn ContactProblem, gaps: &LinearGaps) -> Self {
-        let rows = Rows::new(problem, gaps);
+    fn new(
+        stiffness: Stiffness,
+        problem: &dyn ContactProblem,
+        (gaps, slips): (&LinearGaps, &SlipRows),
+    ) -> Self {
+        let rows = Rows::new(problem, gaps, slips);
         Kept {
             compliance: Compliance::new(stiffness.blocks().len(), rows.len()),
             stiffness,
@@ -149,8 +156,8 @@ impl Equilibrium for Condensed {
         let energy = problem.energy();
         check_start(problem, &start)?;
         let mut moved = AHEAD * largest_displacement(problem, &start.u);
-        let mut gaps = match near(problem, &start.u, moved, context.stop) {
-            Ok(gaps) => gaps,
+        let (mut gaps, mut slips) = match near(problem, &start.u, moved, context) {
+            Ok(rows) => rows,
             Err(halt) => {
                 let value = energy.value(&start.u);
                 return Ok(unchanged(start, value, halt.outcome()?));
@@ -170,7 +177,7 @@ impl Equilibrium for Condensed {
         let scale = Scale::of(problem, &start.u)?;
         let mut solved;
         loop {
-            let parts = (problem, &gaps, &scale);
+            let parts = (problem, &gaps, &slips, &scale);
             solved = self.equilibrium(parts, moved, &start, &mut at, context, &mut cost);
             let now = match self.floats() {
                 true => f64::INFINITY,
@@ -182,9 +189,9 @@ impl Equilibrium for Condensed {
             }
             moved = AHEAD * now;
             let projecting = Instant::now();
-            match near(problem, &start.u, moved, context.stop) {
-                Ok(more) if more.len() == gaps.len() && !self.floats() => break,
-                Ok(more) => gaps = more,
+            match near(problem, &start.u, moved, context) {
+                Ok((more, _)) if more.len() == gaps.len() && !self.floats() => break,
+                Ok(more) => (gaps, slips) = more,
                 Err(halt) => {
                     solved = Err(halt);
                     break;
@@ -205,6 +212,12 @@ impl Equilibrium for Condensed {
             }
             _ => vec![0.0; gaps.len()],
         };
+        let multipliers = Multipliers::new(&gaps, &lambda);
+        let friction = problem.has_friction().then(|| {
+            let kept = self.kept.as_ref().filter(|_| !at.lambda.is_empty());
+            let force = |i: usize| kept.map_or(Some(0.0), |kept| kept.rows.friction(i, &at.lambda));
+            Friction::at(slips, &multipliers, force, context)
+        });
         let outcome = match solved {
             Ok(()) => Outcome::Converged,
             Err(halt) => {
@@ -238,7 +251,7 @@ impl Equilibrium for Condensed {
             outcome,
             energy: value,
             state: State {
-                multipliers: Multipliers::new(&gaps, &lambda),
+                multipliers,
                 u: at.u,
             },
             failed: Vec::new(),
@@ -246,7 +259,7 @@ impl Equilibrium for Condensed {
             flickering: Vec::new(),
             held: Vec::new(),
             softest: None,
-            friction: None,
+            friction,
             history,
             gaps,
             lambda,
@@ -255,7 +268,6 @@ impl Equilibrium for Condensed {
     }
 
     fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
-        check_frictionless(problem, "Condensed")?;
         check_energy(problem)?;
         match problem.has_exact_gaps() {
             true => Ok(()),
@@ -282,15 +294,21 @@ impl Equilibrium for Condensed {
     }
 }
 
-/// The rows that displacements of at most `moved` (UL) can close.
+/// The rows that displacements of at most `moved` (UL) can close, and how their nodes slip.
 fn near(
     problem: &dyn ContactProblem,
     u: &[f64],
     moved: f64,
-    stop: &Stop,
-) -> Result<LinearGaps, Halt> {
-    Halt::if_requested(stop)?;
-    Ok(problem.linearize_near(u, moved)?)
+    context: &StepContext<'_>,
+) -> Result<(LinearGaps, SlipRows), Halt> {
+    Halt::if_requested(context.stop)?;
+    let gaps = problem.linearize_near(u, moved)?;
+    let slips = match problem.has_friction() {
+        true => problem.slips(u, &gaps, &context.last.u, context.from)?,
+        false => SlipRows::default(),
+    };
+    slips.check(u.len())?;
+    Ok((gaps, slips))
 }
 
 /// The largest displacement at u, prescribed ones included (UL).
@@ -309,7 +327,7 @@ const TIE: f64 = 1e-12;
 impl Condensed {
     fn equilibrium(
         &mut self,
-        (problem, gaps, scale): (&dyn ContactProblem, &LinearGaps, &Scale),
+        (problem, gaps, slips, scale): (&dyn ContactProblem, &LinearGaps, &SlipRows, &Scale),
         moved: f64,
         start: &State,
         at: &mut Iterate,
@@ -317,7 +335,7 @@ impl Condensed {
         cost: &mut Cost,
     ) -> Result<(), Halt> {
         let (energy, stop) = (problem.energy(), context.stop);
-        let kept = self.prepare(problem, gaps, stop, cost)?;
+        let kept = self.prepare(problem, (gaps, slips), stop, cost)?;
         if kept.stiffness.floats() {
             // nothing bounds its way to a row, and motions that nothing determines stay where the start has them
             if moved.is_finite() {
@@ -342,7 +360,8 @@ impl Condensed {
             .rows
             .gathered(known.map(|l| if l.is_finite() { l } else { 0.0 }));
         Rounds {
-            constants: &kept.rows.constants(gaps.constant()),
+            constants: &kept.rows.all_constants(gaps.constant(), slips.constant()),
+            laws: &kept.rows.laws(gaps, TIE * scale.length),
             stiffness: &mut kept.stiffness,
             compliance: &mut kept.compliance,
             rows: &kept.rows,

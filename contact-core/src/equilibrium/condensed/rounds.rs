@@ -1,7 +1,7 @@
 //! The iteration on u and λ: contact on the condensed rows, then what is left of the forces.
 
-use super::complementarity;
 use super::compliance::Compliance;
+use super::coulomb::{Law, solve_coulomb};
 use super::halt::Halt;
 use super::rows::Rows;
 use super::stiffness::Stiffness;
@@ -29,6 +29,8 @@ const ROUGH: f64 = 1e4;
 const ROUNDS: usize = 60;
 /// Rounds after which what is left of the forces on blocks that float must have shrunk to a half.
 const PATIENCE: usize = 6;
+/// A row whose gap shrinks by less than this share of a motion stays as it is.
+const STAYS: f64 = 1e-10;
 /// The first rows taken into the working set where a body floats.
 const FIRST: usize = 64;
 
@@ -45,8 +47,10 @@ pub(super) struct Rounds<'a> {
     pub stiffness: &'a mut Stiffness,
     pub compliance: &'a mut Compliance,
     pub rows: &'a Rows,
-    /// The constant of each distinct row (UL).
+    /// The constant of each row (UL).
     pub constants: &'a [f64],
+    /// The laws of the rows of slips.
+    pub laws: &'a [Law],
     /// The smallest displacement that matters at contact (UL).
     pub resolution: f64,
     /// f = −∇E(0) (n, UF).
@@ -73,6 +77,7 @@ impl Rounds<'_> {
         let mut ratios = Vec::new();
         let mut before = f64::INFINITY;
         let mut sizes = vec![0.0; self.stiffness.blocks().len()];
+        let mut last: Option<Vec<f64>> = None;
         for _ in 0..ROUNDS {
             Halt::if_requested(self.stop)?;
             let residual = self.residual(at, &mut sizes);
@@ -88,13 +93,46 @@ impl Rounds<'_> {
                 return Err(Halt::Failed("the iterates are not finite".into()));
             }
             ratios.push(residual.ratio);
+            if let Some(last) = last.take().filter(|_| is_slow(&ratios, 1)) {
+                let moved: Vec<f64> = at.u.iter().zip(last).map(|(u, last)| u - last).collect();
+                if let Some(times) = self.flight(&moved, &residual.forces, &gaps) {
+                    let further = at.u.iter_mut().zip(moved);
+                    further.for_each(|(u, d)| *u += times * d);
+                    ratios.clear();
+                    continue;
+                }
+            }
             self.check_progress(&ratios, &residual)?;
+            last = self.stiffness.floats().then(|| at.u.clone());
             self.round(at, residual.forces)?;
         }
         Err(Halt::Failed(format!(
             "gaps or forces are not in equilibrium after {ROUNDS} rounds: {:.1e} times the bound on forces is left",
             ratios.last().copied().unwrap_or_default()
         )))
+    }
+
+    /// How many times the motion d of a round, along which forces work, can go on: to where the energy is least along it, or to where
+    /// the next row closes. Nothing if that is nearer than one round more, or nowhere.
+    ///
+    /// A round moves a body that floats by its load over the small shift, which may be far less than the gaps around it.
+    fn flight(&self, d: &[f64], forces: &[f64], gaps: &[f64]) -> Option<f64> {
+        let (mut internal, mut sizes) = (vec![0.0; d.len()], vec![0.0; d.len()]);
+        self.stiffness.product(d, &mut internal, &mut sizes);
+        let dot = |a: &[f64]| a.iter().zip(d).map(|(a, d)| a * d).sum::<f64>();
+        let roundoff: f64 = sizes.iter().zip(d).map(|(size, d)| size * d.abs()).sum();
+        let (work, curvature) = (dot(forces), dot(&internal));
+        let least = match curvature > ROUNDOFF * roundoff {
+            true => work / curvature,
+            false => f64::INFINITY,
+        };
+        let largest = d.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+        let closing = (0..self.rows.contacts()).filter_map(|k| {
+            let rate = self.rows.product(k, d);
+            (rate < -STAYS * largest).then(|| gaps[k].max(0.0) / -rate)
+        });
+        let times = closing.fold(least, f64::min);
+        (work > 0.0 && times.is_finite() && times > 1.0).then_some(times)
     }
 
     /// One proximal step from the `residual` f + Cᵀλ − K u.
@@ -104,7 +142,7 @@ impl Rounds<'_> {
             .zip(&residual)
             .for_each(|(u, step)| *u += step);
         let mut gaps = self.gaps(&at.u);
-        let acting = (0..self.rows.len()).filter(|&k| at.lambda[k] > 0.0);
+        let acting = (0..self.rows.contacts()).filter(|&k| at.lambda[k] > 0.0);
         self.extend(acting.filter(|&k| !self.compliance.holds(k)).collect())?;
         let mut is_final = false;
         loop {
@@ -134,7 +172,7 @@ impl Rounds<'_> {
     /// ones. Where a body floats, all of a surface may be: then the deepest ones, as many as the working set has.
     fn overlapping(&self, gaps: &[f64], overlap: f64, of_prescribed: bool) -> Vec<usize> {
         let overlaps = |&k: &usize| !self.compliance.holds(k) && gaps[k] < -overlap;
-        let rows = (0..self.rows.len()).filter(overlaps);
+        let rows = (0..self.rows.contacts()).filter(overlaps);
         let rows = rows.filter(|&k| self.rows.is_of_prescribed(k) == of_prescribed);
         let mut rows: Vec<usize> = rows.collect();
         if self.stiffness.floats() {
@@ -144,7 +182,14 @@ impl Rounds<'_> {
         rows
     }
 
-    fn extend(&mut self, more: Vec<usize>) -> Result<(), Halt> {
+    /// Takes rows of the gaps into the working set, and the rows of slips that they press on.
+    fn extend(&mut self, mut more: Vec<usize>) -> Result<(), Halt> {
+        let pressed: Vec<usize> = more
+            .iter()
+            .flat_map(|&k| self.rows.pressed_by(k))
+            .copied()
+            .collect();
+        more.extend(pressed);
         match more.is_empty() {
             true => Ok(()),
             false => self
@@ -164,7 +209,7 @@ impl Rounds<'_> {
         let of = |values: &[f64]| rows.iter().map(|&k| values[k]).collect::<Vec<_>>();
         let (gaps, start) = (of(gaps), of(lambda));
         let W = self.compliance.matrix();
-        let solved = complementarity::solve(W, &gaps, &start, bound, self.stop)?;
+        let solved = solve_coulomb(W, &gaps, &start, &self.laws_among(rows), bound, self.stop)?;
         if solved.left > SUFFICES / SHARE {
             return Err(Halt::Failed(format!(
                 "gaps and forces of the condensed problem are not complementary: {:.1e} times the bound is left",
@@ -181,7 +226,27 @@ impl Rounds<'_> {
         Ok(change)
     }
 
-    /// C u + c₀ of the distinct rows.
+    /// The laws of the rows of slips among `rows`, by their places there.
+    fn laws_among(&self, rows: &[usize]) -> Vec<Law> {
+        if self.laws.is_empty() {
+            return Vec::new();
+        }
+        let mut places = vec![None; self.rows.len()];
+        rows.iter()
+            .enumerate()
+            .for_each(|(place, &k)| places[k] = Some(place));
+        let law = |law: &Law| {
+            let (slip, contact) = (places[law.slip]?, places[law.contact]?);
+            Some(Law {
+                slip,
+                contact,
+                ..*law
+            })
+        };
+        self.laws.iter().filter_map(law).collect()
+    }
+
+    /// C u + c₀ of the gaps, and T u + d of the slips.
     fn gaps(&self, u: &[f64]) -> Vec<f64> {
         let gap = |(k, c): (usize, &f64)| self.rows.product(k, u) + c;
         self.constants.iter().enumerate().map(gap).collect()
@@ -192,7 +257,13 @@ impl Rounds<'_> {
     fn bound(&self, u: &[f64]) -> f64 {
         let row = |k: usize| {
             let terms = self.rows.row(k).iter().map(|&(j, a)| (a * u[j]).abs());
-            terms.sum::<f64>()
+            // slips are differences from the last state
+            let last = if k < self.rows.contacts() {
+                0.0
+            } else {
+                self.constants[k].abs()
+            };
+            terms.sum::<f64>() + last
         };
         let size = (0..self.rows.len()).map(row).fold(0.0, f64::max);
         let displacements = self.stiffness.blocks().iter().map(|block| {
@@ -214,13 +285,23 @@ impl Rounds<'_> {
     }
 
     /// The largest overlap, and the largest gap times the share that its row has of the largest force, over the bound; zero
-    /// where rows are exactly closed or without a force.
+    /// where rows are exactly closed or without a force. Slips count by the share that their force lacks to the threshold.
     fn openness(&self, gaps: &[f64], lambda: &[f64], bound: f64) -> f64 {
-        let largest = lambda.iter().fold(0.0, |m: f64, l| m.max(*l));
-        let mut worst = 0.0;
-        for (&c, &l) in gaps.iter().zip(lambda) {
+        let contacts = self.rows.contacts();
+        let largest = lambda[..contacts].iter().fold(0.0, |m: f64, l| m.max(*l));
+        let of_contact = gaps.iter().zip(lambda).take(contacts).map(|(&c, &l)| {
             let share = if l > 0.0 { l / largest } else { 0.0 };
-            let open = (-c).max(c.max(0.0) * share);
+            (-c).max(c.max(0.0) * share)
+        });
+        let of_slips = self.laws.iter().map(|law| {
+            let tau = law.threshold(lambda[law.contact]);
+            let slip = gaps[law.slip];
+            let lacks = tau + lambda[law.slip] * slip.signum();
+            let share = if lacks > 0.0 { lacks / largest } else { 0.0 };
+            slip.abs() * share
+        });
+        let mut worst = 0.0;
+        for open in of_contact.chain(of_slips) {
             // NaN counts
             if !(open <= worst) {
                 worst = open;
@@ -269,8 +350,7 @@ impl Rounds<'_> {
     fn check_progress(&self, ratios: &[f64], residual: &Residual) -> Result<(), Halt> {
         let now = residual.ratio;
         let block = &self.stiffness.blocks()[residual.block];
-        let before = ratios.len().checked_sub(1 + PATIENCE).map(|k| ratios[k]);
-        if now <= 1.0 || !before.is_some_and(|before| now > 0.5 * before) {
+        if now <= 1.0 || !is_slow(ratios, PATIENCE) {
             return Ok(());
         }
         let (first, last) = (block.range.start, block.range.end - 1);
@@ -285,4 +365,13 @@ impl Rounds<'_> {
             ),
         }))
     }
+}
+
+/// Whether the last of these ratios is more than half of the one so many rounds before it.
+fn is_slow(ratios: &[f64], rounds: usize) -> bool {
+    let before = ratios.len().checked_sub(1 + rounds).map(|k| ratios[k]);
+    let now = ratios.last().copied();
+    before
+        .zip(now)
+        .is_some_and(|(before, now)| now > 0.5 * before)
 }

@@ -1,7 +1,9 @@
-//! The distinct rows among those of the gaps: parallel ones are one row.
+//! The distinct rows among those of the gaps: parallel ones are one row. Rows of slips come after them.
 
 use std::collections::HashMap;
 
+use super::coulomb::Law;
+use crate::friction::SlipRows;
 use crate::{ContactProblem, LinearGaps};
 
 /// Coefficients smaller than this share of the row's norm, and differences of rows as small, are round-off.
@@ -10,7 +12,8 @@ const ROUNDOFF: f64 = 1e-12;
 /// Unit rows, no two of them parallel, in whose terms every row of the gaps is stated.
 ///
 /// Meshes that match have each row twice, once in either pass. Row i of the gaps is sᵢ times the distinct row that it
-/// [belongs to](Self::of): its multiplier acts as sᵢ λᵢ on that row, and its gap is sᵢ times as large.
+/// [belongs to](Self::of): its multiplier acts as sᵢ λᵢ on that row, and its gap is sᵢ times as large. A row of slips of norm s is a unit row of its own;
+/// the force of friction along it is z = −s r.
 pub(super) struct Rows {
     /// The rows that these are made from, to recognise them.
     entries: Vec<(usize, usize, f64)>,
@@ -20,11 +23,16 @@ pub(super) struct Rows {
     of: Vec<Option<(usize, f64)>>,
     /// Whether each distinct row comes from passes alone whose slave is prescribed.
     of_prescribed: Vec<bool>,
+    /// The rows of slips that these are made from, and the place and the norm of each; nothing for one without free unknowns.
+    slips: SlipRows,
+    of_slip: Vec<Option<(usize, f64)>>,
+    /// The rows of slips that each distinct row of the gaps presses on.
+    pressed: Vec<Vec<usize>>,
 }
 
 impl Rows {
-    /// The distinct rows of `gaps`, which are those of `problem`.
-    pub fn new(problem: &dyn ContactProblem, gaps: &LinearGaps) -> Self {
+    /// The distinct rows of `gaps`, which are those of `problem`, and those of their slips.
+    pub fn new(problem: &dyn ContactProblem, gaps: &LinearGaps, slips: &SlipRows) -> Self {
         let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); gaps.len()];
         let entries: Vec<_> = gaps.entries().collect();
         entries.iter().for_each(|&(i, j, a)| rows[i].push((j, a)));
@@ -59,11 +67,36 @@ impl Rows {
                 of_prescribed[*k] &= is_prescribed == Some(&true);
             }
         }
-        Rows {
+        let mut rows = Rows {
             entries,
+            pressed: vec![Vec::new(); distinct.len()],
             distinct,
             of,
             of_prescribed,
+            slips: slips.clone(),
+            of_slip: Vec::new(),
+        };
+        rows.append_slips(gaps);
+        rows
+    }
+
+    fn append_slips(&mut self, gaps: &LinearGaps) {
+        let keys = gaps.keys().iter().enumerate();
+        let presses: HashMap<_, _> = keys.map(|(i, key)| (*key, i)).collect();
+        for (i, key) in self.slips.keys().iter().enumerate() {
+            let row: Vec<(usize, f64)> = self.slips.matrix().row(i).collect();
+            let norm = row.iter().map(|(_, a)| a * a).sum::<f64>().sqrt();
+            let contact = presses.get(key).and_then(|&i| self.of[i]);
+            let place = contact.filter(|_| norm > 0.0).map(|(k, _)| {
+                self.pressed[k].push(self.distinct.len());
+                (self.distinct.len(), norm)
+            });
+            if place.is_some() {
+                let unit = row.iter().map(|&(j, a)| (j, a / norm));
+                self.distinct
+                    .push(unit.filter(|(_, a)| a.abs() > ROUNDOFF).collect());
+            }
+            self.of_slip.push(place);
         }
     }
 
@@ -73,14 +106,53 @@ impl Rows {
         self.of_prescribed[k]
     }
 
-    /// Whether `gaps` has the rows that these are made from. Their constants may be others.
-    pub fn are_of(&self, gaps: &LinearGaps) -> bool {
-        self.of.len() == gaps.len() && gaps.entries().eq(self.entries.iter().copied())
+    /// Whether `gaps` and `slips` have the rows that these are made from. Their constants may be others.
+    pub fn are_of(&self, gaps: &LinearGaps, slips: &SlipRows) -> bool {
+        self.of.len() == gaps.len()
+            && gaps.entries().eq(self.entries.iter().copied())
+            && self.slips.has_rows_of(slips)
     }
 
-    /// Number of distinct rows.
+    /// Number of all rows.
     pub fn len(&self) -> usize {
         self.distinct.len()
+    }
+
+    /// Number of distinct rows of the gaps, which are the first.
+    pub fn contacts(&self) -> usize {
+        self.pressed.len()
+    }
+
+    /// The rows of slips that the row `k` of the gaps presses on.
+    pub fn pressed_by(&self, k: usize) -> &[usize] {
+        &self.pressed[k]
+    }
+
+    /// The laws of the rows of slips, for rows of the gaps with these constants.
+    pub fn laws(&self, gaps: &LinearGaps, roundoff: f64) -> Vec<Law> {
+        if self.slips.is_empty() {
+            return Vec::new();
+        }
+        let shares = self.shares(gaps.constant(), roundoff);
+        let keys = gaps.keys().iter().zip(&self.of).zip(shares);
+        let presses: HashMap<_, _> = keys.map(|((key, of), share)| (*key, (of, share))).collect();
+        let all = self.slips.keys().iter().zip(&self.of_slip).enumerate();
+        let law = |(i, (key, of)): (usize, (_, &Option<(usize, f64)>))| {
+            let (slip, norm) = (*of)?;
+            let (contact, share) = presses.get(key)?;
+            Some(Law {
+                slip,
+                contact: (**contact)?.0,
+                factor: norm * share * self.slips.coefficients()[i],
+                bound: norm * self.slips.bounds()[i],
+            })
+        };
+        all.filter_map(law).collect()
+    }
+
+    /// The force of friction r of a row of slips (UF), of the multipliers of all rows; nothing where no free unknown moves it.
+    pub fn friction(&self, slip: usize, lambda: &[f64]) -> Option<f64> {
+        self.of_slip[slip].map(|(k, norm)| -lambda[k] / norm)
     }
 
     /// Unknowns and coefficients of a distinct row, ascending.
@@ -101,7 +173,7 @@ impl Rows {
 
     /// The multipliers of the distinct rows, of those of the rows of the gaps.
     pub fn gathered(&self, lambda: impl Iterator<Item = f64>) -> Vec<f64> {
-        let mut sums = vec![0.0; self.len()];
+        let mut sums = vec![0.0; self.len()]; // those of slips stay zero
         for (of, l) in self.of.iter().zip(lambda) {
             if let Some((k, s)) = of {
                 sums[*k] += s * l;
@@ -110,9 +182,17 @@ impl Rows {
         sums
     }
 
-    /// The constant of each distinct row: the least of those that are one, whose gap closes first.
-    pub fn constants(&self, constants: &[f64]) -> Vec<f64> {
-        let mut least = vec![f64::INFINITY; self.len()];
+    /// The constant of each row: the least of those of the gaps that are one, whose gap closes first, then those of the `slips`.
+    pub fn all_constants(&self, gaps: &[f64], slips: &[f64]) -> Vec<f64> {
+        let mut all = self.constants(gaps);
+        let own = self.of_slip.iter().zip(slips);
+        all.extend(own.filter_map(|(of, d)| of.map(|(_, norm)| d / norm)));
+        all
+    }
+
+    /// The constant of each distinct row of the gaps.
+    fn constants(&self, constants: &[f64]) -> Vec<f64> {
+        let mut least = vec![f64::INFINITY; self.contacts()];
         for (of, c) in self.of.iter().zip(constants) {
             if let Some((k, s)) = of {
                 least[*k] = least[*k].min(c / s);
@@ -121,12 +201,19 @@ impl Rows {
         least
     }
 
-    /// The multipliers of the rows of the gaps: those that are one share its force evenly, as far as their gaps, which
-    /// their `constants` tell, close within `roundoff` (UL) of each other.
+    /// The multipliers of the rows of the gaps, see [`Rows::shares`].
     pub fn shared(&self, lambda: &[f64], constants: &[f64], roundoff: f64) -> Vec<f64> {
+        let shares = self.of.iter().zip(self.shares(constants, roundoff));
+        let own = shares.map(|(of, share)| of.map_or(0.0, |(k, _)| share * lambda[k]));
+        own.collect()
+    }
+
+    /// The multiplier of each row of the gaps over that of its distinct row: those that are one share its force evenly, as far as their gaps, which
+    /// their `constants` tell, close within `roundoff` (UL) of each other.
+    fn shares(&self, constants: &[f64], roundoff: f64) -> Vec<f64> {
         let least = self.constants(constants);
         let close = |(k, s): (usize, f64), c: f64| c / s - least[k] <= roundoff;
-        let mut sharers = vec![0usize; self.len()];
+        let mut sharers = vec![0usize; self.contacts()];
         for (of, &c) in self.of.iter().zip(constants) {
             if let Some((k, _)) = of.filter(|&of| close(of, c)) {
                 sharers[k] += 1;
@@ -134,7 +221,7 @@ impl Rows {
         }
         let share = |(of, &c): (&Option<(usize, f64)>, &f64)| {
             let (k, s) = of.filter(|&of| close(of, c))?;
-            Some(lambda[k] / (s * sharers[k] as f64))
+            Some(1.0 / (s * sharers[k] as f64))
         };
         let shares = self.of.iter().zip(constants).map(share);
         shares.map(Option::unwrap_or_default).collect()

@@ -373,6 +373,30 @@ fn bodies_that_float_come_to_rest_on_a_wall() {
     assert_eq!(solution.cost().factorizations, 2, "K, and K with its shift");
 }
 
+/// Two nodes with a spring of stiffness 1 between them are pushed to a wall, which is up to 1e10 times as far as the spring is pressed.
+#[test]
+fn bodies_that_float_come_to_rest_however_far_what_stops_them_is() {
+    for (way, load) in [
+        (2.0, 1e-3),
+        (2.0, 1e-6),
+        (2.0, 1e-10),
+        (1e4, 1.0),
+        (1e6, 1e-3),
+    ] {
+        let K = DMatrix::from_row_slice(2, 2, &[1.0, -1.0, -1.0, 1.0]);
+        let problem = Quadratic::new(&K, &[load, 0.0], &[(vec![0.0, -1.0], way)]);
+        let solution = solve(&problem);
+        assert_eq!(solution.outcome, Outcome::Converged, "{way} {load}");
+        let u = &solution.state.u;
+        let left = [u[0] - way - load, u[1] - way].map(f64::abs);
+        assert!(left[0].max(left[1]) < 1e-9 * way, "{way} {load}: {u:?}");
+        // the spring sees a difference of displacements
+        let roundoff = 64.0 * f64::EPSILON * way / load;
+        let error = (solution.lambda[0] / load - 1.0).abs();
+        assert!(error < 1e-8 + roundoff, "{way} {load}: {error:e}");
+    }
+}
+
 #[test]
 fn bodies_that_nothing_holds_are_named() {
     let solution = solve(&floating(false));
@@ -572,4 +596,72 @@ fn assert_minimum(problem: &Quadratic, case: usize) -> Solution {
         );
     }
     solution
+}
+
+/// Contact and Coulomb's law at the multipliers, from W and the gaps alone: the largest violation (UL).
+fn violation(W: &Mat<f64>, q: &[f64], laws: &[coulomb::Law], multipliers: &[f64]) -> f64 {
+    let m = q.len();
+    let gap = |i: usize| q[i] + (0..m).map(|j| W[(i, j)] * multipliers[j]).sum::<f64>();
+    let contacts = (0..m).filter(|i| laws.iter().all(|law| law.slip != *i));
+    let of_contact = contacts.map(|i| {
+        let (c, l) = (gap(i), multipliers[i] * W[(i, i)]);
+        (-c).max(-l).max(c.abs().min(l.abs()))
+    });
+    let of_slips = laws.iter().map(|law: &coulomb::Law| {
+        let i = law.slip;
+        let (s, z) = (gap(i), multipliers[i]);
+        let threshold = (law.factor * multipliers[law.contact]).min(law.bound);
+        let [excess, lacks] =
+            [z.abs() - threshold, threshold + z * s.signum()].map(|f| f * W[(i, i)]);
+        excess.max(lacks.abs().min(s.abs()))
+    });
+    of_contact.chain(of_slips).fold(0.0, f64::max)
+}
+
+/// Nodes on random springs, whose slips are held back: rows of contact and of slips in turn, some of them twice.
+#[test]
+fn coulombs_law_holds_on_random_springs() {
+    let mut random = Rng::with_seed(11);
+    let mut seen = [0; 3];
+    for trial in 0..400 {
+        let nodes = random.usize(1..7);
+        let twice = trial % 3 == 0;
+        let mut next = || 2.0 * random.f64() - 1.0;
+        let (n, copies) = (2 * nodes, if twice { 2 } else { 1 });
+        let F: DMatrix<f64> = DMatrix::from_fn(n, n, |_, _| next());
+        let stiff: DMatrix<f64> = &F * F.transpose() + DMatrix::<f64>::identity(n, n) * 0.1;
+        let inverse = stiff.try_inverse().expect("definite");
+        // unknown 2k is the normal motion of node k, and 2k + 1 its tangential one
+        let m = n * copies;
+        let W = Mat::from_fn(m, m, |i, j| inverse[(i % n, j % n)]);
+        let q: Vec<f64> = (0..n).map(|_| next()).collect();
+        let q: Vec<f64> = (0..m).map(|i| q[i % n]).collect();
+        let friction = [0.1, 0.3, 0.7][trial % 3];
+        let laws = (0..m / 2).map(|k| coulomb::Law {
+            slip: 2 * k + 1,
+            contact: 2 * k,
+            factor: friction,
+            bound: if k % 4 == 3 { 0.2 } else { f64::INFINITY },
+        });
+        let laws: Vec<_> = laws.collect();
+        let solved = coulomb::solve_coulomb(&W, &q, &vec![0.0; m], &laws, 1e-10, &Stop::default());
+        let solved = solved.expect("sound");
+        assert!(solved.left <= 1.0, "{trial}: {solved:?}");
+        let left = violation(&W, &q, &laws, &solved.lambda);
+        assert!(left < 1e-9, "{trial}: {left:e}");
+        for law in &laws {
+            let threshold = (friction * solved.lambda[law.contact]).min(law.bound);
+            let force = solved.lambda[law.slip].abs();
+            let status = match threshold > 1e-9 {
+                true if force < (1.0 - 1e-6) * threshold => 1,
+                true => 2,
+                false => 0,
+            };
+            seen[status] += 1;
+        }
+    }
+    assert!(
+        seen.iter().all(|count| *count > 100),
+        "open, stick, slip: {seen:?}"
+    );
 }

@@ -14,6 +14,7 @@ use super::super::diagonal::diagonal;
 use super::super::fixed_point::max_norm;
 use super::super::{Solution, StepContext, relative_change, unchanged};
 use super::{CondensedNewton, least_displacement};
+use crate::friction::SlipRows;
 use crate::gaps::Sampling;
 use crate::linear::SymmetricPattern;
 use crate::nlp::Bounds;
@@ -32,8 +33,9 @@ const SETTLES: f64 = 0.5;
 const FREE: f64 = 0.95;
 /// A descent ends without springs where the anchor moves by less than this share of the displacements.
 const NEAR: f64 = 1e-3;
-/// Motions are held by no more than this share of the contact forces on their body.
+/// Motions are held by no more than this share of the contact forces on their body, and of those on a body with friction.
 const HELD: f64 = 2e-2;
+const RUBS: f64 = 1e-6;
 
 /// A problem whose unknowns have springs to an anchor.
 struct Anchored<'a> {
@@ -119,6 +121,18 @@ impl ContactProblem for Anchored<'_> {
     ) -> Result<Option<GapVariation>, Error> {
         self.problem.vary_gaps(u, gaps, lambda)
     }
+    fn has_friction(&self) -> bool {
+        self.problem.has_friction()
+    }
+    fn slips(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        last: &[f64],
+        from: f64,
+    ) -> Result<SlipRows, Error> {
+        self.problem.slips(u, gaps, last, from)
+    }
     fn has_exact_gaps(&self) -> bool {
         self.problem.has_exact_gaps()
     }
@@ -146,19 +160,22 @@ fn weights(energy: &dyn Energy, u: &[f64]) -> Vec<f64> {
     weights
 }
 
-/// The largest ratio, of all bodies, of Σ |`forces`| to the sum of the contact forces on the same unknowns.
-fn share(forces: &[f64], bodies: &[Range<usize>], gaps: &LinearGaps, lambda: &[f64]) -> f64 {
+/// Whether springs may go on holding bodies by these forces: of no body they are more than a small share of the contact forces on it. A
+/// body that friction could hold slides where it does not.
+fn may_hold(forces: &[f64], bodies: &[Range<usize>], solution: &Solution) -> bool {
     let mut pushed = vec![0.0; forces.len()];
-    gaps.add_forces(lambda, &mut pushed);
+    solution.gaps.add_forces(&solution.lambda, &mut pushed);
+    let friction = solution.friction.as_ref();
+    let rubs = friction.map(|own| own.rows.capacities(&own.thresholds, forces.len()));
     let sum = |of: &[f64]| of.iter().map(|f| f.abs()).sum::<f64>();
-    let ratios = bodies.iter().map(|body| {
+    bodies.iter().all(|body| {
         let held = sum(&forces[body.clone()]);
-        match held > 0.0 {
-            true => held / sum(&pushed[body.clone()]),
-            false => 0.0,
-        }
-    });
-    ratios.fold(0.0, f64::max)
+        let has_friction = rubs
+            .as_ref()
+            .is_some_and(|all| sum(&all[body.clone()]) > 0.0);
+        let share = if has_friction { RUBS } else { HELD };
+        held <= share * sum(&pushed[body.clone()])
+    })
 }
 
 impl CondensedNewton {
@@ -223,8 +240,7 @@ impl CondensedNewton {
             before = moved;
             let is_free = ratio > FREE;
             let forces = anchored.energy.forces(&u);
-            let is_small = || share(&forces, &bodies, &last.gaps, &last.lambda) <= HELD;
-            if is_free && may_float && is_small() {
+            if is_free && may_float && may_hold(&forces, &bodies, &last) {
                 self.search.springs = Some((stiffness, softest));
                 self.search.failures = usize::MAX;
                 last.held = forces;

@@ -3,16 +3,17 @@
 use std::time::Instant;
 
 use super::super::condensed::halt::Halt;
-use super::super::relative_change;
+use super::super::{StepContext, relative_change};
 use super::CLOSED;
 use super::linearization::Linearization;
 use super::point::Point;
+use super::slips::is_of_slips;
 use super::stability::{Softest, dot};
 use super::step::{Accuracy, Step};
 use super::tangent::Tangent;
 use super::trial::{HALVINGS, Trial};
 use super::watchdog::Watchdog;
-use crate::{ContactProblem, Cost, Multipliers, State, Stop};
+use crate::{ContactProblem, Cost, Multipliers, RowKey, State};
 
 /// A small step with a larger shift of the diagonal, relative to K's, does not show convergence.
 const SHIFT: f64 = 1e-5;
@@ -82,7 +83,7 @@ pub(super) struct Iterate<'a> {
     pub(super) steps: usize,
     /// The number of steps with frozen rows to come.
     pub(super) frozen: usize,
-    pub(super) stop: &'a Stop,
+    pub(super) context: &'a StepContext<'a>,
 }
 
 /// How an iteration went.
@@ -105,7 +106,7 @@ impl Moved {
 impl Iterate<'_> {
     /// Whether it takes so long that rows may nearly depend on each other.
     fn has_dependent_rows(&self) -> bool {
-        self.steps > USUAL && self.at.gaps.len() > 1
+        self.steps > USUAL && self.at.slips.contacts() > 1
     }
 
     /// What a step may leave of the complementarity, and an equilibrium of the gaps beside its own bound, as shares of the displacements.
@@ -122,6 +123,13 @@ impl Iterate<'_> {
             true => DEPENDENT * self.tolerance,
             false => self.tolerance,
         }
+    }
+
+    /// The rows of contact that the last step opened or closed.
+    pub(super) fn switched(&self) -> Vec<RowKey> {
+        let mut all = self.at.state.multipliers.switched(&self.before);
+        all.retain(|key| !is_of_slips(*key));
+        all
     }
 
     /// Moves by one step of Newton's method, or back to the best state.
@@ -147,14 +155,14 @@ impl Iterate<'_> {
         };
         self.before = std::mem::replace(&mut self.at.state, now).multipliers;
         let clock = Instant::now();
-        self.at.project(self.problem, self.stop)?;
+        self.at.project(self.problem, self.context)?;
         cost.projection += clock.elapsed().as_secs_f64();
         // a shortened step makes small changes far from a solution
         let whole = error / trial.share;
         if whole < NEARLY * self.tolerance && trial.varies {
             let is_small = whole < self.tolerance;
             // too stiff an S underestimates how far the forces that are left would move a row
-            let holds_an_open_row = tangent.holds_an_open_row(&self.at.state.multipliers);
+            let holds_an_open_row = tangent.holds_an_open_row(|key| self.at.lets_go(key));
             let ratio = tangent.ratio().max(1.0);
             let bound = match holds_an_open_row {
                 false if is_small => self.tolerance.max(CLOSED),
@@ -213,7 +221,7 @@ impl Iterate<'_> {
             length *= 0.5;
         }
         self.beside = Some(self.at.state.clone());
-        self.at.project(self.problem, self.stop)?;
+        self.at.project(self.problem, self.context)?;
         self.watchdog = Watchdog::new(self.at, value);
         self.length = None;
         self.frozen = FROZEN;
@@ -231,8 +239,7 @@ impl Iterate<'_> {
     fn trial(&mut self, tangent: &mut Tangent, cost: &mut Cost) -> Result<Trial, Halt> {
         let (state, size) = (&self.at.state, self.at.size(self.least));
         let varies = self.frozen == 0;
-        let mut here =
-            Linearization::new(self.problem, state, &self.at.gaps, varies, self.stop, cost)?;
+        let mut here = Linearization::new(self.problem, self.at, varies, self.context.stop, cost)?;
         here.springs = self.springs;
         here.is_stable = self.stable.is_some();
         self.frozen = self.frozen.saturating_sub(1);
@@ -242,7 +249,7 @@ impl Iterate<'_> {
             gaps: self.gaps()[0],
         };
         let step = loop {
-            match Step::new(&here, tangent, size, &accuracy, self.stop, cost) {
+            match Step::new(&here, tangent, size, &accuracy, self.context.stop, cost) {
                 Err(Halt::Failed(_)) if !tangent.is_fresh() => tangent.forget(),
                 Ok(step) if !step.is_settled && !tangent.is_fresh() => tangent.forget(),
                 Ok(step) if !step.is_settled && tangent.raise() => {}
@@ -262,9 +269,11 @@ impl Iterate<'_> {
         }
         // a matrix that is not positive definite may show an unstable equilibrium, or a motion that nothing resists
         let is_flat = tangent.shift() > SHIFT;
-        if is_last && (is_flat && !self.floats || !is_flat && self.is_due(&here, pushed)) {
+        // stability with friction is not examined
+        let is_examined = is_last && here.slips.laws().is_empty();
+        if is_examined && (is_flat && !self.floats || !is_flat && self.is_due(&here, pushed)) {
             let rows = (&step.condensed, &step.lambda[..]);
-            self.softest = Softest::new(&here, tangent, rows, self.floats, self.stop)?;
+            self.softest = Softest::new(&here, tangent, rows, self.floats, self.context.stop)?;
             self.curvature = self.softest.as_ref().map(|softest| softest.curvature);
             let asked = self.softest.as_ref().filter(|_| is_flat && !self.floats);
             self.stable = asked.and_then(Softest::stable);

@@ -4,12 +4,16 @@ use std::time::Instant;
 
 use super::super::condensed::halt::Halt;
 use super::super::diagonal::diagonal;
+use super::point::Point;
+use super::slips::Slips;
 use crate::linear::SymmetricPattern;
-use crate::{ContactProblem, Cost, GapVariation, LinearGaps, State, Stop};
+use crate::{ContactProblem, Cost, GapVariation, LinearGaps, Stop};
 
 /// E and the gaps at u.
 pub(super) struct Linearization<'a> {
+    /// The rows of contact and of slips.
     pub gaps: &'a LinearGaps,
+    pub slips: &'a Slips,
     pub pattern: &'a SymmetricPattern,
     /// −∇E (n, UF).
     pub load: Vec<f64>,
@@ -23,9 +27,9 @@ pub(super) struct Linearization<'a> {
     pub stiffness: Vec<f64>,
     /// Whether some unknown moves the row. The others take no part.
     moves: Vec<bool>,
-    /// λ of the rows that act (m, UF), zero for the others.
+    /// λ of the rows that act (m, UF), and of all rows of slips; zero for the others.
     pub lambda: Vec<f64>,
-    /// Whether a row acts: λ_i > s_i c_i.
+    /// Whether a row acts: λ_i > s_i c_i. A row of slips acts where it sticks.
     pub acts: Vec<bool>,
     /// Whether the row's variation is known: it acts, or overlaps.
     matters: Vec<bool>,
@@ -37,16 +41,18 @@ pub(super) struct Linearization<'a> {
 }
 
 impl<'a> Linearization<'a> {
-    /// At `state`, with the rows `gaps` there, which are taken as frozen unless the linearisation `varies` them.
+    /// At a point with its rows, which are taken as frozen unless the linearisation `varies` them.
     pub fn new(
         problem: &'a dyn ContactProblem,
-        state: &State,
-        gaps: &'a LinearGaps,
+        at: &'a Point,
         varies: bool,
         stop: &Stop,
         cost: &mut Cost,
     ) -> Result<Self, Halt> {
         Halt::if_requested(stop)?;
+        let Point {
+            state, gaps, slips, ..
+        } = at;
         let (energy, u, m) = (problem.energy(), &state.u, gaps.len());
         let pattern = energy.hessian_pattern();
         let (mut load, mut hessian) = (vec![0.0; energy.dofs()], vec![0.0; pattern.len()]);
@@ -82,23 +88,38 @@ impl<'a> Linearization<'a> {
             .iter()
             .map(|&key| finite(state.multipliers.of(key)));
         let known: Vec<f64> = known.collect();
-        let acts = |i: usize| moves[i] && known[i] > stiffness[i] * c[i];
+        let presses = |i: usize| moves[i] && known[i] > stiffness[i] * c[i];
+        let acts = |i: usize| match slips.law(i) {
+            None => presses(i),
+            Some(law) => {
+                let threshold = law.threshold(known[law.contact]);
+                let sticks = (known[i] - stiffness[i] * c[i]).abs() < threshold;
+                moves[i] && presses(law.contact) && sticks
+            }
+        };
         let acts: Vec<bool> = (0..m).map(acts).collect();
-        let lambda = |i: usize| if acts[i] { known[i].max(0.0) } else { 0.0 };
-        let lambda: Vec<f64> = (0..m).map(lambda).collect();
-        let matters: Vec<bool> = (0..m).map(|i| acts[i] || c[i] < 0.0).collect();
+        let is_kept = |i: usize| slips.law(i).map_or(acts[i], |law| acts[law.contact]);
+        let lambda = |i: usize| if is_kept(i) { known[i] } else { 0.0 };
+        let mut lambda: Vec<f64> = (0..m).map(lambda).collect();
+        slips.cut(&mut lambda);
+        let matters = |i: usize| i < slips.contacts() && (acts[i] || c[i] < 0.0);
+        let matters: Vec<bool> = (0..m).map(matters).collect();
         let clock = Instant::now();
-        let asked: Vec<Option<f64>> = (0..m).map(|i| matters[i].then_some(lambda[i])).collect();
-        let variation = match varies {
-            true => problem.vary_gaps(u, gaps, &asked)?,
-            false => None,
+        let contacts = slips.contacts();
+        let asked = (0..contacts).map(|i| matters[i].then_some(lambda[i]));
+        let asked: Vec<Option<f64>> = asked.collect();
+        let variation = match (varies, slips.laws().is_empty()) {
+            (true, true) => problem.vary_gaps(u, gaps, &asked)?,
+            (true, false) => problem.vary_gaps(u, &slips.contact_rows(gaps), &asked)?,
+            (false, _) => None,
         };
         if let Some(variation) = &variation {
-            variation.check(m, u.len())?;
+            variation.check(contacts, u.len())?;
         }
         cost.projection += clock.elapsed().as_secs_f64();
         Ok(Linearization {
             gaps,
+            slips,
             pattern,
             load,
             hessian,
@@ -117,7 +138,7 @@ impl<'a> Linearization<'a> {
 
     /// Whether row i would overlap by more than `bound` (UL) at the gap `c`, and something can be done about it.
     pub fn overlaps(&self, i: usize, c: f64, bound: f64) -> bool {
-        self.moves[i] && c < -bound
+        self.moves[i] && i < self.slips.contacts() && c < -bound
     }
 
     /// The entries of D.
@@ -207,8 +228,10 @@ impl<'a> Linearization<'a> {
         }
         let y = self.variation.as_ref().map(|own| own.internal(x));
         let gaps = self.gaps_after(x, y.as_deref());
-        let push = |(i, l): (usize, f64)| (l - added[i] * gaps[i].clamp(-bound, bound)).max(0.0);
-        lambda.into_iter().enumerate().map(push).collect()
+        let push = |(i, l): (usize, f64)| l - added[i] * gaps[i].clamp(-bound, bound);
+        let mut pushes: Vec<f64> = lambda.into_iter().enumerate().map(push).collect();
+        self.slips.cut(&mut pushes);
+        pushes
     }
 }
 

@@ -7,6 +7,7 @@
 //! | `iterate` | the iteration at one load, and when it ends |
 //! | `linearization` | E and the gaps at u, to second order |
 //! | `point` | a state with the rows at it |
+//! | `slips` | friction, as rows of slips after those of contact |
 //! | `step` | Newton's step, the solution of the linearised contact problem |
 //! | `tangent` | the matrix that is factored |
 //! | `trial` | where a step ends that may not leave the domain of the energy |
@@ -34,6 +35,7 @@ mod groups;
 mod iterate;
 mod linearization;
 mod point;
+mod slips;
 mod stability;
 mod step;
 mod tangent;
@@ -49,15 +51,18 @@ use std::time::Instant;
 use self::groups::Found;
 use self::iterate::Iterate;
 use self::point::Point;
+use self::slips::Slips;
 use self::tangent::Tangent;
 use self::watchdog::Watchdog;
 use super::condensed::halt::Halt;
 use super::{
-    Choice, Equilibrium, Iteration, Solution, StepContext, check_frictionless, check_settings,
-    check_unbounded, least_displacement,
+    Choice, Equilibrium, Iteration, Solution, StepContext, check_settings, check_unbounded,
+    least_displacement,
 };
 use crate::cost::FactorSize;
-use crate::{ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Outcome, RowKey, Scale, State};
+use crate::{
+    ContactProblem, Cost, Error, LinearGaps, MemoryNeed, Multipliers, Outcome, RowKey, Scale, State,
+};
 
 /// Equilibrium by Newton's method on the energy, with contact condensed onto its rows and re-projected in every
 /// iteration: the equilibria of Algorithm 2, without an inner optimiser.
@@ -197,10 +202,6 @@ impl Equilibrium for CondensedNewton {
         Ok(solution.checked())
     }
 
-    fn check(&self, problem: &dyn ContactProblem) -> Result<(), Error> {
-        check_frictionless(problem, "CondensedNewton")
-    }
-
     fn choice(&self, _problem: &dyn ContactProblem) -> Choice {
         Choice {
             solver: NAME,
@@ -251,7 +252,9 @@ impl CondensedNewton {
         start: State,
         context: &StepContext<'_>,
     ) -> Result<Solution, Error> {
-        let found = match problem.separable() {
+        // slips of a group have no rows of its own
+        let separable = problem.separable().filter(|_| !problem.has_friction());
+        let found = match separable {
             Some(bodies) => self.solve_by_groups(problem, bodies, &start, context)?,
             None => Found::Whole(Vec::new()),
         };
@@ -292,6 +295,7 @@ impl CondensedNewton {
     ) -> Result<Solution, Error> {
         let mut at = Point {
             gaps: LinearGaps::new(false),
+            slips: Slips::default(),
             lambda: Vec::new(),
             state: start,
         };
@@ -301,19 +305,33 @@ impl CondensedNewton {
             true => self.iterate(problem, bodies, &mut at, energy, &mut history, context)?,
             false => Ended::with(Outcome::InadmissibleStart),
         };
+        let energy = problem.energy().value(&at.state.u);
+        let Point {
+            mut state,
+            mut gaps,
+            slips,
+            mut lambda,
+        } = at;
+        let mut friction = None;
+        if problem.has_friction() {
+            gaps = slips.contact_rows(&gaps);
+            state.multipliers = Multipliers::new(&gaps, &lambda[..gaps.len()]);
+            friction = slips.friction(&lambda, &state.multipliers, context);
+            lambda.truncate(gaps.len());
+        }
         let solution = Solution {
             outcome: ended.outcome,
             curvature: ended.curvature,
             flickering: ended.flickering,
-            energy: problem.energy().value(&at.state.u),
-            state: at.state,
-            gaps: at.gaps,
-            lambda: at.lambda,
+            energy,
+            state,
+            gaps,
+            lambda,
             history,
             failed: Vec::new(),
             held: Vec::new(),
             softest: None,
-            friction: None,
+            friction,
         };
         Ok(solution)
     }
@@ -345,7 +363,7 @@ impl CondensedNewton {
             tangent.begin();
             *watched = None;
         }
-        if let Err(halt) = at.project(problem, context.stop) {
+        if let Err(halt) = at.project(problem, context) {
             return Ok(Ended::with(halt.outcome()?));
         }
         let unit = Scale::of(problem, &at.state.u)?.length;
@@ -373,7 +391,7 @@ impl CondensedNewton {
             unit,
             tolerance: self.tolerance,
             length: None,
-            stop: context.stop,
+            context,
         };
         let mut left = self.max_iterations;
         let outcome = loop {
@@ -404,7 +422,7 @@ impl CondensedNewton {
             let iteration = Iteration {
                 solver: NAME,
                 error: moved.as_ref().map_or(f64::INFINITY, |moved| moved.error),
-                rows: iterate.at.gaps.len(),
+                rows: iterate.at.slips.contacts(),
                 cost,
             };
             iteration.record(history);
@@ -417,7 +435,7 @@ impl CondensedNewton {
         };
         *examined = iterate.examined;
         *watched = iterate.watched.take();
-        let (outcome, curvature) = match (outcome, iterate.unstable) {
+        let (outcome, curvature) = match (outcome, iterate.unstable.take()) {
             (Ok(Outcome::IterationLimit) | Err(Halt::Failed(_)), Some((point, curvature))) => {
                 self.search.beside = iterate.beside.take();
                 *iterate.at = point;
@@ -428,7 +446,7 @@ impl CondensedNewton {
         };
         let flickering = match outcome {
             Outcome::Converged => Vec::new(),
-            _ => iterate.at.state.multipliers.switched(&iterate.before),
+            _ => iterate.switched(),
         };
         Ok(Ended {
             outcome,

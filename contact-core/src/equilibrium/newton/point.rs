@@ -3,15 +3,18 @@
 use std::time::Instant;
 
 use super::super::condensed::halt::Halt;
-use super::super::rows_of_both_roles;
+use super::super::{StepContext, rows_of_both_roles};
+use super::slips::Slips;
 use super::tangent::Tangent;
-use crate::{ContactProblem, Cost, LinearGaps, State, Stop};
+use crate::{ContactProblem, Cost, LinearGaps, RowKey, State};
 
 /// u and its multipliers, with the rows at u.
 #[derive(Clone)]
 pub(super) struct Point {
     pub(super) state: State,
+    /// The rows of contact, and then those of slips, with the multipliers of both.
     pub(super) gaps: LinearGaps,
+    pub(super) slips: Slips,
     pub(super) lambda: Vec<f64>,
 }
 
@@ -25,15 +28,22 @@ impl Point {
     pub(super) fn project(
         &mut self,
         problem: &dyn ContactProblem,
-        stop: &Stop,
+        context: &StepContext<'_>,
     ) -> Result<(), Halt> {
-        self.gaps = rows_of_both_roles(problem, &self.state.u, stop)?;
+        let u = &self.state.u;
+        self.gaps = rows_of_both_roles(problem, u, context.stop)?;
+        self.slips = Slips::appended(problem, u, &mut self.gaps, context)?;
         let keys = self.gaps.keys().iter();
         let known = keys.map(|&key| self.state.multipliers.of(key));
-        self.lambda = known
-            .map(|l| if l.is_finite() { l.max(0.0) } else { 0.0 })
-            .collect();
+        self.lambda = known.map(|l| if l.is_finite() { l } else { 0.0 }).collect();
+        self.slips.cut(&mut self.lambda);
         Ok(())
+    }
+
+    /// Whether nothing holds the row with this key, see [`Slips::lets_go`].
+    pub(super) fn lets_go(&self, key: RowKey) -> bool {
+        let row = self.gaps.keys().iter().position(|own| *own == key);
+        row.is_none_or(|row| self.slips.lets_go(row, &self.lambda))
     }
 
     /// How far what is left of the forces would move the unknowns at u itself, as a share of the displacements; `None` unless
@@ -54,6 +64,9 @@ impl Point {
         Halt::if_immovable(unit, &self.gaps, immovable, &c)?;
         let is_wrong = |i: usize| {
             let (c, lambda) = (c[i], self.lambda[i]);
+            if let Some(law) = self.slips.law(i) {
+                return self.slips.violates(law, c, &self.lambda, gaps);
+            }
             let is_movable = matrix.row(i).any(|(_, a)| a != 0.0);
             is_movable && (c < -gaps || (lambda > 0.0 && c > gaps))
         };

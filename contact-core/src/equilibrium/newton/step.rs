@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::super::Acceleration;
 use super::super::anderson::Anderson;
-use super::super::condensed::complementarity;
+use super::super::condensed::coulomb::solve_coulomb;
 use super::super::condensed::halt::Halt;
 use super::linearization::Linearization;
 use super::tangent::{Response, Tangent};
@@ -80,9 +80,8 @@ impl Step {
         cost: &mut Cost,
     ) -> Result<Self, Halt> {
         tangent.prepare(here, OVERLAP * least, stop, cost)?;
-        let m = here.gaps.len();
-        let close =
-            (0..m).filter(|&i| here.acts[i] || here.overlaps(i, here.c[i], OVERLAP * least));
+        let close = (0..here.slips.contacts())
+            .filter(|&i| here.acts[i] || here.overlaps(i, here.c[i], OVERLAP * least));
         let mut step = Step {
             x: vec![0.0; here.load.len()],
             lambda: here.lambda.clone(),
@@ -108,6 +107,7 @@ impl Step {
             let missing = step.condensed.missing(here, &image, OVERLAP * least);
             if !missing.is_empty() && !is_last {
                 let mut rows = step.condensed.rows;
+                rows.retain(|&i| here.slips.law(i).is_none());
                 rows.extend(missing);
                 rows.sort_unstable();
                 step.condensed = Condensed::new(rows, here, tangent, stop)?;
@@ -130,12 +130,14 @@ impl Step {
 }
 
 impl Condensed {
+    /// With these `rows` of contact, which ascend, and the rows of slips that they press on.
     fn new(
-        rows: Vec<usize>,
+        mut rows: Vec<usize>,
         here: &Linearization<'_>,
         tangent: &Tangent,
         stop: &Stop,
     ) -> Result<Self, Halt> {
+        here.slips.append_pressed(&mut rows);
         Halt::if_too_many(rows.len())?;
         let (W, response) = tangent.condense(here.gaps.matrix(), &rows, stop)?;
         Ok(Condensed { rows, W, response })
@@ -164,7 +166,8 @@ impl Condensed {
         let (known, gaps) = (of(&step.lambda), of(&gaps));
         let deepest = largest(gaps.iter().copied());
         let bound = (share * least).max(SHARE_OF_GAPS * deepest);
-        let solved = complementarity::solve(&self.W, &gaps, &known, bound, stop)?;
+        let laws = here.slips.laws_among(&self.rows);
+        let solved = solve_coulomb(&self.W, &gaps, &known, &laws, bound, stop)?;
         cost.solves += 1;
         cost.inner_iterations += solved.steps;
         if solved.left * bound > (CONTRADICTION * deepest).max(VISIBLE * least) {

@@ -13,7 +13,7 @@ use crate::gaps::SparseRows;
 use crate::linear::{
     Analysis, Cholesky, Factor, FactorError, Kind, Ordering, Reach, SymmetricPattern, postordered,
 };
-use crate::{Cost, Energy, Error, Multipliers, RowKey, Stop};
+use crate::{Cost, Energy, Error, RowKey, Stop};
 
 /// The factor is kept where the last step changed u by less than this share and took no more corrections than that.
 const NEAR: f64 = 1e-2;
@@ -160,9 +160,9 @@ impl Tangent {
         }
     }
 
-    /// Whether the factor has stiffness of a row that is without a force now.
-    pub fn holds_an_open_row(&self, now: &Multipliers) -> bool {
-        self.stiffened.keys().any(|&key| now.of(key) <= 0.0)
+    /// Whether the factor has stiffness of a row that nothing holds now.
+    pub fn holds_an_open_row(&self, lets_go: impl Fn(RowKey) -> bool) -> bool {
+        self.stiffened.keys().any(|&key| lets_go(key))
     }
 
     /// The factor is not to be kept.
@@ -214,7 +214,10 @@ impl Tangent {
             return Ok(());
         }
         self.is_fresh = true;
-        let pushes = |i: usize| here.lambda[i] > 0.0 || here.overlaps(i, here.c[i], bound);
+        let pushes = |i: usize| match here.slips.law(i) {
+            None => here.lambda[i] > 0.0 || here.overlaps(i, here.c[i], bound),
+            Some(law) => here.lambda[law.contact] > 0.0,
+        };
         let acting: Vec<bool> = (0..here.gaps.len())
             .map(|i| here.acts[i] && pushes(i))
             .collect();

@@ -1,6 +1,7 @@
 //! Progress of Newton's method, and the way back where there is none.
 //!
-//! The merit is φ(u) = E(u) + ρ Σᵢ (−c_i(u))₊, with rows projected at u and ρ twice the largest multiplier so far. An
+//! The merit is φ(u) = E(u) + ρ Σᵢ (−c_i(u))₊, with rows projected at u and ρ twice the largest multiplier so far; with friction, it
+//! has Σ τ |Δs|, too. An
 //! iteration is progress if it lowers φ below its value at the best state, or if Newton's step, unshortened, is at most
 //! 1 − s/2 times as long as the shortest one before, where s is the share of its step that the iteration before took: a half
 //! after a whole step. The second condition is there since forces along averaged normals have no potential: near an
@@ -42,7 +43,7 @@ struct Best {
 
 /// The terms of φ.
 struct Merit {
-    /// E(u) (UF·UL).
+    /// E(u), and the work of friction at its thresholds (UF·UL).
     energy: f64,
     /// Σᵢ (−c_i(u))₊ (UL).
     overlap: f64,
@@ -80,7 +81,7 @@ impl Watchdog {
         share: f64,
         length: Option<f64>,
     ) -> Option<Point> {
-        let lambda = point.lambda.iter();
+        let lambda = point.lambda.iter().take(point.slips.contacts());
         self.penalty = lambda.fold(self.penalty, |penalty, l| penalty.max(PENALTY * l));
         let merit = Merit::new(point, energy);
         let [now, then] = [&merit, &self.best.merit].map(|merit| merit.value(self.penalty));
@@ -128,8 +129,11 @@ impl Merit {
     fn new(point: &Point, energy: f64) -> Self {
         let mut c = vec![0.0; point.gaps.len()];
         point.gaps.value(&point.state.u, &mut c);
-        let overlap = c.iter().map(|c| (-c).max(0.0)).sum();
-        Merit { energy, overlap }
+        let contacts = c.iter().take(point.slips.contacts());
+        Merit {
+            energy: energy + point.slips.work(&point.lambda, &c),
+            overlap: contacts.map(|c| (-c).max(0.0)).sum(),
+        }
     }
 
     /// φ with this ρ.
@@ -140,6 +144,7 @@ impl Merit {
 
 #[cfg(test)]
 mod tests {
+    use super::super::slips::Slips;
     use super::*;
     use crate::{LinearGaps, State};
 
@@ -150,6 +155,7 @@ mod tests {
                 ..State::default()
             },
             gaps: LinearGaps::new(false),
+            slips: Slips::default(),
             lambda: Vec::new(),
         }
     }

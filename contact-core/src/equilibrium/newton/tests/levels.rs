@@ -12,10 +12,19 @@ fn coupled(off: f64) -> DMatrix<f64> {
 
 /// Prepares an S at 0 where the rows, if there are any, have the force 1. Returns the number of factorisations.
 fn prepare(tangent: &mut Tangent, toy: &Toy) -> usize {
-    let gaps = (toy.rows)(&[0.0; 2]);
-    let state = with_multipliers(toy, &[0.0; 2], &vec![1.0; gaps.len()]);
+    let forces = vec![1.0; (toy.rows)(&[0.0; 2]).len()];
+    let start = with_multipliers(toy, &[0.0; 2], &forces);
     let (stop, mut cost) = (Stop::default(), Cost::default());
-    let here = Linearization::new(toy, &state, &gaps, true, &stop, &mut cost);
+    let mut at = Point {
+        gaps: LinearGaps::new(false),
+        slips: Slips::default(),
+        lambda: Vec::new(),
+        state: start.clone(),
+    };
+    let lifted = || start.clone();
+    let context = StepContext::single(&start, &lifted, &stop);
+    at.project(toy, &context).expect("rows");
+    let here = Linearization::new(toy, &at, true, &stop, &mut cost);
     let here = here.expect("finite derivatives");
     tangent.forget();
     tangent
