@@ -14,6 +14,8 @@
 //! Friction with given thresholds has two limits, −τ ≤ λ ≤ τ, with c ≥ 0 at the lower one and c ≤ 0 at the upper one. The same holds with
 //! these limits in place of 0 and ∞: (·)₊ becomes the nearest value between them, and a row of A is one strictly between them.
 
+use std::cmp::Ordering;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::solvers::Solve;
@@ -31,9 +33,9 @@ use crate::Stop;
 /// Each round finds most of the rows that act in the next one. From 1e-9 at once, Newton's method took up to a hundred
 /// times as many steps. From 0.1, most of the 3 600 rows of the linear beams act at first, and their factors cost a third of
 /// the time.
-const FIRST: f64 = 0.01;
-const LAST: f64 = 1e-8;
-const RATIO: f64 = 0.1;
+pub(super) const FIRST: f64 = 0.01;
+pub(super) const LAST: f64 = 1e-8;
+pub(super) const RATIO: f64 = 0.1;
 /// Where a round leaves more than the first share, ε shrinks further: rows that nearly depend on each other have compliances
 /// below [`LAST`], beside that of a body that floats. What such an ε leaves counts if it is less than the second share of the best.
 const SLOW: f64 = 0.1;
@@ -65,7 +67,7 @@ pub(in crate::equilibrium) struct Complementary {
     pub left: f64,
 }
 
-/// The limits of the multipliers of contact.
+/// The limits of a multiplier of contact.
 pub(super) const OF_CONTACT: [f64; 2] = [0.0, f64::INFINITY];
 
 /// Solves from the multipliers `start` and their gaps c (m, UL) until every |min(W_ii λᵢ, cᵢ)| is within `bound` (UL), or
@@ -78,48 +80,9 @@ pub(in crate::equilibrium) fn solve(
     bound: f64,
     stop: &Stop,
 ) -> Result<Complementary, Halt> {
-    solve_between(W, gaps, start, |_| OF_CONTACT, bound, stop)
-}
-
-/// As [`solve`], with two limits of each multiplier, the lower one not above the upper one (UF). What is small is W_ii times the change from λᵢ to the
-/// value between its limits that is nearest to λᵢ − cᵢ/W_ii.
-pub(super) fn solve_between(
-    W: &Mat<f64>,
-    gaps: &[f64],
-    start: &[f64],
-    limits: impl Fn(usize) -> [f64; 2],
-    bound: f64,
-    stop: &Stop,
-) -> Result<Complementary, Halt> {
-    let m = gaps.len();
-    let lengths = lengths(W, gaps)?;
-    let largest = gaps.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
-    let mut proximal = Proximal {
-        W: Mat::from_fn(m, m, |i, j| W[(i, j)] / (lengths[i] * lengths[j])),
-        center: Col::from_fn(m, |i| start[i] * lengths[i]),
-        gaps: Col::from_fn(m, |i| gaps[i] / lengths[i]),
-        limits: (0..m)
-            .map(|i| limits(i).map(|limit| limit * lengths[i]))
-            .collect(),
-        bound: bound.max(ROUNDOFF * largest),
-        lengths,
-        factor: Active::new(),
-        steps: 0,
-    };
+    let mut proximal = Proximal::new(W, gaps, start, bound)?;
     let left = proximal.solve(stop)?;
-    if !left.is_finite() {
-        return Err(Halt::Failed(
-            "the multipliers of the condensed problem are not finite".into(),
-        ));
-    }
-    let Proximal {
-        center, lengths, ..
-    } = &proximal;
-    Ok(Complementary {
-        lambda: (0..m).map(|i| center[i] / lengths[i]).collect(),
-        steps: proximal.steps,
-        left,
-    })
+    proximal.finished(left)
 }
 
 /// √W_ii of each row, all of which must be positive, and the gaps finite.
@@ -138,18 +101,18 @@ pub(super) fn lengths(W: &Mat<f64>, gaps: &[f64]) -> Result<Vec<f64>, Halt> {
 }
 
 /// The problem with unit diagonal, and the method's state.
-struct Proximal {
-    W: Mat<f64>,
+pub(super) struct Proximal {
+    pub(super) W: Mat<f64>,
     /// λ̄ and its gaps.
-    center: Col<f64>,
-    gaps: Col<f64>,
-    /// The limits of each λ.
-    limits: Vec<[f64; 2]>,
+    pub(super) center: Col<f64>,
+    pub(super) gaps: Col<f64>,
+    /// The limits of each λ, the lower one not above the upper one; those of contact at first.
+    pub(super) limits: Vec<[f64; 2]>,
     /// √W_ii, the length that each row's gap is measured in, and the bound on |min(W_ii λᵢ, cᵢ)|.
     lengths: Vec<f64>,
-    bound: f64,
+    pub(super) bound: f64,
     factor: Active,
-    steps: usize,
+    pub(super) steps: usize,
 }
 
 /// The Cholesky factor LLᵀ of H = W + ε on some rows.
@@ -268,8 +231,45 @@ fn beyond(all: &[usize], known: &[usize]) -> Vec<usize> {
 }
 
 impl Proximal {
+    /// At the multipliers `start` and their gaps.
+    pub(super) fn new(W: &Mat<f64>, gaps: &[f64], start: &[f64], bound: f64) -> Result<Self, Halt> {
+        let m = gaps.len();
+        let lengths = lengths(W, gaps)?;
+        let largest = gaps.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+        Ok(Proximal {
+            W: Mat::from_fn(m, m, |i, j| W[(i, j)] / (lengths[i] * lengths[j])),
+            center: Col::from_fn(m, |i| start[i] * lengths[i]),
+            gaps: Col::from_fn(m, |i| gaps[i] / lengths[i]),
+            limits: vec![OF_CONTACT; m],
+            bound: bound.max(ROUNDOFF * largest),
+            lengths,
+            factor: Active::new(),
+            steps: 0,
+        })
+    }
+
+    /// √W_ii of each row.
+    pub(super) fn lengths(&self) -> &[f64] {
+        &self.lengths
+    }
+
+    /// The result, which leaves so much of the conditions, relative to the bound.
+    pub(super) fn finished(self, left: f64) -> Result<Complementary, Halt> {
+        if !left.is_finite() {
+            return Err(Halt::Failed(
+                "the multipliers of the condensed problem are not finite".into(),
+            ));
+        }
+        let rows = self.center.iter().zip(&self.lengths);
+        Ok(Complementary {
+            lambda: rows.map(|(l, length)| l / length).collect(),
+            steps: self.steps,
+            left,
+        })
+    }
+
     /// What is left, relative to the bound.
-    fn solve(&mut self, stop: &Stop) -> Result<f64, Halt> {
+    pub(super) fn solve(&mut self, stop: &Stop) -> Result<f64, Halt> {
         let scaled = self.natural(&self.center, &self.gaps).fold(0.0, f64::max);
         let mut epsilon = (WARM * scaled / self.center.norm_max()).clamp(LAST, FIRST);
         let mut left = self.residual(&self.center, &self.gaps) / self.bound;
@@ -306,7 +306,7 @@ impl Proximal {
     }
 
     /// λ becomes the proximal point of λ̄; what is left then, relative to the bound.
-    fn round(&mut self, epsilon: f64, stop: &Stop) -> Result<f64, Halt> {
+    pub(super) fn round(&mut self, epsilon: f64, stop: &Stop) -> Result<f64, Halt> {
         let (z, gaps) = self.proximal_point(epsilon, stop)?;
         if !(z.is_all_finite() && gaps.is_all_finite()) {
             return Err(Halt::Failed(
@@ -321,14 +321,20 @@ impl Proximal {
     /// Newton's method from z = λ̄ until the rows that act repeat, or z is a solution; z and its gaps.
     fn proximal_point(&mut self, epsilon: f64, stop: &Stop) -> Result<(Col<f64>, Col<f64>), Halt> {
         let (mut z, mut gaps) = (self.center.clone(), self.gaps.clone());
-        let mut last: Option<Vec<usize>> = None;
+        let mut last: Option<Vec<Ordering>> = None;
         for _ in 0..STEPS {
             Halt::if_requested(stop)?;
             let margin = epsilon * &self.center - &gaps;
-            let limits = |i: usize| self.limits[i].map(|limit| epsilon * limit);
-            let is_between = |i: &usize| margin[*i] > limits(*i)[0] && margin[*i] < limits(*i)[1];
+            // below, between or above its limits
+            let place = |i: usize| match self.limits[i].map(|limit| epsilon * limit) {
+                [low, _] if margin[i] <= low => Ordering::Less,
+                [_, high] if margin[i] >= high => Ordering::Greater,
+                _ => Ordering::Equal,
+            };
+            let places: Vec<Ordering> = (0..z.nrows()).map(place).collect();
+            let is_between = |i: &usize| places[*i] == Ordering::Equal;
             let active: Vec<usize> = (0..z.nrows()).filter(is_between).collect();
-            let is_settled = last.as_ref() == Some(&active);
+            let is_settled = last.as_ref() == Some(&places);
             self.steps += usize::from(!is_settled);
             let (direction, change) = self.newton(&active, epsilon, &z, &margin)?;
             let limits = |i: usize| self.limits[i].map(|limit| epsilon * limit);
@@ -344,7 +350,7 @@ impl Proximal {
             if is_settled || descent.is_none() || is_solution {
                 break;
             }
-            last = Some(active);
+            last = Some(places);
         }
         Ok((z, gaps))
     }
@@ -412,7 +418,7 @@ impl Proximal {
     }
 
     /// W x for an x with many zeros.
-    fn product(&self, x: &Col<f64>) -> Col<f64> {
+    pub(super) fn product(&self, x: &Col<f64>) -> Col<f64> {
         let mut y = Col::zeros(x.nrows());
         for (j, x) in x.iter().enumerate().filter(|(_, x)| **x != 0.0) {
             let column = self.W.col_as_slice(j);

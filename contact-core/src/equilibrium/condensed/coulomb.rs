@@ -4,17 +4,22 @@
 //!
 //! |z| ≤ τ,   z = −τ where s > 0,   z = τ where s < 0,   τ = min(m λ_k, b),
 //!
-//! with the row k of contact that presses on it. For given τ that is a convex problem between limits, which
-//! [`complementarity`] solves from any start. Coulomb's law is a fixed point of τ, and a system of equations that
-//! are smooth by pieces: each row of contact is closed or open, and each row of slips sticks or slips to one of two sides.
-//! Newton's method on them ends after a few steps, where its pieces are those of the solution. So the solution of the convex problem is
-//! where Newton's method starts; where that does not end, the next thresholds are tried.
+//! with the row k of contact that presses on it. For given τ that is a convex problem between limits, as
+//! [`complementarity`](super::complementarity) solves. Coulomb's law is a system of equations that are smooth by pieces: each row of
+//! contact is closed or open, and each row of slips sticks or slips to one of two sides.
+//!
+//! The rounds are those of the convex problem, with ε that shrinks. The proximal point of λ̄ satisfies
+//!
+//! ε λ = (ε λ̄ − c)₊,   ε z = P(ε z̄ − s), the nearest value between −ε τ(λ) and ε τ(λ).
+//!
+//! Newton's method on these equations solves a system for the closed rows, which is not symmetric, since z = ±m λ_k where a node
+//! slips. It ends where its pieces repeat. Where it does not end, the round takes the convex problem with the thresholds of λ̄.
 
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 
 use super::complementarity::{
-    Complementary, OF_CONTACT, clamped, lengths, natural, solve, solve_between,
+    Complementary, FIRST, LAST, OF_CONTACT, Proximal, RATIO, clamped, natural, solve,
 };
 use super::halt::Halt;
 use crate::Stop;
@@ -38,15 +43,10 @@ impl Law {
     }
 }
 
-/// The limits of thresholds and of Newton's steps after each.
-const ROUNDS: usize = 60;
-const STEPS: usize = 12;
-/// From this round on, thresholds are the mean of the last ones and those by the multipliers of the convex problem.
-const AVERAGES: usize = 8;
-/// ε of Newton's method, relative to the diagonal of W: rows may depend on each other.
-const EPSILON: f64 = 1e-9;
-/// The round-off of the gaps, relative to the largest one of the start.
-const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
+/// The limits of sweeps, each of which begins with other thresholds, of rounds in a sweep, and of Newton's steps in a round.
+const SWEEPS: usize = 20;
+const ROUNDS: usize = 20;
+const STEPS: usize = 20;
 
 /// As [`solve`], for rows of which some have friction by these laws. Where no multiplier is known, rows that touch stick at first.
 pub(in crate::equilibrium) fn solve_coulomb(
@@ -60,31 +60,26 @@ pub(in crate::equilibrium) fn solve_coulomb(
     if laws.is_empty() {
         return solve(W, gaps, start, bound, stop);
     }
-    let m = gaps.len();
-    let lengths = lengths(W, gaps)?;
-    let largest = gaps.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
-    let mut law_of = vec![None; m];
-    laws.iter().for_each(|law| law_of[law.slip] = Some(*law));
-    let problem = Coulomb {
-        W,
-        gaps,
-        start,
-        law_of: &law_of,
-        lengths,
-        bound: bound.max(ROUNDOFF * largest),
-    };
-    problem.solve(stop)
+    let proximal = Proximal::new(W, gaps, start, bound)?;
+    let lengths = proximal.lengths();
+    let mut law_of = vec![None; gaps.len()];
+    for law in laws {
+        let [slip, contact] = [law.slip, law.contact].map(|row| lengths[row]);
+        law_of[law.slip] = Some(Law {
+            factor: law.factor * slip / contact,
+            bound: law.bound * slip,
+            ..*law
+        });
+    }
+    let mut coulomb = Coulomb { proximal, law_of };
+    let left = coulomb.solve(stop)?;
+    coulomb.proximal.finished(left)
 }
 
-/// The problem with its law for each row of slips.
-struct Coulomb<'a> {
-    W: &'a Mat<f64>,
-    gaps: &'a [f64],
-    start: &'a [f64],
-    law_of: &'a [Option<Law>],
-    /// √W_ii.
-    lengths: Vec<f64>,
-    bound: f64,
+/// The problem with unit diagonal, and the law of each row of slips.
+struct Coulomb {
+    proximal: Proximal,
+    law_of: Vec<Option<Law>>,
 }
 
 /// What a row does.
@@ -92,88 +87,75 @@ struct Coulomb<'a> {
 enum Piece {
     /// Its multiplier is zero.
     Free,
-    /// Its gap, or its slip, is zero.
+    /// Its gap, or its slip, is zero, up to ε times the change of its multiplier.
     Closed,
     /// Its multiplier is the threshold, with this sign.
     Slips(f64),
 }
 
-impl Coulomb<'_> {
-    fn solve(&self, stop: &Stop) -> Result<Complementary, Halt> {
-        let is_known =
-            (0..self.gaps.len()).any(|i| self.law_of[i].is_none() && self.start[i] > 0.0);
-        let first = |law: &Law| match is_known {
-            true => law.threshold(self.start[law.contact]),
-            false if self.gaps[law.contact] <= self.bound => f64::INFINITY,
-            false => 0.0,
-        };
-        let mut thresholds: Vec<f64> = self.law_of.iter().flatten().map(first).collect();
-        let mut best: Option<(Col<f64>, f64)> = None;
-        let mut steps = 0;
-        let mut lambda = Col::from_fn(self.start.len(), |i| self.start[i]);
-        for round in 0..ROUNDS {
-            let gaps = self.gaps_at(&lambda);
-            let mut taus = thresholds.iter();
-            let limits: Vec<[f64; 2]> = (self.law_of.iter())
-                .map(|law| match law.is_some().then(|| taus.next()).flatten() {
-                    Some(tau) => [-tau, *tau],
-                    None => OF_CONTACT,
-                })
-                .collect();
-            let lists = [&gaps, &lambda].map(|list| list.iter().copied().collect::<Vec<_>>());
-            let [gaps, from] = &lists;
-            let between = solve_between(self.W, gaps, from, |i| limits[i], self.bound, stop)?;
-            steps += between.steps;
-            lambda = Col::from_fn(from.len(), |i| between.lambda[i]);
-            let mut found = (lambda.clone(), self.left(&lambda));
-            if found.1 > 1.0 {
-                let (refined, more) = self.newton(&lambda, stop)?;
-                steps += more;
-                if refined.1 < found.1 {
-                    found = refined;
+impl Coulomb {
+    /// What is left of contact and Coulomb's law, over the bound.
+    fn solve(&mut self, stop: &Stop) -> Result<f64, Halt> {
+        let at = &self.proximal;
+        let mut best = (at.center.clone(), at.gaps.clone(), f64::INFINITY);
+        let mut is_known = self.presses();
+        for sweep in 0..SWEEPS {
+            if sweep > 0 {
+                // rounds that follow Coulomb's law at once come back, or do not end
+                self.limit(true, true);
+                self.proximal.solve(stop)?;
+            }
+            let mut epsilon = FIRST;
+            for _ in 0..ROUNDS {
+                let at = &self.proximal;
+                let left = self.left(&at.center, &at.gaps);
+                if left < best.2 {
+                    best = (at.center.clone(), at.gaps.clone(), left);
                 }
-            }
-            if best.as_ref().is_none_or(|best| found.1 < best.1) {
-                best = Some(found);
-            }
-            if best.as_ref().is_some_and(|best| best.1 <= 1.0) {
-                break;
-            }
-            let laws = self.law_of.iter().flatten().zip(&mut thresholds);
-            laws.for_each(|(law, tau)| {
-                let next = law.threshold(lambda[law.contact]);
-                *tau = match round >= AVERAGES {
-                    true => 0.5 * (next + *tau),
-                    false => next,
+                if left <= 1.0 {
+                    return Ok(left);
+                }
+                let point = match is_known {
+                    true => self.newton(epsilon, stop)?,
+                    false => None,
                 };
-            });
+                match point {
+                    Some(z) => self.take(z),
+                    None => {
+                        self.limit(is_known, false);
+                        self.proximal.round(epsilon, stop)?;
+                    }
+                }
+                is_known = true;
+                epsilon = (RATIO * epsilon).max(LAST);
+            }
         }
-        let (lambda, left) = best.ok_or_else(|| Halt::Failed("no thresholds were tried".into()))?;
-        if !left.is_finite() {
-            return Err(Halt::Failed(
-                "the multipliers of the condensed problem are not finite".into(),
-            ));
-        }
-        Ok(Complementary {
-            lambda: lambda.iter().copied().collect(),
-            steps,
-            left,
-        })
+        (self.proximal.center, self.proximal.gaps) = (best.0, best.1);
+        Ok(best.2)
     }
 
-    /// c at these multipliers (UL).
-    fn gaps_at(&self, lambda: &Col<f64>) -> Col<f64> {
-        let mut gaps = Col::from_fn(self.gaps.len(), |i| self.gaps[i]);
-        for (j, (l, first)) in lambda.iter().zip(self.start).enumerate() {
-            let change = l - first;
-            if change != 0.0 {
-                let column = self.W.col_as_slice(j);
-                gaps.iter_mut()
-                    .zip(column)
-                    .for_each(|(c, w)| *c += w * change);
-            }
+    /// Whether some row of contact has a force.
+    fn presses(&self) -> bool {
+        let mut rows = self.law_of.iter().zip(self.proximal.center.iter());
+        rows.any(|(law, l)| law.is_none() && *l > 0.0)
+    }
+
+    /// Sets the limits of friction by the forces of contact, or halfway there, or so that rows stick that touch.
+    fn limit(&mut self, is_known: bool, averages: bool) {
+        let at = &mut self.proximal;
+        for (i, law) in self.law_of.iter().enumerate() {
+            let Some(law) = law else { continue };
+            let gap = at.gaps[law.contact] * at.lengths()[law.contact];
+            let tau = match is_known {
+                true if averages && at.limits[i][1].is_finite() => {
+                    0.5 * (law.threshold(at.center[law.contact]) + at.limits[i][1])
+                }
+                true => law.threshold(at.center[law.contact]),
+                false if gap <= at.bound => f64::INFINITY,
+                false => 0.0,
+            };
+            at.limits[i] = [-tau, tau];
         }
-        gaps
     }
 
     /// The limits of a row at these multipliers.
@@ -188,31 +170,40 @@ impl Coulomb<'_> {
     }
 
     /// What is left of contact and Coulomb's law, over the bound.
-    fn left(&self, lambda: &Col<f64>) -> f64 {
-        let gaps = self.gaps_at(lambda);
+    fn left(&self, lambda: &Col<f64>, gaps: &Col<f64>) -> f64 {
         let mut worst = 0.0;
-        for (i, length) in self.lengths.iter().enumerate() {
-            let limits = self.limits(i, lambda).map(|limit| limit * length);
-            let left = natural(lambda[i] * length, gaps[i] / length, limits) * length;
+        for (i, length) in self.proximal.lengths().iter().enumerate() {
+            let left = natural(lambda[i], gaps[i], self.limits(i, lambda)) * length;
             // NaN counts
             if !(left <= worst) {
                 worst = left;
             }
         }
-        worst / self.bound
+        worst / self.proximal.bound
     }
 
-    /// What each row does, by its multiplier and its gap.
-    fn pieces(&self, lambda: &Col<f64>, gaps: &Col<f64>) -> Vec<Piece> {
-        let at = |i: usize| lambda[i] - gaps[i] / (self.lengths[i] * self.lengths[i]);
+    /// λ̄ becomes what is lawful of z.
+    fn take(&mut self, z: Col<f64>) {
+        let mut lambda = Col::from_fn(z.nrows(), |i| z[i].max(0.0));
+        for i in (0..z.nrows()).filter(|&i| self.law_of[i].is_some()) {
+            lambda[i] = clamped(z[i], self.limits(i, &lambda));
+        }
+        let at = &mut self.proximal;
+        at.gaps = &at.gaps + at.product(&(&lambda - &at.center));
+        at.center = lambda;
+    }
+
+    /// What each row does at the multipliers λ with the gaps c, on the way to the proximal point of λ̄.
+    fn pieces(&self, epsilon: f64, lambda: &Col<f64>, gaps: &Col<f64>) -> Vec<Piece> {
+        let center = &self.proximal.center;
+        let at = |i: usize| center[i] - gaps[i] / epsilon;
         let piece = |i: usize| match &self.law_of[i] {
             None if at(i) > 0.0 => Piece::Closed,
             None => Piece::Free,
+            Some(law) if !(at(law.contact) > 0.0 && law.factor > 0.0) => Piece::Free,
             Some(law) => {
-                let pressed = at(law.contact);
                 let tau = law.threshold(lambda[law.contact]);
                 match at(i) {
-                    _ if !(pressed > 0.0 && law.factor > 0.0) => Piece::Free,
                     above if above >= tau => Piece::Slips(1.0),
                     below if below <= -tau => Piece::Slips(-1.0),
                     _ => Piece::Closed,
@@ -222,42 +213,41 @@ impl Coulomb<'_> {
         (0..gaps.nrows()).map(piece).collect()
     }
 
-    /// Newton's method from these multipliers until its pieces repeat: the best multipliers with what they leave, and the number of steps.
-    fn newton(&self, from: &Col<f64>, stop: &Stop) -> Result<((Col<f64>, f64), usize), Halt> {
-        let mut lambda = from.clone();
-        let mut best = (lambda.clone(), self.left(&lambda));
+    /// The proximal point of λ̄ by Newton's method; nothing where its pieces do not repeat.
+    fn newton(&mut self, epsilon: f64, stop: &Stop) -> Result<Option<Col<f64>>, Halt> {
+        let mut lambda = self.proximal.center.clone();
+        let mut gaps = self.proximal.gaps.clone();
         let mut last = Vec::new();
-        for step in 0..STEPS {
+        for _ in 0..STEPS {
             Halt::if_requested(stop)?;
-            let gaps = self.gaps_at(&lambda);
-            let pieces = self.pieces(&lambda, &gaps);
-            let repeats = pieces == last;
-            lambda = self.step(&lambda, &gaps, &pieces);
-            let lawful = Col::from_fn(lambda.nrows(), |i| match &self.law_of[i] {
-                None => lambda[i].max(0.0),
-                Some(_) => clamped(lambda[i], self.limits(i, &lambda)),
-            });
-            let left = self.left(&lawful);
-            let is_better = left < best.1;
-            if is_better {
-                best = (lawful, left);
+            let pieces = self.pieces(epsilon, &lambda, &gaps);
+            if pieces == last {
+                return Ok(Some(lambda));
             }
-            if best.1 <= 1.0 || !left.is_finite() || repeats && !is_better {
-                return Ok((best, step + 1));
+            self.proximal.steps += 1;
+            let (change, moved) = self.step(epsilon, &lambda, &gaps, &pieces);
+            if !(change.is_all_finite() && moved.is_all_finite()) {
+                return Ok(None);
             }
+            (lambda, gaps) = (lambda + change, gaps + moved);
             last = pieces;
         }
-        Ok((best, STEPS))
+        Ok(None)
     }
 
-    /// The multipliers at which closed rows have no gap, and the others what their pieces say.
-    fn step(&self, lambda: &Col<f64>, gaps: &Col<f64>, pieces: &[Piece]) -> Col<f64> {
+    /// The change of the multipliers at which closed rows have the gap ε (λ̄ − λ), and the others do what their pieces say; and that of the gaps.
+    fn step(
+        &self,
+        epsilon: f64,
+        lambda: &Col<f64>,
+        gaps: &Col<f64>,
+        pieces: &[Piece],
+    ) -> (Col<f64>, Col<f64>) {
+        let Proximal { W, center, .. } = &self.proximal;
         let rows = 0..pieces.len();
-        let closed: Vec<usize> = rows
-            .clone()
-            .filter(|&i| pieces[i] == Piece::Closed)
-            .collect();
-        // the change of the multipliers of the other rows, as far as it is known, and the closed row that it follows
+        let is_closed = |i: &usize| pieces[*i] == Piece::Closed;
+        let closed: Vec<usize> = rows.clone().filter(is_closed).collect();
+        // the change of the other multipliers, as far as it is known, and the closed row that it follows
         let mut change = Col::zeros(pieces.len());
         let mut follows: Vec<(usize, usize, f64)> = Vec::new();
         for i in rows {
@@ -275,38 +265,25 @@ impl Coulomb<'_> {
                 _ => -lambda[i],
             };
         }
-        let mut left = gaps.clone();
-        for (j, change) in change.iter().enumerate().filter(|(_, d)| **d != 0.0) {
-            let column = self.W.col_as_slice(j);
-            left.iter_mut()
-                .zip(column)
-                .for_each(|(c, w)| *c += w * change);
-        }
+        let mut moved = self.proximal.product(&change);
         let k = closed.len();
-        let scale = |a: usize| self.lengths[closed[a]];
-        let mut H = Mat::from_fn(k, k, |a, b| self.W[(closed[a], closed[b])]);
+        let mut H = Mat::from_fn(k, k, |a, b| W[(closed[a], closed[b])]);
         for &(i, b, factor) in &follows {
-            closed
-                .iter()
-                .enumerate()
-                .for_each(|(a, &row)| H[(a, b)] += self.W[(row, i)] * factor);
-        }
-        for a in 0..k {
-            for b in 0..k {
-                H[(a, b)] /= scale(a) * scale(b);
+            for (a, &row) in closed.iter().enumerate() {
+                H[(a, b)] += W[(row, i)] * factor;
             }
-            H[(a, a)] += EPSILON;
         }
-        let mut x = Col::from_fn(k, |a| -left[closed[a]] / scale(a));
+        (0..k).for_each(|a| H[(a, a)] += epsilon);
+        let left = |i: usize| gaps[i] + moved[i] + epsilon * (lambda[i] - center[i]);
+        let mut x = Col::from_fn(k, |a| -left(closed[a]));
         if k > 0 {
             H.partial_piv_lu().solve_in_place(x.as_mat_mut());
         }
-        for (a, &i) in closed.iter().enumerate() {
-            change[i] = x[a] / scale(a);
-        }
-        follows
-            .iter()
-            .for_each(|&(i, b, factor)| change[i] += factor * change[closed[b]]);
-        lambda + change
+        let mut further = Col::zeros(pieces.len());
+        (0..k).for_each(|a| further[closed[a]] = x[a]);
+        let following = follows.iter();
+        following.for_each(|&(i, b, factor)| further[i] = factor * x[b]);
+        moved += self.proximal.product(&further);
+        (change + further, moved)
     }
 }
