@@ -1,4 +1,4 @@
-//! Coulomb's law of friction, as thresholds of Tresca's law that a fixed point finds.
+//! Coulomb's law of friction, as Tresca's law with thresholds that follow the forces of contact.
 //!
 //! The slip of a contact node since the last converged state is a length, Δs = T u + d. Friction resists it by a force r
 //! (UF) that is at most a threshold τ, and equal to τ, against the slip, where the node slips: r ∈ τ ∂|Δs|. For given τ this
@@ -7,10 +7,10 @@
 //! E(u) + Σ τ_i |Δs_i(u)|   subject to   C u + c₀ ≥ 0,
 //!
 //! whose minimum has ∇E + Tᵀr = Cᵀλ. Coulomb's law has τ_i = μ_i λ_i, with a bound on the shear force where there is
-//! one. The multipliers λ are those of the minimum itself, so that the problem is a fixed point: each iteration of
-//! [`FixedPoint`](crate::FixedPoint) takes the thresholds from the multipliers of the one before, as it takes projections and normals.
+//! one. The multipliers λ are those of the minimum itself. `Condensed` and `CondensedNewton` solve for both together, on the compliance of their rows. For
+//! [`FixedPoint`](crate::FixedPoint), the thresholds are unknowns of the iteration: it takes them from the multipliers of the iterate before, as it takes projections and normals.
 //!
-//! The terms |Δs_i| are exact: with further unknowns q_i and the rows q_i − Δs_i ≥ 0 and q_i + Δs_i ≥ 0, the energy
+//! There, the terms |Δs_i| are exact: with further unknowns q_i and the rows q_i − Δs_i ≥ 0 and q_i + Δs_i ≥ 0, the energy
 //! E(u) + Σ τ_i q_i is as smooth as E, and any [`Method`](crate::Method) minimises it. The multipliers of the two rows differ by r_i.
 
 mod search;

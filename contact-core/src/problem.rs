@@ -373,8 +373,8 @@ pub trait ContactProblem {
     /// How the contact nodes slip whose rows `gaps` were made at `u`, with points and directions held there, and their coefficients of
     /// friction. Slips count from `last` (n, UL), the state that converged last, at the load factor `from`. By default there is no friction.
     ///
-    /// [`FixedPoint`](crate::FixedPoint) asks for them where [`ContactProblem::has_friction`] is true; see [`friction`](crate::friction). A
-    /// problem that wraps another one must pass this on.
+    /// Solvers ask for them where [`ContactProblem::has_friction`] is true; see [`friction`](crate::friction). A problem that wraps another
+    /// one must pass this on.
     ///
     /// # Errors
     /// As [`ContactProblem::linearize_gaps`].
@@ -386,6 +386,20 @@ pub trait ContactProblem {
         _from: f64,
     ) -> Result<SlipRows, Error> {
         Ok(SlipRows::default())
+    }
+    /// The variation of the forces Tᵀz along the slips of the rows `gaps`, which are frozen at `u`: as [`ContactProblem::vary_gaps`] of the forces Cᵀλ, with the multiplier z
+    /// (UF) of the slip of each row of gaps in place of λ. Of the result, the variation of the forces counts alone. By default there is none. A problem that wraps
+    /// another one must pass this on.
+    ///
+    /// # Errors
+    /// As [`ContactProblem::linearize_gaps`].
+    fn vary_slips(
+        &self,
+        _u: &[f64],
+        _gaps: &LinearGaps,
+        _forces: &[Option<f64>],
+    ) -> Result<Option<GapVariation>, Error> {
+        Ok(None)
     }
     /// The bodies that the problem consists of, where the energy is a sum over them: those on which no common row acts are
     /// solved by themselves then, by `CondensedNewton`. By default it is one whole. A
@@ -411,6 +425,11 @@ pub trait ContactProblem {
     /// [`Scale::estimate`]. A problem that wraps another one must pass this on.
     fn scale(&self) -> Option<Scale> {
         None
+    }
+    /// The largest coordinate of a place in contact (UL). Gaps are differences of such numbers, and are no more accurate than their round-off. By default
+    /// it is zero: gaps are as accurate as displacements. A problem that wraps another one may pass this on.
+    fn extent(&self) -> f64 {
+        0.0
     }
     /// The cause that `solution`, which did not converge at the present load, shows, in a sentence for the user; `None` if
     /// it shows none. The default does not look.

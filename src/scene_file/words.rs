@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// What a scene file calls the names of Rust that texts of the library have. Longer texts come before those that they begin with.
-const KEYS: [(&str, &str); 36] = [
+const KEYS: [(&str, &str); 34] = [
     (
         "`Condensed` does not treat `Energy::is_quadratic` = false",
         "the solver condensed takes laws for small strains alone, without pressures that follow",
@@ -11,14 +11,6 @@ const KEYS: [(&str, &str); 36] = [
     (
         "`Condensed` does not treat `LinearGaps::is_exact` = false",
         "the solver condensed takes contact in the reference geometry alone",
-    ),
-    (
-        "`Condensed` does not treat contact with friction = true",
-        "the solver condensed takes contact without friction alone",
-    ),
-    (
-        "`CondensedNewton` does not treat contact with friction = true",
-        "the solver newton takes contact without friction alone",
     ),
     (
         "`Literal` does not treat contact with friction = true",

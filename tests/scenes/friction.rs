@@ -1,7 +1,8 @@
 //! Coulomb's friction between bodies in the plane, against closed forms and balance.
 
 use contact_core::friction::{Friction, SlipRows};
-use contact_core::{Ending, Phase};
+use contact_core::gaps::{RowKey, Sampling};
+use contact_core::{ContactProblem, Ending, LoadStepped, Phase};
 use contact_fem::certificate::{Certificate, Condition, Limits};
 use contact_fem::mesh::generators::{Diagonals, graded, linspace, rectangle};
 use contact_fem::model::{Geometry, Passes, Problem};
@@ -534,6 +535,72 @@ fn steps_that_turn_an_obstacle_far_are_cut() {
     assert!(pair.friction[0] < 0.0, "{}", pair.friction);
     let share = pair.friction.norm() / pair.resultant.norm() / friction;
     assert!((share - 1.0).abs() < 1e-2, "{share}");
+}
+
+/// Forces of friction vary as their differences say, on a plate and on a ball, in the middle of a step.
+#[test]
+fn forces_of_friction_vary_as_their_differences() {
+    let mut drawn = drawn(KINDS[0], false, 0.3, &[0.0, 0.05]);
+    let mut block = body(mesh([-0.5, 0.5], [0.996, 1.6], [8, 4]), false);
+    block.prescribe("top", [Some(0.0); 2]).expect("a support");
+    let mut scene = Scene::new();
+    let side = scene.add("block", block).on("bottom");
+    let ball = Obstacle::ball([0.0; 2], 1.0).expect("a ball");
+    let ball = scene.obstacle("ball", side, ball).expect("a side");
+    scene.obstacle_friction(ball, 0.4).expect("friction");
+    let mut ball = scene.problem().expect("a problem");
+    for problem in [&mut drawn, &mut ball] {
+        problem.set_load(0.5).expect("a load");
+        let n = problem.dofs().free();
+        let field = |size: f64, turn: f64| -> Vec<f64> {
+            (1..=n)
+                .map(|j| size * (turn * (j * j) as f64).sin())
+                .collect()
+        };
+        let (rest, u, d) = (vec![0.0; n], field(0.005, 1.3), field(0.5, 2.7));
+        let rows = |u: &[f64]| {
+            let forward = problem.linearize_gaps(u, Sampling::Nodes).expect("rows");
+            forward.and(
+                problem
+                    .linearize_reversed(u, Sampling::Nodes)
+                    .expect("rows"),
+            )
+        };
+        let gaps = rows(&u);
+        let z: Vec<f64> = (0..gaps.len()).map(|i| (1.0 + i as f64).sin()).collect();
+        let forces = |u: &[f64]| {
+            let gaps = rows(u);
+            let slips = problem.slips(u, &gaps, &rest, 0.0).expect("slips");
+            let of = |key: &RowKey| {
+                gaps.keys()
+                    .iter()
+                    .position(|own| own == key)
+                    .expect("a row")
+            };
+            let against: Vec<f64> = slips.keys().iter().map(|key| -z[of(key)]).collect();
+            let mut all = vec![0.0; n];
+            slips.add_forces(&against, &mut all);
+            all
+        };
+        let asked: Vec<Option<f64>> = z.iter().map(|z| Some(*z)).collect();
+        let variation = problem.vary_slips(&u, &gaps, &asked).expect("a variation");
+        let mut change = vec![0.0; n];
+        for (i, j, value) in variation.expect("rows that vary").stiffness() {
+            change[i] += value * d[j];
+        }
+        let t = 1e-7;
+        let at = |t: f64| forces(&u.iter().zip(&d).map(|(u, d)| u + t * d).collect::<Vec<_>>());
+        let (ahead, behind) = (at(t), at(-t));
+        let largest = change.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        for (j, change) in change.iter().enumerate() {
+            let difference = (ahead[j] - behind[j]) / (2.0 * t);
+            assert!(
+                (difference - change).abs() < 1e-5 * largest,
+                "{j}: {difference} {change}"
+            );
+        }
+        assert!(largest > 0.1, "{largest}");
+    }
 }
 
 /// A pair that keeps a distance has no friction: what turns with both bodies would count as a slip.

@@ -303,8 +303,24 @@ impl ContactProblem for Reduced<'_> {
         Ok(own)
     }
 
+    fn vary_slips(
+        &self,
+        v: &[f64],
+        gaps: &LinearGaps,
+        forces: &[Option<f64>],
+    ) -> Result<Option<GapVariation>, Error> {
+        let source = self.source(gaps);
+        let rows = source.as_ref().unwrap_or(gaps);
+        let variation = self.full.vary_slips(&self.all(v)?, rows, forces)?;
+        Ok(variation.map(|variation| variation.mapped(self.map)))
+    }
+
     fn separable(&self) -> Option<&dyn Separable> {
         self.separable.map(|_| self as &dyn Separable)
+    }
+
+    fn extent(&self) -> f64 {
+        self.full.extent()
     }
 
     fn has_exact_gaps(&self) -> bool {

@@ -27,7 +27,7 @@ use super::rows::{Pass, PassRows, Weighed};
 use super::stencil::{Against, Stencil};
 use super::weighing::{self, Weighing};
 use crate::assembly::{Dof, DofMap};
-use crate::tensor::{Matrix, Vector};
+use crate::tensor::{Matrix, Vector, turned};
 
 /// A sum with one term a key. The keys are apart from the terms, so that a key is found by a short scan.
 #[derive(Clone, Debug)]
@@ -383,6 +383,19 @@ impl<const D: usize> Variation<D> {
             normals.push(form);
             normals.len() - 1
         })
+    }
+
+    /// Of the forces along the tangents, which are those along the normals turned by a right angle in the first two directions.
+    pub fn turned(mut self) -> Self {
+        let terms = self.forces.iter_mut().flat_map(|form| {
+            let nodes = form.nodes.terms.iter_mut();
+            nodes.chain(&mut form.normals.terms)
+        });
+        for term in terms {
+            let columns: Vec<Vector<D>> = term.column_iter().map(|v| turned(&v.into())).collect();
+            *term = Matrix::from_columns(&columns);
+        }
+        self
     }
 
     /// In terms of the free unknowns.

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use contact_core::friction::SlipRows;
 use contact_core::gaps::{LinearGaps, RowKey, Sampling};
-use contact_core::{Error, GapVariation, Stop};
+use contact_core::{Error, Stop};
 
 use super::extent::Extent;
 use super::initial_gaps::{Depths, InitialOverlaps};
@@ -750,7 +750,7 @@ impl<const D: usize> ContactSet<D> {
         u: &[f64],
         gaps: &LinearGaps,
         lambda: &[Option<f64>],
-    ) -> Result<Option<GapVariation>, Error> {
+    ) -> Result<Option<Variation<D>>, Error> {
         if self.is_exact() {
             return Ok(None);
         }
@@ -778,7 +778,7 @@ impl<const D: usize> ContactSet<D> {
                 return Err(Error::Interrupted);
             }
         }
-        Ok(Some(variation.finish(&kinematics.dofs)))
+        Ok(Some(variation))
     }
 }
 

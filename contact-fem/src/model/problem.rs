@@ -480,6 +480,11 @@ impl<const D: usize> ContactProblem for Problem<D> {
         Some(self.scale)
     }
 
+    fn extent(&self) -> f64 {
+        let nodes = self.kinematics.X.iter();
+        nodes.fold(0.0, |most: f64, X| most.max(X.amax()))
+    }
+
     fn prescribed_magnitude(&self) -> f64 {
         self.answers().prescribed_magnitude()
     }
@@ -517,6 +522,15 @@ impl<const D: usize> ContactProblem for Problem<D> {
         from: f64,
     ) -> Result<SlipRows, Error> {
         self.answers().slips(u, gaps, last, from)
+    }
+
+    fn vary_slips(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        forces: &[Option<f64>],
+    ) -> Result<Option<GapVariation>, Error> {
+        self.answers().vary_slips(u, gaps, forces)
     }
 
     fn separable(&self) -> Option<&dyn Separable> {

@@ -113,7 +113,9 @@ impl Coulomb {
                     best = (at.center.clone(), at.gaps.clone(), left);
                 }
                 if left <= 1.0 {
-                    return Ok(left);
+                    self.settle();
+                    let at = &self.proximal;
+                    return Ok(self.left(&at.center, &at.gaps));
                 }
                 let point = match is_known {
                     true => self.newton(epsilon, stop)?,
@@ -187,6 +189,30 @@ impl Coulomb {
         let mut lambda = Col::from_fn(z.nrows(), |i| z[i].max(0.0));
         for i in (0..z.nrows()).filter(|&i| self.law_of[i].is_some()) {
             lambda[i] = clamped(z[i], self.limits(i, &lambda));
+        }
+        let at = &mut self.proximal;
+        at.gaps = &at.gaps + at.product(&(&lambda - &at.center));
+        at.center = lambda;
+    }
+
+    /// Forces on gaps and slips beyond the bound become what the law says: what they lack moves rows by no more than the bound.
+    fn settle(&mut self) {
+        let at = &self.proximal;
+        let mut lambda = at.center.clone();
+        let beyond = |i: usize| at.gaps[i].abs() * at.lengths()[i] > at.bound;
+        let rows = 0..lambda.nrows();
+        for i in rows.clone().filter(|&i| self.law_of[i].is_none()) {
+            if beyond(i) && at.gaps[i] > 0.0 {
+                lambda[i] = 0.0;
+            }
+        }
+        for i in rows.filter(|&i| self.law_of[i].is_some()) {
+            let [low, high] = self.limits(i, &lambda);
+            lambda[i] = match beyond(i) {
+                true if at.gaps[i] > 0.0 => low,
+                true => high,
+                false => clamped(lambda[i], [low, high]),
+            };
         }
         let at = &mut self.proximal;
         at.gaps = &at.gaps + at.product(&(&lambda - &at.center));

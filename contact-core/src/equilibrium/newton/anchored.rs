@@ -133,8 +133,19 @@ impl ContactProblem for Anchored<'_> {
     ) -> Result<SlipRows, Error> {
         self.problem.slips(u, gaps, last, from)
     }
+    fn vary_slips(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        forces: &[Option<f64>],
+    ) -> Result<Option<GapVariation>, Error> {
+        self.problem.vary_slips(u, gaps, forces)
+    }
     fn has_exact_gaps(&self) -> bool {
         self.problem.has_exact_gaps()
+    }
+    fn extent(&self) -> f64 {
+        self.problem.extent()
     }
     fn scale(&self) -> Option<Scale> {
         self.problem.scale()
@@ -232,8 +243,14 @@ impl CondensedNewton {
             let change = relative_change(&u, &anchor.u, least);
             if change < self.tolerance {
                 self.search.springs = Some((stiffness, softest));
-                let plain = self.without_springs(problem, &mut last, context)?;
-                return Ok(plain.unwrap_or(last));
+                if let Some(plain) = self.without_springs(problem, &mut last, context)? {
+                    return Ok(plain);
+                }
+                // stiff springs still push where they hardly move
+                if !may_hold(&anchored.energy.forces(&u), &bodies, &last) {
+                    last.outcome = Outcome::IterationLimit;
+                }
+                return Ok(last);
             }
             let moved = max_norm(anchor.u.iter().zip(&u).map(|(a, u)| u - a));
             let ratio = moved / before;

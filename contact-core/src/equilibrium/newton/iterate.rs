@@ -26,6 +26,8 @@ const CLEARLY: f64 = 1e-2;
 /// What a step may leave of the complementarity, as a share of the displacements: usually so little that the next state shows an
 /// equilibrium.
 const INDEPENDENT: f64 = 1e-11;
+/// The round-off of gaps, as a share of the largest coordinate.
+const ROUNDOFF: f64 = 4.0 * f64::EPSILON;
 /// More than so many steps show that rows nearly depend on each other. The rows of both bodies do where the side of one lies flat on a facet of
 /// the other. They contradict each other by what is of second order in a step. To satisfy all of them takes far larger changes of the
 /// multipliers, and these lead to the next contradiction. Later steps therefore leave so many tolerances, and equilibria may have gaps of so many. The
@@ -111,10 +113,12 @@ impl Iterate<'_> {
 
     /// What a step may leave of the complementarity, and an equilibrium of the gaps beside its own bound, as shares of the displacements.
     fn gaps(&self) -> [f64; 2] {
-        match self.has_dependent_rows() {
+        let roundoff = ROUNDOFF * self.problem.extent() / self.at.size(self.least);
+        let shares = match self.has_dependent_rows() {
             true => [DEPENDENT, GAPS].map(|tolerances| tolerances * self.tolerance),
             false => [INDEPENDENT, 0.0],
-        }
+        };
+        shares.map(|share| share.max(roundoff))
     }
 
     /// The change of u below which a step is small: where steps leave gaps, they are no more accurate than these.

@@ -34,6 +34,8 @@ pub(super) struct Linearization<'a> {
     /// Whether the row's variation is known: it acts, or overlaps.
     matters: Vec<bool>,
     variation: Option<GapVariation>,
+    /// That of the forces along slips, of which the forces alone count.
+    of_slips: Option<GapVariation>,
     /// What of K is the stiffness of springs, which do not count in the curvature (n, UF/UL); empty without springs.
     pub springs: &'a [f64],
     /// Whether the equilibrium nearby is known to be stable: a shift of the diagonal then helps to solve for a step, and does not shorten it.
@@ -113,7 +115,17 @@ impl<'a> Linearization<'a> {
             (true, false) => problem.vary_gaps(u, &slips.contact_rows(gaps), &asked)?,
             (false, _) => None,
         };
-        if let Some(variation) = &variation {
+        let of_slips = match varies && !slips.laws().is_empty() {
+            true => {
+                let mut forces = vec![None; contacts];
+                for law in slips.laws() {
+                    forces[law.contact] = Some(lambda[law.slip]).filter(|z| *z != 0.0);
+                }
+                problem.vary_slips(u, &slips.contact_rows(gaps), &forces)?
+            }
+            false => None,
+        };
+        for variation in variation.iter().chain(&of_slips) {
             variation.check(contacts, u.len())?;
         }
         cost.projection += clock.elapsed().as_secs_f64();
@@ -131,6 +143,7 @@ impl<'a> Linearization<'a> {
             acts,
             matters,
             variation,
+            of_slips,
             springs: &[],
             is_stable: false,
         })
@@ -143,7 +156,12 @@ impl<'a> Linearization<'a> {
 
     /// The entries of D.
     pub fn contact_stiffness(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        self.variation.iter().flat_map(GapVariation::stiffness)
+        self.variations().flat_map(GapVariation::stiffness)
+    }
+
+    /// All that has a part in D.
+    fn variations(&self) -> impl Iterator<Item = &GapVariation> {
+        self.variation.iter().chain(&self.of_slips)
     }
 
     /// K v (n, UF), without springs.
@@ -159,7 +177,7 @@ impl<'a> Linearization<'a> {
     /// (K − sym D) v (n, UF), without springs.
     pub fn curvature(&self, v: &[f64]) -> Vec<f64> {
         let mut forces = self.elastic_times(v);
-        if let Some(variation) = &self.variation {
+        for variation in self.variations() {
             let half: Vec<f64> = v.iter().map(|v| -0.5 * v).collect();
             variation.add_forces(&half, &variation.internal(&half), &mut forces);
             variation.add_transposed_forces(&half, &mut forces);
@@ -170,7 +188,7 @@ impl<'a> Linearization<'a> {
     /// (K − D) v (n, UF), without springs.
     pub fn stiffness_times(&self, v: &[f64]) -> Vec<f64> {
         let mut forces = self.elastic_times(v);
-        if let Some(variation) = &self.variation {
+        for variation in self.variations() {
             let back: Vec<f64> = v.iter().map(|v| -v).collect();
             variation.add_forces(&back, &variation.internal(&back), &mut forces);
         }
@@ -199,6 +217,9 @@ impl<'a> Linearization<'a> {
         let y = self.variation.as_ref().map(|own| own.internal(x));
         if let Some((variation, y)) = self.variation.as_ref().zip(y.as_deref()) {
             variation.add_forces(x, y, &mut forces);
+        }
+        if let Some(variation) = &self.of_slips {
+            variation.add_forces(x, &variation.internal(x), &mut forces);
         }
         let gaps = self.gaps_after(x, y.as_deref());
         let pulled: Vec<f64> = added.iter().zip(&gaps).map(|(s, gap)| -s * gap).collect();

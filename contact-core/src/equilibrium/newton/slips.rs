@@ -1,9 +1,9 @@
 //! Friction in Newton's method: rows of slips after those of contact.
 //!
 //! At u itself, friction adds the forces Tᵀz to those of contact, −τ ≤ z ≤ τ, with τ = μ λ of the row of contact that presses
-//! there. A step solves contact and friction of the linearised rows together, with the thresholds of its own multipliers. T is taken as
-//! held within a step, as C is not: slips have no variation yet. That costs steps where surfaces turn while they slip,
-//! and no accuracy.
+//! there. A step solves contact and friction of the linearised rows together, with the thresholds of its own multipliers. The forces Tᵀz vary with
+//! u as Cᵀλ does. The slips themselves are those of held rows within a step: the slip of a node that sticks is zero, and of a
+//! node that slips its sign alone counts.
 
 use std::collections::HashMap;
 

@@ -62,11 +62,20 @@ pub(super) fn cause<const D: usize>(problem: &Problem<D>, solution: &Solution) -
         causes.extend(instability(problem, solution));
     }
     causes.extend(flicker(problem, solution));
-    if solution.friction.is_some() && solution.outcome == Outcome::IterationLimit {
-        causes.push(
-"thresholds of friction of both roles may change without end: give the pair one pass, with the finer side as slave, or take smaller steps"
-                .into(),
-        );
+    if let Some(friction) = &solution.friction
+        && solution.outcome == Outcome::IterationLimit
+    {
+        let rubs = |key: &RowKey| problem.passes().get(key.pass as usize).copied();
+        let mut passes = friction.rows.keys().iter().filter_map(rubs);
+        let has_both = passes.any(|pass| {
+            problem
+                .turned(pass)
+                .is_some_and(|own| problem.passes().contains(&own))
+        });
+        causes.push(match has_both {
+            true => "thresholds of friction of both roles may change without end: give the pair one pass, with the finer side as slave, or take smaller steps".into(),
+            false => "thresholds of friction may change without end: take smaller steps".into(),
+        });
     }
     let creases = creases(problem, solution);
     causes.extend(creases.iter().map(Crease::to_string));

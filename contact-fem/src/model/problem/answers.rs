@@ -38,6 +38,12 @@ pub(crate) trait Answers {
         last: &[f64],
         from: f64,
     ) -> Result<SlipRows, Error>;
+    fn vary_slips(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        forces: &[Option<f64>],
+    ) -> Result<Option<GapVariation>, Error>;
     fn separable(&self) -> &dyn Separable;
     fn reduction(&self) -> Option<Reduction>;
     fn diagnose(&self, solution: &Solution) -> Option<String>;
@@ -157,7 +163,8 @@ impl<const D: usize> Answers for Problem<D> {
         lambda: &[Option<f64>],
     ) -> Result<Option<GapVariation>, Error> {
         Error::check_vector("u", u, self.dofs().free())?;
-        self.contact.variation(&self.kinematics, u, gaps, lambda)
+        let variation = self.contact.variation(&self.kinematics, u, gaps, lambda)?;
+        Ok(variation.map(|own| own.finish(self.dofs())))
     }
 
     fn slips(
@@ -173,6 +180,17 @@ impl<const D: usize> Answers for Problem<D> {
         let since = (&then[..], from);
         let slips = self.contact.slips(&self.kinematics, u, gaps, since);
         slips.ok_or(Error::Interrupted)
+    }
+
+    fn vary_slips(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        forces: &[Option<f64>],
+    ) -> Result<Option<GapVariation>, Error> {
+        Error::check_vector("u", u, self.dofs().free())?;
+        let variation = self.contact.variation(&self.kinematics, u, gaps, forces)?;
+        Ok(variation.map(|own| own.turned().finish(self.dofs())))
     }
 
     fn separable(&self) -> &dyn Separable {
