@@ -250,8 +250,8 @@ impl<'a> Linearization<'a> {
         let y = self.variation.as_ref().map(|own| own.internal(x));
         let gaps = self.gaps_after(x, y.as_deref());
         let push = |(i, l): (usize, f64)| l - added[i] * gaps[i].clamp(-bound, bound);
-        let mut pushes: Vec<f64> = lambda.into_iter().enumerate().map(push).collect();
-        self.slips.cut(&mut pushes);
+        let mut pushes: Vec<f64> = lambda.iter().copied().enumerate().map(push).collect();
+        self.slips.follow(&lambda, &mut pushes);
         pushes
     }
 }

@@ -130,6 +130,18 @@ impl Slips {
         }
     }
 
+    /// The same, where multipliers have changed from those `before`: what had reached its threshold reaches the new one.
+    pub fn follow(&self, before: &[f64], lambda: &mut [f64]) {
+        self.cut(lambda);
+        for law in &self.laws {
+            let reaches = self.lets_go(law.slip, before) && before[law.slip] != 0.0;
+            if reaches {
+                let tau = law.threshold(lambda[law.contact]);
+                lambda[law.slip] = tau.copysign(before[law.slip]);
+            }
+        }
+    }
+
     /// Whether a node slips by more than `bound` (UL), and its force is not at the threshold against it.
     pub fn violates(&self, law: &Law, slip: f64, lambda: &[f64], bound: f64) -> bool {
         let tau = law.threshold(lambda[law.contact]);
