@@ -10,8 +10,8 @@ use contact_core::gaps::{LinearGaps, Row, RowKey, Sampling};
 use contact_core::linear::SymmetricPattern;
 use contact_core::nlp::Bounds;
 use contact_core::{
-    Automatic, ContactProblem, Dependent, Energy, Equilibrium, Error, FixedPoint, InteriorPoint,
-    LinearMap, LoadStepped, LoadSteps, Outcome, Phase, Reduction, State,
+    Automatic, CondensedNewton, ContactProblem, Dependent, Energy, Equilibrium, Error, FixedPoint,
+    InteriorPoint, LinearMap, LoadStepped, LoadSteps, Outcome, Phase, Reduction, State,
 };
 
 /// A spring along a direction: ½ k (a·u − e t)², where t is the load factor's program.
@@ -612,7 +612,18 @@ impl ContactProblem for Ladder {
 /// determined by balance alone, and near the limit the fixed point lets the ladder go: it is tried three tenths above it.
 #[test]
 fn ladders_stand_where_they_are_steep_enough() {
-    for (friction, near) in [([0.5, 0.0], 1.01_f64), ([0.4, 0.3], 1.3), ([0.2, 0.6], 1.3)] {
+    let fixed_point = &mut FixedPoint::<InteriorPoint>::default();
+    ladders(fixed_point, [1.01, 1.3, 1.3]);
+}
+
+/// Newton's method holds ladders up to their limit.
+#[test]
+fn ladders_stand_up_to_their_limit_by_newtons_method() {
+    ladders(&mut CondensedNewton::default(), [1.001; 3]);
+}
+
+fn ladders(solver: &mut dyn Equilibrium, near: [f64; 3]) {
+    for (friction, near) in [[0.5, 0.0], [0.4, 0.3], [0.2, 0.6]].into_iter().zip(near) {
         let least = (1.0 - friction[0] * friction[1]) / (2.0 * friction[0]);
         for (share, stands) in [(1.3, true), (near, true), (0.99, false), (0.7, false)] {
             let ladder = Ladder {
@@ -625,7 +636,7 @@ fn ladders_stand_where_they_are_steep_enough() {
                 u: vec![0.0; 4],
                 ..State::default()
             };
-            let solution = FixedPoint::<InteriorPoint>::default().solve_from(&ladder, start);
+            let solution = solver.solve_from(&ladder, start);
             let solution = solution.expect("valid");
             let moved = solution.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
             let found = solution.outcome == Outcome::Converged && moved < 1e-2;

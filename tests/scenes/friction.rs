@@ -2,7 +2,10 @@
 
 use contact_core::friction::{Friction, SlipRows};
 use contact_core::gaps::{RowKey, Sampling};
-use contact_core::{ContactProblem, Ending, LoadStepped, Phase};
+use contact_core::{
+    Condensed, CondensedNewton, ContactProblem, Ending, Equilibrium, FixedPoint, InteriorPoint,
+    LoadStepped, Phase,
+};
 use contact_fem::certificate::{Certificate, Condition, Limits};
 use contact_fem::mesh::generators::{Diagonals, graded, linspace, rectangle};
 use contact_fem::model::{Geometry, Passes, Problem};
@@ -432,7 +435,23 @@ fn refusals_name_the_value() {
 /// deep.
 #[test]
 fn the_middle_of_a_round_contact_sticks() {
+    // nodes scatter; with 8 facets in a it is 18 % with linear cells
+    let [linear, quadratic] = [false, true].map(error_of_tractions);
+    assert!(
+        linear.abs() < 0.1 && quadratic.abs() < 0.02,
+        "{linear} {quadratic}"
+    );
+}
+
+/// The relative error of the mean traction in the middle half, after the zones are checked; facets are a/16 and a/14.
+fn error_of_tractions(is_quadratic: bool) -> f64 {
     let (young, poisson, friction, radius) = (1.0, 0.3, 0.3, 1.0);
+    // forces of corners and of nodes between them scatter
+    let (most_that_sticks, scatter) = if is_quadratic {
+        (0.9, 0.1)
+    } else {
+        (0.6, 1e-3)
+    };
     let a = 0.02;
     let block = |first: f64, is_upper: bool| {
         let half = graded(0.0, 30.0 * a, first, 26).expect("a line");
@@ -451,6 +470,7 @@ fn the_middle_of_a_round_contact_sticks() {
             Vector::<2>::new(x[0], x[1] + share * rise)
         };
         let mesh = mesh.mapped(round).expect("a mesh");
+        let mesh = if is_quadratic { mesh.quadratic() } else { mesh };
         Body::new(mesh, LinearElastic::new(young, poisson).expect("a law"))
     };
     let (mut lower, mut upper) = (block(a / 16.0, false), block(a / 14.0, true));
@@ -471,7 +491,7 @@ fn the_middle_of_a_round_contact_sticks() {
         .contact_friction(&lower, &upper, friction)
         .expect("a pair");
     let mut problem = scene.problem().expect("a problem");
-    let history = run(&mut problem, &mut phases(2, 2), "round");
+    let history = run(&mut problem, &mut phases(2, 4), "round");
     certified(&history);
     let last = history.last().expect("a step");
     let [aside, down] = last.reactions[1].into();
@@ -490,23 +510,56 @@ fn the_middle_of_a_round_contact_sticks() {
         if x < 0.5 * a {
             found += along.abs();
             expected += most.abs() * (1.0 - ((c * c - x * x) / (a * a - x * x)).sqrt());
-            assert!(share.abs() < 0.6, "{} a sticks: {share}", x / a);
+            assert!(
+                share.abs() < most_that_sticks,
+                "{} a sticks: {share}",
+                x / a
+            );
         } else if 0.8 * a < x && x < a {
             assert!(
-                (share.abs() - 1.0).abs() < 1e-3,
+                (share.abs() - 1.0).abs() < scatter,
                 "{} a slips: {share}",
                 x / a
             );
         }
     }
-    // nodes scatter; with 8 facets in a it is 14 %
-    let error: f64 = found / expected - 1.0;
-    assert!(error.abs() < 0.1, "{error}");
-    assert!(
-        (c / a - 0.67).abs() < 0.02,
-        "the middle is two thirds: {}",
-        c / a
-    );
+    let middle: f64 = c / a;
+    assert!((middle - 0.67).abs() < 0.02, "{middle} of a is the middle");
+    found / expected - 1.0
+}
+
+/// All three ways to solve end in the same state where contact is small and in the reference geometry.
+#[test]
+fn three_solvers_end_in_the_same_state() {
+    fn end<S: Equilibrium>(solver: S) -> (f64, f64, Vector<2>) {
+        let mut problem = drawn(KINDS[4], false, 0.3, &[0.0, 0.0, 0.04, -0.02]);
+        let phases = (1..=3).map(|k| Phase::new(format!("{k}"), k as f64, 4));
+        let mut simulation = Simulation::solved_by(solver, 1);
+        simulation.load_steps.phases = phases.collect();
+        let history = simulation.run(&mut problem).expect("no misuse");
+        assert!(is_complete(&history), "{}", history.run.ending);
+        certified(&history);
+        let last = history.last().expect("a step");
+        (last.energy, last.dissipated, last.reactions[1])
+    }
+    let (energy, dissipated, reaction) = end(Condensed::default());
+    assert!(dissipated > 0.1 * energy, "{dissipated} {energy}");
+    let newton = end(CondensedNewton::default());
+    let mut fixed_point = FixedPoint::<InteriorPoint>::default();
+    fixed_point.tolerance = 1e-8;
+    // thresholds end when forces change by less than 1e-6 of the largest
+    for (other, accuracy) in [(newton, 1e-7), (end(fixed_point), 1e-4)] {
+        let (e, d, r) = other;
+        assert!((e - energy).abs() < accuracy * energy, "{e} {energy}");
+        assert!(
+            (d - dissipated).abs() < accuracy * dissipated,
+            "{d} {dissipated}"
+        );
+        assert!(
+            (r - reaction).norm() < accuracy * reaction.norm(),
+            "{r} {reaction}"
+        );
+    }
 }
 
 /// A ball that turns under a pressed block drags it by μ times the force, also where one step turns it by more than slips may be chords of: the step
