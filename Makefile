@@ -10,7 +10,7 @@ FUZZ_SCENES ?= $(CARGO) run --release -p ipopt-contact-scenes --bin fuzz_scenes 
 # How long to look for mesh files that the readers fail on, and for problems that the Ipopt binding fails on.
 SECONDS ?= 60
 
-.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick report-peers report-browse pressures extremes extremes-quick extremes-peers meshes errors needs features mutants planted planted-quick package msrv bindings fuzz-readers fuzz-binding fuzz-scenes random-scenes
+.PHONY: help install demo test test-ipopt-3.14 test-blas valgrind asan miri lint deny bench bench-growth bench-overhead report report-quick report-peers report-browse pressures extremes extremes-quick extremes-peers friction-peers meshes errors needs features mutants planted planted-quick package msrv bindings fuzz-readers fuzz-binding fuzz-scenes random-scenes
 
 help:
 	@echo "make demo              the paper's disc-in-disc: pictures, curves and files for ParaView"
@@ -33,6 +33,7 @@ help:
 	@echo "make extremes          scenes at the limits with their truths, by each solver: tables and data in out/extremes*, within an hour"
 	@echo "make extremes-quick    two dozen of them, and all on coarse meshes by Newton's method; fails where a wrong result is claimed to be right"
 	@echo "make extremes-peers    scenes at the limits by GetFEM and CalculiX, which it installs, and by this library, within an hour"
+	@echo "make friction-peers    friction by GetFEM, which it installs, and by this library: a table of forces and times, within ten minutes"
 	@echo "make meshes            standard scenes on many meshes: how many are complete and certified, data in out/meshes; ARGUMENTS are its options"
 	@echo "make errors            estimated against true discretisation errors: data in out/errors, within two minutes"
 	@echo "make needs             what runs cost beside what their scenes need: data in out/needs, within two minutes"
@@ -151,6 +152,11 @@ extremes-peers: install
 	PYTHONDONTWRITEBYTECODE=1 report/peers/stability.py --out out/stability
 	cp out/stability/stability.json report/peers/stability.json
 	target/release/extremes --judge report/peers/stability.json
+
+friction-peers: install
+	scripts/install_peers.sh
+	$(CARGO) build --release --bin ipopt-contact
+	PYTHONDONTWRITEBYTECODE=1 report/peers/friction.py
 
 # ARGUMENTS="--scenes ironing,beams --cases 10 --seed 7" takes some: --help has more. Fails below 99 % of a scene.
 meshes: install

@@ -1,6 +1,6 @@
 //! How gaps and contact forces vary, against differences of rows that are projected anew at every state.
 
-use contact_core::{ContactProblem, LoadStepped};
+use contact_core::{ContactProblem, GapVariation, LoadStepped};
 
 use super::*;
 use crate::element::{Element, P1, P2};
