@@ -426,7 +426,7 @@ pub trait ContactProblem {
     fn scale(&self) -> Option<Scale> {
         None
     }
-    /// The largest coordinate of a place in contact (UL). Gaps are differences of such numbers, and are no more accurate than their round-off. By default
+    /// The largest coordinate of a node (UL). Gaps are differences of such numbers, and are no more accurate than their round-off. By default
     /// it is zero: gaps are as accurate as displacements. A problem that wraps another one may pass this on.
     fn extent(&self) -> f64 {
         0.0

@@ -2,7 +2,7 @@
 """Coulomb's friction by GetFEM and by this library, on the same meshes: one table.
 
     python3 report/peers/friction.py [--scene A|B|all] [--program getfem|ours|all] [--sizes 8,16] [--degrees 1,2]
-        [--settings brick/10,rays/10] [--ours "default,one pass"] [--repeats 3] [--seconds 300] [--details]
+        [--settings brick/10,rays/10] [--ours "default,one pass"] [--repeats 3] [--seconds 300] [--binary FILE] [--details]
 
 Scene A: two blocks in plane strain at small strains, the upper one is pressed on the lower one and drawn aside. Scene B: the campaign's
 ironing, with friction. Each solve of GetFEM is a process of its own, whose processor time counts from the import of the meshes to the last
@@ -390,8 +390,11 @@ def main():
     parser.add_argument("--ours", help="settings of this library: default, one pass (the lower body is the slave)")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--seconds", type=float, default=300)
+    parser.add_argument("--binary", help="the program of this library, in place of the release build")
     parser.add_argument("--details", action="store_true")
     arguments = parser.parse_args()
+    global PROGRAM
+    PROGRAM = pathlib.Path(arguments.binary).resolve() if arguments.binary else PROGRAM
     if arguments.one:
         scene, size, degree, setting = arguments.one
         print(json.dumps(getfem(scene, int(size), int(degree), setting)))

@@ -590,6 +590,42 @@ fn steps_that_turn_an_obstacle_far_are_cut() {
     assert!((share - 1.0).abs() < 1e-2, "{share}");
 }
 
+/// A slender column bows at its Euler load, whether or not another body rubs on a floor meanwhile.
+#[test]
+fn columns_beside_friction_bow() {
+    let bow = |friction: f64| {
+        let column = mesh([0.0, 1.0], [0.0, 20.0], [2, 40]).quadratic();
+        let mut column = body(column, false);
+        for (side, down) in [("bottom", 0.0), ("top", -0.6)] {
+            column
+                .prescribe(side, [Some(0.0), Some(down)])
+                .expect("a support");
+        }
+        let mut block = body(mesh([10.0, 11.0], [0.0, 0.5], [4, 2]), false);
+        block
+            .prescribe("top", [Some(0.05), Some(-0.01)])
+            .expect("a support");
+        let mut scene = Scene::new();
+        scene.add("column", column);
+        let side = scene.add("block", block).on("bottom");
+        let plane = Obstacle::half_space([0.0; 2], [0.0, 1.0]).expect("a plane");
+        let plane = scene.obstacle("floor", side, plane).expect("a side");
+        scene.obstacle_friction(plane, friction).expect("friction");
+        let mut problem = scene.problem().expect("a problem");
+        let history = run(&mut problem, &mut Simulation::with_increments(5), "column");
+        certified(&history);
+        let displacements = problem.displacements(&history.run.state.u);
+        let aside = displacements.iter().map(|u| u[0].abs());
+        aside.fold(0.0, f64::max)
+    };
+    // straight, nothing moves aside by more than the block's 0.05
+    let [with, without] = [0.3, 0.0].map(bow);
+    assert!(
+        without > 1.0 && (with / without - 1.0).abs() < 1e-3,
+        "{with} {without}"
+    );
+}
+
 /// Forces of friction vary as their differences say, on a plate and on a ball, in the middle of a step.
 #[test]
 fn forces_of_friction_vary_as_their_differences() {

@@ -9,8 +9,8 @@ use crate::equilibrium::Solution;
 use crate::friction::{Friction, SlipRow, SlipRows};
 use crate::gaps::{Row, Sampling};
 use crate::{
-    Bounds, ContactProblem, DirectSum, Energy, Error, GapVariation, LinearGaps, RowKey, Scale,
-    Separable, State,
+    Bounds, ContactProblem, DirectSum, Energy, Error, GapVariation, LinearGaps, Multipliers,
+    RowKey, Scale, Separable, State,
 };
 
 /// So many sets of rows are kept, to find those over all unknowns that a solution's are made from: both roles of the last
@@ -189,12 +189,38 @@ impl<'a> Reduced<'a> {
         let still = vec![0.0; self.constants.len()];
         let softest = solution.softest.as_ref();
         let softest = softest.map(|(v, k)| (self.map.expanded(v, &still), *k));
-        // they were made from the slips that were asked for last
-        let friction = solution.friction.map(|own| Friction {
-            rows: self.slips.borrow().clone(),
-            last: self.last.to_vec(),
-            ..own
-        });
+        let friction = match solution.friction {
+            None => None,
+            Some(own) => {
+                // most often they were made from the slips that were asked for last
+                let known = self.slips.borrow().clone();
+                let rows = match known.keys() == own.rows.keys()
+                    && self.source(&solution.gaps).is_some()
+                {
+                    true => known,
+                    false => self.full.slips(&u, &gaps, self.last, own.from)?,
+                };
+                let by_key = |values: &[f64]| -> Multipliers {
+                    own.rows
+                        .keys()
+                        .iter()
+                        .copied()
+                        .zip(values.iter().copied())
+                        .collect()
+                };
+                let [thresholds, forces] = [&own.thresholds, &own.forces].map(|values| {
+                    let known = by_key(values);
+                    rows.keys().iter().map(|key| known.of(*key)).collect()
+                });
+                Some(Friction {
+                    thresholds,
+                    forces,
+                    rows,
+                    last: self.last.to_vec(),
+                    ..own
+                })
+            }
+        };
         let multipliers = solution.state.multipliers;
         let state = State { u, multipliers };
         Ok(Solution {

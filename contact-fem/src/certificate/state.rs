@@ -371,10 +371,6 @@ const WEAK: f64 = 0.2;
 /// The negative curvature along the softest motion, relative to the solver's matrix. Where motions are held, springs are a part of that matrix:
 /// along a motion that deforms bodies the curvature is then relative to their stiffness at rest, and along a rigid one it may be weak.
 fn instability<const D: usize>(problem: &Problem<D>, solution: &Solution) -> Option<f64> {
-    // stability with friction is not examined
-    if problem.has_friction() {
-        return None;
-    }
     // what is held may be unstable, and counts as such unless it was examined
     let Some(curvature) = solution.curvature else {
         return (!solution.held.is_empty()).then_some(f64::INFINITY);

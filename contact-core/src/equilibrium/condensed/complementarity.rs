@@ -43,7 +43,7 @@ const STUCK: f64 = 0.9;
 /// The least ε, relative to the largest sum of a column of W, whose round-off it is above.
 const LEAST: f64 = 8.0 * f64::EPSILON;
 /// ε of the first round from multipliers that are known, relative to what is left of the condition over the largest λ.
-const WARM: f64 = 0.01;
+pub(super) const WARM: f64 = 0.01;
 /// The round-off of the gaps, relative to the largest one of the start.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 /// A step is full within this.
@@ -59,11 +59,11 @@ const STEPS: usize = 100;
 /// λ and what it cost.
 #[derive(Debug)]
 pub(in crate::equilibrium) struct Complementary {
-    /// λ ≥ 0 (m).
+    /// λ between its limits (m).
     pub lambda: Vec<f64>,
     /// Steps of Newton's method.
     pub steps: usize,
-    /// The largest |min(W_ii λᵢ, cᵢ)|, relative to the bound; above 1 where the rounds did not suffice.
+    /// What is left of the conditions, |min(W_ii λᵢ, cᵢ)| for contact: the largest of all rows, relative to the bound; above 1 where the rounds did not suffice.
     pub left: f64,
 }
 

@@ -297,7 +297,8 @@ impl Rounds<'_> {
             let tau = law.threshold(lambda[law.contact]);
             let slip = gaps[law.slip];
             let lacks = tau + lambda[law.slip] * slip.signum();
-            let share = if lacks > 0.0 { lacks / largest } else { 0.0 };
+            // of its own threshold, which may be far below the largest force
+            let share = if lacks > 0.0 { 0.5 * lacks / tau } else { 0.0 };
             slip.abs() * share
         });
         let mut worst = 0.0;

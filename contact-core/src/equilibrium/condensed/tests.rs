@@ -622,10 +622,10 @@ fn violation(W: &Mat<f64>, q: &[f64], laws: &[coulomb::Law], multipliers: &[f64]
 #[test]
 fn coulombs_law_holds_on_random_springs() {
     let mut random = Rng::with_seed(11);
-    let mut seen = [0; 3];
+    let (mut seen, mut unsolved) = ([0; 3], 0);
     for trial in 0..400 {
         let nodes = random.usize(1..7);
-        let twice = trial % 3 == 0;
+        let twice = trial % 2 == 0;
         let mut next = || 2.0 * random.f64() - 1.0;
         let (n, copies) = (2 * nodes, if twice { 2 } else { 1 });
         let F: DMatrix<f64> = DMatrix::from_fn(n, n, |_, _| next());
@@ -636,17 +636,22 @@ fn coulombs_law_holds_on_random_springs() {
         let W = Mat::from_fn(m, m, |i, j| inverse[(i % n, j % n)]);
         let q: Vec<f64> = (0..n).map(|_| next()).collect();
         let q: Vec<f64> = (0..m).map(|i| q[i % n]).collect();
-        let friction = [0.1, 0.3, 0.7][trial % 3];
+        let friction = [0.0, 0.1, 0.3, 0.5, 0.7][trial % 5];
         let laws = (0..m / 2).map(|k| coulomb::Law {
             slip: 2 * k + 1,
             contact: 2 * k,
             factor: friction,
-            bound: if k % 4 == 3 { 0.2 } else { f64::INFINITY },
+            bound: [f64::INFINITY, f64::INFINITY, 0.0, 0.2][k % nodes % 4],
         });
         let laws: Vec<_> = laws.collect();
         let solved = coulomb::solve_coulomb(&W, &q, &vec![0.0; m], &laws, 1e-10, &Stop::default());
         let solved = solved.expect("sound");
-        assert!(solved.left <= 1.0, "{trial}: {solved:?}");
+        if solved.left > 1.0 {
+            // where friction is strong, there may be no solution
+            assert!(friction > 0.6, "{trial}: {solved:?}");
+            unsolved += 1;
+            continue;
+        }
         let left = violation(&W, &q, &laws, &solved.lambda);
         assert!(left < 1e-9, "{trial}: {left:e}");
         for law in &laws {
@@ -660,6 +665,7 @@ fn coulombs_law_holds_on_random_springs() {
             seen[status] += 1;
         }
     }
+    assert!(unsolved <= 4, "{unsolved} of 80 with a coefficient of 0.7");
     assert!(
         seen.iter().all(|count| *count > 100),
         "open, stick, slip: {seen:?}"

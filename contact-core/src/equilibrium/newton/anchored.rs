@@ -36,6 +36,8 @@ const NEAR: f64 = 1e-3;
 /// Motions are held by no more than this share of the contact forces on their body, and of those on a body with friction.
 const HELD: f64 = 2e-2;
 const RUBS: f64 = 1e-6;
+/// This share of all contact forces is nothing.
+const NOTHING: f64 = 1e-9;
 
 /// A problem whose unknowns have springs to an anchor.
 struct Anchored<'a> {
@@ -179,13 +181,15 @@ fn may_hold(forces: &[f64], bodies: &[Range<usize>], solution: &Solution) -> boo
     let friction = solution.friction.as_ref();
     let rubs = friction.map(|own| own.rows.capacities(&own.thresholds, forces.len()));
     let sum = |of: &[f64]| of.iter().map(|f| f.abs()).sum::<f64>();
+    let all = sum(&pushed);
     bodies.iter().all(|body| {
         let held = sum(&forces[body.clone()]);
         let has_friction = rubs
             .as_ref()
             .is_some_and(|all| sum(&all[body.clone()]) > 0.0);
         let share = if has_friction { RUBS } else { HELD };
-        held <= share * sum(&pushed[body.clone()])
+        let own = sum(&pushed[body.clone()]);
+        held <= (share * own).max(NOTHING * all)
     })
 }
 
@@ -247,7 +251,8 @@ impl CondensedNewton {
                     return Ok(plain);
                 }
                 // stiff springs still push where they hardly move
-                if !may_hold(&anchored.energy.forces(&u), &bodies, &last) {
+                let rubs = last.friction.is_some();
+                if rubs && !may_hold(&anchored.energy.forces(&u), &bodies, &last) {
                     last.outcome = Outcome::IterationLimit;
                 }
                 return Ok(last);

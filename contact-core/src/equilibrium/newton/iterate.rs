@@ -273,10 +273,9 @@ impl Iterate<'_> {
         }
         // a matrix that is not positive definite may show an unstable equilibrium, or a motion that nothing resists
         let is_flat = tangent.shift() > SHIFT;
-        // stability with friction is not examined
-        let is_examined = is_last && here.slips.laws().is_empty();
-        if is_examined && (is_flat && !self.floats || !is_flat && self.is_due(&here, pushed)) {
-            let rows = (&step.condensed, &step.lambda[..]);
+        if is_last && (is_flat && !self.floats || !is_flat && self.is_due(&here, pushed)) {
+            let held = here.slips.holding(&step.lambda);
+            let rows = (&step.condensed, &held[..]);
             self.softest = Softest::new(&here, tangent, rows, self.floats, self.context.stop)?;
             self.curvature = self.softest.as_ref().map(|softest| softest.curvature);
             let asked = self.softest.as_ref().filter(|_| is_flat && !self.floats);

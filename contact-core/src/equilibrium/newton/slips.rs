@@ -5,6 +5,7 @@
 //! u as Cᵀλ does. The slips themselves are those of held rows within a step: the slip of a node that sticks is zero, and of a
 //! node that slips its sign alone counts.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use super::super::StepContext;
@@ -147,6 +148,23 @@ impl Slips {
         let tau = law.threshold(lambda[law.contact]);
         let lacks = tau + lambda[law.slip] * slip.signum();
         slip.abs() > bound && lacks > REACHED * tau
+    }
+
+    /// The multipliers, with a one for each node that sticks and zero for one that slips: rows with a positive number hold motions. A node that slips goes on
+    /// with the same force.
+    pub fn holding<'a>(&self, lambda: &'a [f64]) -> Cow<'a, [f64]> {
+        if self.laws.is_empty() {
+            return Cow::Borrowed(lambda);
+        }
+        let mut held = lambda.to_vec();
+        for law in &self.laws {
+            held[law.slip] = if self.lets_go(law.slip, lambda) {
+                0.0
+            } else {
+                1.0
+            };
+        }
+        Cow::Owned(held)
     }
 
     /// Whether nothing holds a row: contact without a force, or a force at its threshold.
