@@ -545,8 +545,10 @@ fn three_solvers_end_in_the_same_state() {
     let (energy, dissipated, reaction) = end(Condensed::default());
     assert!(dissipated > 0.1 * energy, "{dissipated} {energy}");
     let newton = end(CondensedNewton::default());
-    let mut fixed_point = FixedPoint::<InteriorPoint>::default();
-    fixed_point.tolerance = 1e-8;
+    let fixed_point = FixedPoint::<InteriorPoint> {
+        tolerance: 1e-8,
+        ..FixedPoint::default()
+    };
     // thresholds end when forces change by less than 1e-6 of the largest
     for (other, accuracy) in [(newton, 1e-7), (end(fixed_point), 1e-4)] {
         let (e, d, r) = other;
