@@ -320,8 +320,8 @@ impl Friction {
         all.map(status).collect()
     }
 
-    /// The work that friction takes in the increment to `u` (UF·UL), which is not negative: the forces times the slips, as if thresholds had grown in proportion
-    /// to slips, from those of the increment `before`, or from nothing. Thresholds are compared by the forces that they allow on each unknown:
+    /// The work that friction takes in the increment to `u` (UF·UL), which is not negative but for round-off: the forces times the slips, as if each threshold had grown in proportion
+    /// to its slip, from its value in the increment `before`, or from zero. Thresholds are compared by the forces that they allow on each unknown:
     /// rows of both roles may share the same sum in other ways than before.
     pub fn dissipated(&self, u: &[f64], before: Option<&Friction>) -> f64 {
         let n = u.len();

@@ -388,7 +388,7 @@ pub trait ContactProblem {
         Ok(SlipRows::default())
     }
     /// The variation of the forces Tᵀz along the slips of the rows `gaps`, which are frozen at `u`: as [`ContactProblem::vary_gaps`] of the forces Cᵀλ, with the multiplier z
-    /// (UF) of the slip of each row of gaps in place of λ. Of the result, the variation of the forces counts alone. By default there is none. A problem that wraps
+    /// (UF) of the slip of each row of gaps in place of λ. Solvers read the variation of the forces only. By default there is none. A problem that wraps
     /// another one must pass this on.
     ///
     /// # Errors

@@ -41,6 +41,21 @@ impl Law {
     pub fn threshold(&self, lambda: f64) -> f64 {
         (self.factor * lambda.max(0.0)).min(self.bound)
     }
+
+    /// What the force z lacks to the threshold against a slip (UF): a node that slips lacks nothing.
+    pub fn lacks(&self, z: f64, slip: f64, lambda: f64) -> f64 {
+        self.threshold(lambda) + z * slip.signum()
+    }
+
+    /// The same law for rows at other places; nothing if one of them has none.
+    pub fn placed(&self, place: impl Fn(usize) -> Option<usize>) -> Option<Law> {
+        let (slip, contact) = (place(self.slip)?, place(self.contact)?);
+        Some(Law {
+            slip,
+            contact,
+            ..*self
+        })
+    }
 }
 
 /// The limits of sweeps, each of which begins with other thresholds, of rounds in a sweep, and of Newton's steps in a round.

@@ -235,15 +235,8 @@ impl Rounds<'_> {
         rows.iter()
             .enumerate()
             .for_each(|(place, &k)| places[k] = Some(place));
-        let law = |law: &Law| {
-            let (slip, contact) = (places[law.slip]?, places[law.contact]?);
-            Some(Law {
-                slip,
-                contact,
-                ..*law
-            })
-        };
-        self.laws.iter().filter_map(law).collect()
+        let placed = self.laws.iter().map(|law| law.placed(|row| places[row]));
+        placed.flatten().collect()
     }
 
     /// C u + c₀ of the gaps, and T u + d of the slips.
@@ -296,7 +289,7 @@ impl Rounds<'_> {
         let of_slips = self.laws.iter().map(|law| {
             let tau = law.threshold(lambda[law.contact]);
             let slip = gaps[law.slip];
-            let lacks = tau + lambda[law.slip] * slip.signum();
+            let lacks = law.lacks(lambda[law.slip], slip, lambda[law.contact]);
             // of its own threshold, which may be far below the largest force
             let share = if lacks > 0.0 { 0.5 * lacks / tau } else { 0.0 };
             slip.abs() * share

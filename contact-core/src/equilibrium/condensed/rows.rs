@@ -31,7 +31,7 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// The distinct rows of `gaps`, which are those of `problem`, and those of their slips.
+    /// The distinct rows of the `gaps` of `problem`, and the rows of their `slips`.
     pub fn new(problem: &dyn ContactProblem, gaps: &LinearGaps, slips: &SlipRows) -> Self {
         let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); gaps.len()];
         let entries: Vec<_> = gaps.entries().collect();
@@ -173,7 +173,7 @@ impl Rows {
 
     /// The multipliers of the distinct rows, of those of the rows of the gaps.
     pub fn gathered(&self, lambda: impl Iterator<Item = f64>) -> Vec<f64> {
-        let mut sums = vec![0.0; self.len()]; // those of slips stay zero
+        let mut sums = vec![0.0; self.len()]; // multipliers of slips stay zero
         for (of, l) in self.of.iter().zip(lambda) {
             if let Some((k, s)) = of {
                 sums[*k] += s * l;

@@ -2,8 +2,8 @@
 //!
 //! At u itself, friction adds the forces Tᵀz to those of contact, −τ ≤ z ≤ τ, with τ = μ λ of the row of contact that presses
 //! there. A step solves contact and friction of the linearised rows together, with the thresholds of its own multipliers. The forces Tᵀz vary with
-//! u as Cᵀλ does. The slips themselves are those of held rows within a step: the slip of a node that sticks is zero, and of a
-//! node that slips its sign alone counts.
+//! u as Cᵀλ does. Slips are taken from rows that are held within a step, which loses nothing: a node that sticks has no slip, and of a
+//! node that slips the sign alone counts.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -110,15 +110,8 @@ impl Slips {
     /// The laws of the rows of slips among `rows`, which ascend, by their places there.
     pub fn laws_among(&self, rows: &[usize]) -> Vec<Law> {
         let place = |row: usize| rows.binary_search(&row).ok();
-        let law = |law: &Law| {
-            let (slip, contact) = (place(law.slip)?, place(law.contact)?);
-            Some(Law {
-                slip,
-                contact,
-                ..*law
-            })
-        };
-        self.laws.iter().filter_map(law).collect()
+        let placed = self.laws.iter().map(|law| law.placed(place));
+        placed.flatten().collect()
     }
 
     /// Multipliers of all rows: what is below zero of contact, and what is beyond a threshold of friction, is cut.
@@ -145,9 +138,9 @@ impl Slips {
 
     /// Whether a node slips by more than `bound` (UL), and its force is not at the threshold against it.
     pub fn violates(&self, law: &Law, slip: f64, lambda: &[f64], bound: f64) -> bool {
-        let tau = law.threshold(lambda[law.contact]);
-        let lacks = tau + lambda[law.slip] * slip.signum();
-        slip.abs() > bound && lacks > REACHED * tau
+        let pressed = lambda[law.contact];
+        let lacks = law.lacks(lambda[law.slip], slip, pressed);
+        slip.abs() > bound && lacks > REACHED * law.threshold(pressed)
     }
 
     /// The multipliers, with a one for each node that sticks and zero for one that slips: rows with a positive number hold motions. A node that slips goes on
