@@ -43,7 +43,7 @@ const STUCK: f64 = 0.9;
 /// The least ε, relative to the largest sum of a column of W, whose round-off it is above.
 const LEAST: f64 = 8.0 * f64::EPSILON;
 /// ε of the first round from multipliers that are known, relative to what is left of the condition over the largest λ.
-pub(super) const WARM: f64 = 0.01;
+const WARM: f64 = 0.01;
 /// The round-off of the gaps, relative to the largest one of the start.
 const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 /// A step is full within this.

@@ -19,7 +19,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 
 use super::complementarity::{
-    Complementary, FIRST, LAST, OF_CONTACT, Proximal, RATIO, WARM, clamped, natural, solve,
+    Complementary, FIRST, LAST, OF_CONTACT, Proximal, RATIO, clamped, natural, solve,
 };
 use super::halt::Halt;
 use crate::Stop;
@@ -120,7 +120,8 @@ impl Coulomb {
                 self.limit(true, true);
                 self.proximal.solve(stop)?;
             }
-            let mut epsilon = if sweep == 0 { self.warm() } else { FIRST };
+            // from multipliers that are known, a smaller one took up to a thousand times as many steps
+            let mut epsilon = FIRST;
             for _ in 0..ROUNDS {
                 let at = &self.proximal;
                 let left = self.left(&at.center, &at.gaps);
@@ -149,15 +150,6 @@ impl Coulomb {
         }
         (self.proximal.center, self.proximal.gaps) = (best.0, best.1);
         Ok(best.2)
-    }
-
-    /// The first ε: smaller where the multipliers of the start are known well.
-    fn warm(&self) -> f64 {
-        let at = &self.proximal;
-        let rows = 0..at.center.nrows();
-        let left = rows.map(|i| natural(at.center[i], at.gaps[i], self.limits(i, &at.center)));
-        let scaled = left.fold(0.0, f64::max);
-        (WARM * scaled / at.center.norm_max()).clamp(LAST, FIRST)
     }
 
     /// Whether some row of contact has a force.
