@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)] // the symbols of the field
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 use contact_core::equilibrium::Solution;
@@ -476,6 +477,60 @@ fn unknowns_that_follow_others_slip_with_them() {
     // the plane is slower than the pull, so that the force is full in the end, with the sign of the slip
     assert!((tied.tension(0, u) - 2.0).abs() < 1e-5, "{u:?}");
     assert!((slips - u[2]).abs() < 1e-9, "{slips} {u:?}");
+}
+
+/// A slider that has left its plane when a stop is requested: the second search for slips ends by the request.
+struct Stopped {
+    sliders: Springs,
+    searches: Cell<usize>,
+}
+
+impl ContactProblem for Stopped {
+    fn energy(&self) -> &dyn Energy {
+        &self.sliders
+    }
+    fn bounds(&self) -> &Bounds {
+        self.sliders.bounds()
+    }
+    fn linearize_gaps(&self, u: &[f64], sampling: Sampling) -> Result<LinearGaps, Error> {
+        match self.searches.get() {
+            0 => self.sliders.linearize_gaps(u, sampling),
+            _ => Ok(LinearGaps::new(true)),
+        }
+    }
+    fn has_friction(&self) -> bool {
+        true
+    }
+    fn slips(
+        &self,
+        u: &[f64],
+        gaps: &LinearGaps,
+        last: &[f64],
+        from: f64,
+    ) -> Result<SlipRows, Error> {
+        self.searches.set(self.searches.get() + 1);
+        match self.searches.get() {
+            1 => self.sliders.slips(u, gaps, last, from),
+            _ => Err(Error::Interrupted),
+        }
+    }
+}
+
+/// A stop while slips are searched ends as one, with the rows and multipliers of the iterate before.
+#[test]
+fn a_stop_in_the_search_for_slips_is_an_outcome() {
+    let sliders = slider(0.4, f64::INFINITY);
+    let start = sliders.start();
+    let stopped = Stopped {
+        sliders,
+        searches: Cell::new(0),
+    };
+    let solution = CondensedNewton::default().solve_from(&stopped, start);
+    let solution = solution.expect("no misuse");
+    assert_eq!(solution.outcome, Outcome::Interrupted);
+    assert_eq!(solution.lambda.len(), solution.gaps.len());
+    let friction = solution.friction.expect("friction");
+    assert_eq!(friction.forces.len(), friction.rows.len());
 }
 
 /// What the fixed point does not treat, and what no law of friction is, is told by name.

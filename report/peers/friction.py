@@ -23,6 +23,7 @@ import time
 
 import numpy as np
 
+import ours_peer
 import scenes
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -43,7 +44,7 @@ SIZES_B = {1: [6, 9, 14], 2: [6, 9, 14]}
 SETTINGS_A = ["brick/0.3", "brick/1", "brick/10", "rays/1"]
 SETTINGS_B = ["rays/1", "rays/3", "rays/10"]
 SETTINGS_OURS = {"A": ["default"], "B": ["default", "one pass"]}
-# on these meshes, GetFEM has only so many settings: those that were the fastest on the mesh before
+# on these meshes, GetFEM has only so many settings: the fastest ones of the mesh before
 FEWER_SETTINGS = {("A", 1, 32): 2, ("A", 1, 64): 1, ("A", 2, 16): 2, ("A", 2, 32): 1, ("B", 2, 14): 1}
 # what took longer (s) is repeated once
 LONG = 15
@@ -254,14 +255,6 @@ young = {young!r}
 poisson = {poisson!r}
 """
 HELD = 'supports = [{ on = "bottom", x = 0, y = 0 }]\n'
-MOVED = """
-[[body.supports]]
-on = "top"
-motion = [
-    {{ translation = [0, {lowered!r}], amplitude = [[0, 0], [1, 1]] }},
-    {{ translation = [{drawn!r}, 0], amplitude = [[1, 0], [2, 1]] }},
-]
-"""
 REST = """
 [[contact]]
 first = ["lower", "top"]
@@ -274,18 +267,6 @@ name = "run"
 picture = ""
 vtu-every = 0
 """
-PHASES = """
-[[phase]]
-name = "press"
-until = 1
-increments = 5
-
-[[phase]]
-name = "slide"
-until = 2
-increments = 10
-"""
-
 
 def ours(scene, size, degree, setting):
     """A solve, by a child process."""
@@ -295,9 +276,9 @@ def ours(scene, size, degree, setting):
     else:
         ironing = scenes.Ironing
         law, poisson, moduli, press, draw = "neo-hookean", 0.0, (ironing.stiff, ironing.young), ironing.press, ironing.slide
-    text = PHASES + BODY.format(name="lower", mesh=lower.name, law=law, young=moduli[1], poisson=poisson) + HELD
+    text = ours_peer.PHASES.format(places=10) + BODY.format(name="lower", mesh=lower.name, law=law, young=moduli[1], poisson=poisson) + HELD
     text += BODY.format(name="upper", mesh=upper.name, law=law, young=moduli[0], poisson=poisson)
-    text += MOVED.format(lowered=-press, drawn=draw) + REST.format(mu=MU, passes="first-is-slave" if setting == "one pass" else "both")
+    text += ours_peer.IRONED.format(lowered=-press, slide=draw) + REST.format(mu=MU, passes="first-is-slave" if setting == "one pass" else "both")
     path = WORK / f"{scene}_{size}_P{degree}_{setting.replace(' ', '_')}.toml"
     path.write_text(text)
     out = path.with_suffix("")

@@ -154,7 +154,7 @@ impl Equilibrium for Automatic {
                 };
                 let mut second = self.fixed_point.solve(problem, start, context)?;
                 let is_found = second.outcome == Outcome::Converged;
-                // stability with friction is not examined
+                // with friction, a lower energy does not tell the better state
                 if way == Way::Newton && is_found && !problem.has_friction() {
                     second = self.examined(problem, second, context)?;
                 }

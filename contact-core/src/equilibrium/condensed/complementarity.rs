@@ -86,7 +86,7 @@ pub(in crate::equilibrium) fn solve(
 }
 
 /// √W_ii of each row, all of which must be positive, and the gaps finite.
-pub(super) fn lengths(W: &Mat<f64>, gaps: &[f64]) -> Result<Vec<f64>, Halt> {
+fn lengths(W: &Mat<f64>, gaps: &[f64]) -> Result<Vec<f64>, Halt> {
     let lengths: Vec<f64> = (0..gaps.len()).map(|i| W[(i, i)].sqrt()).collect();
     let is_sound = |i: usize| lengths[i] > 0.0 && lengths[i].is_finite() && gaps[i].is_finite();
     match (0..gaps.len()).find(|&i| !is_sound(i)) {

@@ -8,7 +8,7 @@
 //! [`complementarity`](super::complementarity) solves. Coulomb's law is a system of equations that are smooth by pieces: each row of
 //! contact is closed or open, and each row of slips sticks or slips to one of two sides.
 //!
-//! The rounds are those of the convex problem, with ε that shrinks. The proximal point of λ̄ satisfies
+//! The rounds have an ε that shrinks, as the rounds of the convex problem have. The proximal point of λ̄ satisfies
 //!
 //! ε λ = (ε λ̄ − c)₊,   ε z = P(ε z̄ − s), the nearest value between −ε τ(λ) and ε τ(λ).
 //!

@@ -45,7 +45,7 @@ use crate::{
 /// Equilibrium of bodies with quadratic energies under exact rows, by static condensation.
 ///
 /// min ½uᵀKu − fᵀu subject to C u + c₀ ≥ 0: K is factored once, body by body; the rows that may act see the dense
-/// compliance W = C K⁻¹ Cᵀ, and their multipliers solve 0 ≤ λ ⟂ W λ + q ≥ 0. A body that nothing but contact holds gets
+/// compliance W = C K⁻¹ Cᵀ, and their multipliers solve 0 ≤ λ ⟂ W λ + q ≥ 0, with Coulomb's law where rows have friction. A body that nothing but contact holds gets
 /// a small shift in a proximal iteration, so that motions which nothing determines stay the least. `docs/condensed.md`
 /// derives the method.
 ///

@@ -33,7 +33,7 @@ const SETTLES: f64 = 0.5;
 const FREE: f64 = 0.95;
 /// A descent ends without springs where the anchor moves by less than this share of the displacements.
 const NEAR: f64 = 1e-3;
-/// Motions are held by no more than this share of the contact forces on their body, and of those on a body with friction.
+/// Motions of a body are held by no more than the first share of the contact forces on it; where the body has friction, the second.
 const HELD: f64 = 2e-2;
 const RUBS: f64 = 1e-6;
 /// This share of all contact forces is nothing.

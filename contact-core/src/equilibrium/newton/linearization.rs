@@ -110,10 +110,10 @@ impl<'a> Linearization<'a> {
         let contacts = slips.contacts();
         let asked = (0..contacts).map(|i| matters[i].then_some(lambda[i]));
         let asked: Vec<Option<f64>> = asked.collect();
-        let variation = match (varies, slips.laws().is_empty()) {
-            (true, true) => problem.vary_gaps(u, gaps, &asked)?,
-            (true, false) => problem.vary_gaps(u, &slips.contact_rows(gaps), &asked)?,
-            (false, _) => None,
+        let of_contact = slips.contact_rows(gaps);
+        let variation = match varies {
+            true => problem.vary_gaps(u, &of_contact, &asked)?,
+            false => None,
         };
         let of_slips = match varies && !slips.laws().is_empty() {
             true => {
@@ -121,7 +121,7 @@ impl<'a> Linearization<'a> {
                 for law in slips.laws() {
                     forces[law.contact] = Some(lambda[law.slip]).filter(|z| *z != 0.0);
                 }
-                problem.vary_slips(u, &slips.contact_rows(gaps), &forces)?
+                problem.vary_slips(u, &of_contact, &forces)?
             }
             false => None,
         };

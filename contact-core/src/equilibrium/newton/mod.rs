@@ -314,7 +314,7 @@ impl CondensedNewton {
         } = at;
         let mut friction = None;
         if problem.has_friction() {
-            gaps = slips.contact_rows(&gaps);
+            gaps = slips.contact_rows(&gaps).into_owned();
             state.multipliers = Multipliers::new(&gaps, &lambda[..gaps.len()]);
             friction = slips.friction(&lambda, &state.multipliers, context);
             lambda.truncate(gaps.len());

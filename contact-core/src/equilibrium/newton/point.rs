@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::super::condensed::halt::Halt;
 use super::super::{StepContext, rows_of_both_roles};
-use super::slips::Slips;
+use super::slips::{Slips, is_of_slips};
 use super::tangent::Tangent;
 use crate::{ContactProblem, Cost, LinearGaps, RowKey, State};
 
@@ -31,8 +31,10 @@ impl Point {
         context: &StepContext<'_>,
     ) -> Result<(), Halt> {
         let u = &self.state.u;
-        self.gaps = rows_of_both_roles(problem, u, context.stop)?;
-        self.slips = Slips::appended(problem, u, &mut self.gaps, context)?;
+        let mut gaps = rows_of_both_roles(problem, u, context.stop)?;
+        let slips = Slips::appended(problem, u, &mut gaps, context)?;
+        // both or none, whatever stops the search for slips
+        (self.gaps, self.slips) = (gaps, slips);
         let keys = self.gaps.keys().iter();
         let known = keys.map(|&key| self.state.multipliers.of(key));
         self.lambda = known.map(|l| if l.is_finite() { l } else { 0.0 }).collect();
@@ -42,6 +44,9 @@ impl Point {
 
     /// Whether nothing holds the row with this key, see [`Slips::lets_go`].
     pub(super) fn lets_go(&self, key: RowKey) -> bool {
+        if !is_of_slips(key) {
+            return self.state.multipliers.of(key) <= 0.0;
+        }
         let row = self.gaps.keys().iter().position(|own| *own == key);
         row.is_none_or(|row| self.slips.lets_go(row, &self.lambda))
     }

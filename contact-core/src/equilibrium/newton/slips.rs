@@ -124,7 +124,7 @@ impl Slips {
         }
     }
 
-    /// The same, where multipliers have changed from those `before`: what had reached its threshold reaches the new one.
+    /// The same, where multipliers are no longer what they were `before`: a force that had reached its threshold reaches the new one.
     pub fn follow(&self, before: &[f64], lambda: &mut [f64]) {
         self.cut(lambda);
         for law in &self.laws {
@@ -178,10 +178,13 @@ impl Slips {
     }
 
     /// The rows of contact alone.
-    pub fn contact_rows(&self, gaps: &LinearGaps) -> LinearGaps {
+    pub fn contact_rows<'a>(&self, gaps: &'a LinearGaps) -> Cow<'a, LinearGaps> {
+        if gaps.len() == self.contacts {
+            return Cow::Borrowed(gaps);
+        }
         let mut own = LinearGaps::new(gaps.is_exact()).sampled_at(gaps.sampling());
         (0..self.contacts).for_each(|i| own.push(gaps.keys()[i], &gaps.row(i)));
-        own
+        Cow::Owned(own)
     }
 
     /// What a solution tells of friction, with the multipliers of all rows; nothing without.
